@@ -1,0 +1,147 @@
+//! How fast: the integrator beside another crate's, and whole runs.
+//!
+//! `cargo bench` measures everything; `cargo bench -- integrator` only that group.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use ivp::prelude::*;
+use std::hint::black_box;
+use std::ops::ControlFlow;
+use std::path::Path;
+use toprise::integrate::{Direction, Dop853, System, Tolerances};
+use toprise::scenario::{Preset, Scenario};
+use toprise::simulation::Simulation;
+use toprise::sink::mcap::McapSink;
+use toprise::sink::publish::Existing;
+use toprise::sink::{Sink, record};
+use toprise::telemetry::Telemetry;
+
+const START: [f64; 6] = [0.0, 0.5, 0.0, 1.75, 0.0, 170.0];
+const SECONDS: u32 = 20;
+const SAMPLES: u32 = SECONDS * 1000;
+
+/// The paper's equations (7), the same for both integrators.
+struct Paper;
+
+impl Paper {
+    #[inline]
+    fn slope(y: &[f64; 6]) -> [f64; 6] {
+        let (ix, iz) = (8.52e-5, 7.25e-5);
+        let (friction, gravity) = (0.03 * 0.110 * 9.81 * 0.007, 0.110 * 9.81 * 0.020);
+        let (s, c) = libm::sincos(y[1]);
+        let [phi, theta, psi] = [y[3], y[4], y[5]];
+        let f = friction * psi / (theta * theta + psi * psi * s * s).sqrt();
+        let w = psi + phi * c;
+        [
+            phi,
+            theta,
+            psi,
+            iz * theta * w / (ix * s) - 2.0 * theta * phi * c / s + f * c / ix,
+            -iz * phi * s * w / ix + phi * phi * s * c + gravity * s / ix,
+            -iz * theta * c * w / (ix * s) + 2.0 * theta * phi * c * c / s + theta * phi * s
+                - f * (c * c / ix + s * s / iz),
+        ]
+    }
+}
+
+impl System<6> for Paper {
+    #[inline]
+    fn derivative(&self, _: f64, y: &[f64; 6]) -> [f64; 6] {
+        Self::slope(y)
+    }
+}
+
+impl FirstOrderSystem for Paper {
+    fn derivative(&self, _: f64, y: &[f64], dydt: &mut [f64]) {
+        if let Ok(y) = y.try_into() {
+            dydt.copy_from_slice(&Self::slope(y));
+        }
+    }
+}
+
+/// 20 s of the paper's motion sampled at 1 kHz with this crate's integrator.
+fn ours() -> f64 {
+    let tolerances = Tolerances {
+        relative: 1e-12,
+        absolute: 1e-12,
+    };
+    let mut integrator = Dop853::new(Paper, 0.0, START, tolerances, Direction::Forward)
+        .expect("the start is regular");
+    let (mut next, mut sum) = (0, 0.0);
+    while next <= SAMPLES {
+        integrator.step().expect("the motion is regular");
+        let dense = integrator.dense();
+        let end = dense.t0 + dense.h;
+        while next <= SAMPLES && f64::from(next) / 1000.0 <= end {
+            let s = (f64::from(next) / 1000.0 - dense.t0) / dense.h;
+            sum += dense.at(s)[1];
+            next += 1;
+        }
+    }
+    sum
+}
+
+/// The same with the `ivp` crate.
+fn theirs() -> f64 {
+    let times = (0..=SAMPLES).map(|i| f64::from(i) / 1000.0).collect();
+    let solution = Ivp::first_order(&Paper, 0.0, f64::from(SECONDS), &START)
+        .method(Method::DOP853)
+        .rtol(1e-12)
+        .atol(1e-12)
+        .t_eval(times)
+        .solve()
+        .expect("the motion is regular");
+    solution.y.iter().map(|y| y[1]).sum()
+}
+
+fn integrator(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("integrator: 20 s of the paper at 1 kHz");
+    group.bench_function("toprise", |b| b.iter(|| black_box(ours())));
+    group.bench_function("ivp", |b| b.iter(|| black_box(theirs())));
+    group.finish();
+}
+
+fn carry_on(
+    _: &toprise::simulation::Record,
+    _: &mut [&mut dyn Sink],
+) -> Result<ControlFlow<()>, toprise::sink::SinkError> {
+    Ok(ControlFlow::Continue(()))
+}
+
+fn archive(scenario: &Scenario, topics: &[String], directory: &Path) {
+    let mut telemetry = if topics.is_empty() {
+        Telemetry::default()
+    } else {
+        Telemetry::with_topics(topics).expect("the topics exist")
+    };
+    let path = directory.join("bench.mcap");
+    let mut sink = McapSink::create(&path, Existing::Replace, scenario, &telemetry)
+        .expect("the directory is writable");
+    let mut simulation = Simulation::new(scenario).expect("the preset is regular");
+    let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
+    let outcome =
+        record(&mut simulation, &mut telemetry, sinks, carry_on).expect("the run succeeds");
+    sink.finish(&outcome).expect("the disk has room");
+}
+
+fn runs(criterion: &mut Criterion) {
+    let scenario = Preset::find("paper")
+        .and_then(Preset::scenario)
+        .expect("the preset is sound");
+    let directory = tempfile::tempdir().expect("there is a temporary directory");
+    let mut group = criterion.benchmark_group("run: paper, 24.7 s at 1 kHz");
+    group.sample_size(10);
+    group.bench_function("simulation alone", |b| {
+        b.iter(|| Simulation::new(&scenario).expect("regular").count());
+    });
+    group.bench_function("all channels to MCAP", |b| {
+        b.iter(|| archive(&scenario, &[], directory.path()));
+    });
+    let three = ["/top/state", "/top/torque", "/top/contact"].map(str::to_owned);
+    group.bench_function("state, torque and contact to MCAP", |b| {
+        b.iter(|| archive(&scenario, &three, directory.path()));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, integrator, runs);
+criterion_main!(benches);

@@ -1,0 +1,144 @@
+//! The command line: arguments, what is printed, exit codes.
+
+mod format;
+mod info;
+mod output;
+mod presets;
+mod run;
+mod schema;
+
+use anyhow::Error;
+use clap::{CommandFactory as _, Parser, Subcommand, ValueEnum};
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// How a command ended, if it did not fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Done {
+    /// As asked: exit code 0.
+    Well,
+    /// With less than was asked for: exit code 3.
+    WithLosses,
+}
+
+/// Simulate how a heavy symmetric top rises under slipping friction.
+///
+/// toprise integrates the motion of a spinning top with a spherical peg and logs every state, every
+/// torque and the slip velocity of the contact point into an MCAP file and a Rerun recording, so that
+/// the rise can be scrubbed through, archived and reproduced bit for bit.
+#[derive(Debug, Parser, PartialEq)]
+#[command(name = "toprise", version, after_help = AFTER_HELP)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  toprise run                              the rise of the paper
+  toprise run full-coulomb --spawn         another preset, live in the Rerun viewer
+  toprise run --set friction.k=0.02        one value changed
+  toprise presets paper > mine.toml        a scenario file to start from
+  toprise run mine.toml -o mine.mcap
+  toprise info recordings/paper.mcap
+
+Exit codes: 0 done; 2 bad usage, unreadable input or failed output; 3 finished with losses
+(interrupted, or the motion could not be integrated to its end).";
+
+#[derive(Debug, Subcommand, PartialEq)]
+enum Command {
+    /// Simulate a scenario and record it.
+    Run(run::RunArguments),
+    /// Say what is in a recording.
+    Info {
+        /// An MCAP file.
+        file: PathBuf,
+        /// Form of the answer.
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
+    /// List the presets, or print one as a scenario file.
+    Presets {
+        /// Preset to print as TOML.
+        name: Option<String>,
+    },
+    /// List the channels, print one's JSON Schema, or write them all.
+    Schema {
+        /// Topic whose schema to print, as in /top/state.
+        topic: Option<String>,
+        /// Write all schemas into this directory, replacing those there.
+        #[arg(long, value_name = "DIRECTORY", conflicts_with = "topic")]
+        write: Option<PathBuf>,
+    },
+    /// Print a completion script for a shell.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// The form of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people.
+    Text,
+    /// For programs.
+    Json,
+}
+
+/// Runs the program with the arguments of the process.
+#[must_use]
+pub fn main() -> ExitCode {
+    match dispatch(Arguments::parse().command) {
+        Ok(Done::Well) => ExitCode::SUCCESS,
+        Ok(Done::WithLosses) => ExitCode::from(3),
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn dispatch(command: Command) -> Result<Done, Error> {
+    match command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Info { file, format } => info::info(&file, format),
+        Command::Presets { name } => presets::presets(name.as_deref()),
+        Command::Schema { topic, write } => schema::schema(topic.as_deref(), write.as_deref()),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "toprise", &mut script);
+            output::print_bytes(&script)?;
+            Ok(Done::Well)
+        }
+    }
+}
+
+/// Whether the reader of our output has gone away, which is no failure of ours.
+fn is_broken_pipe(error: &Error) -> bool {
+    error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<io::Error>())
+        .any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn run_alone_means_the_paper() {
+        let arguments = Arguments::try_parse_from(["toprise", "run"]).unwrap();
+        let Command::Run(run) = arguments.command else {
+            panic!("not run");
+        };
+        assert_eq!(run.scenario, "paper");
+    }
+}

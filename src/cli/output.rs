@@ -1,0 +1,23 @@
+//! Writing to standard output without panicking when nobody reads it.
+
+use std::io::{self, Write as _};
+
+/// Prints a text and a newline.
+pub(super) fn print(text: &str) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    writeln!(stdout, "{}", text.trim_end())?;
+    stdout.flush()
+}
+
+/// Prints bytes as they are.
+pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(bytes)?;
+    stdout.flush()
+}
+
+/// Warns on standard error.
+pub(super) fn warn(text: &str) {
+    // Where standard error is gone there is nobody to warn.
+    let _ = writeln!(io::stderr(), "warning: {text}");
+}

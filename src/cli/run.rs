@@ -1,0 +1,228 @@
+//! `toprise run`: from a scenario to recordings.
+
+mod files;
+mod pace;
+mod summary;
+#[cfg(feature = "rerun")]
+mod viewer;
+
+use super::{Done, Format, output};
+use crate::scenario::{PRESETS, Preset, Scenario, Values};
+use crate::simulation::{EventKind, Outcome, Record, Simulation, StopReason};
+use crate::sink::mcap::{Archived, McapSink};
+use crate::sink::publish::Existing;
+use crate::sink::{RecordError, Sink, record};
+use crate::telemetry::Telemetry;
+use anyhow::{Context as _, Error};
+use clap::Args;
+use files::Plan;
+use pace::Pace;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use summary::Summary;
+
+/// Arguments of `toprise run`.
+#[derive(Args, Debug, PartialEq)]
+pub(super) struct RunArguments {
+    /// A preset (see `toprise presets`) or a scenario file.
+    #[arg(default_value = "paper")]
+    pub(super) scenario: String,
+
+    /// Set a key of the scenario, as in friction.k=0.02; an empty value removes the key.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
+    overrides: Vec<(String, String)>,
+
+    /// The MCAP file to write; without this option, the next free name in ./recordings, and an .rrd
+    /// file beside it.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Write a Rerun recording into this file.
+    #[cfg(feature = "rerun")]
+    #[arg(long, value_name = "FILE")]
+    rrd: Option<PathBuf>,
+
+    /// Write no Rerun recording.
+    #[cfg(feature = "rerun")]
+    #[arg(long, conflicts_with = "rrd")]
+    no_rrd: bool,
+
+    /// Show the run live in the Rerun viewer at this address.
+    #[cfg(feature = "rerun")]
+    #[arg(long, value_name = "URL", num_args = 0..=1,
+          default_missing_value = "rerun+http://127.0.0.1:9876/proxy", conflicts_with = "spawn")]
+    connect: Option<String>,
+
+    /// Start a Rerun viewer and show the run live in it.
+    #[cfg(feature = "rerun")]
+    #[arg(long)]
+    spawn: bool,
+
+    /// Log only these topics, separated by commas.
+    #[arg(long, value_name = "TOPICS", value_delimiter = ',')]
+    topics: Vec<String>,
+
+    /// Run no faster than real time, or than SPEED times real time.
+    #[arg(long, value_name = "SPEED", num_args = 0..=1, default_missing_value = "1",
+          value_parser = parse_speed)]
+    realtime: Option<f64>,
+
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+
+    /// Form of the summary.
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+impl RunArguments {
+    fn existing(&self) -> Existing {
+        if self.force {
+            Existing::Replace
+        } else {
+            Existing::Keep
+        }
+    }
+
+    fn telemetry(&self) -> Result<Telemetry, Error> {
+        Ok(if self.topics.is_empty() {
+            Telemetry::default()
+        } else {
+            Telemetry::with_topics(&self.topics)?
+        })
+    }
+}
+
+/// The files that a run has made.
+struct Written {
+    archive: Archived,
+    rrd: Option<(PathBuf, u64)>,
+}
+
+/// Runs a scenario and records it.
+pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
+    let scenario = scenario(&arguments.scenario, &arguments.overrides)?;
+    let telemetry = arguments.telemetry()?;
+    let plan = Plan::new(arguments, &scenario)?;
+    let began = Instant::now();
+    let mut simulation = Simulation::new(&scenario)?;
+    let (outcome, counts, written) =
+        record_run(arguments, &scenario, telemetry, &plan, &mut simulation)?;
+    let summary = Summary {
+        scenario: &scenario,
+        outcome: &outcome,
+        counts: &counts,
+        written: &written,
+        same_as: plan.identical(&written.archive),
+        wall: began.elapsed(),
+    };
+    output::print(&match arguments.format {
+        Format::Text => summary.text(),
+        Format::Json => format!("{:#}", summary.json()),
+    })?;
+    Ok(match outcome.stop {
+        StopReason::Interrupted | StopReason::Failed => Done::WithLosses,
+        _ => Done::Well,
+    })
+}
+
+/// Simulates, logs, and finishes the files, however the simulation ends.
+fn record_run(
+    arguments: &RunArguments,
+    scenario: &Scenario,
+    mut telemetry: Telemetry,
+    plan: &Plan,
+    simulation: &mut Simulation,
+) -> Result<(Outcome, EventCounts, Written), Error> {
+    let mut archive = McapSink::create(&plan.mcap, arguments.existing(), scenario, &telemetry)?;
+    #[cfg(feature = "rerun")]
+    let mut viewer = match viewer::Viewer::open(arguments, plan, scenario, &telemetry) {
+        Ok(viewer) => viewer,
+        Err(error) => {
+            archive.discard();
+            return Err(error);
+        }
+    };
+    let mut sinks: Vec<&mut dyn Sink> = vec![&mut archive];
+    #[cfg(feature = "rerun")]
+    sinks.extend(viewer.sink());
+
+    let mut pace = Pace::start(arguments.realtime)?;
+    let mut counts = EventCounts::default();
+    let ended = record(simulation, &mut telemetry, &mut sinks, |record, sinks| {
+        counts.count(record);
+        pace.after(record, sinks)
+    });
+    pace.finish();
+    let outcome = match ended {
+        Ok(outcome) => outcome,
+        // What was recorded up to here is good; the end record says that it is not the whole run.
+        Err(error @ (RecordError::Simulation(_) | RecordError::Telemetry(_))) => {
+            output::warn(&error.to_string());
+            Outcome {
+                stop: StopReason::Failed,
+                ..simulation.outcome()
+            }
+        }
+        Err(RecordError::Sink(error)) => return Err(error.into()),
+    };
+    drop(sinks);
+    let archive = archive.finish(&outcome)?;
+    #[cfg(feature = "rerun")]
+    let rrd = viewer.finish()?;
+    #[cfg(not(feature = "rerun"))]
+    let rrd = None;
+    Ok((outcome, counts, Written { archive, rrd }))
+}
+
+/// How often each kind of event happened, in the order of their first times.
+#[derive(Debug, Default)]
+struct EventCounts(Vec<(EventKind, u64, f64)>);
+
+impl EventCounts {
+    fn count(&mut self, record: &Record) {
+        let Record::Event(event) = record else {
+            return;
+        };
+        match self.0.iter_mut().find(|(kind, ..)| *kind == event.kind) {
+            Some((_, count, _)) => *count += 1,
+            None => self.0.push((event.kind, 1, event.time)),
+        }
+    }
+}
+
+/// The scenario that a word on the command line means, with some keys set otherwise.
+fn scenario(word: &str, overrides: &[(String, String)]) -> Result<Scenario, Error> {
+    let is_preset = PRESETS.iter().any(|preset| preset.name == word);
+    let is_path =
+        word.contains(['/', '\\']) || word.ends_with(".toml") || Path::new(word).is_file();
+    let (source, mut values) = if is_preset || !is_path {
+        (word.to_owned(), Preset::find(word)?.values()?)
+    } else {
+        let text =
+            fs::read_to_string(word).with_context(|| format!("cannot read the scenario {word}"))?;
+        let values = Values::from_toml(&text).with_context(|| word.to_owned())?;
+        (word.to_owned(), values)
+    };
+    for (key, value) in overrides {
+        values
+            .set(key, value)
+            .with_context(|| format!("--set {key}={value}"))?;
+    }
+    Scenario::new(values).with_context(|| source)
+}
+
+fn parse_override(text: &str) -> Result<(String, String), String> {
+    text.split_once('=')
+        .map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned()))
+        .ok_or_else(|| "must be KEY=VALUE, as in friction.k=0.02".to_owned())
+}
+
+fn parse_speed(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|speed: &f64| speed.is_finite() && *speed > 0.0)
+        .ok_or_else(|| "must be a number > 0, as in 0.5".to_owned())
+}

@@ -1,0 +1,104 @@
+//! What happens between records: real time, flushes, progress, Ctrl-C.
+
+use super::{Duration, Instant};
+use crate::simulation::Record;
+use crate::sink::{Sink, SinkError};
+use anyhow::{Context as _, Error};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+/// A paced run passes on what it has this often, so that a viewer follows and little is lost.
+const FLUSH_EVERY: Duration = Duration::from_millis(50);
+/// Longest sleep, so that Ctrl-C is answered at once.
+const NAP: Duration = Duration::from_millis(20);
+/// Samples between two looks at the progress bar of a run that is not paced.
+const LOOK_EVERY: u32 = 1000;
+
+/// Keeps a run in step with the world outside.
+pub(super) struct Pace {
+    speed: Option<f64>,
+    began: Instant,
+    flushed: Instant,
+    interrupted: Arc<AtomicBool>,
+    bar: ProgressBar,
+}
+
+impl Pace {
+    /// Starts the clock. `speed` is simulated time per real time; none for as fast as possible.
+    pub(super) fn start(speed: Option<f64>) -> Result<Self, Error> {
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&interrupted);
+        ctrlc::set_handler(move || {
+            // The first asks for an orderly end; whoever asks again doesn't want to wait for it.
+            if flag.swap(true, Ordering::SeqCst) {
+                std::process::exit(130);
+            }
+        })
+        .context("cannot watch for Ctrl-C")?;
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}  [{elapsed}]") {
+            bar.set_style(style);
+        }
+        let now = Instant::now();
+        Ok(Self {
+            speed,
+            began: now,
+            flushed: now,
+            interrupted,
+            bar,
+        })
+    }
+
+    /// To be called after each record.
+    pub(super) fn after(
+        &mut self,
+        record: &Record,
+        sinks: &mut [&mut dyn Sink],
+    ) -> Result<ControlFlow<()>, SinkError> {
+        if let Record::Sample(sample) = record {
+            if self.speed.is_some() || sample.index % LOOK_EVERY == 0 {
+                self.bar.set_message(format!(
+                    "simulated {:.2} s, θ = {:.3} rad",
+                    sample.time_ns as f64 / 1e9,
+                    sample.angles.theta
+                ));
+                self.bar.tick();
+            }
+            self.wait_for(sample.time_ns, sinks)?;
+        }
+        Ok(if self.interrupted.load(Ordering::SeqCst) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// Removes the progress bar.
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    /// In a paced run, flushes when it is time to and sleeps until the moment of the sample has come.
+    fn wait_for(&mut self, time_ns: u64, sinks: &mut [&mut dyn Sink]) -> Result<(), SinkError> {
+        let Some(speed) = self.speed else {
+            return Ok(());
+        };
+        let due = Duration::from_secs_f64(time_ns as f64 / 1e9 / speed);
+        loop {
+            if self.flushed.elapsed() >= FLUSH_EVERY {
+                for sink in &mut *sinks {
+                    sink.flush()?;
+                }
+                self.flushed = Instant::now();
+            }
+            let early = due.saturating_sub(self.began.elapsed());
+            if early.is_zero() || self.interrupted.load(Ordering::SeqCst) {
+                return Ok(());
+            }
+            thread::sleep(early.min(NAP));
+        }
+    }
+}

@@ -1,0 +1,356 @@
+//! Where a function changes its sign within a step.
+
+/// Fractions of a step at which it is usual to evaluate the functions that [`SignTracker`] watches.
+pub const KNOTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Bound on the evaluations of each search. Bisection alone would resolve [0, 1] in 53.
+const MOST_EVALUATIONS: usize = 100;
+
+/// Each interval between knots is searched for turning points in so many pieces.
+const PIECES: u8 = 4;
+
+/// The pieces overlap by this fraction of their width, because the turning points of the interpolation
+/// polynomial are not quite those of the function.
+const OVERLAP: f64 = 0.2;
+
+/// A turning point farther from zero than this fraction of the function's variation over the step does not
+/// reach it. Generous: the interpolation polynomial is off by far less.
+const GRAZING: f64 = 0.25;
+
+/// A turning point need not be located better than this: around it the values differ by the square, which
+/// is less than their rounding.
+const TURN_RESOLUTION: f64 = 1e-8;
+
+/// The direction in which a function passes zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slope {
+    /// From negative to positive.
+    Rising,
+    /// From positive to negative.
+    Falling,
+}
+
+/// A change of sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The fraction of the step at which it happens, to about an ulp of 1. There the function has its new
+    /// sign or is zero.
+    pub s: f64,
+    /// Its direction.
+    pub slope: Slope,
+}
+
+/// Follows the sign of a function from step to step and finds its changes.
+///
+/// A change of sign is found exactly once: a zero at the end of one step that turns out to be a crossing
+/// is reported at the start of the next. A zero that is only touched is none. A function that starts at
+/// exactly zero takes its first sign silently. NaN has no sign.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SignTracker {
+    /// Values up to this magnitude have no sign.
+    floor: f64,
+    /// The last sign.
+    positive: Option<bool>,
+}
+
+/// A value of the watched function.
+#[derive(Clone, Copy)]
+struct Point {
+    s: f64,
+    g: f64,
+}
+
+impl SignTracker {
+    /// A tracker for which values within ±`floor`, in the unit of the function, are noise around zero:
+    /// a crossing counts only when the function has left the noise on the other side. Its position is still
+    /// that of a zero. [`SignTracker::default`] has no floor.
+    #[must_use]
+    pub fn with_floor(floor: f64) -> Self {
+        Self {
+            floor,
+            positive: None,
+        }
+    }
+
+    /// Appends to `found` the changes of sign of `g` within a step, in the order of `s`.
+    ///
+    /// `values` are those of `g` at `knots`, which ascend from the step's start to its end ([`KNOTS`], for
+    /// instance). Several crossings between neighbouring knots are found too, if the polynomial through all
+    /// the knots has the turning points between them. No search evaluates `g` more than 100 times, and
+    /// none happens where `g` stays clear of zero.
+    pub fn scan<const K: usize>(
+        &mut self,
+        knots: &[f64; K],
+        values: &[f64; K],
+        mut g: impl FnMut(f64) -> f64,
+        found: &mut Vec<Crossing>,
+    ) {
+        const {
+            assert!(K > 0);
+        }
+        let knot = |i: usize| Point {
+            s: knots[i],
+            g: values[i],
+        };
+        let shape = Shape::near_zero(knots, values);
+        let mut from = knot(0);
+        self.pass(&mut from, knot(0), &mut g, found);
+        for i in 1..K {
+            if let Some(shape) = &shape {
+                let between = (knots[i - 1], knots[i]);
+                self.pass_turns(&mut from, between, shape, &mut g, found);
+            }
+            self.pass(&mut from, knot(i), &mut g, found);
+        }
+    }
+
+    /// Goes over the turning points between two knots.
+    fn pass_turns<const K: usize>(
+        &mut self,
+        from: &mut Point,
+        (start, end): (f64, f64),
+        shape: &Shape<K>,
+        g: &mut impl FnMut(f64) -> f64,
+        found: &mut Vec<Crossing>,
+    ) {
+        let width = (end - start) / f64::from(PIECES);
+        let overlap = OVERLAP * width;
+        let mut last = start;
+        for piece in 0..PIECES {
+            let left = start + f64::from(piece) * width - overlap;
+            let right = start + f64::from(piece + 1) * width + overlap;
+            let Some(turn) = shape.turn(left, right) else {
+                continue;
+            };
+            // The watched function need not be defined outside the step, nor the points be sorted.
+            let left = if left < start { start } else { left };
+            let right = if right > end { end } else { right };
+            let point = extreme_point(left, right, turn, self.floor, g);
+            if point.s > last && point.s < end {
+                self.pass(from, point, g, found);
+                last = point.s;
+            }
+        }
+    }
+
+    /// Goes on to the point `to`, noting a change of sign. `from` is the last point known to lie before
+    /// the next change.
+    fn pass(
+        &mut self,
+        from: &mut Point,
+        to: Point,
+        g: &mut impl FnMut(f64) -> f64,
+        found: &mut Vec<Crossing>,
+    ) {
+        let (positive, negative) = (to.g > self.floor, to.g < -self.floor);
+        if !positive && !negative {
+            let not_changed = match self.positive {
+                Some(true) => to.g > 0.0,
+                Some(false) => to.g < 0.0,
+                None => false,
+            };
+            if not_changed || (to.g == 0.0 && from.g != 0.0) {
+                *from = to;
+            }
+            return;
+        }
+        if self.positive == Some(!positive) {
+            found.push(if positive {
+                Crossing {
+                    s: root(*from, to, 1.0, g),
+                    slope: Slope::Rising,
+                }
+            } else {
+                Crossing {
+                    s: root(*from, to, -1.0, g),
+                    slope: Slope::Falling,
+                }
+            });
+        }
+        self.positive = Some(positive);
+        *from = to;
+    }
+}
+
+/// A turning point, named by the sign of the values that lie around it as seen from it.
+#[derive(Clone, Copy)]
+enum Turn {
+    Minimum,
+    Maximum,
+}
+
+impl Turn {
+    /// A value with the sign that makes the turning point a minimum.
+    fn oriented(self, value: f64) -> f64 {
+        match self {
+            Self::Minimum => value,
+            Self::Maximum => -value,
+        }
+    }
+}
+
+/// The polynomial through the knots, which tells where the function may turn near zero.
+struct Shape<'a, const K: usize> {
+    knots: &'a [f64; K],
+    /// Divided differences: the coefficients of Newton's form.
+    coefficients: [f64; K],
+    /// Largest minus smallest value at the knots.
+    variation: f64,
+}
+
+impl<'a, const K: usize> Shape<'a, K> {
+    /// The shape of a function, unless it stays so clear of zero that no turning point can reach it.
+    fn near_zero(knots: &'a [f64; K], values: &[f64; K]) -> Option<Self> {
+        let (mut lowest, mut highest) = (values[0], values[0]);
+        for &value in values {
+            lowest = if value < lowest { value } else { lowest };
+            highest = if value > highest { value } else { highest };
+        }
+        // The polynomial through five equidistant knots leaves the range of its values by at most 0.61 of
+        // that range (their Lebesgue constant is 2.21).
+        let variation = highest - lowest;
+        let clear = lowest > variation || highest < -variation;
+        if clear || !values.iter().all(|value| value.is_finite()) {
+            return None;
+        }
+        Some(Self {
+            knots,
+            coefficients: divided_differences(knots, values),
+            variation,
+        })
+    }
+
+    /// The turning point between `left` and `right`, if there is one that may reach zero.
+    fn turn(&self, left: f64, right: f64) -> Option<Turn> {
+        let (start, end) = (self.value_and_slope(left), self.value_and_slope(right));
+        let turn = if start.1 < 0.0 && end.1 > 0.0 {
+            Turn::Minimum
+        } else if start.1 > 0.0 && end.1 < 0.0 {
+            Turn::Maximum
+        } else {
+            return None;
+        };
+        let clearance = GRAZING * self.variation;
+        let clear = turn.oriented(start.0) > clearance && turn.oriented(end.0) > clearance;
+        (!clear).then_some(turn)
+    }
+
+    fn value_and_slope(&self, s: f64) -> (f64, f64) {
+        let (mut value, mut slope) = (0.0, 0.0);
+        for (coefficient, knot) in self.coefficients.iter().zip(self.knots).rev() {
+            slope = slope * (s - knot) + value;
+            value = value * (s - knot) + coefficient;
+        }
+        (value, slope)
+    }
+}
+
+fn divided_differences<const K: usize>(knots: &[f64; K], values: &[f64; K]) -> [f64; K] {
+    let mut differences = *values;
+    for order in 1..K {
+        for i in (order..K).rev() {
+            differences[i] = (differences[i] - differences[i - 1]) / (knots[i] - knots[i - order]);
+        }
+    }
+    differences
+}
+
+/// The turning point of `g` between `left` and `right` by golden section, or the first point met on the way
+/// that lies beyond zero (and beyond the noise): more is not needed to separate two crossings.
+fn extreme_point(
+    mut left: f64,
+    mut right: f64,
+    turn: Turn,
+    floor: f64,
+    g: &mut impl FnMut(f64) -> f64,
+) -> Point {
+    /// (√5 − 1) / 2
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let mut evaluate = |s: f64| Point {
+        s,
+        g: turn.oriented(g(s)),
+    };
+    let mut near_left = evaluate(right - GOLDEN * (right - left));
+    let mut near_right = evaluate(left + GOLDEN * (right - left));
+    for _ in 2..MOST_EVALUATIONS {
+        if near_left.g < -floor || near_right.g < -floor || right - left <= TURN_RESOLUTION {
+            break;
+        }
+        if near_left.g < near_right.g {
+            right = near_right.s;
+            near_right = near_left;
+            near_left = evaluate(right - GOLDEN * (right - left));
+        } else {
+            left = near_left.s;
+            near_left = near_right;
+            near_right = evaluate(left + GOLDEN * (right - left));
+        }
+    }
+    let best = if near_left.g < near_right.g {
+        near_left
+    } else {
+        near_right
+    };
+    Point {
+        s: best.s,
+        g: turn.oriented(best.g),
+    }
+}
+
+/// Where `g` gets the sign `new_sign` (±1) between two points, of which `to` has it.
+///
+/// The ITP method (I. F. D. Oliveira, R. H. C. Takahashi, *An enhancement of the bisection method average
+/// performance preserving minmax optimality*, ACM Trans. Math. Softw. 47 (2021) 5): superlinear on smooth
+/// functions, and never more than one evaluation worse than bisection. The method's constants are κ₁ = 0.2
+/// divided by the width, κ₂ = 2 and n₀ = 1.
+fn root(from: Point, to: Point, new_sign: f64, g: &mut impl FnMut(f64) -> f64) -> f64 {
+    let oriented = |point: Point| Point {
+        s: point.s,
+        g: new_sign * point.g,
+    };
+    let (mut a, mut b) = (oriented(from), oriented(to));
+    let old_sign = a.g < 0.0;
+    if !old_sign {
+        // Lost at `from` or before it.
+        return a.s;
+    }
+    let nudge = 0.2 / (b.s - a.s);
+    let mut allowed_width = b.s - a.s;
+    for _ in 0..MOST_EVALUATIONS {
+        if b.s - a.s <= f64::EPSILON || b.g == 0.0 {
+            break;
+        }
+        let s = itp_point(a, b, nudge, allowed_width);
+        let point = oriented(Point { s, g: g(s) });
+        if point.g < 0.0 {
+            a = point;
+        } else {
+            b = point;
+        }
+        allowed_width *= 0.5;
+    }
+    b.s
+}
+
+/// Where to look next in a bracket: the secant's zero, nudged toward the middle so that the bracket shrinks
+/// from both sides, but so close to the middle that the bracket gets narrower than `allowed_width`.
+fn itp_point(a: Point, b: Point, nudge: f64, allowed_width: f64) -> f64 {
+    let width = b.s - a.s;
+    let middle = a.s + 0.5 * width;
+    let secant = (b.g * a.s - a.g * b.s) / (b.g - a.g);
+    let toward_middle = if secant < middle { 1.0 } else { -1.0 };
+    let shift = nudge * (width * width);
+    let nudged = if shift < (middle - secant).abs() {
+        secant + toward_middle * shift
+    } else {
+        middle
+    };
+    let reach = allowed_width - 0.5 * width;
+    let s = if (nudged - middle).abs() <= reach {
+        nudged
+    } else {
+        middle - toward_middle * reach
+    };
+    // Infinite values, NaN and rounding end up here.
+    if s > a.s && s < b.s { s } else { middle }
+}

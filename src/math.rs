@@ -1,0 +1,61 @@
+//! The only place for transcendental functions.
+//!
+//! The platform's `sin`, `cos`, … differ in the last bit between machines and even between CPUs of
+//! one machine. Everything that can reach a recording uses these wrappers of the portable `libm`
+//! crate instead; `clippy.toml` forbids the methods of `f64`.
+
+use std::f64::consts::{PI, TAU};
+
+/// Sine of an angle in radians.
+#[must_use]
+pub fn sin(angle: f64) -> f64 {
+    libm::sin(angle)
+}
+
+/// Cosine of an angle in radians.
+#[must_use]
+pub fn cos(angle: f64) -> f64 {
+    libm::cos(angle)
+}
+
+/// Sine and cosine of an angle in radians.
+#[must_use]
+pub fn sin_cos(angle: f64) -> (f64, f64) {
+    libm::sincos(angle)
+}
+
+/// The angle in (−π, π] of the point (x, y) in the plane, in radians.
+#[must_use]
+pub fn atan2(y: f64, x: f64) -> f64 {
+    libm::atan2(y, x)
+}
+
+/// `sqrt(x² + y²)`, of numbers whose squares neither overflow nor underflow.
+///
+/// Plain arithmetic and the exactly rounded square root: faster than a guarded `hypot`, and the
+/// lengths of this project lie far from the limits.
+#[must_use]
+pub fn hypot(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+/// The angle equal to `angle` up to whole turns that lies nearest to `reference`, in radians.
+#[must_use]
+pub fn unwrap_near(angle: f64, reference: f64) -> f64 {
+    angle + TAU * ((reference - angle + PI) / TAU).floor()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unwrapping_returns_the_nearest_equivalent_angle() {
+        for (angle, reference) in [(0.1, 12.5), (-3.0, 100.0), (3.1, -3.1), (0.0, 0.0)] {
+            let near = unwrap_near(angle, reference);
+            assert!((near - reference).abs() <= PI + 1e-12);
+            let turns = (near - angle) / TAU;
+            assert!((turns - turns.round()).abs() < 1e-12);
+        }
+    }
+}

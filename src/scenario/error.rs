@@ -1,0 +1,83 @@
+//! What can be wrong with a scenario.
+
+use thiserror::Error;
+
+/// Why a text is not a scenario that can be run. Each message names the key, the value and what is
+/// allowed.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ScenarioError {
+    /// No preset of this name.
+    #[error(
+        "there is no preset {name:?}; presets: {allowed} (a scenario file needs its path, for example ./{name}.toml)"
+    )]
+    UnknownPreset {
+        /// The name that was asked for.
+        name: String,
+        /// The names that exist.
+        allowed: String,
+    },
+    /// Not TOML.
+    #[error("not valid TOML: {0}")]
+    Syntax(toml::de::Error),
+    /// A key that scenarios don't have.
+    #[error("unknown key {key}; allowed: {allowed}")]
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// Those of its section, or all.
+        allowed: String,
+    },
+    /// A key that has to be there is not.
+    #[error("key {key} is missing")]
+    MissingKey {
+        /// The key.
+        key: &'static str,
+    },
+    /// A number where a word belongs, or the reverse.
+    #[error("{key} = {value}: must be {expected}")]
+    WrongType {
+        /// The key.
+        key: &'static str,
+        /// What it was set to.
+        value: String,
+        /// What it takes.
+        expected: String,
+    },
+    /// A value that is not allowed.
+    #[error("{key} = {value}: must be {allowed}")]
+    OutOfRange {
+        /// The key.
+        key: &'static str,
+        /// What it was set to.
+        value: String,
+        /// What it takes.
+        allowed: String,
+    },
+    /// A key that means nothing beside the value of another.
+    #[error(
+        "{key} has no meaning with {other} = {value:?}; remove it (--set {key}= on the command line)"
+    )]
+    Inapplicable {
+        /// The key.
+        key: &'static str,
+        /// The key that makes it meaningless.
+        other: &'static str,
+        /// Its value.
+        value: String,
+    },
+    /// Two values that exclude each other.
+    #[error("{key} = {value}: {reason}")]
+    Conflict {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: String,
+        /// What it contradicts.
+        reason: String,
+    },
+    /// Nothing would end the run.
+    #[error(
+        "the run would never stop: set stop.duration (without friction) or at least one of stop.theta_risen, stop.theta_fallen, stop.duration"
+    )]
+    NeverStops,
+}

@@ -1,0 +1,47 @@
+//! Messages kept in memory: for tests and for programs that use the library.
+
+use super::{Sink, SinkError};
+use crate::telemetry::Message;
+use crate::telemetry::digest::ContentDigest;
+
+/// A message that owns its values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Owned {
+    /// Index of the channel.
+    pub channel: usize,
+    /// Sequence number.
+    pub sequence: u32,
+    /// Simulation time, ns.
+    pub time_ns: u64,
+    /// The numbers.
+    pub numbers: Vec<f64>,
+    /// The texts.
+    pub texts: Vec<String>,
+}
+
+/// All messages, and their digest.
+#[derive(Clone, Debug, Default)]
+pub struct MemorySink {
+    /// In the order in which they came.
+    pub messages: Vec<Owned>,
+    /// Digest of all of them.
+    pub digest: ContentDigest,
+}
+
+impl Sink for MemorySink {
+    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        self.digest.update(message);
+        self.messages.push(Owned {
+            channel: message.channel,
+            sequence: message.sequence,
+            time_ns: message.time_ns,
+            numbers: message.numbers.to_vec(),
+            texts: message.texts.to_vec(),
+        });
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        Ok(())
+    }
+}

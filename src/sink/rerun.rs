@@ -1,0 +1,432 @@
+//! The Rerun sink: every number of every channel, the scene of the rising top, and a layout.
+//!
+//! Numbers that are read together are one entity, `{topic}/{plot}`, with several instances and
+//! static names and colours; that is several times smaller and faster than an entity per number.
+//! Rows are collected into chunks of 4096 per entity. The identifiers of chunks and rows are
+//! numbers in order, so that a run gives the same chunks each time.
+//!
+//! In a paced run, [`Sink::flush`] sends the rows of the last moments to the viewer; the file gets
+//! them in full chunks all the same, so pacing doesn't change it.
+
+mod arrow;
+mod blueprint;
+mod destination;
+mod scene;
+mod shape;
+mod style;
+mod track;
+mod viewer;
+
+use std::fs::File;
+
+use rerun::external::re_log_encoding::rrd::EncodeError;
+use rerun::external::re_log_types::StoreKind;
+use rerun::external::re_sdk_types::SerializationError;
+use rerun::log::ChunkError;
+use rerun::{EntityPath, RecordingInfo, StoreId, TextDocument};
+
+pub use self::destination::Destinations;
+use self::destination::Outlet;
+use self::scene::Scene;
+use self::shape::Proportions;
+use self::track::{Numbers, Texts, Track};
+pub use self::viewer::Live;
+use super::{Sink, SinkError};
+use crate::telemetry::{ChannelInfo, Leaf, Message, channels};
+
+/// The application that all recordings belong to.
+const APPLICATION: &str = "toprise";
+
+/// Why a recording could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum RerunError {
+    /// The file or a thread failed.
+    #[error("cannot write the Rerun recording: {0}")]
+    Io(#[from] std::io::Error),
+    /// The encoder failed, most often because of the file.
+    #[error("cannot write the Rerun recording: {0}")]
+    Encode(#[from] EncodeError),
+    /// Rows did not form a chunk.
+    #[error("cannot form a chunk of the Rerun recording: {0}")]
+    Chunk(#[from] ChunkError),
+    /// Values could not be serialized.
+    #[error("cannot serialize for the Rerun recording: {0}")]
+    Serialization(#[from] SerializationError),
+    /// The encoder's thread ended without a word.
+    #[error("the thread that writes the Rerun recording has ended early")]
+    Worker,
+}
+
+/// Dimensions of the top and scales of the arrows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Geometry {
+    /// Mass in kg.
+    pub mass: f64,
+    /// Moment of inertia about an axis through the peg's centre, perpendicular to the symmetry
+    /// axis, in kg m².
+    pub transverse_moment: f64,
+    /// Moment of inertia about the symmetry axis, in kg m².
+    pub axial_moment: f64,
+    /// Distance from the peg's centre to the centre of mass, in m.
+    pub center_distance: f64,
+    /// Radius of the spherical peg in m.
+    pub peg_radius: f64,
+    /// Gravitational acceleration in m/s².
+    pub gravity: f64,
+    /// A typical friction force (k times the normal force) in N; 0 without friction.
+    pub force_scale: f64,
+    /// A typical slip speed, as at the start, in m/s.
+    pub slip_scale: f64,
+}
+
+/// What a viewer does when it has opened a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Playback {
+    /// Wait at the start, for a recording that is there as a whole.
+    PausedAtStart,
+    /// Follow the newest sample, for a paced run.
+    Following,
+}
+
+/// What a recording says about itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identity {
+    /// Recordings with the same identifier are one recording to a viewer.
+    pub recording_id: String,
+    /// The name that a viewer shows.
+    pub name: String,
+    /// About the run, in Markdown.
+    pub description: String,
+    /// The top.
+    pub geometry: Geometry,
+    /// The topics that will be written; the layout leaves out the plots of others.
+    pub topics: Vec<String>,
+    /// What a viewer does at first.
+    pub playback: Playback,
+}
+
+impl Identity {
+    fn has_topic(&self, topic: &str) -> bool {
+        self.topics.iter().any(|known| known == topic)
+    }
+
+    /// Whether there will be data in one of these entities.
+    fn has_some(&self, entities: &[&str]) -> bool {
+        let known = |entity: &&str| {
+            entity
+                .rsplit_once('/')
+                .is_some_and(|(topic, _)| self.has_topic(topic))
+        };
+        entities.iter().any(known)
+    }
+}
+
+/// Writes messages into a Rerun recording.
+pub struct RerunSink {
+    outlet: Outlet,
+    plots: Vec<Vec<PlotTrack>>,
+    events: Option<EventTrack>,
+    scene: Option<Scene>,
+}
+
+impl RerunSink {
+    /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
+    ///
+    /// A viewer that isn't there is no error but a warning: see [`Self::take_warnings`].
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn new(identity: &Identity, destinations: Destinations) -> Result<Self, RerunError> {
+        let id = identity.recording_id.as_str();
+        let store = StoreId::new(StoreKind::Recording, APPLICATION, id);
+        let mut outlet = Outlet::open(store, destinations)?;
+        let proportions = Proportions::new(&identity.geometry);
+        for message in blueprint::messages(identity, &proportions)? {
+            outlet.send(&message)?;
+        }
+        introduce(identity, &mut outlet)?;
+        let with_scene = identity.has_topic(scene::POSE);
+        Ok(Self {
+            plots: plot_tracks(identity, &mut outlet)?,
+            events: EventTrack::find(channels()),
+            scene: with_scene
+                .then(|| Scene::new(identity, channels(), &mut outlet))
+                .transpose()?,
+            outlet,
+        })
+    }
+
+    /// Whether a viewer is being fed, as far as is known.
+    #[must_use]
+    pub fn is_live(&self) -> bool {
+        self.outlet.is_live()
+    }
+
+    /// What went wrong with the viewer since the last call, for people to read.
+    #[must_use]
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        self.outlet.take_warnings()
+    }
+
+    /// Sends all that is left and completes the file with its footer.
+    ///
+    /// Gives back the file, written but not synced, and the warnings that were not taken yet. A
+    /// viewer that doesn't read is left after a few seconds.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn finish(mut self) -> Result<(Option<File>, Vec<String>), RerunError> {
+        for plot in self.plots.iter_mut().flatten() {
+            plot.track.complete(&mut self.outlet)?;
+        }
+        if let Some(events) = &mut self.events {
+            events.complete(&mut self.outlet)?;
+        }
+        if let Some(scene) = &mut self.scene {
+            scene.complete(&mut self.outlet)?;
+        }
+        self.outlet.finish()
+    }
+
+    fn take(&mut self, message: &Message<'_>) -> Result<(), RerunError> {
+        for plot in self.plots.get_mut(message.channel).into_iter().flatten() {
+            let row = plot.leaves.iter().map(|leaf| message.numbers[*leaf]);
+            plot.track
+                .push(&mut self.outlet, message.time_ns, |rows| rows.extend(row))?;
+        }
+        if let Some(events) = &mut self.events {
+            events.write(message, &mut self.outlet)?;
+        }
+        if let Some(scene) = &mut self.scene {
+            scene.write(message, &mut self.outlet)?;
+        }
+        Ok(())
+    }
+
+    fn show(&mut self) -> Result<(), RerunError> {
+        for plot in self.plots.iter_mut().flatten() {
+            plot.track.show(&mut self.outlet)?;
+        }
+        if let Some(events) = &mut self.events {
+            events.show(&mut self.outlet)?;
+        }
+        if let Some(scene) = &mut self.scene {
+            scene.show(&mut self.outlet)?;
+        }
+        Ok(())
+    }
+}
+
+impl Sink for RerunSink {
+    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        Ok(self.take(message)?)
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        Ok(self.show()?)
+    }
+}
+
+/// Sends the recording's name and what there is to say about the run.
+fn introduce(identity: &Identity, outlet: &mut Outlet) -> Result<(), RerunError> {
+    let name = RecordingInfo::update_fields().with_name(identity.name.as_str());
+    outlet.send_static(EntityPath::properties(), &name)?;
+    let mut text = identity.description.clone();
+    if identity.has_topic(scene::POSE) {
+        text += &arrow::explanation(identity);
+    }
+    let about = TextDocument::from_markdown(text);
+    outlet.send_static(blueprint::ABOUT, &about)
+}
+
+/// One plot of a channel.
+struct PlotTrack {
+    leaves: Vec<usize>,
+    track: Track<Numbers>,
+}
+
+/// The plots of all channels, in table order, with their names and colours sent.
+fn plot_tracks(
+    identity: &Identity,
+    outlet: &mut Outlet,
+) -> Result<Vec<Vec<PlotTrack>>, RerunError> {
+    let mut all = Vec::new();
+    for channel in channels() {
+        let mut tracks = Vec::new();
+        if identity.has_topic(channel.topic) {
+            for (plot, leaves) in grouped(channel) {
+                let entity = format!("{}/{plot}", channel.topic);
+                let chosen: Vec<&Leaf> = leaves.iter().map(|at| &channel.numbers[*at]).collect();
+                outlet.send_static(entity.as_str(), &*style::of_plot(channel.topic, &chosen))?;
+                let track = Track::new(entity.as_str(), Numbers::new(leaves.len()));
+                tracks.push(PlotTrack { leaves, track });
+            }
+        }
+        all.push(tracks);
+    }
+    Ok(all)
+}
+
+/// The plots of a channel with their leaves, both in table order.
+fn grouped(channel: &ChannelInfo) -> Vec<(&'static str, Vec<usize>)> {
+    let mut plots: Vec<(&'static str, Vec<usize>)> = Vec::new();
+    for (index, leaf) in channel.numbers.iter().enumerate() {
+        match plots.iter_mut().find(|(plot, _)| *plot == leaf.plot) {
+            Some((_, leaves)) => leaves.push(index),
+            None => plots.push((leaf.plot, vec![index])),
+        }
+    }
+    plots
+}
+
+/// The events, as sentences. Nutation extremes, hundreds of them, are an entity of their own: they would
+/// bury the others in a log.
+struct EventTrack {
+    channel: usize,
+    name: usize,
+    description: usize,
+    track: Track<Texts>,
+    nutation: Track<Texts>,
+}
+
+impl EventTrack {
+    fn find(channels: &[ChannelInfo]) -> Option<Self> {
+        let topic = blueprint::EVENTS;
+        let channel = channels.iter().position(|channel| channel.topic == topic)?;
+        let text = |path| {
+            channels[channel]
+                .texts
+                .iter()
+                .position(|leaf| leaf.path == path)
+        };
+        Some(Self {
+            channel,
+            name: text("name")?,
+            description: text("description")?,
+            track: Track::new(topic, Texts::default()),
+            nutation: Track::new(blueprint::NUTATION_EVENTS, Texts::default()),
+        })
+    }
+
+    fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) -> Result<(), RerunError> {
+        if message.channel != self.channel {
+            return Ok(());
+        }
+        let (name, description) = (&message.texts[self.name], &message.texts[self.description]);
+        let track = if name.starts_with("nutation") {
+            &mut self.nutation
+        } else {
+            &mut self.track
+        };
+        track.push(outlet, message.time_ns, |rows| {
+            rows.push(format!("{}: {description}", name.replace('_', " ")));
+        })
+    }
+
+    fn complete(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
+        self.track.complete(outlet)?;
+        self.nutation.complete(outlet)
+    }
+
+    fn show(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
+        self.track.show(outlet)?;
+        self.nutation.show(outlet)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn identity(topics: Vec<String>) -> Identity {
+        Identity {
+            recording_id: "test".to_owned(),
+            name: "test".to_owned(),
+            description: "# Test".to_owned(),
+            geometry: Geometry {
+                mass: 0.110,
+                transverse_moment: 8.52e-5,
+                axial_moment: 7.25e-5,
+                center_distance: 0.020,
+                peg_radius: 0.007,
+                gravity: 9.81,
+                force_scale: 0.0324,
+                slip_scale: 0.57,
+            },
+            topics,
+            playback: Playback::PausedAtStart,
+        }
+    }
+
+    fn all_topics() -> Vec<String> {
+        let topics = channels().iter().map(|channel| channel.topic.to_owned());
+        topics.collect()
+    }
+
+    /// Writes `count` rows of ones per channel.
+    fn fill(sink: &mut RerunSink, count: u64) -> Result<(), SinkError> {
+        for time_ns in (0..count).map(|index| index * 1_000_000) {
+            for (index, channel) in channels().iter().enumerate() {
+                sink.write(&Message {
+                    channel: index,
+                    sequence: 0,
+                    time_ns,
+                    numbers: &vec![1.0; channel.numbers.len()],
+                    texts: &vec![String::new(); channel.texts.len()],
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_viewer_that_is_not_there_is_a_warning() {
+        // Port 9 (discard) of this machine: nobody listens there.
+        let destinations = Destinations {
+            file: None,
+            live: Some(Live::Connect("127.0.0.1:9".to_owned())),
+        };
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations).unwrap();
+        assert!(!sink.is_live());
+        assert!(sink.take_warnings()[0].contains("no Rerun viewer at"));
+        fill(&mut sink, 10).unwrap();
+        sink.flush().unwrap();
+        assert_eq!(sink.finish().unwrap().1, [""; 0]);
+    }
+
+    #[test]
+    fn an_address_that_is_none_is_a_warning() {
+        let live = Some(Live::Connect("http://".to_owned()));
+        let destinations = Destinations { file: None, live };
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations).unwrap();
+        assert!(sink.take_warnings()[0].contains("no address of a Rerun viewer"));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_an_error() {
+        let file = File::options().write(true).open("/dev/full").unwrap();
+        let destinations = Destinations {
+            file: Some(file),
+            live: None,
+        };
+        // Where the error surfaces depends on when the encoder's thread meets it.
+        let outcome = RerunSink::new(&identity(all_topics()), destinations)
+            .map_err(SinkError::from)
+            .and_then(|mut sink| {
+                fill(&mut sink, 5000)?;
+                Ok(sink.finish()?)
+            });
+        assert!(outcome.is_err());
+    }
+
+    #[test]
+    fn any_choice_of_topics_is_fine() {
+        for topic in all_topics() {
+            let chosen = identity(vec![topic]);
+            let mut sink = RerunSink::new(&chosen, Destinations::default()).unwrap();
+            fill(&mut sink, 3).unwrap();
+            sink.finish().unwrap();
+        }
+    }
+}

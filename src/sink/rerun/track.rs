@@ -1,0 +1,135 @@
+//! Rows that wait until there are enough of them for a chunk.
+
+use rerun::external::re_log_types::EntityPath;
+use rerun::{Scalars, SerializedComponentColumn, TextLog};
+
+use super::RerunError;
+use super::destination::Outlet;
+
+/// Rows of one chunk: large enough that the cost per chunk vanishes, small enough to bound memory.
+const CHUNK_ROWS: usize = 4096;
+
+/// What an entity logs, row after row.
+pub(super) trait Rows {
+    /// The components of the rows from `start` on.
+    fn columns(&self, start: usize) -> Result<Vec<SerializedComponentColumn>, RerunError>;
+    /// Forgets all rows but keeps their memory for the next ones.
+    fn clear(&mut self);
+}
+
+/// The rows of one entity that are not yet in the file.
+pub(super) struct Track<R> {
+    entity: EntityPath,
+    times: Vec<i64>,
+    /// How many of the rows the viewer has.
+    shown: usize,
+    rows: R,
+}
+
+impl<R: Rows> Track<R> {
+    pub(super) fn new(entity: impl Into<EntityPath>, rows: R) -> Self {
+        Self {
+            entity: entity.into(),
+            times: Vec::with_capacity(CHUNK_ROWS),
+            shown: 0,
+            rows,
+        }
+    }
+
+    /// Adds the row that `fill` writes, at a simulation time in ns, and sends a chunk if it is full.
+    pub(super) fn push(
+        &mut self,
+        outlet: &mut Outlet,
+        time_ns: u64,
+        fill: impl FnOnce(&mut R),
+    ) -> Result<(), RerunError> {
+        // A duration of 292 years is beyond any run; saturating keeps the order.
+        self.times.push(i64::try_from(time_ns).unwrap_or(i64::MAX));
+        fill(&mut self.rows);
+        if self.times.len() == CHUNK_ROWS {
+            self.complete(outlet)?;
+        }
+        Ok(())
+    }
+
+    /// Shows the viewer what it does not have yet.
+    pub(super) fn show(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
+        if outlet.is_live() && self.shown < self.times.len() {
+            let times = &self.times[self.shown..];
+            outlet.live_rows(&self.entity, times, self.rows.columns(self.shown)?)?;
+            self.shown = self.times.len();
+        }
+        Ok(())
+    }
+
+    /// Sends all rows as one chunk: to the viewer too, unless it has some of them.
+    pub(super) fn complete(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
+        if self.times.is_empty() {
+            return Ok(());
+        }
+        if self.shown == 0 {
+            outlet.send_rows(&self.entity, &self.times, self.rows.columns(0)?)?;
+        } else {
+            self.show(outlet)?;
+            outlet.file_rows(&self.entity, &self.times, self.rows.columns(0)?)?;
+        }
+        self.times.clear();
+        self.shown = 0;
+        self.rows.clear();
+        Ok(())
+    }
+}
+
+/// The numbers of one plot: `width` of them per row.
+pub(super) struct Numbers {
+    width: usize,
+    values: Vec<f64>,
+}
+
+impl Numbers {
+    pub(super) fn new(width: usize) -> Self {
+        Self {
+            width,
+            values: Vec::with_capacity(width * CHUNK_ROWS),
+        }
+    }
+
+    pub(super) fn extend(&mut self, row: impl Iterator<Item = f64>) {
+        self.values.extend(row);
+    }
+}
+
+impl Rows for Numbers {
+    fn columns(&self, start: usize) -> Result<Vec<SerializedComponentColumn>, RerunError> {
+        let values = &self.values[start * self.width..];
+        let lengths = std::iter::repeat_n(self.width, values.len() / self.width);
+        let scalars = Scalars::new(values.iter().copied());
+        Ok(scalars.columns(lengths)?.collect())
+    }
+
+    fn clear(&mut self) {
+        self.values.clear();
+    }
+}
+
+/// Sentences.
+#[derive(Default)]
+pub(super) struct Texts(Vec<String>);
+
+impl Texts {
+    pub(super) fn push(&mut self, text: String) {
+        self.0.push(text);
+    }
+}
+
+impl Rows for Texts {
+    fn columns(&self, start: usize) -> Result<Vec<SerializedComponentColumn>, RerunError> {
+        let texts = self.0[start..].iter().map(String::as_str);
+        let log = TextLog::update_fields().with_many_text(texts);
+        Ok(log.columns_of_unit_batches()?.collect())
+    }
+
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+}

@@ -1,0 +1,200 @@
+//! The viewer that a recording is fed to while it grows.
+
+use std::net::{TcpStream, ToSocketAddrs as _};
+use std::str::FromStr as _;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rerun::external::re_log_types::LogMsg;
+use rerun::external::re_uri::ProxyUri;
+use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink as _};
+
+use super::destination::QUEUE;
+
+/// How long to look for a viewer that should already be there.
+const CONNECT: Duration = Duration::from_secs(1);
+/// How long a viewer that was just started may take until it listens.
+const START: Duration = Duration::from_secs(10);
+/// How long a viewer may refuse to take anything before it is given up.
+const STALL: Duration = Duration::from_secs(3);
+/// How long a viewer may take for the last messages.
+const FINISH: Duration = Duration::from_secs(5);
+
+/// Which viewer to feed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Live {
+    /// The viewer at this address: `rerun+http://HOST:PORT/proxy`, or `HOST:PORT` for short.
+    Connect(String),
+    /// A viewer on this machine, started if none listens on the default port.
+    Spawn,
+}
+
+/// A viewer, and the thread that feeds it.
+///
+/// The client of the SDK waits without limit when a viewer stops reading, so it lives on a thread
+/// of its own that can be left behind.
+pub(super) struct LiveDestination {
+    address: String,
+    queue: SyncSender<LogMsg>,
+    end: Receiver<Result<(), String>>,
+}
+
+impl LiveDestination {
+    /// Finds or starts the viewer; the error is a text for people.
+    pub(super) fn open(live: &Live) -> Result<Self, String> {
+        match live {
+            Live::Connect(address) => {
+                let uri = parse_address(address)?;
+                wait_for_viewer(&uri, CONNECT)?;
+                Self::feed(uri)
+            }
+            Live::Spawn => {
+                let uri = spawn_viewer()?;
+                wait_for_viewer(&uri, START)?;
+                Self::feed(uri)
+            }
+        }
+    }
+
+    fn feed(uri: ProxyUri) -> Result<Self, String> {
+        let address = uri.to_string();
+        let (queue, messages) = sync_channel(QUEUE);
+        let (report, end) = sync_channel(1);
+        thread::Builder::new()
+            .name("rerun feeder".to_owned())
+            .spawn(move || {
+                // Nobody listens any more if the viewer was given up: then the report is moot.
+                let _ = report.send(feed(uri, &messages));
+            })
+            .map_err(|error| format!("cannot start a thread for the Rerun viewer: {error}"))?;
+        Ok(Self {
+            address,
+            queue,
+            end,
+        })
+    }
+
+    /// Passes a message on, waiting for room in the queue while the viewer makes progress.
+    pub(super) fn send(&self, mut message: LogMsg) -> Result<(), String> {
+        let start = Instant::now();
+        loop {
+            match self.queue.try_send(message) {
+                Ok(()) => return Ok(()),
+                Err(TrySendError::Disconnected(_)) => return Err(self.loss()),
+                Err(TrySendError::Full(_)) if start.elapsed() > STALL => return Err(self.stall()),
+                Err(TrySendError::Full(back)) => message = back,
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Waits until the viewer has everything, but not for long.
+    pub(super) fn finish(self) -> Result<(), String> {
+        let Self {
+            address,
+            queue,
+            end,
+        } = self;
+        drop(queue);
+        match end.recv_timeout(FINISH) {
+            Ok(Ok(())) => Ok(()),
+            Ok(Err(reason)) => Err(lost(&address, &reason)),
+            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Err(format!(
+                "the Rerun viewer at {address} did not take the end of the recording within {} s",
+                FINISH.as_secs()
+            )),
+        }
+    }
+
+    fn loss(&self) -> String {
+        let reason = match self.end.recv_timeout(CONNECT) {
+            Ok(Err(reason)) => reason,
+            _ => "the connection broke".to_owned(),
+        };
+        lost(&self.address, &reason)
+    }
+
+    fn stall(&self) -> String {
+        format!(
+            "the Rerun viewer at {} took nothing for {} s and is left alone from here on",
+            self.address,
+            STALL.as_secs()
+        )
+    }
+}
+
+fn lost(address: &str, reason: &str) -> String {
+    format!("the Rerun viewer at {address} is gone ({reason}); it shows only the part until then")
+}
+
+/// Feeds a viewer until there are no more messages, and waits until it has taken them all.
+fn feed(uri: ProxyUri, messages: &Receiver<LogMsg>) -> Result<(), String> {
+    let sink = GrpcSink::new(uri);
+    for message in messages {
+        sink.send(message);
+        if let GrpcSinkConnectionState::Disconnected(_) = sink.status() {
+            return Err("the connection broke".to_owned());
+        }
+    }
+    sink.flush_blocking(FINISH).map_err(|e| e.to_string())
+}
+
+/// Accepts what `rerun` prints as its address, and `HOST:PORT`.
+fn parse_address(address: &str) -> Result<ProxyUri, String> {
+    let full = if address.contains("://") {
+        address.to_owned()
+    } else {
+        format!("rerun+http://{address}/proxy")
+    };
+    ProxyUri::from_str(&full)
+        .map_err(|error| format!("{address:?} is no address of a Rerun viewer: {error}"))
+}
+
+/// Knocks at the viewer's door until it opens; the SDK's client would knock for ever.
+fn wait_for_viewer(uri: &ProxyUri, patience: Duration) -> Result<(), String> {
+    let start = Instant::now();
+    loop {
+        match knock(uri) {
+            Ok(()) => return Ok(()),
+            Err(error) if start.elapsed() >= patience => {
+                return Err(format!("no Rerun viewer at {uri}: {error}"));
+            }
+            Err(_) => thread::sleep(Duration::from_millis(100)),
+        }
+    }
+}
+
+fn knock(uri: &ProxyUri) -> std::io::Result<()> {
+    let host = uri.origin.host.to_string();
+    // An IPv6 address stands in brackets in a URL, without them for the resolver.
+    let host = host.trim_start_matches('[').trim_end_matches(']');
+    let mut result = Err(std::io::ErrorKind::NotFound.into());
+    for address in (host, uri.origin.port).to_socket_addrs()? {
+        result = TcpStream::connect_timeout(&address, CONNECT).map(drop);
+        if result.is_ok() {
+            break;
+        }
+    }
+    result
+}
+
+/// Starts a viewer that listens on this machine only.
+fn spawn_viewer() -> Result<ProxyUri, String> {
+    let options = rerun::SpawnOptions {
+        extra_args: vec!["--bind=127.0.0.1".to_owned()],
+        hide_welcome_screen: true,
+        ..Default::default()
+    };
+    rerun::spawn(&options).map_err(|error| match error {
+        rerun::SpawnError::ExecutableNotFoundInPath { .. } => MISSING_VIEWER.to_owned(),
+        other => other.to_string(),
+    })?;
+    parse_address(&options.connect_addr().to_string())
+}
+
+const MISSING_VIEWER: &str = "\
+no executable `rerun` in PATH. Install the viewer with
+    pip install rerun-sdk==0.36.3
+or
+    cargo install rerun-cli --version 0.36.3 --locked";

@@ -1,0 +1,62 @@
+//! The content digest: a fingerprint of what was recorded, whatever the file looks like.
+
+use super::{Message, channels};
+use crate::scenario::hex;
+use sha2::{Digest as _, Sha256};
+
+/// Accumulates the content digest of a recording.
+///
+/// Each channel has a SHA-256 over its messages: sequence (u32) and time in ns (u64), the numbers as
+/// the 64 bits of their doubles, then each text after its length in bytes (u64), all little-endian. The
+/// content digest is the SHA-256 over topic, a zero byte, number of messages (u64) and digest of each
+/// channel that has messages, in table order. So it depends on nothing but the data: not on the
+/// encoding, the compression, the chunks, or how the channels' messages are interleaved.
+#[derive(Clone, Debug)]
+pub struct ContentDigest {
+    channels: Vec<(Sha256, u64)>,
+    bytes: Vec<u8>,
+}
+
+impl Default for ContentDigest {
+    fn default() -> Self {
+        Self {
+            channels: vec![(Sha256::new(), 0); channels().len()],
+            bytes: Vec::new(),
+        }
+    }
+}
+
+impl ContentDigest {
+    /// Takes in the next message of its channel.
+    pub fn update(&mut self, message: &Message<'_>) {
+        let bytes = &mut self.bytes;
+        bytes.clear();
+        bytes.extend_from_slice(&message.sequence.to_le_bytes());
+        bytes.extend_from_slice(&message.time_ns.to_le_bytes());
+        for number in message.numbers {
+            bytes.extend_from_slice(&number.to_bits().to_le_bytes());
+        }
+        for text in message.texts {
+            bytes.extend_from_slice(&(text.len() as u64).to_le_bytes());
+            bytes.extend_from_slice(text.as_bytes());
+        }
+        let (hash, count) = &mut self.channels[message.channel];
+        hash.update(bytes);
+        *count += 1;
+    }
+
+    /// The digest in hexadecimal.
+    #[must_use]
+    pub fn finish(&self) -> String {
+        let mut whole = Sha256::new();
+        for (channel, (hash, count)) in channels().iter().zip(&self.channels) {
+            if *count > 0 {
+                whole.update(channel.topic.as_bytes());
+                whole.update([0]);
+                whole.update(count.to_le_bytes());
+                whole.update(hash.clone().finalize());
+            }
+        }
+        hex(&whole.finalize())
+    }
+}

@@ -1,0 +1,254 @@
+//! The table of channels: the one place that knows what is logged.
+
+use crate::simulation::{Event, NutationCycle, Sample};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// A channel whose messages are made from an `S`.
+#[derive(Debug)]
+pub struct Channel<S: 'static> {
+    /// Topic.
+    pub topic: &'static str,
+    /// Name of the message type.
+    pub schema: &'static str,
+    /// What it carries.
+    pub meaning: &'static str,
+    /// Whether there is a message for this `S`.
+    pub present: fn(&S) -> bool,
+    /// Its fields.
+    pub fields: &'static [Field<S>],
+}
+
+/// A field of a channel. A dot in the name puts it into an object.
+#[derive(Debug)]
+pub struct Field<S> {
+    /// Name.
+    pub name: &'static str,
+    /// Unit, empty for pure numbers and texts.
+    pub unit: &'static str,
+    /// Frame of a vector's components, empty for others.
+    pub frame: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+    /// The plot in which it is shown.
+    pub plot: &'static str,
+    /// Where it comes from.
+    pub source: Source<S>,
+}
+
+/// Where a field's value comes from.
+#[derive(Debug)]
+pub enum Source<S> {
+    /// A number.
+    Number(fn(&S) -> f64),
+    /// Three numbers x, y, z.
+    Vector(fn(&S) -> Vector3<f64>),
+    /// Four numbers x, y, z, w.
+    Rotation(fn(&S) -> UnitQuaternion<f64>),
+    /// A text.
+    Text(fn(&S) -> &str),
+}
+
+const BODY: &str = "body";
+const WORLD: &str = "world";
+const NODE: &str = "node: x line of nodes, y perpendicular n × e_N, z symmetry axis";
+
+const fn number<S>(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    get: fn(&S) -> f64,
+) -> Field<S> {
+    Field {
+        name,
+        unit,
+        frame: "",
+        meaning,
+        plot: name,
+        source: Source::Number(get),
+    }
+}
+
+const fn vector<S>(
+    name: &'static str,
+    unit: &'static str,
+    frame: &'static str,
+    meaning: &'static str,
+    get: fn(&S) -> Vector3<f64>,
+) -> Field<S> {
+    Field {
+        name,
+        unit,
+        frame,
+        meaning,
+        plot: name,
+        source: Source::Vector(get),
+    }
+}
+
+const fn text<S>(name: &'static str, meaning: &'static str, get: fn(&S) -> &str) -> Field<S> {
+    Field {
+        name,
+        unit: "",
+        frame: "",
+        meaning,
+        plot: name,
+        source: Source::Text(get),
+    }
+}
+
+/// The same field shown in a plot together with others.
+const fn together<S>(plot: &'static str, mut field: Field<S>) -> Field<S> {
+    field.plot = plot;
+    field
+}
+
+/// The channels that have a message for each sample.
+#[rustfmt::skip]
+pub const SAMPLES: &[Channel<Sample>] = &[
+    Channel {
+        topic: "/top/state", schema: "toprise.State",
+        meaning: "Euler angles (z-x-z), their rates and accelerations",
+        present: |_| true,
+        fields: &[
+            number("phi", "rad", "precession angle φ, about the vertical, unwrapped", |s| s.angles.phi),
+            number("theta", "rad", "nutation angle (inclination) θ, about the line of nodes", |s| s.angles.theta),
+            number("psi", "rad", "spin angle ψ, about the symmetry axis, unwrapped", |s| s.angles.psi),
+            number("phi_dot", "rad/s", "precession rate φ̇", |s| s.tilt.rates.phi),
+            number("theta_dot", "rad/s", "nutation rate θ̇", |s| s.tilt.rates.theta),
+            number("psi_dot", "rad/s", "spin rate ψ̇", |s| s.tilt.rates.psi),
+            number("phi_ddot", "rad/s²", "precession acceleration φ̈", |s| s.accelerations.total().phi),
+            number("theta_ddot", "rad/s²", "nutation acceleration θ̈", |s| s.accelerations.total().theta),
+            number("psi_ddot", "rad/s²", "spin acceleration ψ̈", |s| s.accelerations.total().psi),
+        ],
+    },
+    Channel {
+        topic: "/top/pose", schema: "toprise.Pose",
+        meaning: "orientation, symmetry axis, angular velocity and position",
+        present: |_| true,
+        fields: &[
+            Field { name: "orientation", unit: "", frame: "", plot: "orientation",
+                meaning: "unit quaternion that turns body components into world components",
+                source: Source::Rotation(|s| s.world_from_body) },
+            vector("axis", "", WORLD, "direction of the symmetry axis", |s| s.axis),
+            vector("omega_body", "rad/s", BODY, "angular velocity ω", |s| s.omega_body),
+            vector("omega_world", "rad/s", WORLD, "angular velocity ω", |s| s.omega_world),
+            vector("peg_position", "m", WORLD, "centre of the peg; the table is z = 0", |s| s.peg_position),
+        ],
+    },
+    Channel {
+        topic: "/top/torque", schema: "toprise.Torque",
+        meaning: "torques about the centre of the peg",
+        present: |_| true,
+        fields: &[
+            vector("gravity_body", "N m", BODY, "torque of gravity", |s| s.gravity_torque.body),
+            vector("friction_body", "N m", BODY, "torque of friction", |s| s.friction_torque.body),
+            vector("total_body", "N m", BODY, "sum of the torques", |s| s.total_torque.body),
+            vector("gravity_node", "N m", NODE, "torque of gravity", |s| s.gravity_torque.node),
+            vector("friction_node", "N m", NODE, "torque of friction", |s| s.friction_torque.node),
+            vector("total_node", "N m", NODE, "sum of the torques", |s| s.total_torque.node),
+        ],
+    },
+    Channel {
+        topic: "/top/acceleration", schema: "toprise.Acceleration",
+        meaning: "the terms of the equations of motion: why the top rises at this instant",
+        present: |_| true,
+        fields: &[
+            together("theta_ddot", number("theta_ddot.gyroscopic", "rad/s²", "−(I_z/I_x) φ̇ sin θ (ψ̇ + φ̇ cos θ)", |s| s.accelerations.gyroscopic.theta)),
+            together("theta_ddot", number("theta_ddot.centrifugal", "rad/s²", "φ̇² sin θ cos θ", |s| s.accelerations.inertial.theta)),
+            together("theta_ddot", number("theta_ddot.gravitational", "rad/s²", "(M g l/I_x) sin θ", |s| s.accelerations.gravitational.theta)),
+            together("theta_ddot", number("theta_ddot.frictional", "rad/s²", "torque of friction about the line of nodes over I_x", |s| s.accelerations.frictional.theta)),
+            together("phi_ddot", number("phi_ddot.gyroscopic", "rad/s²", "(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ)/sin θ", |s| s.accelerations.gyroscopic.phi)),
+            together("phi_ddot", number("phi_ddot.coriolis", "rad/s²", "−2 θ̇ φ̇ cos θ/sin θ", |s| s.accelerations.inertial.phi)),
+            together("phi_ddot", number("phi_ddot.frictional", "rad/s²", "the term of friction, k M g R ψ̇ cos θ/(I_x |ω_⊥|) in the paper", |s| s.accelerations.frictional.phi)),
+            together("psi_ddot", number("psi_ddot.gyroscopic", "rad/s²", "−(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ) cos θ/sin θ", |s| s.accelerations.gyroscopic.psi)),
+            together("psi_ddot", number("psi_ddot.coriolis", "rad/s²", "2 θ̇ φ̇ cos² θ/sin θ + θ̇ φ̇ sin θ", |s| s.accelerations.inertial.psi)),
+            together("psi_ddot", number("psi_ddot.frictional", "rad/s²", "the term of friction, −k M g R ψ̇ (cos² θ/I_x + sin² θ/I_z)/|ω_⊥| in the paper", |s| s.accelerations.frictional.psi)),
+        ],
+    },
+    Channel {
+        topic: "/top/contact", schema: "toprise.Contact",
+        meaning: "slip and forces at the point of contact",
+        present: |_| true,
+        fields: &[
+            vector("slip_body", "m/s", BODY, "slip velocity of the contact point over the table", |s| s.slip_body),
+            vector("slip_world", "m/s", WORLD, "slip velocity of the contact point over the table", |s| s.slip_world),
+            number("slip_speed", "m/s", "magnitude of the slip velocity", |s| s.contact.slip_speed),
+            vector("friction_force", "N", WORLD, "friction force of the law; the ablations of the equations do not follow from a force and leave it as it is", |s| s.friction_force),
+            number("normal_force", "N", "normal force of the table", |s| s.contact.normal_force),
+            vector("contact_point", "m", WORLD, "the point of contact", |s| s.contact_point),
+            number("slip_path", "m", "length of the path slipped since the start", |s| s.integrals.slip_path),
+            number("regime", "", "1 slipping, 0 not slipping", |s| if s.contact.slip_speed > 0.0 { 1.0 } else { 0.0 }),
+        ],
+    },
+    Channel {
+        topic: "/top/energy", schema: "toprise.Energy",
+        meaning: "energies and what friction takes",
+        present: |_| true,
+        fields: &[
+            together("mechanical", number("kinetic", "J", "kinetic energy", |s| s.kinetic_energy)),
+            number("potential", "J", "potential energy, zero at the height of the peg's centre", |s| s.potential_energy),
+            together("mechanical", number("total", "J", "total energy", |s| s.energy())),
+            number("friction_power", "W", "power of the torque of friction", |s| s.friction_power),
+            number("friction_work", "J", "work of friction since the start", |s| s.integrals.friction_work),
+        ],
+    },
+    Channel {
+        topic: "/top/momentum", schema: "toprise.Momentum",
+        meaning: "angular momentum about the centre of the peg",
+        present: |_| true,
+        fields: &[
+            together("components", number("vertical", "kg m²/s", "about the vertical", |s| s.vertical_momentum)),
+            together("components", number("axial", "kg m²/s", "about the symmetry axis", |s| s.axial_momentum)),
+            vector("world", "kg m²/s", WORLD, "angular momentum", |s| s.momentum_world),
+        ],
+    },
+    Channel {
+        topic: "/top/precession", schema: "toprise.Precession",
+        meaning: "regular precession at this inclination and spin rate; no message where its rates are not real",
+        present: |s| s.precession_roots.is_some(),
+        fields: &[
+            number("slow_root", "rad/s", "slow rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.slow)),
+            number("fast_root", "rad/s", "fast rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.fast)),
+            number("excess", "rad/s", "φ̇ less the slow rate", |s| s.precession_roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow)),
+            number("strength_ratio", "", "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.strength_ratio),
+        ],
+    },
+];
+
+/// One message per nutation cycle, at its end.
+#[rustfmt::skip]
+pub const NUTATION: Channel<NutationCycle> = Channel {
+    topic: "/top/nutation", schema: "toprise.Nutation",
+    meaning: "each nutation, from one maximum of θ̇ to the next: the averaged motion",
+    present: |_| true,
+    fields: &[
+        number("cycle", "", "number of the cycle, from 0", |c| f64::from(c.index)),
+        number("start", "s", "when the cycle began", |c| c.start),
+        number("period", "s", "its duration", |c| c.period()),
+        together("theta_range", number("theta_min", "rad", "least θ in it", |c| c.theta_min)),
+        together("theta_range", number("theta_max", "rad", "greatest θ in it", |c| c.theta_max)),
+        number("theta_mean", "rad", "mean of θ", |c| c.theta_mean),
+        number("theta_dot_mean", "rad/s", "mean of θ̇", |c| c.mean_rates.theta),
+        number("phi_dot_mean", "rad/s", "mean of φ̇", |c| c.mean_rates.phi),
+        number("psi_dot_mean", "rad/s", "mean of ψ̇", |c| c.mean_rates.psi),
+    ],
+};
+
+/// One message per event.
+#[rustfmt::skip]
+pub const EVENTS: Channel<Event> = Channel {
+    topic: "/events", schema: "toprise.Event",
+    meaning: "what happened, and the state at that moment",
+    present: |_| true,
+    fields: &[
+        text("name", "kind of event", |e| e.kind.name()),
+        text("description", "a sentence for people", |e| &e.description),
+        number("time", "s", "when, more exactly than the timestamp", |e| e.time),
+        number("phi", "rad", "precession angle φ", |e| e.motion.angles.phi),
+        number("theta", "rad", "nutation angle (inclination) θ", |e| e.motion.angles.theta),
+        number("psi", "rad", "spin angle ψ", |e| e.motion.angles.psi),
+        number("phi_dot", "rad/s", "precession rate φ̇", |e| e.motion.tilt.rates.phi),
+        number("theta_dot", "rad/s", "nutation rate θ̇", |e| e.motion.tilt.rates.theta),
+        number("psi_dot", "rad/s", "spin rate ψ̇", |e| e.motion.tilt.rates.psi),
+    ],
+};

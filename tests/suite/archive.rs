@@ -1,0 +1,212 @@
+//! The MCAP files: what is in them, their bytes, and what happens when things go wrong.
+
+use crate::support::scenario;
+use mcap::MessageStream;
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+use toprise::recording::{Overview, RecordingError, end_record};
+use toprise::scenario::Scenario;
+use toprise::simulation::Simulation;
+use toprise::sink::mcap::{Archived, McapSink};
+use toprise::sink::publish::{Existing, partial_name};
+use toprise::sink::{Sink, SinkError, record};
+use toprise::telemetry::{Telemetry, channels};
+
+fn short() -> Scenario {
+    scenario("paper", &[("stop.duration", "0.5")])
+}
+
+fn archive(path: &Path, scenario: &Scenario, existing: Existing) -> Result<Archived, SinkError> {
+    let mut telemetry = Telemetry::default();
+    let mut sink = McapSink::create(path, existing, scenario, &telemetry)?;
+    let mut simulation = Simulation::new(scenario).unwrap();
+    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+    let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    sink.finish(&outcome)
+}
+
+#[test]
+fn the_same_scenario_gives_the_same_bytes() {
+    let directory = tempfile::tempdir().unwrap();
+    let paths = ["a.mcap", "b.mcap"].map(|name| directory.path().join(name));
+    let archived = paths
+        .each_ref()
+        .map(|p| archive(p, &short(), Existing::Keep).unwrap());
+    assert_eq!(archived[0].digest, archived[1].digest);
+    assert_eq!(fs::read(&paths[0]).unwrap(), fs::read(&paths[1]).unwrap());
+}
+
+#[test]
+fn another_reader_finds_everything() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let archived = archive(&path, &short(), Existing::Keep).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    assert_eq!(bytes.len() as u64, archived.bytes);
+
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let statistics = summary.stats.as_ref().unwrap();
+    assert_eq!(usize::from(statistics.schema_count), channels().len());
+    assert_eq!(
+        (statistics.attachment_count, statistics.metadata_count),
+        (1, 2)
+    );
+    assert_eq!(statistics.message_start_time, 0);
+    assert_eq!(statistics.message_end_time, 500_000_000);
+
+    let attachment = mcap::read::attachment(&bytes, &summary.attachment_indexes[0]).unwrap();
+    let text = String::from_utf8(attachment.data.into_owned()).unwrap();
+    assert_eq!(Scenario::from_toml(&text).unwrap(), short());
+
+    let options = mcap::read::Options::ValidateChunkCrcs.into();
+    let mut last = 0;
+    let mut counts = std::collections::BTreeMap::new();
+    for message in MessageStream::new_with_options(&bytes, options).unwrap() {
+        let message = message.unwrap();
+        assert!(message.log_time >= last);
+        assert_eq!(message.log_time, message.publish_time);
+        last = message.log_time;
+        assert_eq!(message.channel.message_encoding, "json");
+        let schema = message.channel.schema.as_ref().unwrap();
+        assert_eq!(schema.encoding, "jsonschema");
+        serde_json::from_slice::<serde_json::Value>(&message.data).unwrap();
+        *counts.entry(message.channel.topic.clone()).or_insert(0) += 1;
+    }
+    assert_eq!(counts["/top/state"], 501);
+    assert_eq!(counts.len(), channels().len());
+}
+
+#[test]
+fn the_records_at_start_and_end_tell_the_run() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let archived = archive(&path, &short(), Existing::Keep).unwrap();
+    let overview = Overview::read(&path).unwrap();
+    assert!(overview.is_whole());
+    let run = overview.run.as_ref().unwrap();
+    assert_eq!(run["scenario"], "paper");
+    assert_eq!(run["scenario_digest"], short().digest());
+    assert_eq!(run["epoch"], "simulation start");
+    let end = overview.end.as_ref().unwrap();
+    assert_eq!(end["stop_reason"], "duration");
+    assert_eq!(end["samples"], "501");
+    assert_eq!(end["content_digest"], archived.digest);
+    assert_eq!(end_record(&path).as_ref(), Some(end));
+    assert_eq!(overview.parsed_scenario(), Some(short()));
+    assert_eq!(overview.events[0].name, "start");
+    assert_eq!(overview.last_ns(), 500_000_000);
+    let state = &overview.channels[0];
+    assert_eq!((state.topic.as_str(), state.messages), ("/top/state", 501));
+    assert!((state.rate().unwrap() - 1000.0).abs() < 1e-9);
+}
+
+#[test]
+fn nothing_is_written_over() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    fs::write(&path, "precious").unwrap();
+    let error = archive(&path, &short(), Existing::Keep).unwrap_err();
+    assert!(matches!(error, SinkError::Exists { .. }), "{error}");
+    assert_eq!(fs::read(&path).unwrap(), b"precious");
+    assert!(!partial_name(&path).exists());
+    archive(&path, &short(), Existing::Replace).unwrap();
+    assert!(Overview::read(&path).unwrap().is_whole());
+}
+
+#[test]
+fn a_partial_recording_is_not_written_over() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    fs::write(partial_name(&path), "interrupted").unwrap();
+    let error = archive(&path, &short(), Existing::Keep).unwrap_err();
+    assert!(error.to_string().contains("partial"), "{error}");
+    assert_eq!(fs::read(partial_name(&path)).unwrap(), b"interrupted");
+}
+
+#[test]
+fn a_name_that_is_taken_during_the_run_is_left_alone() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let mut telemetry = Telemetry::default();
+    let mut sink = McapSink::create(&path, Existing::Keep, &short(), &telemetry).unwrap();
+    let mut simulation = Simulation::new(&short()).unwrap();
+    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+    let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    fs::write(&path, "came in between").unwrap();
+    let error = sink.finish(&outcome).unwrap_err();
+    assert!(matches!(error, SinkError::Exists { .. }), "{error}");
+    assert_eq!(fs::read(&path).unwrap(), b"came in between");
+    assert!(Overview::read(&partial_name(&path)).unwrap().is_whole());
+}
+
+#[test]
+fn an_abandoned_recording_stays_partial_and_readable() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let mut telemetry = Telemetry::default();
+    let mut sink = McapSink::create(&path, Existing::Keep, &short(), &telemetry).unwrap();
+    let mut simulation = Simulation::new(&short()).unwrap();
+    let mut samples = 0;
+    let stop_early = |_: &_, sinks: &mut [&mut dyn Sink]| {
+        samples += 1;
+        if samples < 300 {
+            return Ok(ControlFlow::Continue(()));
+        }
+        sinks[0].flush()?;
+        Ok(ControlFlow::Break(()))
+    };
+    record(
+        &mut simulation,
+        &mut telemetry,
+        &mut [&mut sink],
+        stop_early,
+    )
+    .unwrap();
+    drop(sink);
+    assert!(!path.exists());
+    let overview = Overview::read(&partial_name(&path)).unwrap();
+    assert!(overview.run.is_some() && overview.end.is_none() && !overview.is_whole());
+    // 300 records: samples, events and cycles; every one of them was flushed.
+    let records: u64 = overview
+        .channels
+        .iter()
+        .filter(|c| ["/top/state", "/top/nutation", "/events"].contains(&c.topic.as_str()))
+        .map(|c| c.messages)
+        .sum();
+    assert_eq!(records, 300);
+}
+
+#[test]
+fn damaged_and_foreign_files_are_told_apart() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    archive(&path, &short(), Existing::Keep).unwrap();
+    let whole = fs::read(&path).unwrap();
+
+    let truncated = directory.path().join("truncated.mcap");
+    fs::write(&truncated, &whole[..whole.len() * 2 / 3]).unwrap();
+    let overview = Overview::read(&truncated).unwrap();
+    assert!(overview.damage.is_some() && overview.messages() > 0 && overview.end.is_none());
+
+    let flipped = directory.path().join("flipped.mcap");
+    let mut bytes = whole.clone();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&flipped, bytes).unwrap();
+    assert!(!Overview::read(&flipped).unwrap().is_whole());
+
+    let other = directory.path().join("other");
+    for (bytes, empty) in [
+        (&b""[..], true),
+        (b"not an mcap file, but long enough", false),
+        (b"\x89", false),
+    ] {
+        fs::write(&other, bytes).unwrap();
+        let error = Overview::read(&other).unwrap_err();
+        assert_eq!(matches!(error, RecordingError::Empty), empty, "{error}");
+    }
+    assert!(Overview::read(directory.path()).is_err());
+    assert_eq!(end_record(&other), None);
+    assert_eq!(end_record(&truncated), None);
+}

@@ -1,0 +1,339 @@
+//! The program as a process: exit codes, streams, signals.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+use tempfile::{TempDir, tempdir};
+use toprise::recording::Overview;
+
+fn toprise(directory: &TempDir) -> Command {
+    let mut command = Command::cargo_bin("toprise").unwrap();
+    command.current_dir(directory.path());
+    command
+}
+
+/// Standard output of a command that must succeed.
+fn answer(command: &mut Command) -> String {
+    let output = command.assert().success().get_output().stdout.clone();
+    String::from_utf8(output).unwrap()
+}
+
+const SHORT: [&str; 4] = ["run", "paper", "--set", "stop.duration=0.2"];
+
+#[test]
+fn run_records_and_summarises() {
+    let directory = tempdir().unwrap();
+    let text = answer(toprise(&directory).args(SHORT));
+    for part in [
+        "the duration is over at t = 0.200000 s",
+        "recordings/paper.mcap",
+        "201 samples",
+        "sha-256",
+    ] {
+        assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+    assert!(
+        Overview::read(&directory.path().join("recordings/paper.mcap"))
+            .unwrap()
+            .is_whole()
+    );
+}
+
+#[test]
+fn a_second_run_takes_the_next_name_and_says_that_it_is_identical() {
+    let directory = tempdir().unwrap();
+    toprise(&directory).args(SHORT).assert().success();
+    let text = answer(toprise(&directory).args(SHORT));
+    assert!(text.contains("recordings/paper-2.mcap"), "{text}");
+    assert!(
+        text.contains("identical to recordings/paper.mcap"),
+        "{text}"
+    );
+    let read = |name: &str| fs::read(directory.path().join("recordings").join(name)).unwrap();
+    assert!(read("paper.mcap") == read("paper-2.mcap"));
+    let text = answer(
+        toprise(&directory)
+            .args(SHORT)
+            .args(["--set", "friction.k=0.02"]),
+    );
+    assert!(
+        text.contains("paper-3.mcap") && !text.contains("identical"),
+        "{text}"
+    );
+}
+
+#[test]
+fn an_explicit_output_that_exists_needs_force() {
+    let directory = tempdir().unwrap();
+    let run = |extra: &[&str]| {
+        let mut command = toprise(&directory);
+        command.args(SHORT).args(["-o", "a.mcap"]).args(extra);
+        command
+    };
+    run(&[]).assert().success();
+    let failure = run(&[]).assert().code(2);
+    let error = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();
+    assert!(
+        error.contains("a.mcap exists") && error.contains("--force"),
+        "{error}"
+    );
+    run(&["--force"]).assert().success();
+}
+
+#[test]
+fn bad_input_is_exit_code_2_and_writes_nothing() {
+    let directory = tempdir().unwrap();
+    fs::write(directory.path().join("broken.toml"), "[top\n").unwrap();
+    fs::write(directory.path().join("binary.toml"), [0xff, 0xfe]).unwrap();
+    fs::write(directory.path().join("file"), "").unwrap();
+    for (arguments, part) in [
+        (&["run", "nope"][..], "nope"),
+        (&["run", "broken.toml"], "TOML"),
+        (&["run", "binary.toml"], "binary.toml"),
+        (&["run", "missing.toml"], "missing.toml"),
+        (&["run", "--set", "top.mass=-1"], "top.mass = -1"),
+        (&["run", "--set", "top.mass"], "KEY=VALUE"),
+        (&["run", "--set", "friction.law=none"], "friction.k"),
+        (&["run", "--topics", "/top/stat"], "/top/state"),
+        (&["run", "--realtime", "0"], "> 0"),
+        (&["run", "-o", "file/run.mcap"], "file"),
+        (&["run", "--format", "xml"], "xml"),
+        (&["run", "--set", "initial.theta=nan"], "NaN"),
+        (
+            &["run", "frictionless", "--set", "stop.duration="],
+            "never stop",
+        ),
+        (&["info", "missing.mcap"], "missing.mcap"),
+        (&["info", "broken.toml"], "MCAP"),
+        (&["info", "file"], "empty"),
+        (&["info", "."], "."),
+        (&["presets", "nope"], "paper"),
+        (&["schema", "/nope"], "/top/state"),
+        (&["frobnicate"], "frobnicate"),
+    ] {
+        let failure = toprise(&directory).args(arguments).assert().code(2);
+        let output = failure.get_output();
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            error.contains(part),
+            "{arguments:?}: {part} is not in {error}"
+        );
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+        assert!(
+            !directory.path().join("recordings").exists(),
+            "{arguments:?}"
+        );
+        assert!(!error.contains("panicked"), "{error}");
+    }
+}
+
+#[test]
+fn a_rerun_file_that_exists_leaves_no_mcap_behind() {
+    if cfg!(not(feature = "rerun")) {
+        return;
+    }
+    let directory = tempdir().unwrap();
+    fs::write(directory.path().join("a.rrd"), "precious").unwrap();
+    let arguments = ["-o", "a.mcap", "--rrd", "a.rrd"];
+    toprise(&directory)
+        .args(SHORT)
+        .args(arguments)
+        .assert()
+        .code(2);
+    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+    assert_eq!(
+        fs::read(directory.path().join("a.rrd")).unwrap(),
+        b"precious"
+    );
+}
+
+#[test]
+fn summaries_are_json_where_a_program_reads_them() {
+    let directory = tempdir().unwrap();
+    let run: Value = serde_json::from_str(&answer(
+        toprise(&directory).args(SHORT).args(["--format", "json"]),
+    ))
+    .unwrap();
+    assert_eq!(run["stop_reason"], "duration");
+    assert_eq!(run["samples"], 201);
+    let path = run["mcap"]["path"].as_str().unwrap();
+    let info: Value = serde_json::from_str(&answer(
+        toprise(&directory).args(["info", path, "--format", "json"]),
+    ))
+    .unwrap();
+    assert_eq!(info["state"], "complete");
+    assert_eq!(info["end"]["content_digest"], run["content_digest"]);
+    assert_eq!(info["channels"][0]["topic"], "/top/state");
+    assert_eq!(info["channels"][0]["messages"], 201);
+    assert_eq!(info["bytes"], run["mcap"]["bytes"]);
+}
+
+#[test]
+fn info_tells_what_is_in_a_recording() {
+    let directory = tempdir().unwrap();
+    toprise(&directory).args(SHORT).assert().success();
+    let text = answer(toprise(&directory).args(["info", "recordings/paper.mcap"]));
+    for part in [
+        "complete",
+        "/top/state",
+        "toprise.State",
+        "201",
+        "1000.0 Hz",
+        "start",
+        "duration",
+    ] {
+        assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+    assert!(
+        text.lines().all(|line| line.chars().count() <= 130),
+        "{text}"
+    );
+}
+
+#[test]
+fn presets_can_be_edited_and_run() {
+    let directory = tempdir().unwrap();
+    let list = answer(toprise(&directory).arg("presets"));
+    assert!(list.contains("full-coulomb"));
+    let toml = answer(toprise(&directory).args(["presets", "full-coulomb"]));
+    let toml = toml.replace("name = \"full-coulomb\"", "name = \"mine\"");
+    fs::write(directory.path().join("mine.toml"), toml).unwrap();
+    let arguments = ["run", "mine.toml", "--set", "stop.duration=0.1"];
+    let text = answer(toprise(&directory).args(arguments));
+    assert!(text.contains("recordings/mine.mcap"), "{text}");
+}
+
+#[test]
+fn schemas_and_completions_are_printed() {
+    let directory = tempdir().unwrap();
+    assert!(answer(toprise(&directory).arg("schema")).contains("/top/torque"));
+    let schema: Value =
+        serde_json::from_str(&answer(toprise(&directory).args(["schema", "/events"]))).unwrap();
+    assert_eq!(schema["title"], "toprise.Event");
+    answer(toprise(&directory).args(["schema", "--write", "out"]));
+    assert!(directory.path().join("out/toprise.State.json").exists());
+    assert!(answer(toprise(&directory).args(["completions", "bash"])).contains("toprise"));
+}
+
+/// Waits until the partial recording has grown.
+#[cfg(unix)]
+fn wait_for_data(path: &Path) {
+    for _ in 0..200 {
+        if fs::metadata(path).is_ok_and(|metadata| metadata.len() > 100_000) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    panic!("{} does not grow", path.display());
+}
+
+/// A run in real time, in the background.
+#[cfg(unix)]
+fn paced_run(directory: &TempDir) -> std::process::Child {
+    std::process::Command::new(assert_cmd::cargo::cargo_bin("toprise"))
+        .current_dir(directory.path())
+        .args(["run", "--realtime", "-o", "live.mcap"])
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+#[cfg(unix)]
+fn signal(child: &std::process::Child, name: &str) {
+    let id = child.id().to_string();
+    let status = std::process::Command::new("kill")
+        .args([name, &id])
+        .status()
+        .unwrap();
+    assert!(status.success());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_ends_cleanly() {
+    let directory = tempdir().unwrap();
+    let mut child = paced_run(&directory);
+    wait_for_data(&directory.path().join("live.mcap.partial"));
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(3));
+    let overview = Overview::read(&directory.path().join("live.mcap")).unwrap();
+    assert!(overview.is_whole());
+    assert_eq!(overview.end.unwrap()["stop_reason"], "interrupted");
+    assert!(!directory.path().join("live.mcap.partial").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_run_leaves_a_readable_partial_file() {
+    let directory = tempdir().unwrap();
+    let mut child = paced_run(&directory);
+    let partial = directory.path().join("live.mcap.partial");
+    wait_for_data(&partial);
+    signal(&child, "-KILL");
+    child.wait().unwrap();
+    let overview = Overview::read(&partial).unwrap();
+    assert!(overview.run.is_some() && overview.end.is_none());
+    assert!(overview.messages() > 100);
+    assert_eq!(overview.parsed_scenario().unwrap().name(), "paper");
+    let info = toprise(&directory)
+        .args(["info", "live.mcap.partial"])
+        .assert()
+        .code(3);
+    let text = String::from_utf8_lossy(&info.get_output().stdout).into_owned();
+    assert!(text.contains("interrupted"), "{text}");
+    // The next run neither overwrites it nor fails silently.
+    toprise(&directory)
+        .args(SHORT)
+        .args(["-o", "live.mcap"])
+        .assert()
+        .code(2);
+    assert!(partial.exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_a_clear_error() {
+    // A file-size limit stands for the full disk: it needs no privileges. Both end a write early.
+    let directory = tempdir().unwrap();
+    let program = assert_cmd::cargo::cargo_bin("toprise");
+    let script = format!(
+        "ulimit -f 200; trap '' XFSZ; exec {} run -o full.mcap",
+        program.display()
+    );
+    let output = std::process::Command::new("bash")
+        .current_dir(directory.path())
+        .args(["-c", &script])
+        .output()
+        .unwrap();
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(
+        error.contains("full.mcap.partial") && error.contains("large"),
+        "{error}"
+    );
+    assert!(!directory.path().join("full.mcap").exists());
+    let overview = Overview::read(&directory.path().join("full.mcap.partial")).unwrap();
+    assert!(overview.messages() > 100 && overview.end.is_none());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let directory = tempdir().unwrap();
+    let program = assert_cmd::cargo::cargo_bin("toprise");
+    let script = format!(
+        "{} schema | true; exit ${{PIPESTATUS[0]}}",
+        program.display()
+    );
+    for _ in 0..5 {
+        let mut bash = std::process::Command::new("bash");
+        let status = bash
+            .current_dir(directory.path())
+            .args(["-c", &script])
+            .status()
+            .unwrap();
+        assert_eq!(status.code(), Some(0));
+    }
+}

@@ -1,0 +1,91 @@
+//! `regress_*`: the bits of the presets' runs, the same on every machine and in every build.
+//!
+//! A change here is a change of physics or numerics: it needs a reason in the changelog, and new
+//! reference recordings.
+
+use std::fs;
+use std::path::Path;
+use toprise::recording::Overview;
+use toprise::scenario::{PRESETS, Preset};
+use toprise::simulation::{Outcome, Simulation};
+use toprise::telemetry::digest::ContentDigest;
+use toprise::telemetry::{Telemetry, TelemetryError};
+
+/// Preset, messages, steps, content digest at its own sample period with all topics.
+#[rustfmt::skip]
+const GOLDEN: &[(&str, u64, u64, &str)] = &[
+    ("paper", 198977, 10642, "ff4a1f2e2b70df2128aee818b72ac4adacf5bfffe6d042eb5341ab1f90048396"),
+    ("paper-precession-term-only", 578479, 188008, "bafaf14a9ccd77da305f04c6110fcf791bd1bc6649466816bf88eccd1a168ac2"),
+    ("paper-spin-term-only", 245110, 4609, "df005620ce0e51752d31993c7215aacd5db9008ca834d5383306917c65bcc2b1"),
+    ("full-coulomb", 198378, 10125, "8651e0c180f55cb63c5a083401746ab22fee45dc5be172c41eebe7c01e56e99e"),
+    ("frictionless", 161372, 6456, "a5a04e1700102fb098cae570ba82b386b03465d8fafed059e787bfecc337ebda"),
+];
+
+fn digest_of(preset: &Preset, overrides: &[(&str, &str)]) -> (u64, Outcome, String) {
+    let mut values = preset.values().unwrap();
+    for (key, value) in overrides {
+        values.set(key, value).unwrap();
+    }
+    let scenario = toprise::scenario::Scenario::new(values).unwrap();
+    let mut simulation = Simulation::new(&scenario).unwrap();
+    let mut telemetry = Telemetry::default();
+    let mut digest = ContentDigest::default();
+    let mut messages = 0;
+    for record in simulation.by_ref() {
+        let counted = telemetry.messages(&record.unwrap(), |message| {
+            digest.update(message);
+            messages += 1;
+            Ok::<(), TelemetryError>(())
+        });
+        counted.unwrap();
+    }
+    (messages, simulation.outcome(), digest.finish())
+}
+
+#[test]
+fn regress_content_digests() {
+    let mut found = String::new();
+    for preset in PRESETS {
+        let (messages, outcome, digest) = digest_of(preset, &[]);
+        let steps = outcome.statistics.accepted;
+        found.push_str(&format!(
+            "    (\"{}\", {messages}, {steps}, \"{digest}\"),\n",
+            preset.name
+        ));
+    }
+    let expected: String = GOLDEN
+        .iter()
+        .map(|(name, messages, steps, digest)| {
+            format!("    (\"{name}\", {messages}, {steps}, \"{digest}\"),\n")
+        })
+        .collect();
+    assert!(
+        found == expected,
+        "the runs have changed; they are now\n{found}"
+    );
+}
+
+#[test]
+fn regress_the_reference_recordings_are_reproduced() {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/reference");
+    let readme = fs::read_to_string(directory.join("../README.md")).unwrap();
+    let mut checked = 0;
+    for entry in fs::read_dir(&directory).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let overview = Overview::read(&path).unwrap();
+        assert!(overview.is_whole(), "{name}");
+        let recorded = &overview.end.as_ref().unwrap()["content_digest"];
+        let scenario = overview.parsed_scenario().unwrap();
+        let period = format!("{:?}", scenario.sample_period_ns as f64 / 1e9);
+        let overrides = [("sampling.period", period.as_str())];
+        let (_, _, digest) = digest_of(Preset::find(&name).unwrap(), &overrides);
+        assert_eq!(recorded, &digest, "{name}");
+        assert!(
+            readme.contains(&digest),
+            "recordings/README.md lacks the digest of {name}"
+        );
+        checked += 1;
+    }
+    assert_eq!(checked, 3);
+}

@@ -1,0 +1,18 @@
+//! All integration tests in one binary, because each would link the Rerun SDK once more.
+//!
+//! `val_*` compare with an independent truth, `regress_*` pin what there was, the rest are laws and
+//! behaviour.
+
+mod architecture;
+mod archive;
+mod command_line;
+mod golden;
+mod integrate;
+mod physics;
+mod properties;
+mod reference;
+#[cfg(feature = "rerun")]
+mod rerun;
+mod scenarios;
+mod support;
+mod telemetry;

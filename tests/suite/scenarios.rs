@@ -1,0 +1,241 @@
+//! Scenarios: reading, checking, writing.
+
+use crate::support::scenario;
+use proptest::prelude::*;
+use toprise::scenario::{KEYS, Kind, PRESETS, Preset, Scenario, ScenarioError, Value, Values};
+
+fn error(preset: &str, overrides: &[(&str, &str)]) -> String {
+    let mut values = Preset::find(preset).unwrap().values().unwrap();
+    for (key, value) in overrides {
+        if let Err(error) = values.set(key, value) {
+            return error.to_string();
+        }
+    }
+    Scenario::new(values).expect_err("accepted").to_string()
+}
+
+#[test]
+fn every_preset_comes_back_from_its_canonical_form() {
+    for preset in PRESETS {
+        let scenario = preset.scenario().unwrap();
+        assert_eq!(scenario.name(), preset.name);
+        assert!(!scenario.description().is_empty());
+        let text = scenario.to_toml();
+        let back = Scenario::from_toml(&text).unwrap();
+        assert_eq!(back, scenario);
+        assert_eq!(back.to_toml(), text);
+        assert_eq!(back.digest(), scenario.digest());
+    }
+}
+
+#[test]
+fn the_digest_is_that_of_the_run_not_of_its_name() {
+    let paper = scenario("paper", &[]);
+    assert_eq!(
+        paper.digest(),
+        scenario("paper", &[("name", "other")]).digest()
+    );
+    assert_ne!(
+        paper.digest(),
+        scenario("paper", &[("friction.k", "0.0300001")]).digest()
+    );
+}
+
+#[test]
+fn each_error_names_key_value_and_what_is_allowed() {
+    for (overrides, parts) in [
+        (&[("top.mass", "-1")][..], &["top.mass", "-1", "> 0"][..]),
+        (&[("top.mass", "0")], &["top.mass", "0", "> 0"]),
+        (
+            &[("top.transverse_moment", "-1e-5")],
+            &["top.transverse_moment", "> 0"],
+        ),
+        (&[("top.peg_radius", "0")], &["top.peg_radius", "> 0"]),
+        (&[("top.mass", "inf")], &["top.mass", "inf", "finite"]),
+        (&[("initial.phi", "nan")], &["initial.phi", "NaN", "finite"]),
+        (&[("top.mass", "heavy")], &["top.mass", "heavy", "number"]),
+        (&[("top.mass", "\"0.1\"")], &["top.mass", "number"]),
+        (&[("friction.law", "1")], &["friction.law", "1", "coulomb"]),
+        (
+            &[("friction.law", "glue")],
+            &["friction.law", "glue", "none, coulomb"],
+        ),
+        (
+            &[("friction.dissipation", "half")],
+            &["friction.dissipation", "half", "spin-term-only"],
+        ),
+        (
+            &[("top.axial_moment", "2e-4")],
+            &["top.axial_moment", "0.0002", "1.704e-4"],
+        ),
+        (
+            &[("top.axial_moment", "1e-4")],
+            &["top.axial_moment", "centre of mass"],
+        ),
+        (&[("initial.theta", "0")], &["initial.theta", "body"]),
+        (
+            &[("initial.theta", "3.2")],
+            &["initial.theta", "3.2", "3.14159"],
+        ),
+        (
+            &[("integrator.relative_tolerance", "0")],
+            &["integrator.relative_tolerance", "1e-14"],
+        ),
+        (
+            &[("integrator.absolute_tolerance", "-1e-9")],
+            &["integrator.absolute_tolerance", "1e-18"],
+        ),
+        (
+            &[("sampling.period", "0")],
+            &["sampling.period", "nanoseconds"],
+        ),
+        (
+            &[("sampling.period", "1.5e-9")],
+            &["sampling.period", "nanoseconds"],
+        ),
+        (
+            &[("sampling.period", "-0.001")],
+            &["sampling.period", "nanoseconds"],
+        ),
+        (&[("top.colour", "1")], &["top.colour", "top.mass"]),
+        (&[("frction.k", "1")], &["frction.k", "friction.k"]),
+        (&[("top.mass", "")], &["top.mass", "missing"]),
+        (&[("name", "a/b")], &["name", "a/b", "letters"]),
+        (&[("name", "..")], &["name", "beginning"]),
+        (&[("friction.law", "none")], &["friction.k", "none"]),
+        (&[("friction.k", "")], &["friction.k", "missing"]),
+        (
+            &[("stop.theta_risen", "0.6")],
+            &["stop.theta_risen", "0.6", "initial.theta"],
+        ),
+        (
+            &[("stop.theta_fallen", "0.4")],
+            &["stop.theta_fallen", "0.4", "initial.theta"],
+        ),
+        (
+            &[
+                ("stop.duration", ""),
+                ("stop.theta_risen", ""),
+                ("stop.theta_fallen", ""),
+            ],
+            &["never stop"],
+        ),
+        (
+            &[("friction.k", "0"), ("stop.duration", "")],
+            &["never stop"],
+        ),
+        (
+            &[
+                ("friction.dissipation", "spin-term-only"),
+                ("stop.theta_risen", ""),
+            ],
+            &["friction.dissipation", "stop.theta_risen"],
+        ),
+        (
+            &[("sampling.period", "1e-9")],
+            &["sampling.period", "4294967295"],
+        ),
+    ] {
+        let message = error("paper", overrides);
+        for part in parts {
+            assert!(
+                message.contains(part),
+                "{overrides:?}: {part:?} is not in {message:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn files_are_checked_like_overrides() {
+    let paper = Preset::find("paper").unwrap().scenario().unwrap().to_toml();
+    let broken = |from: &str, to: &str| {
+        assert!(paper.contains(from), "{from}");
+        Scenario::from_toml(&paper.replace(from, to)).unwrap_err()
+    };
+    assert!(matches!(broken("[top]", "[top"), ScenarioError::Syntax(_)));
+    assert!(matches!(
+        broken("mass =", "mas ="),
+        ScenarioError::UnknownKey { .. }
+    ));
+    assert!(matches!(
+        broken("[top]", "[tip]"),
+        ScenarioError::UnknownKey { .. }
+    ));
+    assert!(matches!(
+        broken("mass = 0.11", "mass = [0.11]"),
+        ScenarioError::WrongType { .. }
+    ));
+    assert!(matches!(
+        broken("mass = 0.11", ""),
+        ScenarioError::MissingKey { key: "top.mass" }
+    ));
+    assert!(matches!(
+        broken("toprise-1", "toprise-2"),
+        ScenarioError::OutOfRange { key: "format", .. }
+    ));
+    assert!(matches!(
+        Scenario::from_toml(""),
+        Err(ScenarioError::MissingKey { .. })
+    ));
+}
+
+#[test]
+fn whole_numbers_and_unquoted_words_are_taken() {
+    let scenario = scenario(
+        "paper",
+        &[
+            ("gravity", "10"),
+            ("formulation", "body"),
+            ("description", "no quotes = needed"),
+        ],
+    );
+    assert_eq!(scenario.model.top.gravity, 10.0);
+    assert_eq!(scenario.description(), "no quotes = needed");
+    assert_eq!(Scenario::from_toml(&scenario.to_toml()).unwrap(), scenario);
+}
+
+#[test]
+fn an_unknown_preset_is_told_which_there_are() {
+    let message = Preset::find("papr").unwrap_err().to_string();
+    assert!(
+        message.contains("papr") && message.contains("full-coulomb"),
+        "{message}"
+    );
+}
+
+proptest! {
+    #[test]
+    fn every_number_survives_to_the_last_bit(phi in -1e9..1e9_f64, psi_dot in -1e6..1e6_f64, ns in 1_u64..3_600_000_000_000) {
+        let period = ns as f64 / 1e9;
+        let original = scenario("paper", &[
+            ("initial.phi", &format!("{phi:?}")),
+            ("initial.psi_dot", &format!("{psi_dot:?}")),
+            ("sampling.period", &format!("{period:?}")),
+            ("stop.duration", ""),
+        ]);
+        prop_assert_eq!(original.sample_period_ns, ns);
+        let back = Scenario::from_toml(&original.to_toml()).unwrap();
+        prop_assert_eq!(back.angles.phi.to_bits(), phi.to_bits());
+        prop_assert_eq!(back, original);
+    }
+
+    #[test]
+    fn no_text_makes_the_reader_panic(text in "\\PC*", key in 0..KEYS.len(), value in "\\PC{0,12}") {
+        let _ = Values::from_toml(&text);
+        let _ = Scenario::from_toml(&text);
+        let mut values = Preset::find("paper").unwrap().values().unwrap();
+        if values.set(KEYS[key].path, &value).is_ok() && !value.is_empty() {
+            match (KEYS[key].kind.is_text(), values.get(KEYS[key].path)) {
+                (true, Some(Value::Text(_))) | (false, Some(Value::Number(_))) => {}
+                (_, other) => prop_assert!(false, "{other:?}"),
+            }
+            if let Ok(scenario) = Scenario::new(values) {
+                prop_assert_eq!(Scenario::from_toml(&scenario.to_toml()).unwrap(), scenario);
+            }
+        }
+        if KEYS[key].kind == Kind::Text {
+            prop_assert!(value.is_empty() || Values::default().set(KEYS[key].path, &value).is_ok());
+        }
+    }
+}

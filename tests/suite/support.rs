@@ -1,0 +1,68 @@
+//! What several tests need.
+
+use toprise::scenario::{Preset, Scenario};
+use toprise::simulation::{Event, EventKind, NutationCycle, Outcome, Record, Sample, Simulation};
+
+/// A preset with some keys set otherwise.
+pub fn scenario(preset: &str, overrides: &[(&str, &str)]) -> Scenario {
+    let mut values = Preset::find(preset).unwrap().values().unwrap();
+    for (key, value) in overrides {
+        values.set(key, value).unwrap();
+    }
+    Scenario::new(values).unwrap()
+}
+
+/// Everything that a run yields.
+pub struct Run {
+    pub samples: Vec<Sample>,
+    pub events: Vec<Event>,
+    pub cycles: Vec<NutationCycle>,
+    pub outcome: Outcome,
+}
+
+impl Run {
+    pub fn of(scenario: &Scenario) -> Self {
+        let mut simulation = Simulation::new(scenario).unwrap();
+        let (mut samples, mut events, mut cycles) = (Vec::new(), Vec::new(), Vec::new());
+        for record in simulation.by_ref() {
+            match record.unwrap() {
+                Record::Sample(sample) => samples.push(*sample),
+                Record::Event(event) => events.push(*event),
+                Record::Nutation(cycle) => cycles.push(*cycle),
+            }
+        }
+        Self {
+            samples,
+            events,
+            cycles,
+            outcome: simulation.outcome(),
+        }
+    }
+
+    /// The sample at a time in seconds that is one of the sample times.
+    pub fn at(&self, time: f64) -> &Sample {
+        let time_ns = (time * 1e9).round() as u64;
+        let found = self.samples.iter().find(|s| s.time_ns == time_ns);
+        found.unwrap_or_else(|| panic!("no sample at {time} s"))
+    }
+
+    pub fn events_of(&self, kind: EventKind) -> impl Iterator<Item = &Event> {
+        self.events.iter().filter(move |event| event.kind == kind)
+    }
+
+    pub fn first(&self, kind: EventKind) -> &Event {
+        self.events_of(kind)
+            .next()
+            .unwrap_or_else(|| panic!("no {kind:?}"))
+    }
+}
+
+/// Asserts |actual − expected| ≤ tolerance.
+#[track_caller]
+pub fn assert_near(what: &str, actual: f64, expected: f64, tolerance: f64) {
+    let error = (actual - expected).abs();
+    assert!(
+        error <= tolerance,
+        "{what}: {actual:?} differs from {expected:?} by {error:e}, more than {tolerance:e}"
+    );
+}

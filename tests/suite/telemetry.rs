@@ -1,0 +1,233 @@
+//! The table of channels and what follows from it.
+
+use crate::support::scenario;
+use serde_json::Value;
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+use toprise::simulation::Simulation;
+use toprise::sink::memory::{MemorySink, Owned};
+use toprise::sink::{Sink, record};
+use toprise::telemetry::digest::ContentDigest;
+use toprise::telemetry::json::JsonEncoder;
+use toprise::telemetry::schema::{file_name, json_schema};
+use toprise::telemetry::{Message, Telemetry, channels};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn short_run(overrides: &[(&str, &str)]) -> MemorySink {
+    let mut all = vec![("stop.duration", "0.2")];
+    all.extend_from_slice(overrides);
+    let scenario = scenario("paper", &all);
+    let mut sink = MemorySink::default();
+    let mut simulation = Simulation::new(&scenario).unwrap();
+    let mut sinks: Vec<&mut dyn Sink> = vec![&mut sink];
+    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+    record(
+        &mut simulation,
+        &mut Telemetry::default(),
+        &mut sinks,
+        carry_on,
+    )
+    .unwrap();
+    sink
+}
+
+fn borrowed(message: &Owned) -> Message<'_> {
+    Message {
+        channel: message.channel,
+        sequence: message.sequence,
+        time_ns: message.time_ns,
+        numbers: &message.numbers,
+        texts: &message.texts,
+    }
+}
+
+#[test]
+fn regress_the_committed_schemas_are_those_of_the_table() {
+    let directory = root().join("schemas");
+    for channel in channels() {
+        let path = directory.join(file_name(channel));
+        let committed = fs::read_to_string(&path).unwrap_or_default();
+        assert_eq!(
+            committed,
+            json_schema(channel),
+            "{} is out of date: run `cargo run -- schema --write schemas`",
+            path.display()
+        );
+    }
+    assert_eq!(fs::read_dir(&directory).unwrap().count(), channels().len());
+}
+
+#[test]
+fn the_readme_lists_every_channel() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    for channel in channels() {
+        let row = format!("| `{}` | {} |", channel.topic, channel.meaning);
+        assert!(readme.contains(&row), "README.md lacks the row {row}");
+    }
+}
+
+/// The rules of the strictest viewers: objects with properties, plain types, nothing else.
+fn lint(path: &str, schema: &Value) {
+    let object = schema.as_object().unwrap();
+    for key in object.keys() {
+        let allowed = [
+            "$schema",
+            "title",
+            "description",
+            "type",
+            "properties",
+            "required",
+        ];
+        assert!(allowed.contains(&key.as_str()), "{path}: {key}");
+    }
+    match object["type"].as_str().unwrap() {
+        "object" => {
+            let properties = object["properties"].as_object().unwrap();
+            let required = object["required"].as_array().unwrap();
+            assert_eq!(properties.len(), required.len(), "{path}");
+            for (name, inner) in properties {
+                lint(&format!("{path}.{name}"), inner);
+            }
+        }
+        "number" | "integer" | "string" => assert!(!object.contains_key("properties")),
+        other => panic!("{path}: type {other}"),
+    }
+    let description = object["description"].as_str().unwrap();
+    assert!(!description.is_empty(), "{path}");
+}
+
+#[test]
+fn schemas_keep_to_what_every_viewer_reads() {
+    for channel in channels() {
+        let schema: Value = serde_json::from_str(&json_schema(channel)).unwrap();
+        lint(channel.topic, &schema);
+        assert_eq!(schema["title"], channel.schema);
+    }
+}
+
+/// The JSON value at a path of the table.
+fn at<'a>(message: &'a Value, path: &str) -> &'a Value {
+    path.split('.').fold(message, |value, part| &value[part])
+}
+
+/// Whether a message has exactly the members that a schema requires, of the right types.
+fn conforms(message: &Value, schema: &Value) -> bool {
+    match schema["type"].as_str().unwrap() {
+        "object" => {
+            let (Some(members), properties) = (
+                message.as_object(),
+                schema["properties"].as_object().unwrap(),
+            ) else {
+                return false;
+            };
+            members.len() == properties.len()
+                && properties.iter().all(|(name, inner)| {
+                    members
+                        .get(name)
+                        .is_some_and(|member| conforms(member, inner))
+                })
+        }
+        "integer" => message.is_u64(),
+        "number" => message.is_number(),
+        _ => message.is_string(),
+    }
+}
+
+#[test]
+fn json_messages_carry_every_bit_and_fit_their_schema() {
+    let sink = short_run(&[]);
+    let encoder = JsonEncoder::default();
+    let mut seen = vec![0; channels().len()];
+    for message in &sink.messages {
+        let channel = &channels()[message.channel];
+        let mut bytes = Vec::new();
+        encoder.encode(&borrowed(message), &mut bytes);
+        let json: Value = serde_json::from_slice(&bytes).unwrap();
+        let schema: Value = serde_json::from_str(&json_schema(channel)).unwrap();
+        assert!(conforms(&json, &schema), "{}: {json}", channel.topic);
+        let sec = json["timestamp"]["sec"].as_u64().unwrap();
+        let nsec = json["timestamp"]["nsec"].as_u64().unwrap();
+        assert_eq!(sec * 1_000_000_000 + nsec, message.time_ns);
+        for (leaf, number) in channel.numbers.iter().zip(&message.numbers) {
+            let back = at(&json, &leaf.path).as_f64().unwrap();
+            assert_eq!(
+                back.to_bits(),
+                number.to_bits(),
+                "{} {}",
+                channel.topic,
+                leaf.path
+            );
+        }
+        for (leaf, text) in channel.texts.iter().zip(&message.texts) {
+            assert_eq!(at(&json, &leaf.path), text);
+        }
+        seen[message.channel] += 1;
+    }
+    assert!(seen.iter().all(|count| *count > 0), "{seen:?}");
+}
+
+#[test]
+fn messages_come_in_the_order_of_their_times_at_exact_times() {
+    let sink = short_run(&[("sampling.period", "0.0003")]);
+    let times: Vec<_> = sink.messages.iter().map(|m| m.time_ns).collect();
+    assert!(times.is_sorted());
+    let states: Vec<_> = sink.messages.iter().filter(|m| m.channel == 0).collect();
+    for (i, message) in states.iter().enumerate() {
+        assert_eq!(message.time_ns, i as u64 * 300_000);
+        assert_eq!(message.sequence as usize, i);
+    }
+    assert_eq!(states.len(), 667);
+}
+
+#[test]
+fn the_digest_sees_every_bit_but_not_the_interleaving() {
+    let sink = short_run(&[("stop.duration", "0.05")]);
+    let digest = |messages: &[Owned]| {
+        let mut digest = ContentDigest::default();
+        messages
+            .iter()
+            .for_each(|message| digest.update(&borrowed(message)));
+        digest.finish()
+    };
+    let original = digest(&sink.messages);
+    assert_eq!(original, sink.digest.finish());
+    let mut by_channel = sink.messages.clone();
+    by_channel.sort_by_key(|message| message.channel);
+    assert_eq!(digest(&by_channel), original);
+
+    for i in [0, 1, 17, sink.messages.len() - 1] {
+        let mut changed = sink.messages.clone();
+        let number = &mut changed[i].numbers[0];
+        *number = f64::from_bits(number.to_bits() ^ 1);
+        assert_ne!(digest(&changed), original);
+        let mut changed = sink.messages.clone();
+        changed[i].time_ns += 1;
+        assert_ne!(digest(&changed), original);
+        let mut changed = sink.messages.clone();
+        changed.remove(i);
+        assert_ne!(digest(&changed), original);
+    }
+}
+
+#[test]
+fn topics_that_are_not_wanted_are_not_made() {
+    let topics = ["/top/state".to_owned(), "/events".to_owned()];
+    let mut telemetry = Telemetry::with_topics(&topics).unwrap();
+    let scenario = scenario("paper", &[("stop.duration", "0.1")]);
+    let mut sink = MemorySink::default();
+    let mut simulation = Simulation::new(&scenario).unwrap();
+    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+    record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    let mut seen: Vec<_> = sink
+        .messages
+        .iter()
+        .map(|m| channels()[m.channel].topic)
+        .collect();
+    seen.sort_unstable();
+    seen.dedup();
+    assert_eq!(seen, ["/events", "/top/state"]);
+}
