@@ -4,14 +4,14 @@
 //! and channels; the messages; the metadata record `toprise.end`. A file without the last was
 //! interrupted. Nothing in it depends on when or where it was made.
 //!
-//! Messages are encoded on the caller's thread, and compressed and written on another, one after the
-//! other: the bytes are those of a single thread.
+//! Messages are encoded on the caller's thread; another takes their digest, compresses and writes them, one
+//! after the other: the bytes are those of a single thread.
 
 use super::publish::{Existing, Place};
 use super::{Sink, SinkError};
 use crate::scenario::Scenario;
 use crate::simulation::Outcome;
-use crate::telemetry::digest::ContentDigest;
+use crate::telemetry::digest::{ContentDigest, append_content};
 use crate::telemetry::json::JsonEncoder;
 use crate::telemetry::schema::json_schema;
 use crate::telemetry::{Message, Telemetry, channels};
@@ -45,7 +45,6 @@ type FileWriter = Writer<NoSeek<BufWriter<File>>>;
 #[derive(Debug)]
 pub struct McapSink {
     encoder: JsonEncoder,
-    digest: ContentDigest,
     /// MCAP channel ids; 0 for channels that are not logged.
     channel_ids: Vec<u16>,
     batch: Batch,
@@ -67,15 +66,29 @@ pub struct Archived {
 /// Encoded messages on their way to the writing thread.
 #[derive(Debug, Default)]
 struct Batch {
+    /// Their JSON, one after the other.
     data: Vec<u8>,
-    /// Header of each message and where its data ends.
-    messages: Vec<(MessageHeader, usize)>,
+    /// What the digest takes in of them, likewise.
+    content: Vec<u8>,
+    messages: Vec<Entry>,
+}
+
+/// A message in a batch.
+#[derive(Debug)]
+struct Entry {
+    header: MessageHeader,
+    /// Its channel in the table.
+    channel: usize,
+    /// Where its JSON ends.
+    data_end: usize,
+    /// Where its content ends.
+    content_end: usize,
 }
 
 enum Job {
     Write(Batch),
     Flush,
-    Finish(Box<Metadata>),
+    Finish(Box<Outcome>),
 }
 
 /// The writing thread, and the way to it.
@@ -84,7 +97,7 @@ struct Worker {
     jobs: Option<SyncSender<Job>>,
     /// Batches come back empty, to be filled again.
     empty: Receiver<Batch>,
-    thread: Option<JoinHandle<Result<u64, SinkError>>>,
+    thread: Option<JoinHandle<Result<Option<Archived>, SinkError>>>,
 }
 
 impl McapSink {
@@ -108,7 +121,6 @@ impl McapSink {
         })?;
         Ok(Self {
             encoder: JsonEncoder::default(),
-            digest: ContentDigest::default(),
             channel_ids,
             batch: Batch::default(),
             worker: Worker::start(writer, place.clone()),
@@ -122,15 +134,9 @@ impl McapSink {
     /// [`SinkError`] if anything could not be written; the partial file is kept.
     pub fn finish(mut self, outcome: &Outcome) -> Result<Archived, SinkError> {
         self.send_batch()?;
-        let digest = self.digest.finish();
-        let end = Box::new(end_record(outcome, &digest));
-        self.worker.send(Job::Finish(end), self.place.path())?;
-        let bytes = self.worker.join(self.place.path())?;
-        Ok(Archived {
-            path: self.place.path().to_owned(),
-            bytes,
-            digest,
-        })
+        let path = self.place.path();
+        self.worker.send(Job::Finish(Box::new(*outcome)), path)?;
+        self.worker.join(path)?.ok_or_else(|| died(path))
     }
 
     /// Gives up a recording that has not begun, and removes its file.
@@ -152,15 +158,20 @@ impl McapSink {
 
 impl Sink for McapSink {
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        self.digest.update(message);
-        self.encoder.encode(message, &mut self.batch.data);
-        let header = MessageHeader {
-            channel_id: self.channel_ids[message.channel],
-            sequence: message.sequence,
-            log_time: message.time_ns,
-            publish_time: message.time_ns,
-        };
-        self.batch.messages.push((header, self.batch.data.len()));
+        let batch = &mut self.batch;
+        self.encoder.encode(message, &mut batch.data);
+        append_content(message, &mut batch.content);
+        batch.messages.push(Entry {
+            header: MessageHeader {
+                channel_id: self.channel_ids[message.channel],
+                sequence: message.sequence,
+                log_time: message.time_ns,
+                publish_time: message.time_ns,
+            },
+            channel: message.channel,
+            data_end: batch.data.len(),
+            content_end: batch.content.len(),
+        });
         if self.batch.data.len() < BATCH_BYTES {
             return Ok(());
         }
@@ -195,18 +206,20 @@ impl Worker {
         }
         // The thread only goes away before the end when it has failed.
         self.join(path)?;
-        Err(SinkError::WriterDied {
-            path: path.to_owned(),
-        })
+        Err(died(path))
     }
 
-    fn join(&mut self, path: &Path) -> Result<u64, SinkError> {
+    /// Waits for the thread: what it has finished, or nothing if it was not asked to finish.
+    fn join(&mut self, path: &Path) -> Result<Option<Archived>, SinkError> {
         self.jobs = None;
-        let died = || SinkError::WriterDied {
-            path: path.to_owned(),
-        };
-        let thread = self.thread.take().ok_or_else(died)?;
-        thread.join().map_err(|_| died())?
+        let thread = self.thread.take().ok_or_else(|| died(path))?;
+        thread.join().map_err(|_| died(path))?
+    }
+}
+
+fn died(path: &Path) -> SinkError {
+    SinkError::WriterDied {
+        path: path.to_owned(),
     }
 }
 
@@ -221,61 +234,63 @@ impl Drop for Worker {
     }
 }
 
-/// The writing thread: returns the size of the finished file, or 0 if it was abandoned.
+/// The writing thread: returns the finished file, or nothing if it was abandoned.
 fn work(
     mut writer: FileWriter,
     place: &Place,
     jobs: &Receiver<Job>,
     returned: &Sender<Batch>,
-) -> Result<u64, SinkError> {
-    let failed = |reason| SinkError::Mcap {
-        path: place.partial(),
-        reason,
-    };
+) -> Result<Option<Archived>, SinkError> {
+    let mut digest = ContentDigest::default();
     for job in jobs {
         let done = match job {
             Job::Write(mut batch) => {
-                let written = write_batch(&mut writer, &batch);
+                let written = write_batch(&mut writer, &mut digest, &batch);
                 batch.data.clear();
+                batch.content.clear();
                 batch.messages.clear();
                 // Nobody waits for it once the sink is gone.
                 let _ = returned.send(batch);
                 written
             }
             Job::Flush => writer.flush(),
-            Job::Finish(end) => {
-                return match writer
-                    .write_metadata(&end)
-                    .and_then(|()| finish(&mut writer))
-                {
-                    Ok(()) => publish(writer, place),
-                    Err(error) => {
-                        abandon(writer);
-                        Err(failed(error))
-                    }
-                };
-            }
+            Job::Finish(outcome) => match end(&mut writer, &outcome, &digest.finish()) {
+                Ok(()) => return publish(writer, place, digest.finish()).map(Some),
+                Err(error) => Err(error),
+            },
         };
-        if let Err(error) = done {
+        if let Err(reason) = done {
             abandon(writer);
-            return Err(failed(error));
+            return Err(SinkError::Mcap {
+                path: place.partial(),
+                reason,
+            });
         }
     }
     let _ = writer.flush();
     abandon(writer);
-    Ok(0)
+    Ok(None)
 }
 
-fn write_batch(writer: &mut FileWriter, batch: &Batch) -> Result<(), McapError> {
-    let mut start = 0;
-    for (header, end) in &batch.messages {
-        writer.write_to_known_channel(header, &batch.data[start..*end])?;
-        start = *end;
+fn write_batch(
+    writer: &mut FileWriter,
+    digest: &mut ContentDigest,
+    batch: &Batch,
+) -> Result<(), McapError> {
+    let (mut data_start, mut content_start) = (0, 0);
+    for entry in &batch.messages {
+        digest.absorb(
+            entry.channel,
+            &batch.content[content_start..entry.content_end],
+        );
+        writer.write_to_known_channel(&entry.header, &batch.data[data_start..entry.data_end])?;
+        (data_start, content_start) = (entry.data_end, entry.content_end);
     }
     Ok(())
 }
 
-fn finish(writer: &mut FileWriter) -> Result<(), McapError> {
+fn end(writer: &mut FileWriter, outcome: &Outcome, digest: &str) -> Result<(), McapError> {
+    writer.write_metadata(&end_record(outcome, digest))?;
     writer.finish().map(|_| ())
 }
 
@@ -284,7 +299,7 @@ fn abandon(writer: FileWriter) {
     let _ = writer.into_inner().into_inner().into_inner();
 }
 
-fn publish(writer: FileWriter, place: &Place) -> Result<u64, SinkError> {
+fn publish(writer: FileWriter, place: &Place, digest: String) -> Result<Archived, SinkError> {
     let partial = |reason: io::Error| SinkError::Io {
         action: "write",
         path: place.partial(),
@@ -297,7 +312,11 @@ fn publish(writer: FileWriter, place: &Place) -> Result<u64, SinkError> {
         .map_err(|error| partial(error.into_error()))?;
     let bytes = file.metadata().map_err(partial)?.len();
     place.publish(&file)?;
-    Ok(bytes)
+    Ok(Archived {
+        path: place.path().to_owned(),
+        bytes,
+        digest,
+    })
 }
 
 /// Writes everything that comes before the messages.

@@ -31,16 +31,17 @@ impl Place {
     /// # Errors
     /// [`SinkError::Exists`] if the file, or a partial one, is there; [`SinkError::Io`] otherwise.
     pub fn reserve(path: &Path, existing: Existing) -> Result<(Self, File), SinkError> {
+        // A directory, a device, a pipe: a rename would put a file in its place.
+        if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
+            return Err(SinkError::Exists {
+                path: path.to_owned(),
+                advice: "and is not a file; name one",
+            });
+        }
         if existing == Existing::Keep && path.symlink_metadata().is_ok() {
             return Err(SinkError::Exists {
                 path: path.to_owned(),
                 advice: "choose another name with -o, or replace it with --force",
-            });
-        }
-        if path.is_dir() {
-            return Err(SinkError::Exists {
-                path: path.to_owned(),
-                advice: "it is a directory; name a file in it",
             });
         }
         if let Some(directory) = path.parent() {

@@ -33,6 +33,7 @@ use self::track::{Numbers, Texts, Track};
 pub use self::viewer::Live;
 use super::{Sink, SinkError};
 use crate::telemetry::{ChannelInfo, Leaf, Message, channels};
+use crate::top::Top;
 
 /// The application that all recordings belong to.
 const APPLICATION: &str = "toprise";
@@ -60,19 +61,8 @@ pub enum RerunError {
 /// Dimensions of the top and scales of the arrows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
-    /// Mass in kg.
-    pub mass: f64,
-    /// Moment of inertia about an axis through the peg's centre, perpendicular to the symmetry
-    /// axis, in kg m².
-    pub transverse_moment: f64,
-    /// Moment of inertia about the symmetry axis, in kg m².
-    pub axial_moment: f64,
-    /// Distance from the peg's centre to the centre of mass, in m.
-    pub center_distance: f64,
-    /// Radius of the spherical peg in m.
-    pub peg_radius: f64,
-    /// Gravitational acceleration in m/s².
-    pub gravity: f64,
+    /// The top.
+    pub top: Top,
     /// A typical friction force (k times the normal force) in N; 0 without friction.
     pub force_scale: f64,
     /// A typical slip speed, as at the start, in m/s.
@@ -140,7 +130,7 @@ impl RerunSink {
         let id = identity.recording_id.as_str();
         let store = StoreId::new(StoreKind::Recording, APPLICATION, id);
         let mut outlet = Outlet::open(store, destinations)?;
-        let proportions = Proportions::new(&identity.geometry);
+        let proportions = Proportions::new(&identity.geometry.top);
         for message in blueprint::messages(identity, &proportions)? {
             outlet.send(&message)?;
         }
@@ -319,7 +309,7 @@ impl EventTrack {
             &mut self.track
         };
         track.push(outlet, message.time_ns, |rows| {
-            rows.push(format!("{}: {description}", name.replace('_', " ")));
+            rows.push(description.clone());
         })
     }
 
@@ -344,12 +334,14 @@ mod tests {
             name: "test".to_owned(),
             description: "# Test".to_owned(),
             geometry: Geometry {
-                mass: 0.110,
-                transverse_moment: 8.52e-5,
-                axial_moment: 7.25e-5,
-                center_distance: 0.020,
-                peg_radius: 0.007,
-                gravity: 9.81,
+                top: Top {
+                    mass: 0.110,
+                    transverse_moment: 8.52e-5,
+                    axial_moment: 7.25e-5,
+                    center_distance: 0.020,
+                    peg_radius: 0.007,
+                    gravity: 9.81,
+                },
                 force_scale: 0.0324,
                 slip_scale: 0.57,
             },

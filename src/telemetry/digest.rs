@@ -14,34 +14,41 @@ use sha2::{Digest as _, Sha256};
 #[derive(Clone, Debug)]
 pub struct ContentDigest {
     channels: Vec<(Sha256, u64)>,
-    bytes: Vec<u8>,
 }
 
 impl Default for ContentDigest {
     fn default() -> Self {
         Self {
             channels: vec![(Sha256::new(), 0); channels().len()],
-            bytes: Vec::new(),
         }
+    }
+}
+
+/// Appends to `bytes` what the digest takes in of a message.
+pub fn append_content(message: &Message<'_>, bytes: &mut Vec<u8>) {
+    bytes.extend_from_slice(&message.sequence.to_le_bytes());
+    bytes.extend_from_slice(&message.time_ns.to_le_bytes());
+    for number in message.numbers {
+        bytes.extend_from_slice(&number.to_bits().to_le_bytes());
+    }
+    for text in message.texts {
+        bytes.extend_from_slice(&(text.len() as u64).to_le_bytes());
+        bytes.extend_from_slice(text.as_bytes());
     }
 }
 
 impl ContentDigest {
     /// Takes in the next message of its channel.
     pub fn update(&mut self, message: &Message<'_>) {
-        let bytes = &mut self.bytes;
-        bytes.clear();
-        bytes.extend_from_slice(&message.sequence.to_le_bytes());
-        bytes.extend_from_slice(&message.time_ns.to_le_bytes());
-        for number in message.numbers {
-            bytes.extend_from_slice(&number.to_bits().to_le_bytes());
-        }
-        for text in message.texts {
-            bytes.extend_from_slice(&(text.len() as u64).to_le_bytes());
-            bytes.extend_from_slice(text.as_bytes());
-        }
-        let (hash, count) = &mut self.channels[message.channel];
-        hash.update(bytes);
+        let mut content = Vec::new();
+        append_content(message, &mut content);
+        self.absorb(message.channel, &content);
+    }
+
+    /// Takes in the next message of a channel, as [`append_content`] wrote it.
+    pub fn absorb(&mut self, channel: usize, content: &[u8]) {
+        let (hash, count) = &mut self.channels[channel];
+        hash.update(content);
         *count += 1;
     }
 

@@ -115,6 +115,19 @@ fn nothing_is_written_over() {
 }
 
 #[test]
+fn what_is_not_a_file_is_not_replaced() {
+    let directory = tempfile::tempdir().unwrap();
+    for existing in [Existing::Keep, Existing::Replace] {
+        let error = archive(directory.path(), &short(), existing).unwrap_err();
+        assert!(error.to_string().contains("not a file"), "{error}");
+    }
+    if cfg!(unix) {
+        let error = archive(Path::new("/dev/null"), &short(), Existing::Replace).unwrap_err();
+        assert!(error.to_string().contains("not a file"), "{error}");
+    }
+}
+
+#[test]
 fn a_partial_recording_is_not_written_over() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");

@@ -4,7 +4,7 @@ use crate::support::{Run, assert_near, scenario};
 use nalgebra::Vector3;
 use toprise::kinematics::{Euler, Tilt};
 use toprise::scenario::Scenario;
-use toprise::simulation::{EventKind, StopReason};
+use toprise::simulation::{EventKind, Sample, StopReason};
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |largest, value| largest.max(value.abs()))
@@ -81,6 +81,13 @@ fn val_energy_lost_is_weight_times_path_under_full_friction() {
     assert_near("loss", lost, 0.03 * 0.110 * 9.81 * path, 1e-12);
 }
 
+/// The paper's friction factor K F = k M g R ψ̇/√(θ̇² + ψ̇² sin² θ), N m.
+fn k_f(sample: &Sample) -> f64 {
+    let Tilt { sin, rates, .. } = sample.tilt;
+    let v = (rates.theta * rates.theta + rates.psi * rates.psi * sin * sin).sqrt();
+    0.03 * 0.110 * 9.81 * 0.007 * rates.psi / v
+}
+
 #[test]
 fn val_the_ablations_change_momenta_as_their_equations_say() {
     // The rates of L_z′ and L_n that follow from dropping a term, from the logged torques.
@@ -94,14 +101,7 @@ fn val_the_ablations_change_momenta_as_their_equations_say() {
             &[("stop.duration", "5"), ("sampling.period", "0.01")],
         ));
         for sample in &run.samples {
-            let Tilt {
-                sin: s,
-                cos: c,
-                rates,
-                ..
-            } = sample.tilt;
-            let v = (rates.theta * rates.theta + rates.psi * rates.psi * s * s).sqrt();
-            let kf = 0.03 * 0.110 * 9.81 * 0.007 * rates.psi / v;
+            let (s, c, kf) = (sample.tilt.sin, sample.tilt.cos, k_f(sample));
             let (vertical, axial) = if precession {
                 (
                     kf * c * (ix * s * s + iz * c * c) / ix,
@@ -133,14 +133,7 @@ fn val_the_paper_keeps_only_the_spin_part_of_friction() {
     for sample in &run.samples {
         // Equation (6): no friction about the line of nodes, and the magnitude of (4) otherwise.
         assert_eq!(sample.friction_torque.node.x, 0.0);
-        let Tilt {
-            sin: s,
-            cos: c,
-            rates,
-            ..
-        } = sample.tilt;
-        let v = (rates.theta * rates.theta + rates.psi * rates.psi * s * s).sqrt();
-        let kf = 0.03 * 0.110 * 9.81 * 0.007 * rates.psi / v;
+        let (s, c, kf) = (sample.tilt.sin, sample.tilt.cos, k_f(sample));
         assert_near(
             "perpendicular",
             sample.friction_torque.node.y,

@@ -37,7 +37,7 @@ impl Viewer {
         if file.is_none() && live.is_none() {
             return Ok(Self { sink: None, place });
         }
-        let identity = identity(arguments, scenario, telemetry);
+        let identity = identity(arguments, plan, scenario, telemetry);
         let sink = RerunSink::new(&identity, Destinations { file, live });
         let mut sink = sink.map_err(SinkError::from)?;
         warn_all(sink.take_warnings());
@@ -75,21 +75,22 @@ fn warn_all(warnings: Vec<String>) {
     }
 }
 
-fn identity(arguments: &RunArguments, scenario: &Scenario, telemetry: &Telemetry) -> Identity {
+fn identity(
+    arguments: &RunArguments,
+    plan: &Plan,
+    scenario: &Scenario,
+    telemetry: &Telemetry,
+) -> Identity {
+    let stem = plan.mcap.file_stem().unwrap_or_default().to_string_lossy();
     let top = &scenario.model.top;
-    let live_only_paced = arguments.realtime.is_some();
     let topics = channels().iter().enumerate();
     Identity {
-        recording_id: format!("{}-{:.16}", scenario.name(), scenario.digest()),
-        name: scenario.name().to_owned(),
+        // Two runs of one scenario are two recordings to a viewer, as they are two files.
+        recording_id: format!("{stem}-{:.16}", scenario.digest()),
+        name: stem.into_owned(),
         description: description(scenario),
         geometry: Geometry {
-            mass: top.mass,
-            transverse_moment: top.transverse_moment,
-            axial_moment: top.axial_moment,
-            center_distance: top.center_distance,
-            peg_radius: top.peg_radius,
-            gravity: top.gravity,
+            top: *top,
             force_scale: scenario.model.friction.law.force_scale(top.weight()),
             slip_scale: scenario.slip_speed_at_start(),
         },
@@ -97,7 +98,7 @@ fn identity(arguments: &RunArguments, scenario: &Scenario, telemetry: &Telemetry
             .filter(|(index, _)| telemetry.wants(*index))
             .map(|(_, channel)| channel.topic.to_owned())
             .collect(),
-        playback: if live_only_paced {
+        playback: if arguments.realtime.is_some() {
             Playback::Following
         } else {
             Playback::PausedAtStart

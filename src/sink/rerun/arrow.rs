@@ -70,7 +70,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         in_body_axes: true,
         from: From::PegCenter,
         length: 2.6,
-        scale: |geometry| Some(geometry.mass * geometry.gravity * geometry.center_distance.abs()),
+        scale: |geometry| Some(geometry.top.gravity_moment().abs()),
         unit: "N m",
     },
     ArrowKind {
@@ -82,7 +82,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         in_body_axes: true,
         from: From::PegCenter,
         length: 1.5,
-        scale: |geometry| Some(geometry.force_scale * geometry.peg_radius),
+        scale: |geometry| Some(geometry.force_scale * geometry.top.peg_radius),
         unit: "N m",
     },
     ArrowKind {
@@ -119,7 +119,7 @@ impl ArrowKind {
 /// What the arrows mean and how long they are, in Markdown.
 pub(super) fn explanation(identity: &Identity) -> String {
     let geometry = &identity.geometry;
-    let height = Proportions::new(geometry).tip;
+    let height = Proportions::new(&geometry.top).tip;
     let mut text = "\n\n## Arrows\n\n| arrow | length |\n| --- | --- |\n".to_owned();
     for kind in ARROWS.iter().filter(|kind| kind.exists(identity)) {
         let size = match (kind.scale)(geometry) {

@@ -398,3 +398,29 @@ impl Layout {
         self.messages
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::telemetry::channels;
+
+    #[test]
+    fn every_plot_shows_entities_that_the_table_has() {
+        let entities: Vec<String> = channels()
+            .iter()
+            .flat_map(|channel| {
+                let leaves = channel.numbers.iter();
+                leaves.map(|leaf| format!("{}/{}", channel.topic, leaf.plot))
+            })
+            .collect();
+        for plot in RISE.iter().chain(&MORE) {
+            for content in plot.contents {
+                assert!(
+                    entities.iter().any(|entity| entity == content),
+                    "{:?} shows {content}, which no leaf of the table belongs to",
+                    plot.name
+                );
+            }
+        }
+    }
+}

@@ -65,7 +65,7 @@ impl Scene {
         outlet: &mut Outlet,
     ) -> Result<Self, RerunError> {
         let geometry = &identity.geometry;
-        let proportions = Proportions::new(geometry);
+        let proportions = Proportions::new(&geometry.top);
         let place = |topic: &str| channels.iter().position(|channel| channel.topic == topic);
         let arrows = ARROWS
             .iter()
@@ -76,7 +76,7 @@ impl Scene {
             pose,
             arrows,
             orientation: None,
-            peg: [0.0, 0.0, geometry.peg_radius],
+            peg: [0.0, 0.0, geometry.top.peg_radius],
         };
         furnish(geometry, &proportions, outlet)?;
         scene
@@ -137,7 +137,7 @@ fn furnish(
     outlet: &mut Outlet,
 ) -> Result<(), RerunError> {
     let radius = 2.1 * proportions.tip;
-    let height = geometry.peg_radius + 1.5 * proportions.tip;
+    let height = geometry.top.peg_radius + 1.5 * proportions.tip;
     outlet.send_static("scene", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
     outlet.send_static("scene/table", &shape::table(radius))?;
     outlet.send_static("scene/table/marks", &shape::table_marks(radius))?;

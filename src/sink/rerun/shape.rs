@@ -7,8 +7,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use rerun::{Color, LineStrips3D, Mesh3D, Radius};
 
-use super::Geometry;
 use crate::math;
+use crate::top::Top;
 
 /// Steps around the axis; a multiple of the number of sectors.
 const STEPS: usize = 96;
@@ -36,10 +36,10 @@ pub(super) struct Proportions {
 
 impl Proportions {
     /// A disc with the top's axial moment of inertia at the height of its centre of mass.
-    pub(super) fn new(geometry: &Geometry) -> Self {
-        let peg = geometry.peg_radius;
-        let disc_height = geometry.center_distance.abs().max(peg);
-        let disc_radius = (2.0 * geometry.axial_moment / geometry.mass).sqrt();
+    pub(super) fn new(top: &Top) -> Self {
+        let peg = top.peg_radius;
+        let disc_height = top.center_distance.abs().max(peg);
+        let disc_radius = (2.0 * top.axial_moment / top.mass).sqrt();
         Self {
             peg,
             disc_height,

@@ -117,3 +117,20 @@ fn of_leaf(topic: &str, leaf: &Leaf, place: usize) -> (String, u32, f32) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::telemetry::channels;
+
+    #[test]
+    fn every_style_belongs_to_a_number_of_the_table() {
+        for (topic, path, _) in &STORY {
+            let channel = channels().iter().find(|channel| channel.topic == *topic);
+            assert!(
+                channel.is_some_and(|channel| channel.number_index(path).is_some()),
+                "{topic} {path}"
+            );
+        }
+    }
+}
