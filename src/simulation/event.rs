@@ -32,7 +32,7 @@ pub enum EventKind {
     NutationMinimum,
     /// θ passes a maximum.
     NutationMaximum,
-    /// θ passes a minimum within [`UPRIGHT`] of zero: the axis swings through the vertical.
+    /// θ passes a minimum within 0.01 rad of zero: the axis swings through the vertical.
     UprightPassage,
     /// The precession turns retrograde: the axis makes loops.
     LoopingBegins,
