@@ -254,10 +254,13 @@ fn work(
                 written
             }
             Job::Flush => writer.flush(),
-            Job::Finish(outcome) => match end(&mut writer, &outcome, &digest.finish()) {
-                Ok(()) => return publish(writer, place, digest.finish()).map(Some),
-                Err(error) => Err(error),
-            },
+            Job::Finish(outcome) => {
+                let digest = digest.finish();
+                match end(&mut writer, &outcome, &digest) {
+                    Ok(()) => return publish(writer, place, digest).map(Some),
+                    Err(error) => Err(error),
+                }
+            }
         };
         if let Err(reason) = done {
             abandon(writer);

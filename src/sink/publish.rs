@@ -35,7 +35,7 @@ impl Place {
         if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
             return Err(SinkError::Exists {
                 path: path.to_owned(),
-                advice: "and is not a file; name one",
+                advice: "it is not a file; name one",
             });
         }
         if existing == Existing::Keep && path.symlink_metadata().is_ok() {

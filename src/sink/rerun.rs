@@ -327,6 +327,7 @@ impl EventTrack {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::Preset;
 
     fn identity(topics: Vec<String>) -> Identity {
         Identity {
@@ -334,14 +335,7 @@ mod tests {
             name: "test".to_owned(),
             description: "# Test".to_owned(),
             geometry: Geometry {
-                top: Top {
-                    mass: 0.110,
-                    transverse_moment: 8.52e-5,
-                    axial_moment: 7.25e-5,
-                    center_distance: 0.020,
-                    peg_radius: 0.007,
-                    gravity: 9.81,
-                },
+                top: Preset::find("paper").unwrap().scenario().unwrap().model.top,
                 force_scale: 0.0324,
                 slip_scale: 0.57,
             },
