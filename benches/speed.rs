@@ -10,7 +10,7 @@ use std::path::Path;
 use toprise::integrate::{Direction, Dop853, System, Tolerances};
 use toprise::scenario::{Preset, Scenario};
 use toprise::simulation::Simulation;
-use toprise::sink::mcap::McapSink;
+use toprise::sink::mcap::{Form, McapSink};
 use toprise::sink::publish::Existing;
 use toprise::sink::{Sink, record};
 use toprise::telemetry::Telemetry;
@@ -114,8 +114,14 @@ fn archive(scenario: &Scenario, topics: &[String], directory: &Path) {
         Telemetry::with_topics(topics).expect("the topics exist")
     };
     let path = directory.join("bench.mcap");
-    let mut sink = McapSink::create(&path, Existing::Replace, scenario, &telemetry)
-        .expect("the directory is writable");
+    let mut sink = McapSink::create(
+        &path,
+        Existing::Replace,
+        scenario,
+        &telemetry,
+        Form::default(),
+    )
+    .expect("the directory is writable");
     let mut simulation = Simulation::new(scenario).expect("the preset is regular");
     let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
     let outcome =

@@ -1,12 +1,22 @@
 //! The command line: arguments, what is printed, exit codes.
 
+mod convert;
 mod format;
 mod info;
+mod interrupt;
 mod output;
 mod presets;
+mod progress;
+mod recover;
 mod run;
 mod schema;
+mod verify;
+#[cfg(feature = "rerun")]
+mod view;
+#[cfg(feature = "rerun")]
+mod viewer;
 
+use crate::telemetry::encoding::Encoding;
 use anyhow::Error;
 use clap::{CommandFactory as _, Parser, Subcommand, ValueEnum};
 use std::io;
@@ -18,6 +28,10 @@ use std::process::ExitCode;
 enum Done {
     /// As asked: exit code 0.
     Well,
+    /// What was compared is not the same, or not right: exit code 1.
+    Differing,
+    /// Something could not be read, which has been said: exit code 2.
+    Unreadable,
     /// With less than was asked for: exit code 3.
     WithLosses,
 }
@@ -42,9 +56,13 @@ Examples:
   toprise presets paper > mine.toml        a scenario file to start from
   toprise run mine.toml -o mine.mcap
   toprise info recordings/paper.mcap
+  toprise view recordings/*.mcap           recordings again in the Rerun viewer
+  toprise verify recordings/*.mcap         whether they can be trusted
+  toprise convert a.mcap b.mcap --encoding protobuf
+  toprise recover a.mcap.partial a.mcap    what an interrupted run left
 
-Exit codes: 0 done; 2 bad usage, unreadable input or failed output; 3 finished with losses
-(interrupted, or the motion could not be integrated to its end).";
+Exit codes: 0 done; 1 verification failed; 2 bad usage, unreadable input or failed output; 3 finished with losses
+(interrupted, parts of a file unreadable, or the motion could not be integrated to its end).";
 
 #[derive(Debug, Subcommand, PartialEq)]
 enum Command {
@@ -58,15 +76,35 @@ enum Command {
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
     },
+    /// Show recordings in Rerun, as the run itself would have been shown.
+    ///
+    /// Without --connect, --serve and --rrd a viewer is started.
+    #[cfg(feature = "rerun")]
+    View(view::ViewArguments),
+    /// Check recordings: container, messages, physics, and whether the simulation gives them again, bit
+    /// for bit.
+    ///
+    /// Exit codes: 0 verified, 1 failed, 2 unreadable, 3 all that is there is right, but something is
+    /// missing (an interrupted, damaged or recovered recording).
+    Verify(verify::VerifyArguments),
+    /// Write a recording in another encoding; content, metadata and attachments stay the same.
+    Convert(convert::ConvertArguments),
+    /// Save what can be read of an interrupted or damaged recording.
+    ///
+    /// Exit codes: 0 nothing was lost, 2 nothing could be saved, 3 saved with losses.
+    Recover(recover::RecoverArguments),
     /// List the presets, or print one as a scenario file.
     Presets {
         /// Preset to print as TOML.
         name: Option<String>,
     },
-    /// List the channels, print one's JSON Schema, or write them all.
+    /// List the channels, print the schema of one, or write them all.
     Schema {
         /// Topic whose schema to print, as in /top/state.
         topic: Option<String>,
+        /// Encoding whose schema to print: JSON Schema or a .proto file.
+        #[arg(long, value_enum, default_value_t = EncodingName::Json, requires = "topic")]
+        encoding: EncodingName,
         /// Write all schemas into this directory, replacing those there.
         #[arg(long, value_name = "DIRECTORY", conflicts_with = "topic")]
         write: Option<PathBuf>,
@@ -87,11 +125,31 @@ enum Format {
     Json,
 }
 
+/// The encoding of a recording's messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum EncodingName {
+    /// JSON with JSON Schema: read everywhere.
+    Json,
+    /// Protocol Buffers: smaller, faster, plotted by Rerun.
+    Protobuf,
+}
+
+impl From<EncodingName> for Encoding {
+    fn from(name: EncodingName) -> Self {
+        match name {
+            EncodingName::Json => Self::Json,
+            EncodingName::Protobuf => Self::Protobuf,
+        }
+    }
+}
+
 /// Runs the program with the arguments of the process.
 #[must_use]
 pub fn main() -> ExitCode {
     match dispatch(Arguments::parse().command) {
         Ok(Done::Well) => ExitCode::SUCCESS,
+        Ok(Done::Differing) => ExitCode::from(1),
+        Ok(Done::Unreadable) => ExitCode::from(2),
         Ok(Done::WithLosses) => ExitCode::from(3),
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
@@ -105,8 +163,17 @@ fn dispatch(command: Command) -> Result<Done, Error> {
     match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Info { file, format } => info::info(&file, format),
+        #[cfg(feature = "rerun")]
+        Command::View(arguments) => view::view(&arguments),
+        Command::Convert(arguments) => convert::convert(&arguments),
+        Command::Recover(arguments) => recover::recover(&arguments),
+        Command::Verify(arguments) => verify::verify(&arguments),
         Command::Presets { name } => presets::presets(name.as_deref()),
-        Command::Schema { topic, write } => schema::schema(topic.as_deref(), write.as_deref()),
+        Command::Schema {
+            topic,
+            encoding,
+            write,
+        } => schema::schema(topic.as_deref(), encoding, write.as_deref()),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "toprise", &mut script);

@@ -26,14 +26,19 @@
 //! writing and reading back; [`cli`], the program.
 
 pub mod cli;
+pub mod convert;
+pub mod drawing;
 pub mod dynamics;
 pub mod friction;
 pub mod integrate;
 pub mod kinematics;
 pub mod math;
 pub mod recording;
+pub mod recover;
 pub mod scenario;
 pub mod simulation;
 pub mod sink;
 pub mod telemetry;
 pub mod top;
+pub mod verify;
+pub mod view;

@@ -1,24 +1,44 @@
 //! Reading recordings back.
 //!
-//! [`Overview`] reads a file once from start to end in bounded memory, as far as it is readable, and
-//! tells what is in it. [`end_record`] reads only the end of a whole file.
+//! [`Recording::open`] finds out where everything is in a file, past whatever is damaged, and what
+//! kind of file it is. [`Recording::reader`] gives its messages with the very bits that were written,
+//! [`Recording::series`] single quantities, [`Overview`] says what is in it.
+//!
+//! ```no_run
+//! use toprise::recording::Recording;
+//!
+//! let recording = Recording::open("recordings/paper.mcap".as_ref())?;
+//! let theta = recording.series("/top/state", "theta")?;
+//! println!("{} {} at {} ns", theta.values[0], theta.unit, theta.times_ns[0]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-use crate::scenario::Scenario;
-use crate::sink::mcap::{END_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT};
-use mcap::McapError;
-use mcap::records::{Metadata, Record};
-use mcap::sans_io::{
-    LinearReadEvent, LinearReader, LinearReaderOptions, SummaryReadEvent, SummaryReader,
-};
-use serde_json::Value;
+mod channels;
+mod layout;
+mod loss;
+mod overview;
+mod reader;
+pub(crate) mod scan;
+pub(crate) mod section;
+mod series;
+pub(crate) mod source;
+
+pub use self::channels::{FileChannel, FileSchema};
+use self::layout::Layout;
+pub use self::loss::{Loss, Span};
+pub use self::overview::{ChannelOverview, EventOverview, Overview};
+pub use self::reader::{Any, Reader, Selection, Undecoded};
+use self::scan::HEAD;
+pub use self::series::{Columns, Series, SeriesError};
+use self::source::Source;
+use crate::scenario::{Scenario, ScenarioError};
+use crate::sink::mcap::{END_RECORD, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT};
+use crate::telemetry::encoding::{DecodeError, Encoding, FieldDifferences};
+use mcap::records::Record;
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
-
-/// No record of a recording is longer than this; a longer one is damage.
-const LONGEST_RECORD: usize = 1 << 30;
 
 /// Why a file can't be read at all.
 #[derive(Debug, Error)]
@@ -26,224 +46,282 @@ pub enum RecordingError {
     /// The file system refused.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// It is a directory.
+    #[error("it is a directory; name an MCAP file")]
+    Directory,
+    /// It is a device, a pipe or the like.
+    #[error("it is not a file")]
+    NoFile,
     /// It is empty.
     #[error("the file is empty")]
     Empty,
-    /// It is something else, or nothing of it is readable.
-    #[error("not an MCAP file, or damaged at its very start: {0}")]
-    NotMcap(McapError),
+    /// It is something else.
+    #[error("not an MCAP file: it doesn't begin like one")]
+    NotMcap,
+    /// A topic of ours has two channels.
+    #[error("it has two channels {0}: which one counts can't be known")]
+    TwoChannels(String),
 }
 
-/// What is in an MCAP file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Overview {
-    /// The entries of the `toprise.run` record; `None` if the file is not a recording of toprise.
-    pub run: Option<BTreeMap<String, String>>,
-    /// The entries of the `toprise.end` record; `None` if the run did not reach its end.
-    pub end: Option<BTreeMap<String, String>>,
-    /// The scenario as TOML.
-    pub scenario: Option<String>,
-    /// The channels, in the order of the file.
-    pub channels: Vec<ChannelOverview>,
-    /// The messages on `/events`.
-    pub events: Vec<EventOverview>,
-    /// Why the file can't be read further, if it can't.
-    pub damage: Option<String>,
+/// Why a message can't be decoded.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{topic} message {sequence} at {} s: {reason}", *time_ns as f64 / 1e9)]
+pub struct MessageError {
+    /// Its topic.
+    pub topic: &'static str,
+    /// Its sequence number.
+    pub sequence: u32,
+    /// Its time, ns.
+    pub time_ns: u64,
+    /// What is wrong.
+    pub reason: DecodeError,
 }
 
-/// A channel of a file.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct ChannelOverview {
-    /// MCAP channel id.
-    pub id: u16,
-    /// Topic.
-    pub topic: String,
-    /// Encoding of its messages.
-    pub encoding: String,
-    /// Name of its message type, empty if it has none.
-    pub schema: String,
-    /// Number of messages.
-    pub messages: u64,
-    /// Bytes of all messages.
-    pub bytes: u64,
-    /// Time of the first message, ns.
-    pub first_ns: u64,
-    /// Time of the last message, ns.
-    pub last_ns: u64,
+/// Why a recording gives no scenario.
+#[derive(Debug, Error)]
+pub enum NoScenario {
+    /// It has none.
+    #[error("no scenario is attached to it")]
+    Missing,
+    /// The attachment is damaged.
+    #[error("its scenario is damaged: {0}")]
+    Damaged(String),
+    /// This version can't read it.
+    #[error("its scenario can't be used: {0}")]
+    Unusable(#[from] ScenarioError),
 }
 
-impl ChannelOverview {
-    /// Mean rate of the messages, Hz; `None` for fewer than two.
+/// What kind of file it is, as far as opening it tells: damage inside of chunks is found in reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// An MCAP file that toprise did not write.
+    Foreign,
+    /// A recording with its end record, readable throughout.
+    Whole,
+    /// A recording without an end record: the run was cut off, but nothing else is wrong.
+    Interrupted,
+    /// A recording of which parts can't be read.
+    Damaged,
+    /// What was saved of an interrupted or damaged recording.
+    Recovered,
+}
+
+impl Condition {
+    /// In a word or two.
     #[must_use]
-    pub fn rate(&self) -> Option<f64> {
-        let span = self.last_ns.saturating_sub(self.first_ns);
-        (self.messages > 1 && span > 0).then(|| (self.messages - 1) as f64 * 1e9 / span as f64)
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Foreign => "not a toprise recording",
+            Self::Whole => "complete",
+            Self::Interrupted => "interrupted",
+            Self::Damaged => "damaged",
+            Self::Recovered => "recovered",
+        }
     }
 }
 
-/// An event of a recording.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EventOverview {
-    /// Kind.
-    pub name: String,
-    /// When, s.
-    pub time: f64,
-    /// A sentence for people.
-    pub description: String,
+/// Entries of a metadata record.
+pub type Entries = BTreeMap<String, String>;
+
+/// An MCAP file, opened for reading.
+///
+/// It keeps where things are, not what they are: memory doesn't grow with the messages.
+#[derive(Debug)]
+pub struct Recording {
+    pub(crate) source: Source,
+    pub(crate) layout: Layout,
+    path: PathBuf,
 }
 
-impl Overview {
-    /// Reads a file as far as it can be read.
+impl Recording {
+    /// Opens a file and finds out where everything is in it.
     ///
     /// # Errors
-    /// [`RecordingError`] if it can't be opened or is not MCAP. Damage further on is no error: it is
-    /// told in `damage`.
-    pub fn read(path: &Path) -> Result<Self, RecordingError> {
-        let file = File::open(path)?;
-        if file.metadata()?.len() == 0 {
-            return Err(RecordingError::Empty);
+    /// [`RecordingError`] if it can't be opened or is no MCAP file. Damage is no error.
+    pub fn open(path: &Path) -> Result<Self, RecordingError> {
+        let source = Source::open(path)?;
+        let layout = Layout::read(&source)?;
+        let recording = Self {
+            source,
+            layout,
+            path: path.to_owned(),
+        };
+        if recording.condition() != Condition::Foreign {
+            let mut tables: Vec<_> = recording
+                .channels()
+                .iter()
+                .filter_map(|c| c.table)
+                .collect();
+            tables.sort_unstable();
+            if let Some(twice) = tables.windows(2).find(|pair| pair[0] == pair[1]) {
+                let topic = crate::telemetry::channels()[twice[0]].topic;
+                return Err(RecordingError::TwoChannels(topic.to_owned()));
+            }
         }
-        let mut overview = Self::default();
-        let mut schemas = BTreeMap::new();
-        let mut positions = BTreeMap::new();
-        let result = each_record(BufReader::new(file), |record| match record {
-            Record::Schema { header, .. } => {
-                schemas.insert(header.id, header.name);
+        Ok(recording)
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its size, bytes.
+    #[must_use]
+    pub fn size(&self) -> u64 {
+        self.source.length()
+    }
+
+    /// The program and version that wrote it, by its own words.
+    #[must_use]
+    pub fn library(&self) -> &str {
+        &self.layout.library
+    }
+
+    /// What kind of file it is.
+    #[must_use]
+    pub fn condition(&self) -> Condition {
+        if self.run().is_none() && !self.layout.is_ours() {
+            return Condition::Foreign;
+        }
+        let cut_in_the_middle = self.end().is_some() && !self.layout.is_ended;
+        if self.layout.losses.iter().any(|loss| !self.is_tail(loss)) || cut_in_the_middle {
+            Condition::Damaged
+        } else if self.recovery().is_some() {
+            Condition::Recovered
+        } else if self.end().is_none() {
+            Condition::Interrupted
+        } else {
+            Condition::Whole
+        }
+    }
+
+    /// Whether a loss is only the record that was being written when the run was cut off.
+    fn is_tail(&self, loss: &Loss) -> bool {
+        self.end().is_none() && loss.offset + loss.length == self.size()
+    }
+
+    /// The entries of the `toprise.run` record.
+    #[must_use]
+    pub fn run(&self) -> Option<&Entries> {
+        self.metadata(RUN_RECORD)
+    }
+
+    /// The entries of the `toprise.end` record; none if the run did not reach its end.
+    #[must_use]
+    pub fn end(&self) -> Option<&Entries> {
+        self.metadata(END_RECORD)
+    }
+
+    /// The entries of the `toprise.recovery` record, which says what was lost.
+    #[must_use]
+    pub fn recovery(&self) -> Option<&Entries> {
+        self.metadata(RECOVERY_RECORD)
+    }
+
+    /// The entries of the first metadata record with a name.
+    #[must_use]
+    pub fn metadata(&self, name: &str) -> Option<&Entries> {
+        let mut records = self.layout.metadata.iter();
+        records.find(|r| r.name == name).map(|r| &r.metadata)
+    }
+
+    /// All metadata records: names and entries, in the order of the file.
+    pub fn all_metadata(&self) -> impl Iterator<Item = (&str, &Entries)> {
+        let records = self.layout.metadata.iter();
+        records.map(|record| (record.name.as_str(), &record.metadata))
+    }
+
+    /// All channels, in the order of the file.
+    #[must_use]
+    pub fn channels(&self) -> &[FileChannel] {
+        self.layout.channels.list()
+    }
+
+    /// The encoding of its channels of the table; none if it has none, or they differ.
+    #[must_use]
+    pub fn encoding(&self) -> Option<Encoding> {
+        let mut ours = self.channels().iter().filter(|c| c.table.is_some());
+        let first = ours.next()?;
+        ours.all(|channel| channel.encoding == first.encoding)
+            .then(|| Encoding::find(&first.encoding))?
+    }
+
+    /// The damage that opening it met.
+    #[must_use]
+    pub fn losses(&self) -> &[Loss] {
+        &self.layout.losses
+    }
+
+    /// In what its channels differ from this version's: topics with the fields that are missing or
+    /// unknown, and topics of toprise that are not known at all.
+    #[must_use]
+    pub fn differences(&self) -> Vec<(String, FieldDifferences)> {
+        let mut differences = Vec::new();
+        for channel in self.channels() {
+            let of_channel = match channel.decoder() {
+                Some(Ok(decoder)) => decoder.differences().clone(),
+                Some(Err(_)) => continue,
+                None if channel.is_view() => continue,
+                None => FieldDifferences {
+                    missing: Vec::new(),
+                    unknown: vec!["the whole channel".to_owned()],
+                },
+            };
+            if !of_channel.is_empty() {
+                differences.push((channel.topic.clone(), of_channel));
             }
-            Record::Channel(channel) => {
-                positions.entry(channel.id).or_insert_with(|| {
-                    overview.channels.push(ChannelOverview {
-                        id: channel.id,
-                        topic: channel.topic,
-                        encoding: channel.message_encoding,
-                        schema: schemas.get(&channel.schema_id).cloned().unwrap_or_default(),
-                        ..ChannelOverview::default()
-                    });
-                    overview.channels.len() - 1
-                });
-            }
-            Record::Message { header, data } => {
-                if let Some(&position) = positions.get(&header.channel_id) {
-                    overview.count(position, header.log_time, &data);
+        }
+        differences
+    }
+
+    /// Its scenario as the text that was attached.
+    ///
+    /// # Errors
+    /// [`NoScenario`] if it has none, or it is damaged.
+    pub fn scenario_text(&self) -> Result<String, NoScenario> {
+        let attached = self.layout.attachments.iter();
+        let mut attached = attached.filter(|attachment| attachment.name == SCENARIO_ATTACHMENT);
+        let place = &attached.next().ok_or(NoScenario::Missing)?.place;
+        let damaged = |reason: String| NoScenario::Damaged(reason);
+        let data = self.attachment(place).map_err(damaged)?;
+        String::from_utf8(data.1).map_err(|error| damaged(error.to_string()))
+    }
+
+    /// Its scenario.
+    ///
+    /// # Errors
+    /// [`NoScenario`] if it has none, or it can't be used.
+    pub fn scenario(&self) -> Result<Scenario, NoScenario> {
+        Ok(Scenario::from_toml(&self.scenario_text()?)?)
+    }
+
+    /// An attachment's head and data, if its checksum is right.
+    pub(crate) fn attachment(
+        &self,
+        place: &scan::Place,
+    ) -> Result<(mcap::records::AttachmentHeader, Vec<u8>), String> {
+        let mut bytes = Vec::new();
+        let read = self.source.read(place.offset, place.length, &mut bytes);
+        read.map_err(|error| error.to_string())?;
+        let body = bytes.get(HEAD as usize..).unwrap_or_default();
+        match mcap::parse_record(place.opcode, body) {
+            Ok(Record::Attachment { header, data, crc }) => {
+                let checked = body.len().saturating_sub(4);
+                if crc != 0 && crc32fast::hash(&body[..checked]) != crc {
+                    return Err("its checksum is wrong".to_owned());
                 }
+                Ok((header, data.into_owned()))
             }
-            Record::Metadata(record) => overview.keep_metadata(record),
-            Record::Attachment { header, data, .. } if header.name == SCENARIO_ATTACHMENT => {
-                overview.scenario = String::from_utf8(data.into_owned()).ok();
-            }
-            _ => {}
-        });
-        match result {
-            Ok(()) => {}
-            Err(error) if overview == Self::default() => {
-                return Err(RecordingError::NotMcap(error));
-            }
-            Err(error) => overview.damage = Some(error.to_string()),
+            Ok(_) => Err("it is no attachment".to_owned()),
+            Err(error) => Err(error.to_string()),
         }
-        Ok(overview)
     }
 
-    /// The scenario, if it is there and this version can read it.
+    /// A reader for some of its messages.
     #[must_use]
-    pub fn parsed_scenario(&self) -> Option<Scenario> {
-        Scenario::from_toml(self.scenario.as_deref()?).ok()
+    pub fn reader(&self, selection: Selection) -> Reader<'_> {
+        Reader::new(self, selection)
     }
-
-    /// Whether it is a recording of toprise that reached its end and is readable throughout.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
-        self.run.is_some() && self.end.is_some() && self.damage.is_none()
-    }
-
-    /// Number of messages in all channels.
-    #[must_use]
-    pub fn messages(&self) -> u64 {
-        self.channels.iter().map(|channel| channel.messages).sum()
-    }
-
-    /// Time of the last message, ns.
-    #[must_use]
-    pub fn last_ns(&self) -> u64 {
-        self.channels.iter().map(|c| c.last_ns).max().unwrap_or(0)
-    }
-
-    fn count(&mut self, position: usize, time_ns: u64, data: &[u8]) {
-        let channel = &mut self.channels[position];
-        if channel.messages == 0 {
-            channel.first_ns = time_ns;
-        }
-        channel.last_ns = time_ns;
-        channel.messages += 1;
-        channel.bytes += data.len() as u64;
-        if channel.topic == "/events" && channel.encoding == "json" {
-            self.events.extend(event(data));
-        }
-    }
-
-    fn keep_metadata(&mut self, record: Metadata) {
-        match record.name.as_str() {
-            RUN_RECORD => self.run = Some(record.metadata),
-            END_RECORD => self.end = Some(record.metadata),
-            _ => {}
-        }
-    }
-}
-
-/// The entries of the `toprise.end` record of a whole file; `None` if it has none or can't be read.
-#[must_use]
-pub fn end_record(path: &Path) -> Option<BTreeMap<String, String>> {
-    let mut file = File::open(path).ok()?;
-    let mut reader = SummaryReader::new();
-    while let Some(event) = reader.next_event() {
-        match event.ok()? {
-            SummaryReadEvent::ReadRequest(wanted) => {
-                let read = file.read(reader.insert(wanted)).ok()?;
-                reader.notify_read(read);
-            }
-            SummaryReadEvent::SeekRequest(to) => {
-                reader.notify_seeked(file.seek(to).ok()?);
-            }
-        }
-    }
-    let summary = reader.finish()?;
-    let index = summary
-        .metadata_indexes
-        .iter()
-        .find(|index| index.name == END_RECORD)?;
-    // Opcode and length come before the record's body.
-    let mut body = vec![0; usize::try_from(index.length).ok()?.checked_sub(9)?];
-    file.seek(SeekFrom::Start(index.offset + 9)).ok()?;
-    file.read_exact(&mut body).ok()?;
-    match mcap::parse_record(mcap::records::op::METADATA, &body).ok()? {
-        Record::Metadata(record) => Some(record.metadata),
-        _ => None,
-    }
-}
-
-/// Gives each record of a file to `each`, those in chunks included, until the end or the first damage.
-fn each_record(mut source: impl Read, mut each: impl FnMut(Record<'_>)) -> Result<(), McapError> {
-    let mut reader = LinearReader::new_with_options(
-        LinearReaderOptions::default()
-            .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(LONGEST_RECORD),
-    );
-    while let Some(event) = reader.next_event() {
-        match event? {
-            LinearReadEvent::ReadRequest(wanted) => {
-                let read = source.read(reader.insert(wanted))?;
-                reader.notify_read(read);
-            }
-            LinearReadEvent::Record { data, opcode } => each(mcap::parse_record(opcode, data)?),
-        }
-    }
-    Ok(())
-}
-
-fn event(data: &[u8]) -> Option<EventOverview> {
-    let message: Value = serde_json::from_slice(data).ok()?;
-    Some(EventOverview {
-        name: message.get("name")?.as_str()?.to_owned(),
-        time: message.get("time")?.as_f64()?,
-        description: message.get("description")?.as_str()?.to_owned(),
-    })
 }

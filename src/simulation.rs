@@ -30,6 +30,18 @@ pub enum Record {
     Nutation(Box<NutationCycle>),
 }
 
+impl Record {
+    /// When it happens, ns.
+    #[must_use]
+    pub fn time_ns(&self) -> u64 {
+        match self {
+            Self::Sample(sample) => sample.time_ns,
+            Self::Event(event) => event.time_ns,
+            Self::Nutation(cycle) => cycle.time_ns,
+        }
+    }
+}
+
 /// Why a simulation can't go on.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SimulationError {

@@ -57,6 +57,19 @@ pub enum SinkError {
         /// Why, according to the writer.
         reason: ::mcap::McapError,
     },
+    /// The content is not what it must be.
+    #[error(
+        "{} holds other content than it must: digest {found}, not {expected}",
+        path.display()
+    )]
+    Digest {
+        /// The file.
+        path: PathBuf,
+        /// The digest that the content must have.
+        expected: String,
+        /// The digest that it has.
+        found: String,
+    },
     /// Rerun's side failed.
     #[cfg(feature = "rerun")]
     #[error(transparent)]

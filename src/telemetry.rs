@@ -1,15 +1,19 @@
 //! What is logged: one table, from which everything else follows.
 //!
 //! [`table`] declares each channel once: its topic, and for each field the name, unit, frame, meaning
-//! and where in a sample it comes from. From it follow the JSON Schemas ([`schema`]), the JSON messages
-//! ([`json`]), the content digest ([`digest`]), the MCAP channels and the Rerun entities.
+//! and where in a sample it comes from. From it follow the messages each way ([`encoding`]: [`json`] and
+//! [`protobuf`]) and their schemas ([`schema`]), the content digest ([`digest`]), the MCAP channels and
+//! the Rerun entities.
 //!
 //! Sinks see only [`Message`]s: rows of numbers and texts in the order of [`channels`].
 
 pub mod digest;
+pub mod encoding;
 pub mod json;
+pub mod protobuf;
 pub mod schema;
 pub mod table;
+pub mod views;
 
 use crate::simulation::Record;
 use std::sync::OnceLock;
@@ -29,6 +33,10 @@ pub struct ChannelInfo {
     pub texts: Vec<Leaf>,
     /// Its numbers: as in [`Message::numbers`].
     pub numbers: Vec<Leaf>,
+    /// Whether there is a message for each sample; else for each event or cycle.
+    pub is_sampled: bool,
+    /// Whether a sample may be without a message of this channel.
+    pub is_optional: bool,
 }
 
 /// One number or text of a message.
@@ -46,7 +54,59 @@ pub struct Leaf {
     pub plot: &'static str,
 }
 
+/// A member of a message: a leaf, or an object of numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member<'a> {
+    /// Its name in the message.
+    pub name: &'a str,
+    /// What it is.
+    pub content: Content<'a>,
+}
+
+/// What a member of a message is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content<'a> {
+    /// The text with this index.
+    Text(usize),
+    /// The number with this index.
+    Number(usize),
+    /// Numbers, with their names in the object and their indices.
+    Object(Vec<(&'a str, usize)>),
+}
+
 impl ChannelInfo {
+    /// How a message is built from its leaves: a dot in a path makes an object.
+    #[must_use]
+    pub fn members(&self) -> Vec<Member<'_>> {
+        let mut members: Vec<Member<'_>> = Vec::new();
+        for (index, leaf) in self.texts.iter().enumerate() {
+            members.push(Member {
+                name: &leaf.path,
+                content: Content::Text(index),
+            });
+        }
+        for (index, leaf) in self.numbers.iter().enumerate() {
+            let Some((parent, name)) = leaf.path.split_once('.') else {
+                members.push(Member {
+                    name: &leaf.path,
+                    content: Content::Number(index),
+                });
+                continue;
+            };
+            match members.last_mut() {
+                Some(Member {
+                    name: open,
+                    content: Content::Object(inner),
+                }) if *open == parent => inner.push((name, index)),
+                _ => members.push(Member {
+                    name: parent,
+                    content: Content::Object(vec![(name, index)]),
+                }),
+            }
+        }
+        members
+    }
+
     /// Texts and numbers, in the order of a message.
     pub fn leaves(&self) -> impl Iterator<Item = &Leaf> {
         self.texts.iter().chain(&self.numbers)
@@ -103,8 +163,9 @@ pub enum TelemetryError {
 pub fn channels() -> &'static [ChannelInfo] {
     static CHANNELS: OnceLock<Vec<ChannelInfo>> = OnceLock::new();
     CHANNELS.get_or_init(|| {
-        let samples = SAMPLES.iter().map(info);
-        samples.chain([info(&NUTATION), info(&EVENTS)]).collect()
+        let samples = SAMPLES.iter().map(|channel| info(channel, true));
+        let others = [info(&NUTATION, false), info(&EVENTS, false)];
+        samples.chain(others).collect()
     })
 }
 
@@ -191,7 +252,7 @@ impl Telemetry {
         source: &S,
         emit: &mut impl FnMut(&Message<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
-        if !self.wanted[channel] || !(row.present)(source) {
+        if !self.wanted[channel] || row.present.is_some_and(|present| !present(source)) {
             return Ok(());
         }
         self.numbers.clear();
@@ -223,7 +284,7 @@ impl Telemetry {
     }
 }
 
-fn info<S>(channel: &Channel<S>) -> ChannelInfo {
+fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
     let (texts, numbers): (Vec<_>, Vec<_>) = channel
         .fields
         .iter()
@@ -235,6 +296,8 @@ fn info<S>(channel: &Channel<S>) -> ChannelInfo {
         meaning: channel.meaning,
         texts: leaves(texts),
         numbers: leaves(numbers),
+        is_sampled,
+        is_optional: channel.present.is_some(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! `toprise info`.
 
 use super::{Done, Format, format, output};
-use crate::recording::{ChannelOverview, Overview};
+use crate::recording::{ChannelOverview, Condition, Loss, Overview};
 use anyhow::{Context as _, Error};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -18,21 +18,12 @@ pub(super) fn info(path: &Path, form: Format) -> Result<Done, Error> {
         Format::Text => output::print(&text(path, size, &overview))?,
         Format::Json => output::print(&format!("{:#}", json(path, size, &overview)))?,
     }
-    Ok(if overview.damage.is_some() {
-        Done::WithLosses
-    } else {
+    let is_all = matches!(overview.condition, Condition::Whole | Condition::Foreign);
+    Ok(if is_all && overview.losses.is_empty() {
         Done::Well
+    } else {
+        Done::WithLosses
     })
-}
-
-/// What kind of file it is.
-fn state(overview: &Overview) -> &'static str {
-    match (&overview.run, &overview.end, &overview.damage) {
-        (None, ..) => "not a toprise recording",
-        (Some(_), Some(_), None) => "complete",
-        (Some(_), None, _) => "interrupted",
-        (Some(_), Some(_), Some(_)) => "damaged",
-    }
 }
 
 fn text(path: &Path, size: u64, overview: &Overview) -> String {
@@ -41,9 +32,15 @@ fn text(path: &Path, size: u64, overview: &Overview) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "  {label:<10} {value}");
     };
-    line("state", state(overview).to_owned());
-    if let Some(damage) = &overview.damage {
-        line("damage", format!("readable up to here: {damage}"));
+    line("state", overview.condition.name().to_owned());
+    if overview.condition == Condition::Foreign {
+        line("written by", overview.library.clone());
+    }
+    for loss in &overview.losses {
+        line("lost", loss.to_string());
+    }
+    if let Some(lost) = overview.recovery.as_ref().and_then(|r| r.get("lost")) {
+        line("lost", lost.clone());
     }
     if let Some(run) = &overview.run {
         line("scenario", run_line(run));
@@ -158,11 +155,22 @@ fn json(path: &Path, size: u64, overview: &Overview) -> Value {
             "last_ns": channel.last_ns,
         })
     };
+    let loss = |loss: &Loss| {
+        json!({
+            "offset": loss.offset,
+            "length": loss.length,
+            "from_ns": loss.span.map(|span| span.from_ns),
+            "to_ns": loss.span.and_then(|span| span.to_ns),
+            "reason": loss.reason,
+        })
+    };
     json!({
         "file": path.display().to_string(),
         "bytes": size,
-        "state": state(overview),
-        "damage": overview.damage,
+        "state": overview.condition.name(),
+        "library": overview.library,
+        "losses": overview.losses.iter().map(loss).collect::<Vec<_>>(),
+        "recovery": overview.recovery,
         "run": overview.run,
         "end": overview.end,
         "scenario": overview.scenario,

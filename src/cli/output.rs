@@ -21,3 +21,11 @@ pub(super) fn warn(text: &str) {
     // Where standard error is gone there is nobody to warn.
     let _ = writeln!(io::stderr(), "warning: {text}");
 }
+
+/// Warns of several things.
+#[cfg(feature = "rerun")]
+pub(super) fn warn_all(texts: Vec<String>) {
+    for text in texts {
+        warn(&text);
+    }
+}

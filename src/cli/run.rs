@@ -6,10 +6,11 @@ mod summary;
 #[cfg(feature = "rerun")]
 mod viewer;
 
-use super::{Done, Format, output};
+use super::interrupt::Interrupt;
+use super::{Done, EncodingName, Format, output};
 use crate::scenario::{PRESETS, Preset, Scenario, Values};
 use crate::simulation::{EventKind, Outcome, Record, Simulation, StopReason};
-use crate::sink::mcap::{Archived, McapSink};
+use crate::sink::mcap::{Archived, Form, McapSink};
 use crate::sink::publish::Existing;
 use crate::sink::{RecordError, Sink, record};
 use crate::telemetry::Telemetry;
@@ -48,16 +49,17 @@ pub(super) struct RunArguments {
     #[arg(long, conflicts_with = "rrd")]
     no_rrd: bool,
 
-    /// Show the run live in the Rerun viewer at this address.
     #[cfg(feature = "rerun")]
-    #[arg(long, value_name = "URL", num_args = 0..=1,
-          default_missing_value = "rerun+http://127.0.0.1:9876/proxy", conflicts_with = "spawn")]
-    connect: Option<String>,
+    #[command(flatten)]
+    viewer: super::viewer::ViewerArguments,
 
-    /// Start a Rerun viewer and show the run live in it.
-    #[cfg(feature = "rerun")]
+    /// Encoding of the MCAP file's messages.
+    #[arg(long, value_enum, default_value_t = EncodingName::Json)]
+    encoding: EncodingName,
+
+    /// Leave out the channels that let viewers show the MCAP file by themselves.
     #[arg(long)]
-    spawn: bool,
+    no_views: bool,
 
     /// Log only these topics, separated by commas.
     #[arg(long, value_name = "TOPICS", value_delimiter = ',')]
@@ -79,10 +81,13 @@ pub(super) struct RunArguments {
 
 impl RunArguments {
     fn existing(&self) -> Existing {
-        if self.force {
-            Existing::Replace
-        } else {
-            Existing::Keep
+        Existing::forced(self.force)
+    }
+
+    fn form(&self) -> Form {
+        Form {
+            encoding: self.encoding.into(),
+            views: !self.no_views,
         }
     }
 
@@ -106,10 +111,20 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     let scenario = scenario(&arguments.scenario, &arguments.overrides)?;
     let telemetry = arguments.telemetry()?;
     let plan = Plan::new(arguments, &scenario)?;
+    let interrupt = Interrupt::watch()?;
+    #[cfg(feature = "rerun")]
+    let target = arguments.viewer.target()?;
+    let setup = Setup {
+        arguments,
+        scenario: &scenario,
+        plan: &plan,
+        interrupt: &interrupt,
+        #[cfg(feature = "rerun")]
+        live: target.live(),
+    };
     let began = Instant::now();
     let mut simulation = Simulation::new(&scenario)?;
-    let (outcome, counts, written) =
-        record_run(arguments, &scenario, telemetry, &plan, &mut simulation)?;
+    let (outcome, counts, written) = record_run(setup, telemetry, &mut simulation)?;
     let summary = Summary {
         scenario: &scenario,
         outcome: &outcome,
@@ -122,23 +137,40 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
         Format::Text => summary.text(),
         Format::Json => format!("{:#}", summary.json()),
     })?;
+    #[cfg(feature = "rerun")]
+    target.serve_until(&interrupt);
     Ok(match outcome.stop {
         StopReason::Interrupted | StopReason::Failed => Done::WithLosses,
         _ => Done::Well,
     })
 }
 
+/// What a run is recorded with.
+struct Setup<'a> {
+    arguments: &'a RunArguments,
+    scenario: &'a Scenario,
+    plan: &'a Plan,
+    interrupt: &'a Interrupt,
+    #[cfg(feature = "rerun")]
+    live: Option<crate::sink::rerun::Live>,
+}
+
 /// Simulates, logs, and finishes the files, however the simulation ends.
 fn record_run(
-    arguments: &RunArguments,
-    scenario: &Scenario,
+    setup: Setup<'_>,
     mut telemetry: Telemetry,
-    plan: &Plan,
     simulation: &mut Simulation,
 ) -> Result<(Outcome, EventCounts, Written), Error> {
-    let mut archive = McapSink::create(&plan.mcap, arguments.existing(), scenario, &telemetry)?;
+    let Setup {
+        arguments,
+        scenario,
+        plan,
+        ..
+    } = setup;
+    let (path, existing) = (&plan.mcap, arguments.existing());
+    let mut archive = McapSink::create(path, existing, scenario, &telemetry, arguments.form())?;
     #[cfg(feature = "rerun")]
-    let mut viewer = match viewer::Viewer::open(arguments, plan, scenario, &telemetry) {
+    let mut viewer = match viewer::Viewer::open(&setup, &telemetry) {
         Ok(viewer) => viewer,
         Err(error) => {
             archive.discard();
@@ -149,7 +181,7 @@ fn record_run(
     #[cfg(feature = "rerun")]
     sinks.extend(viewer.sink());
 
-    let mut pace = Pace::start(arguments.realtime)?;
+    let mut pace = Pace::start(arguments.realtime, setup.interrupt.clone());
     let mut counts = EventCounts::default();
     let ended = record(simulation, &mut telemetry, &mut sinks, |record, sinks| {
         counts.count(record);
@@ -218,6 +250,15 @@ fn parse_override(text: &str) -> Result<(String, String), String> {
     text.split_once('=')
         .map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned()))
         .ok_or_else(|| "must be KEY=VALUE, as in friction.k=0.02".to_owned())
+}
+
+/// A time in seconds, not negative.
+#[cfg(feature = "rerun")]
+pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|time: &f64| (0.0..=1e9).contains(time))
+        .ok_or_else(|| "must be a time in seconds, 0 or more, as in 12.5".to_owned())
 }
 
 fn parse_speed(text: &str) -> Result<f64, String> {

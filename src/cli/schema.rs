@@ -1,6 +1,7 @@
 //! `toprise schema`.
 
-use super::{Done, format, output};
+use super::{Done, EncodingName, format, output};
+use crate::telemetry::protobuf::{proto_file, proto_file_name};
 use crate::telemetry::schema::{file_name, json_schema};
 use crate::telemetry::{ChannelInfo, Telemetry, channels};
 use anyhow::{Context as _, Error};
@@ -8,7 +9,11 @@ use std::fs;
 use std::path::Path;
 
 /// Lists the channels, prints one schema, or writes all.
-pub(super) fn schema(topic: Option<&str>, directory: Option<&Path>) -> Result<Done, Error> {
+pub(super) fn schema(
+    topic: Option<&str>,
+    encoding: EncodingName,
+    directory: Option<&Path>,
+) -> Result<Done, Error> {
     if let Some(directory) = directory {
         write_all(directory)?;
         return Ok(Done::Well);
@@ -21,7 +26,10 @@ pub(super) fn schema(topic: Option<&str>, directory: Option<&Path>) -> Result<Do
     let one = Telemetry::with_topics(&[topic.to_owned()])?;
     let wanted = channels().iter().enumerate();
     for (_, channel) in wanted.filter(|(index, _)| one.wants(*index)) {
-        output::print(&json_schema(channel))?;
+        output::print(&match encoding {
+            EncodingName::Json => json_schema(channel),
+            EncodingName::Protobuf => proto_file(channel),
+        })?;
     }
     Ok(Done::Well)
 }
@@ -41,9 +49,14 @@ fn write_all(directory: &Path) -> Result<(), Error> {
     fs::create_dir_all(directory)
         .with_context(|| format!("cannot create {}", directory.display()))?;
     for channel in channels() {
-        let path = directory.join(file_name(channel));
-        fs::write(&path, json_schema(channel))
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        let files = [
+            (file_name(channel), json_schema(channel)),
+            (proto_file_name(channel), proto_file(channel)),
+        ];
+        for (name, text) in files {
+            let path = directory.join(name);
+            fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        }
     }
     Ok(())
 }

@@ -4,6 +4,9 @@
 //! and channels; the messages; the metadata record `toprise.end`. A file without the last was
 //! interrupted. Nothing in it depends on when or where it was made.
 //!
+//! Beside the channels of the table there are those for viewers ([`crate::telemetry::views`]), which
+//! don't enter the content digest.
+//!
 //! Messages are encoded on the caller's thread; another takes their digest, compresses and writes them, one
 //! after the other: the bytes are those of a single thread.
 
@@ -12,8 +15,8 @@ use super::{Sink, SinkError};
 use crate::scenario::Scenario;
 use crate::simulation::Outcome;
 use crate::telemetry::digest::{ContentDigest, append_content};
-use crate::telemetry::json::JsonEncoder;
-use crate::telemetry::schema::json_schema;
+use crate::telemetry::encoding::{Encoder, Encoding};
+use crate::telemetry::views::{Views, view_channels};
 use crate::telemetry::{Message, Telemetry, channels};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
@@ -29,6 +32,8 @@ use std::thread::{self, JoinHandle};
 pub const RUN_RECORD: &str = "toprise.run";
 /// Name of the metadata record at the end.
 pub const END_RECORD: &str = "toprise.end";
+/// Name of the metadata record of what was saved of an interrupted or damaged recording.
+pub const RECOVERY_RECORD: &str = "toprise.recovery";
 /// Name of the attachment that holds the scenario.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
 
@@ -41,12 +46,92 @@ const BATCHES: usize = 8;
 
 type FileWriter = Writer<NoSeek<BufWriter<File>>>;
 
+/// How a run is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Form {
+    /// The encoding of the table's channels.
+    pub encoding: Encoding,
+    /// Whether the channels for viewers are written too.
+    pub views: bool,
+}
+
+impl Default for Form {
+    /// JSON, with views.
+    fn default() -> Self {
+        Self {
+            encoding: Encoding::Json,
+            views: true,
+        }
+    }
+}
+
+/// Entries of a metadata record.
+pub type Entries = BTreeMap<String, String>;
+
+/// What a recording begins with.
+#[derive(Debug)]
+pub struct Opening {
+    /// Metadata records: names and entries.
+    pub metadata: Vec<(String, Entries)>,
+    /// Attachments.
+    pub attachments: Vec<Attachment<'static>>,
+    /// The encoding of the table's channels.
+    pub encoding: Encoding,
+    /// Which of the table's channels there will be.
+    pub wanted: Vec<bool>,
+    /// Channels whose messages come ready encoded, and are not part of the content.
+    pub raw: Vec<RawChannel>,
+}
+
+/// A channel whose messages come ready encoded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RawChannel {
+    /// Topic.
+    pub topic: String,
+    /// Encoding of the messages.
+    pub encoding: String,
+    /// Name, encoding and data of the schema, if there is one.
+    pub schema: Option<(String, String, Vec<u8>)>,
+    /// What there is to say beside that.
+    pub metadata: Entries,
+}
+
+/// A message of a raw channel.
+#[derive(Clone, Copy, Debug)]
+pub struct RawMessage<'a> {
+    /// Index in [`Opening::raw`].
+    pub channel: usize,
+    /// Sequence number.
+    pub sequence: u32,
+    /// Time of logging, ns.
+    pub log_time: u64,
+    /// Time of publishing, ns.
+    pub publish_time: u64,
+    /// The message.
+    pub data: &'a [u8],
+}
+
+/// What a recording ends with.
+#[derive(Clone, Debug, Default)]
+pub struct Ending {
+    /// The entries of `toprise.recovery`, if the recording was recovered.
+    pub recovery: Option<Entries>,
+    /// The entries of `toprise.end`; the content digest is added.
+    pub end: Entries,
+    /// The content digest that must come out, if that is known.
+    pub digest: Option<String>,
+}
+
 /// Writes an MCAP file.
 #[derive(Debug)]
 pub struct McapSink {
-    encoder: JsonEncoder,
-    /// MCAP channel ids; 0 for channels that are not logged.
+    encoder: Encoder,
+    /// MCAP ids of the table's channels; 0 for those that are not logged.
     channel_ids: Vec<u16>,
+    /// MCAP ids of the raw channels.
+    raw_ids: Vec<u16>,
+    /// The views, and where each of them stands among the raw channels.
+    views: Option<(Views, Vec<usize>)>,
     batch: Batch,
     worker: Worker,
     place: Place,
@@ -66,7 +151,7 @@ pub struct Archived {
 /// Encoded messages on their way to the writing thread.
 #[derive(Debug, Default)]
 struct Batch {
-    /// Their JSON, one after the other.
+    /// Their encoded bytes, one after the other.
     data: Vec<u8>,
     /// What the digest takes in of them, likewise.
     content: Vec<u8>,
@@ -77,9 +162,9 @@ struct Batch {
 #[derive(Debug)]
 struct Entry {
     header: MessageHeader,
-    /// Its channel in the table.
-    channel: usize,
-    /// Where its JSON ends.
+    /// Its channel in the table, if it is one of them.
+    channel: Option<usize>,
+    /// Where its encoded bytes end.
     data_end: usize,
     /// Where its content ends.
     content_end: usize,
@@ -88,7 +173,7 @@ struct Entry {
 enum Job {
     Write(Batch),
     Flush,
-    Finish(Box<Outcome>),
+    Finish(Box<Ending>),
 }
 
 /// The writing thread, and the way to it.
@@ -110,9 +195,35 @@ impl McapSink {
         existing: Existing,
         scenario: &Scenario,
         telemetry: &Telemetry,
+        form: Form,
     ) -> Result<Self, SinkError> {
+        let views = form
+            .views
+            .then(|| Views::new(scenario, |channel| telemetry.wants(channel)));
+        let opening = Opening {
+            metadata: vec![(RUN_RECORD.to_owned(), run_entries(scenario))],
+            attachments: vec![scenario_attachment(scenario.to_toml())],
+            encoding: form.encoding,
+            wanted: (0..channels().len()).map(|i| telemetry.wants(i)).collect(),
+            raw: views.as_ref().map_or_else(Vec::new, raw_views),
+        };
+        let mut sink = Self::open(path, existing, &opening)?;
+        sink.views = views.map(|views| {
+            let wanted = |view: &usize| views.wants(*view);
+            let position = |view: usize| (0..view).filter(wanted).count();
+            let positions = (0..view_channels().len()).map(position).collect();
+            (views, positions)
+        });
+        Ok(sink)
+    }
+
+    /// Starts a recording that begins with `opening`.
+    ///
+    /// # Errors
+    /// [`SinkError`] if the file can't be made or written.
+    pub fn open(path: &Path, existing: Existing, opening: &Opening) -> Result<Self, SinkError> {
         let (place, file) = Place::reserve(path, existing)?;
-        let (writer, channel_ids) = start(file, scenario, telemetry).map_err(|reason| {
+        let started = start(file, opening).map_err(|reason| {
             place.withdraw();
             SinkError::Mcap {
                 path: place.partial(),
@@ -120,22 +231,36 @@ impl McapSink {
             }
         })?;
         Ok(Self {
-            encoder: JsonEncoder::default(),
-            channel_ids,
+            encoder: Encoder::new(opening.encoding),
+            channel_ids: started.channel_ids,
+            raw_ids: started.raw_ids,
+            views: None,
             batch: Batch::default(),
-            worker: Worker::start(writer, place.clone()),
+            worker: Worker::start(started.writer, place.clone()),
             place,
         })
     }
 
-    /// Ends the recording with its end record and gives the file its name.
+    /// Ends the recording of a run and gives the file its name.
     ///
     /// # Errors
     /// [`SinkError`] if anything could not be written; the partial file is kept.
-    pub fn finish(mut self, outcome: &Outcome) -> Result<Archived, SinkError> {
+    pub fn finish(self, outcome: &Outcome) -> Result<Archived, SinkError> {
+        self.finish_with(Ending {
+            end: end_entries(outcome),
+            ..Ending::default()
+        })
+    }
+
+    /// Ends the recording with `ending` and gives the file its name.
+    ///
+    /// # Errors
+    /// [`SinkError::Digest`] if the content is not what it must be, others if anything could not be
+    /// written; the partial file is kept.
+    pub fn finish_with(mut self, ending: Ending) -> Result<Archived, SinkError> {
         self.send_batch()?;
         let path = self.place.path();
-        self.worker.send(Job::Finish(Box::new(*outcome)), path)?;
+        self.worker.send(Job::Finish(Box::new(ending)), path)?;
         self.worker.join(path)?.ok_or_else(|| died(path))
     }
 
@@ -146,6 +271,22 @@ impl McapSink {
         place.withdraw();
     }
 
+    /// Writes a message of a raw channel as it is.
+    ///
+    /// # Errors
+    /// [`SinkError`] if this message or an earlier one could not be written.
+    pub fn write_raw(&mut self, message: &RawMessage<'_>) -> Result<(), SinkError> {
+        push_raw(&mut self.batch, &self.raw_ids, message);
+        self.send_full_batch()
+    }
+
+    fn send_full_batch(&mut self) -> Result<(), SinkError> {
+        if self.batch.data.len() < BATCH_BYTES {
+            return Ok(());
+        }
+        self.send_batch()
+    }
+
     fn send_batch(&mut self) -> Result<(), SinkError> {
         if self.batch.messages.is_empty() {
             return Ok(());
@@ -154,6 +295,21 @@ impl McapSink {
         let batch = std::mem::replace(&mut self.batch, empty);
         self.worker.send(Job::Write(batch), self.place.path())
     }
+}
+
+fn push_raw(batch: &mut Batch, ids: &[u16], message: &RawMessage<'_>) {
+    batch.data.extend_from_slice(message.data);
+    batch.messages.push(Entry {
+        header: MessageHeader {
+            channel_id: ids[message.channel],
+            sequence: message.sequence,
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+        },
+        channel: None,
+        data_end: batch.data.len(),
+        content_end: batch.content.len(),
+    });
 }
 
 impl Sink for McapSink {
@@ -168,14 +324,23 @@ impl Sink for McapSink {
                 log_time: message.time_ns,
                 publish_time: message.time_ns,
             },
-            channel: message.channel,
+            channel: Some(message.channel),
             data_end: batch.data.len(),
             content_end: batch.content.len(),
         });
-        if self.batch.data.len() < BATCH_BYTES {
-            return Ok(());
+        if let Some((views, positions)) = &mut self.views {
+            views.take(message, |view, sequence, data| {
+                let view = RawMessage {
+                    channel: positions[view],
+                    sequence,
+                    log_time: message.time_ns,
+                    publish_time: message.time_ns,
+                    data,
+                };
+                push_raw(batch, &self.raw_ids, &view);
+            });
         }
-        self.send_batch()
+        self.send_full_batch()
     }
 
     fn flush(&mut self) -> Result<(), SinkError> {
@@ -254,10 +419,19 @@ fn work(
                 written
             }
             Job::Flush => writer.flush(),
-            Job::Finish(outcome) => {
-                let digest = digest.finish();
-                match end(&mut writer, &outcome, &digest) {
-                    Ok(()) => return publish(writer, place, digest).map(Some),
+            Job::Finish(ending) => {
+                let found = digest.finish();
+                if let Some(expected) = ending.digest.clone().filter(|expected| *expected != found)
+                {
+                    abandon(writer);
+                    return Err(SinkError::Digest {
+                        path: place.partial(),
+                        expected,
+                        found,
+                    });
+                }
+                match end(&mut writer, *ending, &found) {
+                    Ok(()) => return publish(writer, place, found).map(Some),
                     Err(error) => Err(error),
                 }
             }
@@ -282,18 +456,25 @@ fn write_batch(
 ) -> Result<(), McapError> {
     let (mut data_start, mut content_start) = (0, 0);
     for entry in &batch.messages {
-        digest.absorb(
-            entry.channel,
-            &batch.content[content_start..entry.content_end],
-        );
+        if let Some(channel) = entry.channel {
+            let content = &batch.content[content_start..entry.content_end];
+            digest.absorb(channel, content);
+        }
         writer.write_to_known_channel(&entry.header, &batch.data[data_start..entry.data_end])?;
         (data_start, content_start) = (entry.data_end, entry.content_end);
     }
     Ok(())
 }
 
-fn end(writer: &mut FileWriter, outcome: &Outcome, digest: &str) -> Result<(), McapError> {
-    writer.write_metadata(&end_record(outcome, digest))?;
+fn end(writer: &mut FileWriter, ending: Ending, digest: &str) -> Result<(), McapError> {
+    let Ending {
+        recovery, mut end, ..
+    } = ending;
+    if let Some(entries) = recovery {
+        writer.write_metadata(&metadata(RECOVERY_RECORD, entries))?;
+    }
+    end.insert("content_digest".to_owned(), digest.to_owned());
+    writer.write_metadata(&metadata(END_RECORD, end))?;
     writer.finish().map(|_| ())
 }
 
@@ -322,12 +503,14 @@ fn publish(writer: FileWriter, place: &Place, digest: String) -> Result<Archived
     })
 }
 
-/// Writes everything that comes before the messages.
-fn start(
-    file: File,
-    scenario: &Scenario,
-    telemetry: &Telemetry,
-) -> Result<(FileWriter, Vec<u16>), McapError> {
+/// A file that has everything that comes before the messages.
+struct Started {
+    writer: FileWriter,
+    channel_ids: Vec<u16>,
+    raw_ids: Vec<u16>,
+}
+
+fn start(file: File, opening: &Opening) -> Result<Started, McapError> {
     let file = NoSeek::new(BufWriter::with_capacity(64 * 1024, file));
     let mut writer = WriteOptions::new()
         .compression(Some(Compression::Zstd))
@@ -338,68 +521,108 @@ fn start(
         .profile("")
         .library(concat!("toprise/", env!("CARGO_PKG_VERSION")))
         .create(file)?;
-    writer.write_metadata(&run_record(scenario))?;
-    writer.attach(&Attachment {
-        log_time: 0,
-        create_time: 0,
-        name: SCENARIO_ATTACHMENT.to_owned(),
-        media_type: "application/toml".to_owned(),
-        data: scenario.to_toml().into_bytes().into(),
-    })?;
+    for (name, entries) in &opening.metadata {
+        writer.write_metadata(&metadata(name, entries.clone()))?;
+    }
+    for attachment in &opening.attachments {
+        writer.attach(attachment)?;
+    }
     let mut channel_ids = Vec::with_capacity(channels().len());
-    for (index, channel) in channels().iter().enumerate() {
-        channel_ids.push(if telemetry.wants(index) {
-            let schema = json_schema(channel);
-            let schema = writer.add_schema(channel.schema, "jsonschema", schema.as_bytes())?;
-            writer.add_channel(schema, channel.topic, "json", &BTreeMap::new())?
+    let encoding = opening.encoding;
+    for (channel, wanted) in channels().iter().zip(&opening.wanted) {
+        channel_ids.push(if *wanted {
+            let schema = encoding.schema(channel);
+            let schema = writer.add_schema(channel.schema, encoding.schema_encoding(), &schema)?;
+            writer.add_channel(schema, channel.topic, encoding.name(), &Entries::new())?
         } else {
             0
         });
     }
-    Ok((writer, channel_ids))
+    let mut raw_ids = Vec::with_capacity(opening.raw.len());
+    for raw in &opening.raw {
+        let schema = match &raw.schema {
+            Some((name, encoding, data)) => writer.add_schema(name, encoding, data)?,
+            None => 0,
+        };
+        raw_ids.push(writer.add_channel(schema, &raw.topic, &raw.encoding, &raw.metadata)?);
+    }
+    Ok(Started {
+        writer,
+        channel_ids,
+        raw_ids,
+    })
 }
 
-fn run_record(scenario: &Scenario) -> Metadata {
-    metadata(
-        RUN_RECORD,
-        [
-            ("version", env!("CARGO_PKG_VERSION").to_owned()),
-            ("scenario", scenario.name().to_owned()),
-            ("scenario_digest", scenario.digest()),
-            ("formulation", scenario.word("formulation").to_owned()),
-            ("friction_law", scenario.word("friction.law").to_owned()),
-            ("sample_period_ns", scenario.sample_period_ns.to_string()),
-            ("epoch", "simulation start".to_owned()),
-        ],
-    )
+/// The channels for viewers, as raw channels.
+fn raw_views(views: &Views) -> Vec<RawChannel> {
+    let wanted = view_channels().iter().enumerate();
+    let wanted = wanted.filter(|(index, _)| views.wants(*index));
+    wanted
+        .map(|(_, view)| RawChannel {
+            topic: view.topic.to_owned(),
+            encoding: "cdr".to_owned(),
+            schema: Some((
+                view.schema.to_owned(),
+                "ros2msg".to_owned(),
+                view.definition.as_bytes().to_vec(),
+            )),
+            metadata: Entries::new(),
+        })
+        .collect()
 }
 
-fn end_record(outcome: &Outcome, digest: &str) -> Metadata {
+/// The scenario as it is attached to its recording.
+#[must_use]
+pub fn scenario_attachment(toml: String) -> Attachment<'static> {
+    Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: SCENARIO_ATTACHMENT.to_owned(),
+        media_type: "application/toml".to_owned(),
+        data: toml.into_bytes().into(),
+    }
+}
+
+/// The entries of `toprise.run`.
+#[must_use]
+pub fn run_entries(scenario: &Scenario) -> Entries {
+    entries([
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("scenario", scenario.name().to_owned()),
+        ("scenario_digest", scenario.digest()),
+        ("formulation", scenario.word("formulation").to_owned()),
+        ("friction_law", scenario.word("friction.law").to_owned()),
+        ("sample_period_ns", scenario.sample_period_ns.to_string()),
+        ("epoch", "simulation start".to_owned()),
+    ])
+}
+
+/// The entries of `toprise.end`, but for the content digest.
+#[must_use]
+pub fn end_entries(outcome: &Outcome) -> Entries {
     let statistics = &outcome.statistics;
-    metadata(
-        END_RECORD,
-        [
-            ("stop_reason", outcome.stop.name().to_owned()),
-            ("stop_time", format!("{:?}", outcome.time)),
-            ("samples", outcome.samples.to_string()),
-            ("events", outcome.events.to_string()),
-            ("nutations", outcome.nutations.to_string()),
-            ("content_digest", digest.to_owned()),
-            ("steps_accepted", statistics.accepted.to_string()),
-            ("steps_rejected", statistics.rejected.to_string()),
-            ("evaluations", statistics.evaluations.to_string()),
-            ("smallest_step", format!("{:?}", statistics.smallest_step)),
-            ("largest_step", format!("{:?}", statistics.largest_step)),
-        ],
-    )
+    entries([
+        ("stop_reason", outcome.stop.name().to_owned()),
+        ("stop_time", format!("{:?}", outcome.time)),
+        ("samples", outcome.samples.to_string()),
+        ("events", outcome.events.to_string()),
+        ("nutations", outcome.nutations.to_string()),
+        ("steps_accepted", statistics.accepted.to_string()),
+        ("steps_rejected", statistics.rejected.to_string()),
+        ("evaluations", statistics.evaluations.to_string()),
+        ("smallest_step", format!("{:?}", statistics.smallest_step)),
+        ("largest_step", format!("{:?}", statistics.largest_step)),
+    ])
 }
 
-fn metadata<const N: usize>(name: &str, entries: [(&str, String); N]) -> Metadata {
+fn entries<const N: usize>(entries: [(&str, String); N]) -> Entries {
+    let owned = |(key, value): (&str, String)| (key.to_owned(), value);
+    entries.into_iter().map(owned).collect()
+}
+
+fn metadata(name: &str, entries: Entries) -> Metadata {
     Metadata {
         name: name.to_owned(),
-        metadata: entries
-            .into_iter()
-            .map(|(key, value)| (key.to_owned(), value))
-            .collect(),
+        metadata: entries,
     }
 }

@@ -19,6 +19,18 @@ pub struct Owned {
     pub texts: Vec<String>,
 }
 
+impl From<&Message<'_>> for Owned {
+    fn from(message: &Message<'_>) -> Self {
+        Self {
+            channel: message.channel,
+            sequence: message.sequence,
+            time_ns: message.time_ns,
+            numbers: message.numbers.to_vec(),
+            texts: message.texts.to_vec(),
+        }
+    }
+}
+
 /// All messages, and their digest.
 #[derive(Clone, Debug, Default)]
 pub struct MemorySink {
@@ -31,13 +43,7 @@ pub struct MemorySink {
 impl Sink for MemorySink {
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
         self.digest.update(message);
-        self.messages.push(Owned {
-            channel: message.channel,
-            sequence: message.sequence,
-            time_ns: message.time_ns,
-            numbers: message.numbers.to_vec(),
-            texts: message.texts.to_vec(),
-        });
+        self.messages.push(Owned::from(message));
         Ok(())
     }
 

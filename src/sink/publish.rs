@@ -18,6 +18,14 @@ pub enum Existing {
     Replace,
 }
 
+impl Existing {
+    /// Replaced if that is forced.
+    #[must_use]
+    pub fn forced(force: bool) -> Self {
+        if force { Self::Replace } else { Self::Keep }
+    }
+}
+
 /// A file on its way to its name.
 #[derive(Clone, Debug)]
 pub struct Place {

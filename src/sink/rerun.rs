@@ -12,6 +12,8 @@ mod arrow;
 mod blueprint;
 mod destination;
 mod scene;
+#[cfg(feature = "web-viewer")]
+mod serve;
 mod shape;
 mod style;
 mod track;
@@ -28,10 +30,13 @@ use rerun::{EntityPath, RecordingInfo, StoreId, TextDocument};
 pub use self::destination::Destinations;
 use self::destination::Outlet;
 use self::scene::Scene;
-use self::shape::Proportions;
+#[cfg(feature = "web-viewer")]
+pub use self::serve::WebViewer;
 use self::track::{Numbers, Texts, Track};
-pub use self::viewer::Live;
+pub use self::viewer::{Live, MISSING_VIEWER};
 use super::{Sink, SinkError};
+use crate::drawing::Proportions;
+use crate::scenario::Scenario;
 use crate::telemetry::{ChannelInfo, Leaf, Message, channels};
 use crate::top::Top;
 
@@ -96,6 +101,31 @@ pub struct Identity {
 }
 
 impl Identity {
+    /// The identity of a run or a recording that is called `name`.
+    ///
+    /// Two runs of one scenario are two recordings to a viewer, as they are two files.
+    #[must_use]
+    pub fn of(name: &str, scenario: &Scenario, topics: Vec<String>, playback: Playback) -> Self {
+        let model = &scenario.model;
+        Self {
+            recording_id: format!("{name}-{:.16}", scenario.digest()),
+            name: name.to_owned(),
+            description: format!(
+                "# {}\n\n{}\n\n```toml\n{}```\n",
+                scenario.name(),
+                scenario.description(),
+                scenario.to_toml()
+            ),
+            geometry: Geometry {
+                top: model.top,
+                force_scale: model.friction.law.force_scale(model.top.weight()),
+                slip_scale: scenario.slip_speed_at_start(),
+            },
+            topics,
+            playback,
+        }
+    }
+
     fn has_topic(&self, topic: &str) -> bool {
         self.topics.iter().any(|known| known == topic)
     }

@@ -1,7 +1,14 @@
 //! Messages as JSON: `{"timestamp":{"sec":…,"nsec":…},"theta":…,…}`.
 
-use super::{ChannelInfo, Message, channels};
+use super::encoding::{DecodeError, Row};
+use super::{ChannelInfo, Content, Message, channels};
+use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
+use serde_json::Value;
+use std::fmt;
 use std::io::Write as _;
+
+/// The member that every message starts with.
+const TIMESTAMP: &str = "timestamp";
 
 /// Writes messages of all channels as JSON, exact to the last bit of each number.
 #[derive(Debug)]
@@ -49,31 +56,274 @@ impl JsonEncoder {
 /// Time split as in a message's timestamp.
 #[must_use]
 pub fn seconds_and_nanoseconds(time_ns: u64) -> (u64, u64) {
-    (time_ns / 1_000_000_000, time_ns % 1_000_000_000)
+    (time_ns / NANOSECONDS, time_ns % NANOSECONDS)
 }
+
+const NANOSECONDS: u64 = 1_000_000_000;
 
 impl Template {
     fn new(channel: &ChannelInfo) -> Self {
         let mut slots = Vec::new();
-        let mut object = None;
-        for (index, leaf) in channel.leaves().enumerate() {
-            let (parent, name) = match leaf.path.split_once('.') {
-                Some((parent, name)) => (Some(parent), name),
-                None => (None, leaf.path.as_str()),
-            };
-            let before = match (object, parent) {
-                (open, parent) if open == parent => format!(",\"{name}\":"),
-                (None, Some(parent)) => format!(",\"{parent}\":{{\"{name}\":"),
-                (Some(_), Some(parent)) => format!("}},\"{parent}\":{{\"{name}\":"),
-                (_, None) => format!("}},\"{name}\":"),
-            };
-            object = parent;
-            slots.push((before.into_bytes(), index < channel.texts.len()));
+        let mut before = String::new();
+        for member in channel.members() {
+            before.push_str(&format!(",\"{}\":", member.name));
+            match member.content {
+                Content::Text(_) => slots.push((std::mem::take(&mut before).into_bytes(), true)),
+                Content::Number(_) => slots.push((std::mem::take(&mut before).into_bytes(), false)),
+                Content::Object(members) => {
+                    for (position, (name, _)) in members.iter().enumerate() {
+                        let opening = if position == 0 { '{' } else { ',' };
+                        before.push_str(&format!("{opening}\"{name}\":"));
+                        slots.push((std::mem::take(&mut before).into_bytes(), false));
+                    }
+                    before.push('}');
+                }
+            }
         }
-        let end = if object.is_some() { "}}" } else { "}" };
+        before.push('}');
         Self {
             slots,
-            end: end.into(),
+            end: before.into_bytes(),
         }
+    }
+}
+
+/// Reads the JSON messages of one channel.
+#[derive(Clone, Debug)]
+pub(super) struct JsonDecoder {
+    message: Object,
+    /// Leaves and parts of the timestamp that a message must have.
+    expected: usize,
+    /// Members that a message has beside them.
+    unknown: usize,
+}
+
+/// An object's members.
+#[derive(Clone, Debug, Default)]
+struct Object(Vec<(String, Target)>);
+
+/// Where a member goes.
+#[derive(Clone, Debug)]
+enum Target {
+    Seconds,
+    Nanoseconds,
+    Number(usize),
+    Text(usize),
+    Object(Object),
+    /// Nowhere.
+    Skipped,
+}
+
+impl JsonDecoder {
+    /// A decoder for the table's `channel`, as the JSON Schema of a file describes it; and the paths of
+    /// the leaves in the file.
+    pub(super) fn new(
+        channel: &ChannelInfo,
+        schema: &[u8],
+    ) -> Result<(Self, Vec<String>), DecodeError> {
+        let schema: Value =
+            serde_json::from_slice(schema).map_err(|e| DecodeError::Schema(e.to_string()))?;
+        let mut present = Vec::new();
+        leaf_paths(&schema, "", &mut present);
+        let stamps = [("sec", Target::Seconds), ("nsec", Target::Nanoseconds)];
+        let stamp = stamps.map(|(name, target)| (name.to_owned(), target));
+        let mut members = vec![(TIMESTAMP.to_owned(), Target::Object(Object(stamp.into())))];
+        for member in channel.members() {
+            let target = match member.content {
+                Content::Text(index) => Target::Text(index),
+                Content::Number(index) => Target::Number(index),
+                Content::Object(inner) => {
+                    let inner = inner.iter();
+                    let inner = inner.map(|(name, at)| ((*name).to_owned(), Target::Number(*at)));
+                    Target::Object(Object(inner.collect()))
+                }
+            };
+            members.push((member.name.to_owned(), target));
+        }
+        let known = |path: &&String| channel.leaves().any(|leaf| leaf.path == **path);
+        let matched = present.iter().filter(known).count();
+        let decoder = Self {
+            message: Object(members),
+            expected: matched + 2,
+            unknown: present.len() - matched,
+        };
+        Ok((decoder, present))
+    }
+
+    /// The same for some of the numbers only, and the timestamp.
+    pub(super) fn only(&self, numbers: &[usize]) -> Self {
+        let mut message = self.message.clone();
+        let kept = message.skip_all_but(numbers);
+        Self {
+            message,
+            expected: kept,
+            unknown: self.unknown,
+        }
+    }
+
+    pub(super) fn decode(&self, data: &[u8], row: &mut Row) -> Result<(), DecodeError> {
+        let malformed = |error: serde_json::Error| DecodeError::Malformed {
+            encoding: "json",
+            reason: error.to_string(),
+        };
+        let mut tally = Tally::default();
+        let mut deserializer = serde_json::Deserializer::from_slice(data);
+        let seed = Filling {
+            object: &self.message,
+            row,
+            tally: &mut tally,
+        };
+        seed.deserialize(&mut deserializer).map_err(malformed)?;
+        deserializer.end().map_err(malformed)?;
+        if tally.found == self.expected && tally.unknown == self.unknown {
+            return Ok(());
+        }
+        Err(DecodeError::Fields {
+            found: tally.found,
+            expected: self.expected,
+            unknown: tally.unknown,
+        })
+    }
+}
+
+impl Object {
+    /// Skips the leaves that are not among `numbers`; returns how many stay.
+    fn skip_all_but(&mut self, numbers: &[usize]) -> usize {
+        let mut kept = 0;
+        for (_, target) in &mut self.0 {
+            match target {
+                Target::Number(index) if numbers.contains(index) => kept += 1,
+                Target::Seconds | Target::Nanoseconds => kept += 1,
+                Target::Object(object) => {
+                    let inside = object.skip_all_but(numbers);
+                    if inside == 0 {
+                        *target = Target::Skipped;
+                    }
+                    kept += inside;
+                }
+                Target::Number(_) | Target::Text(_) | Target::Skipped => *target = Target::Skipped,
+            }
+        }
+        kept
+    }
+}
+
+/// The paths of all numbers and texts that a JSON Schema of ours describes, but for the timestamp.
+fn leaf_paths(schema: &Value, prefix: &str, paths: &mut Vec<String>) {
+    let properties = schema.get("properties").and_then(Value::as_object);
+    for (name, inner) in properties.into_iter().flatten() {
+        if prefix.is_empty() && name == TIMESTAMP {
+            continue;
+        }
+        let path = format!("{prefix}{name}");
+        if inner.get("properties").is_some() {
+            leaf_paths(inner, &format!("{path}."), paths);
+        } else {
+            paths.push(path);
+        }
+    }
+}
+
+/// What was met in a message.
+#[derive(Default)]
+struct Tally {
+    found: usize,
+    unknown: usize,
+}
+
+/// Fills a row from a JSON object.
+struct Filling<'a> {
+    object: &'a Object,
+    row: &'a mut Row,
+    tally: &'a mut Tally,
+}
+
+impl<'de> DeserializeSeed<'de> for Filling<'_> {
+    type Value = ();
+
+    fn deserialize<D: de::Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Filling<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        let members = &self.object.0;
+        let mut next = 0;
+        while let Some(position) = map.next_key_seed(Name { members, next })? {
+            let Some(position) = position else {
+                self.tally.unknown += 1;
+                map.next_value::<IgnoredAny>()?;
+                continue;
+            };
+            next = position + 1;
+            match &members[position].1 {
+                Target::Number(at) => self.row.numbers[*at] = map.next_value()?,
+                Target::Text(at) => self.row.texts[*at] = map.next_value()?,
+                Target::Seconds => {
+                    let seconds: u32 = map.next_value()?;
+                    self.row.time_ns += u64::from(seconds) * NANOSECONDS;
+                }
+                Target::Nanoseconds => {
+                    let nanoseconds: u32 = map.next_value()?;
+                    self.row.time_ns += u64::from(nanoseconds);
+                }
+                Target::Object(object) => {
+                    map.next_value_seed(Filling {
+                        object,
+                        row: &mut *self.row,
+                        tally: &mut *self.tally,
+                    })?;
+                    continue;
+                }
+                Target::Skipped => {
+                    map.next_value::<IgnoredAny>()?;
+                    continue;
+                }
+            }
+            self.tally.found += 1;
+        }
+        Ok(())
+    }
+}
+
+/// Reads a member's name as its position; nothing for names that are not known.
+#[derive(Clone, Copy)]
+struct Name<'a> {
+    members: &'a [(String, Target)],
+    /// Where it is, if the members come in order.
+    next: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for Name<'_> {
+    type Value = Option<usize>;
+
+    fn deserialize<D: de::Deserializer<'de>>(
+        self,
+        deserializer: D,
+    ) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_identifier(self)
+    }
+}
+
+impl Visitor<'_> for Name<'_> {
+    type Value = Option<usize>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a member's name")
+    }
+
+    fn visit_str<E: de::Error>(self, name: &str) -> Result<Self::Value, E> {
+        let is = |position: &usize| self.members[*position].0 == name;
+        let expected = Some(self.next).filter(|next| *next < self.members.len());
+        Ok(expected
+            .filter(is)
+            .or_else(|| (0..self.members.len()).find(is)))
     }
 }

@@ -67,7 +67,8 @@ fn described(meaning: &str, leaf: &Leaf) -> String {
     }
 }
 
-fn with_unit(meaning: &str, leaf: &Leaf) -> String {
+/// A meaning with its unit in brackets.
+pub(super) fn with_unit(meaning: &str, leaf: &Leaf) -> String {
     if leaf.unit.is_empty() {
         meaning.to_owned()
     } else {

@@ -12,8 +12,8 @@ pub struct Channel<S: 'static> {
     pub schema: &'static str,
     /// What it carries.
     pub meaning: &'static str,
-    /// Whether there is a message for this `S`.
-    pub present: fn(&S) -> bool,
+    /// Whether there is a message for this `S`, if there isn't always one.
+    pub present: Option<fn(&S) -> bool>,
     /// Its fields.
     pub fields: &'static [Field<S>],
 }
@@ -108,7 +108,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/state", schema: "toprise.State",
         meaning: "Euler angles (z-x-z), their rates and accelerations",
-        present: |_| true,
+        present: None,
         fields: &[
             number("phi", "rad", "precession angle φ, about the vertical, unwrapped", |s| s.angles.phi),
             number("theta", "rad", "nutation angle (inclination) θ, about the line of nodes", |s| s.angles.theta),
@@ -124,7 +124,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/pose", schema: "toprise.Pose",
         meaning: "orientation, symmetry axis, angular velocity and position",
-        present: |_| true,
+        present: None,
         fields: &[
             Field { name: "orientation", unit: "", frame: "", plot: "orientation",
                 meaning: "unit quaternion that turns body components into world components",
@@ -138,7 +138,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/torque", schema: "toprise.Torque",
         meaning: "torques about the centre of the peg",
-        present: |_| true,
+        present: None,
         fields: &[
             vector("gravity_body", "N m", BODY, "torque of gravity", |s| s.gravity_torque.body),
             vector("friction_body", "N m", BODY, "torque of friction", |s| s.friction_torque.body),
@@ -151,7 +151,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/acceleration", schema: "toprise.Acceleration",
         meaning: "the terms of the equations of motion: why the top rises at this instant",
-        present: |_| true,
+        present: None,
         fields: &[
             together("theta_ddot", number("theta_ddot.gyroscopic", "rad/s²", "−(I_z/I_x) φ̇ sin θ (ψ̇ + φ̇ cos θ)", |s| s.accelerations.gyroscopic.theta)),
             together("theta_ddot", number("theta_ddot.centrifugal", "rad/s²", "φ̇² sin θ cos θ", |s| s.accelerations.inertial.theta)),
@@ -168,7 +168,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/contact", schema: "toprise.Contact",
         meaning: "slip and forces at the point of contact",
-        present: |_| true,
+        present: None,
         fields: &[
             vector("slip_body", "m/s", BODY, "slip velocity of the contact point over the table", |s| s.slip_body),
             vector("slip_world", "m/s", WORLD, "slip velocity of the contact point over the table", |s| s.slip_world),
@@ -183,7 +183,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/energy", schema: "toprise.Energy",
         meaning: "energies and what friction takes",
-        present: |_| true,
+        present: None,
         fields: &[
             together("mechanical", number("kinetic", "J", "kinetic energy", |s| s.kinetic_energy)),
             number("potential", "J", "potential energy, zero at the height of the peg's centre", |s| s.potential_energy),
@@ -195,7 +195,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/momentum", schema: "toprise.Momentum",
         meaning: "angular momentum about the centre of the peg",
-        present: |_| true,
+        present: None,
         fields: &[
             together("components", number("vertical", "kg m²/s", "about the vertical", |s| s.vertical_momentum)),
             together("components", number("axial", "kg m²/s", "about the symmetry axis", |s| s.axial_momentum)),
@@ -205,7 +205,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/precession", schema: "toprise.Precession",
         meaning: "regular precession at this inclination and spin rate; no message where its rates are not real",
-        present: |s| s.precession_roots.is_some(),
+        present: Some(|s| s.precession_roots.is_some()),
         fields: &[
             number("slow_root", "rad/s", "slow rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.slow)),
             number("fast_root", "rad/s", "fast rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.fast)),
@@ -220,7 +220,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
 pub const NUTATION: Channel<NutationCycle> = Channel {
     topic: "/top/nutation", schema: "toprise.Nutation",
     meaning: "each nutation, from one maximum of θ̇ to the next: the averaged motion",
-    present: |_| true,
+    present: None,
     fields: &[
         number("cycle", "", "number of the cycle, from 0", |c| f64::from(c.index)),
         number("start", "s", "when the cycle began", |c| c.start),
@@ -239,7 +239,7 @@ pub const NUTATION: Channel<NutationCycle> = Channel {
 pub const EVENTS: Channel<Event> = Channel {
     topic: "/events", schema: "toprise.Event",
     meaning: "what happened, and the state at that moment",
-    present: |_| true,
+    present: None,
     fields: &[
         text("name", "kind of event", |e| e.kind.name()),
         text("description", "a sentence for people", |e| &e.description),

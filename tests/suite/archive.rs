@@ -5,12 +5,13 @@ use mcap::MessageStream;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
-use toprise::recording::{Overview, RecordingError, end_record};
+use toprise::recording::{Condition, Overview, Recording, RecordingError};
 use toprise::scenario::Scenario;
 use toprise::simulation::Simulation;
-use toprise::sink::mcap::{Archived, McapSink};
+use toprise::sink::mcap::{Archived, Form, McapSink};
 use toprise::sink::publish::{Existing, partial_name};
 use toprise::sink::{Sink, SinkError, record};
+use toprise::telemetry::views::view_channels;
 use toprise::telemetry::{Telemetry, channels};
 
 fn short() -> Scenario {
@@ -19,7 +20,7 @@ fn short() -> Scenario {
 
 fn archive(path: &Path, scenario: &Scenario, existing: Existing) -> Result<Archived, SinkError> {
     let mut telemetry = Telemetry::default();
-    let mut sink = McapSink::create(path, existing, scenario, &telemetry)?;
+    let mut sink = McapSink::create(path, existing, scenario, &telemetry, Form::default())?;
     let mut simulation = Simulation::new(scenario).unwrap();
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
     let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
@@ -47,7 +48,8 @@ fn another_reader_finds_everything() {
 
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
     let statistics = summary.stats.as_ref().unwrap();
-    assert_eq!(usize::from(statistics.schema_count), channels().len());
+    // The views have six message types.
+    assert_eq!(usize::from(statistics.schema_count), channels().len() + 6);
     assert_eq!(
         (statistics.attachment_count, statistics.metadata_count),
         (1, 2)
@@ -67,14 +69,20 @@ fn another_reader_finds_everything() {
         assert!(message.log_time >= last);
         assert_eq!(message.log_time, message.publish_time);
         last = message.log_time;
-        assert_eq!(message.channel.message_encoding, "json");
         let schema = message.channel.schema.as_ref().unwrap();
-        assert_eq!(schema.encoding, "jsonschema");
-        serde_json::from_slice::<serde_json::Value>(&message.data).unwrap();
+        let encodings = (
+            message.channel.message_encoding.as_str(),
+            schema.encoding.as_str(),
+        );
+        if encodings != ("cdr", "ros2msg") {
+            assert_eq!(encodings, ("json", "jsonschema"));
+            serde_json::from_slice::<serde_json::Value>(&message.data).unwrap();
+        }
         *counts.entry(message.channel.topic.clone()).or_insert(0) += 1;
     }
     assert_eq!(counts["/top/state"], 501);
-    assert_eq!(counts.len(), channels().len());
+    assert_eq!(counts["/tf"], 51);
+    assert_eq!(counts.len(), channels().len() + view_channels().len());
 }
 
 #[test]
@@ -92,7 +100,7 @@ fn the_records_at_start_and_end_tell_the_run() {
     assert_eq!(end["stop_reason"], "duration");
     assert_eq!(end["samples"], "501");
     assert_eq!(end["content_digest"], archived.digest);
-    assert_eq!(end_record(&path).as_ref(), Some(end));
+    assert_eq!(Recording::open(&path).unwrap().end(), Some(end));
     assert_eq!(overview.parsed_scenario(), Some(short()));
     assert_eq!(overview.events[0].name, "start");
     assert_eq!(overview.last_ns(), 500_000_000);
@@ -142,7 +150,8 @@ fn a_name_that_is_taken_during_the_run_is_left_alone() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let mut telemetry = Telemetry::default();
-    let mut sink = McapSink::create(&path, Existing::Keep, &short(), &telemetry).unwrap();
+    let mut sink =
+        McapSink::create(&path, Existing::Keep, &short(), &telemetry, Form::default()).unwrap();
     let mut simulation = Simulation::new(&short()).unwrap();
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
     let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
@@ -158,7 +167,8 @@ fn an_abandoned_recording_stays_partial_and_readable() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let mut telemetry = Telemetry::default();
-    let mut sink = McapSink::create(&path, Existing::Keep, &short(), &telemetry).unwrap();
+    let mut sink =
+        McapSink::create(&path, Existing::Keep, &short(), &telemetry, Form::default()).unwrap();
     let mut simulation = Simulation::new(&short()).unwrap();
     let mut samples = 0;
     let stop_early = |_: &_, sinks: &mut [&mut dyn Sink]| {
@@ -200,14 +210,17 @@ fn damaged_and_foreign_files_are_told_apart() {
     let truncated = directory.path().join("truncated.mcap");
     fs::write(&truncated, &whole[..whole.len() * 2 / 3]).unwrap();
     let overview = Overview::read(&truncated).unwrap();
-    assert!(overview.damage.is_some() && overview.messages() > 0 && overview.end.is_none());
+    assert_eq!(overview.condition, Condition::Interrupted);
+    assert!(overview.losses.len() == 1 && overview.messages() > 0 && overview.end.is_none());
 
     let flipped = directory.path().join("flipped.mcap");
     let mut bytes = whole.clone();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     fs::write(&flipped, bytes).unwrap();
-    assert!(!Overview::read(&flipped).unwrap().is_whole());
+    let overview = Overview::read(&flipped).unwrap();
+    assert_eq!(overview.condition, Condition::Damaged);
+    assert!(overview.messages() > 0 && overview.end.is_some());
 
     let other = directory.path().join("other");
     for (bytes, empty) in [
@@ -219,7 +232,7 @@ fn damaged_and_foreign_files_are_told_apart() {
         let error = Overview::read(&other).unwrap_err();
         assert_eq!(matches!(error, RecordingError::Empty), empty, "{error}");
     }
-    assert!(Overview::read(directory.path()).is_err());
-    assert_eq!(end_record(&other), None);
-    assert_eq!(end_record(&truncated), None);
+    let error = Overview::read(directory.path()).unwrap_err();
+    assert!(matches!(error, RecordingError::Directory), "{error}");
+    assert_eq!(Recording::open(&truncated).unwrap().end(), None);
 }

@@ -10,6 +10,7 @@ use toprise::sink::memory::{MemorySink, Owned};
 use toprise::sink::{Sink, record};
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::json::JsonEncoder;
+use toprise::telemetry::protobuf::{proto_file, proto_file_name};
 use toprise::telemetry::schema::{file_name, json_schema};
 use toprise::telemetry::{Message, Telemetry, channels};
 
@@ -51,14 +52,24 @@ fn regress_the_committed_schemas_are_those_of_the_table() {
     for channel in channels() {
         let path = directory.join(file_name(channel));
         let committed = fs::read_to_string(&path).unwrap_or_default();
+        let advice = "is out of date: run `cargo run -- schema --write schemas`";
         assert_eq!(
             committed,
             json_schema(channel),
-            "{} is out of date: run `cargo run -- schema --write schemas`",
+            "{} {advice}",
+            path.display()
+        );
+        let path = directory.join(proto_file_name(channel));
+        let committed = fs::read_to_string(&path).unwrap_or_default();
+        assert_eq!(
+            committed,
+            proto_file(channel),
+            "{} {advice}",
             path.display()
         );
     }
-    assert_eq!(fs::read_dir(&directory).unwrap().count(), channels().len());
+    let files = fs::read_dir(&directory).unwrap().count();
+    assert_eq!(files, 2 * channels().len());
 }
 
 #[test]

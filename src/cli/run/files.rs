@@ -1,7 +1,7 @@
 //! Which files a run writes.
 
 use super::RunArguments;
-use crate::recording::end_record;
+use crate::recording::Recording;
 use crate::scenario::Scenario;
 use crate::sink::mcap::Archived;
 use crate::sink::publish::partial_name;
@@ -78,7 +78,9 @@ impl Plan {
     /// The latest of the earlier recordings whose content is that of the new one.
     pub(super) fn identical(&self, archive: &Archived) -> Option<&Path> {
         let same = |path: &&PathBuf| {
-            end_record(path).is_some_and(|end| end.get("content_digest") == Some(&archive.digest))
+            let earlier = Recording::open(path).ok();
+            let end = earlier.as_ref().and_then(Recording::end);
+            end.is_some_and(|end| end.get("content_digest") == Some(&archive.digest))
         };
         self.earlier.iter().rev().find(same).map(PathBuf::as_path)
     }

@@ -1,13 +1,11 @@
-//! What happens between records: real time, flushes, progress, Ctrl-C.
+//! What happens between records: real time, flushes, progress, an orderly end.
 
+use super::super::interrupt::Interrupt;
 use super::{Duration, Instant};
 use crate::simulation::Record;
 use crate::sink::{Sink, SinkError};
-use anyhow::{Context as _, Error};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ops::ControlFlow;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 /// A paced run passes on what it has this often, so that a viewer follows and little is lost.
@@ -22,34 +20,25 @@ pub(super) struct Pace {
     speed: Option<f64>,
     began: Instant,
     flushed: Instant,
-    interrupted: Arc<AtomicBool>,
+    interrupt: Interrupt,
     bar: ProgressBar,
 }
 
 impl Pace {
     /// Starts the clock. `speed` is simulated time per real time; none for as fast as possible.
-    pub(super) fn start(speed: Option<f64>) -> Result<Self, Error> {
-        let interrupted = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&interrupted);
-        ctrlc::set_handler(move || {
-            // The first asks for an orderly end; whoever asks again doesn't want to wait for it.
-            if flag.swap(true, Ordering::SeqCst) {
-                std::process::exit(130);
-            }
-        })
-        .context("cannot watch for Ctrl-C")?;
+    pub(super) fn start(speed: Option<f64>, interrupt: Interrupt) -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}  [{elapsed}]") {
             bar.set_style(style);
         }
         let now = Instant::now();
-        Ok(Self {
+        Self {
             speed,
             began: now,
             flushed: now,
-            interrupted,
+            interrupt,
             bar,
-        })
+        }
     }
 
     /// To be called after each record.
@@ -69,7 +58,7 @@ impl Pace {
             }
             self.wait_for(sample.time_ns, sinks)?;
         }
-        Ok(if self.interrupted.load(Ordering::SeqCst) {
+        Ok(if self.interrupt.is_asked() {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
@@ -95,7 +84,7 @@ impl Pace {
                 self.flushed = Instant::now();
             }
             let early = due.saturating_sub(self.began.elapsed());
-            if early.is_zero() || self.interrupted.load(Ordering::SeqCst) {
+            if early.is_zero() || self.interrupt.is_asked() {
                 return Ok(());
             }
             thread::sleep(early.min(NAP));

@@ -1,10 +1,9 @@
 //! The Rerun side of a run: a file, a live viewer, or both.
 
 use super::super::output;
-use super::{Plan, RunArguments};
-use crate::scenario::Scenario;
+use super::Setup;
 use crate::sink::publish::Place;
-use crate::sink::rerun::{Destinations, Geometry, Identity, Live, Playback, RerunSink};
+use crate::sink::rerun::{Destinations, Identity, Playback, RerunSink};
 use crate::sink::{Sink, SinkError};
 use crate::telemetry::{Telemetry, channels};
 use anyhow::{Context as _, Error};
@@ -17,30 +16,21 @@ pub(super) struct Viewer {
 }
 
 impl Viewer {
-    /// Opens what the arguments ask for. A viewer that can't be reached is a warning.
-    pub(super) fn open(
-        arguments: &RunArguments,
-        plan: &Plan,
-        scenario: &Scenario,
-        telemetry: &Telemetry,
-    ) -> Result<Self, Error> {
-        let reserved = match &plan.rrd {
-            Some(path) => Some(Place::reserve(path, arguments.existing())?),
+    /// Opens what the run asks for. A viewer that can't be reached is a warning.
+    pub(super) fn open(setup: &Setup<'_>, telemetry: &Telemetry) -> Result<Self, Error> {
+        let reserved = match &setup.plan.rrd {
+            Some(path) => Some(Place::reserve(path, setup.arguments.existing())?),
             None => None,
         };
         let (place, file) = reserved.unzip();
-        let live = match (&arguments.connect, arguments.spawn) {
-            (Some(url), _) => Some(Live::Connect(url.clone())),
-            (None, true) => Some(Live::Spawn),
-            (None, false) => None,
-        };
+        let live = setup.live.clone();
         if file.is_none() && live.is_none() {
             return Ok(Self { sink: None, place });
         }
-        let identity = identity(arguments, plan, scenario, telemetry);
+        let identity = identity(setup, telemetry);
         let sink = RerunSink::new(&identity, Destinations { file, live });
         let mut sink = sink.map_err(SinkError::from)?;
-        warn_all(sink.take_warnings());
+        output::warn_all(sink.take_warnings());
         Ok(Self {
             sink: Some(sink),
             place,
@@ -58,7 +48,7 @@ impl Viewer {
             return Ok(None);
         };
         let (file, warnings) = sink.finish().map_err(SinkError::from)?;
-        warn_all(warnings);
+        output::warn_all(warnings);
         let Some((place, file)) = self.place.zip(file) else {
             return Ok(None);
         };
@@ -69,49 +59,21 @@ impl Viewer {
     }
 }
 
-fn warn_all(warnings: Vec<String>) {
-    for warning in warnings {
-        output::warn(&warning);
-    }
-}
-
-fn identity(
-    arguments: &RunArguments,
-    plan: &Plan,
-    scenario: &Scenario,
-    telemetry: &Telemetry,
-) -> Identity {
-    let stem = plan.mcap.file_stem().unwrap_or_default().to_string_lossy();
-    let top = &scenario.model.top;
-    let topics = channels().iter().enumerate();
-    Identity {
-        // Two runs of one scenario are two recordings to a viewer, as they are two files.
-        recording_id: format!("{stem}-{:.16}", scenario.digest()),
-        name: stem.into_owned(),
-        description: description(scenario),
-        geometry: Geometry {
-            top: *top,
-            force_scale: scenario.model.friction.law.force_scale(top.weight()),
-            slip_scale: scenario.slip_speed_at_start(),
-        },
-        topics: topics
-            .filter(|(index, _)| telemetry.wants(*index))
-            .map(|(_, channel)| channel.topic.to_owned())
-            .collect(),
-        playback: if arguments.realtime.is_some() {
-            Playback::Following
-        } else {
-            Playback::PausedAtStart
-        },
-    }
-}
-
-/// About the run, in Markdown.
-fn description(scenario: &Scenario) -> String {
-    format!(
-        "# {}\n\n{}\n\n```toml\n{}```\n",
-        scenario.name(),
-        scenario.description(),
-        scenario.to_toml()
+fn identity(setup: &Setup<'_>, telemetry: &Telemetry) -> Identity {
+    let stem = setup.plan.mcap.file_stem().unwrap_or_default();
+    let wanted = channels().iter().enumerate();
+    let topics = wanted
+        .filter(|(index, _)| telemetry.wants(*index))
+        .map(|(_, channel)| channel.topic.to_owned());
+    let playback = if setup.arguments.realtime.is_some() {
+        Playback::Following
+    } else {
+        Playback::PausedAtStart
+    };
+    Identity::of(
+        &stem.to_string_lossy(),
+        setup.scenario,
+        topics.collect(),
+        playback,
     )
 }

@@ -5,9 +5,9 @@ use rerun::{Color, Radius, SerializedComponentColumn};
 
 use super::destination::Outlet;
 use super::scene::{Vector, single};
-use super::shape::Proportions;
 use super::track::{Rows, Track};
 use super::{Geometry, Identity, RerunError, style};
+use crate::drawing::Proportions;
 use crate::telemetry::{ChannelInfo, Message};
 
 /// Time between two positions of a label, in ns.

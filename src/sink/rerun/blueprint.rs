@@ -19,8 +19,8 @@ use rerun::{AsComponents, StoreId, TimePoint, Timeline};
 
 use super::destination::{Ids, TIMELINE, opening, single_row};
 use super::scene::POSE;
-use super::shape::Proportions;
-use super::{APPLICATION, Identity, Playback, RerunError};
+use super::{APPLICATION, Identity, Playback, RerunError, shape};
+use crate::drawing::Proportions;
 
 /// The axis' path on a sphere, and its projection onto the table.
 pub(super) const TRAIL_ABOVE: &str = "scene/trail/above";
@@ -191,8 +191,8 @@ fn left_side(
 fn scene(layout: &mut Layout, proportions: &Proportions) -> Result<Child, RerunError> {
     let view = layout.view("3D", "The top", "/scene", &["$origin/**"])?;
     let camera = parts::EyeControls3D::new()
-        .with_position(proportions.camera())
-        .with_look_target(proportions.focus())
+        .with_position(shape::camera(proportions))
+        .with_look_target(shape::focus(proportions))
         .with_eye_up([0.0, 0.0, 1.0]);
     let background =
         parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(0x1215_1BFF));

@@ -8,9 +8,10 @@ use rerun::{Color, Radius, SerializedComponentColumn, ViewCoordinates};
 use super::arrow::{ARROWS, Arrow};
 use super::blueprint::{TRAIL_ABOVE, TRAIL_BELOW};
 use super::destination::Outlet;
-use super::shape::{self, Proportions};
+use super::shape;
 use super::track::{Rows, Track};
 use super::{Geometry, Identity, RerunError, style};
+use crate::drawing::Proportions;
 use crate::telemetry::{ChannelInfo, Message};
 
 /// The topic without which there is no scene.

@@ -7,8 +7,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use rerun::{Color, LineStrips3D, Mesh3D, Radius};
 
+use crate::drawing::Proportions;
 use crate::math;
-use crate::top::Top;
 
 /// Steps around the axis; a multiple of the number of sectors.
 const STEPS: usize = 96;
@@ -23,46 +23,14 @@ struct ProfilePoint {
     normal: [f64; 2],
 }
 
-/// Proportions of the drawn top, in metres.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Proportions {
-    peg: f64,
-    disc_height: f64,
-    disc_radius: f64,
-    stem_radius: f64,
-    /// Height of the stem's tip above the centre of the peg.
-    pub(super) tip: f64,
+/// Where the camera stands at first, in the world frame.
+pub(super) fn camera(proportions: &Proportions) -> [f32; 3] {
+    [2.4, 3.05, 1.4].map(|x| (x * proportions.tip) as f32)
 }
 
-impl Proportions {
-    /// A disc with the top's axial moment of inertia at the height of its centre of mass.
-    pub(super) fn new(top: &Top) -> Self {
-        let peg = top.peg_radius;
-        let disc_height = top.center_distance.abs().max(peg);
-        let disc_radius = (2.0 * top.axial_moment / top.mass).sqrt();
-        Self {
-            peg,
-            disc_height,
-            disc_radius,
-            stem_radius: 0.07 * disc_radius,
-            tip: disc_height + 0.9 * disc_radius,
-        }
-    }
-
-    /// Where the camera stands at first, in the world frame.
-    pub(super) fn camera(&self) -> [f32; 3] {
-        [2.4, 3.05, 1.4].map(|x| (x * self.tip) as f32)
-    }
-
-    /// What the camera looks at.
-    pub(super) fn focus(&self) -> [f32; 3] {
-        [0.0, 0.0, (0.55 * self.tip) as f32]
-    }
-
-    /// The thickness of the disc.
-    fn thickness(&self) -> f64 {
-        0.2 * self.disc_radius
-    }
+/// What the camera looks at.
+pub(super) fn focus(proportions: &Proportions) -> [f32; 3] {
+    [0.0, 0.0, (0.55 * proportions.tip) as f32]
 }
 
 /// The surface of the top in body axes.
@@ -90,8 +58,8 @@ const METAL: Palette = [STEEL; SECTORS];
 fn parts(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
     let half = 0.5 * p.thickness();
     let (low, high) = (p.disc_height - half, p.disc_height + half);
-    let neck = 0.72 * p.peg;
-    let shoulder = 0.45 * p.disc_radius;
+    let neck = p.neck();
+    let shoulder = p.shoulder();
     let seam = math::atan2((p.peg * p.peg - neck * neck).sqrt(), neck);
     let knob = 1.5 * p.stem_radius;
     vec![

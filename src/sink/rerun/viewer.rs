@@ -193,7 +193,8 @@ fn spawn_viewer() -> Result<ProxyUri, String> {
     parse_address(&options.connect_addr().to_string())
 }
 
-const MISSING_VIEWER: &str = "\
+/// What to do if there is no viewer.
+pub const MISSING_VIEWER: &str = "\
 no executable `rerun` in PATH. Install the viewer with
     pip install rerun-sdk==0.36.3
 or

@@ -1,0 +1,104 @@
+//! Which Rerun viewer to show something in.
+
+use super::interrupt::Interrupt;
+use crate::sink::rerun::Live;
+use anyhow::Error;
+use clap::Args;
+use std::net::IpAddr;
+
+/// Arguments of the commands that show something in a viewer.
+#[derive(Args, Debug, PartialEq)]
+pub(super) struct ViewerArguments {
+    /// Show it in the Rerun viewer at this address.
+    #[arg(long, value_name = "URL", num_args = 0..=1,
+          default_missing_value = "rerun+http://127.0.0.1:9876/proxy",
+          conflicts_with_all = ["spawn", "serve"])]
+    connect: Option<String>,
+
+    /// Start a Rerun viewer and show it there.
+    #[arg(long, conflicts_with = "serve")]
+    spawn: bool,
+
+    /// Serve the web viewer and show it there, until Ctrl-C.
+    #[arg(long)]
+    serve: bool,
+
+    /// Serve at this address of this machine; 0.0.0.0 lets everybody in.
+    #[arg(
+        long,
+        value_name = "IP",
+        default_value = "127.0.0.1",
+        requires = "serve"
+    )]
+    bind: IpAddr,
+
+    /// Serve the web viewer at this port and its stream at the next one.
+    #[arg(long, value_name = "PORT", default_value_t = 9090, requires = "serve")]
+    port: u16,
+}
+
+/// A viewer to show something in.
+pub(super) enum Target {
+    /// None was asked for.
+    None,
+    /// One that is there or can be started.
+    Live(Live),
+    /// One that this process serves.
+    #[cfg(feature = "web-viewer")]
+    Served(crate::sink::rerun::WebViewer),
+}
+
+impl ViewerArguments {
+    /// Finds the viewer, or starts to serve it.
+    pub(super) fn target(&self) -> Result<Target, Error> {
+        if self.serve {
+            return self.serve();
+        }
+        Ok(match &self.connect {
+            Some(url) => Target::Live(Live::Connect(url.clone())),
+            None if self.spawn => Target::Live(Live::Spawn),
+            None => Target::None,
+        })
+    }
+
+    #[cfg(feature = "web-viewer")]
+    fn serve(&self) -> Result<Target, Error> {
+        let viewer = crate::sink::rerun::WebViewer::start(self.bind, self.port);
+        let viewer = viewer.map_err(Error::msg)?;
+        eprintln!("serving at {}", viewer.url());
+        Ok(Target::Served(viewer))
+    }
+
+    #[cfg(not(feature = "web-viewer"))]
+    fn serve(&self) -> Result<Target, Error> {
+        anyhow::bail!(
+            "this build has no web viewer (it adds 40 MB): build it with --features web-viewer"
+        )
+    }
+}
+
+impl Target {
+    /// The viewer to connect to.
+    pub(super) fn live(&self) -> Option<Live> {
+        match self {
+            Self::None => None,
+            Self::Live(live) => Some(live.clone()),
+            #[cfg(feature = "web-viewer")]
+            Self::Served(viewer) => Some(Live::Connect(viewer.address().to_owned())),
+        }
+    }
+
+    /// Goes on serving until the user wants an end.
+    #[cfg_attr(not(feature = "web-viewer"), allow(unused_variables))]
+    pub(super) fn serve_until(self, interrupt: &Interrupt) {
+        #[cfg(feature = "web-viewer")]
+        if let Self::Served(viewer) = self {
+            if !interrupt.is_asked() {
+                eprintln!("still serving at {}; end it with Ctrl-C", viewer.url());
+            }
+            while !interrupt.is_asked() {
+                std::thread::sleep(std::time::Duration::from_millis(50));
+            }
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The channels of a file, and which of them are the table's.
+
+use crate::telemetry::encoding::{DecodeError, Decoder};
+use crate::telemetry::views::view_channels;
+use crate::telemetry::{ChannelInfo, channels};
+use mcap::records::Record;
+use std::collections::BTreeMap;
+
+/// A channel of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileChannel {
+    /// MCAP channel id.
+    pub id: u16,
+    /// Topic.
+    pub topic: String,
+    /// Encoding of its messages.
+    pub encoding: String,
+    /// Its message type; none for messages that describe themselves.
+    pub schema: Option<FileSchema>,
+    /// What the file says about it beside that.
+    pub metadata: BTreeMap<String, String>,
+    /// Its index in the table of channels, if it is one of them.
+    pub table: Option<usize>,
+}
+
+/// A message type of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileSchema {
+    /// Its name.
+    pub name: String,
+    /// The language in which it is described.
+    pub encoding: String,
+    /// Its description.
+    pub data: Vec<u8>,
+}
+
+impl FileChannel {
+    /// The name of its message type, empty if it has none.
+    #[must_use]
+    pub fn schema_name(&self) -> &str {
+        self.schema.as_ref().map_or("", |schema| &schema.name)
+    }
+
+    /// The row of the table, if it is a channel of the table.
+    #[must_use]
+    pub fn info(&self) -> Option<&'static ChannelInfo> {
+        channels().get(self.table?)
+    }
+
+    /// Whether it is one of those that are there for viewers only.
+    #[must_use]
+    pub fn is_view(&self) -> bool {
+        view_channels().iter().any(|view| view.topic == self.topic)
+    }
+
+    /// What decodes its messages, if it is a channel of the table.
+    ///
+    /// # Errors
+    /// [`DecodeError`] if its encoding or schema can't be read.
+    pub fn decoder(&self) -> Option<Result<Decoder, DecodeError>> {
+        let data = self.schema.as_ref().map_or(&[][..], |schema| &schema.data);
+        let info = self.info()?;
+        Some(Decoder::new(info, &self.encoding, self.schema_name(), data))
+    }
+}
+
+/// All channels of a file, in the order of their first definitions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Channels {
+    schemas: BTreeMap<u16, FileSchema>,
+    list: Vec<FileChannel>,
+    positions: BTreeMap<u16, usize>,
+    /// Definitions that contradict earlier ones.
+    pub(crate) contradictions: Vec<String>,
+}
+
+impl Channels {
+    pub(crate) fn list(&self) -> &[FileChannel] {
+        &self.list
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Where the channel with an id stands in the list.
+    pub(crate) fn position(&self, id: u16) -> Option<usize> {
+        self.positions.get(&id).copied()
+    }
+
+    /// Takes in a schema or channel record; others mean nothing here.
+    pub(crate) fn define(&mut self, record: Record<'_>) {
+        match record {
+            Record::Schema { header, data } => {
+                let schema = FileSchema {
+                    name: header.name,
+                    encoding: header.encoding,
+                    data: data.into_owned(),
+                };
+                match self.schemas.get(&header.id) {
+                    Some(known) if *known != schema => {
+                        let text = format!("schema {} is defined twice, differently", header.id);
+                        self.contradictions.push(text);
+                    }
+                    _ => {
+                        self.schemas.insert(header.id, schema);
+                    }
+                }
+            }
+            Record::Channel(record) => {
+                let schema = self.schemas.get(&record.schema_id).cloned();
+                let table = channels().iter().position(|c| c.topic == record.topic);
+                let channel = FileChannel {
+                    id: record.id,
+                    topic: record.topic,
+                    encoding: record.message_encoding,
+                    schema,
+                    metadata: record.metadata,
+                    table,
+                };
+                match self.position(record.id) {
+                    Some(position) if self.list[position] != channel => {
+                        let text = format!("channel {} is defined twice, differently", record.id);
+                        self.contradictions.push(text);
+                    }
+                    Some(_) => {}
+                    None => {
+                        self.positions.insert(record.id, self.list.len());
+                        self.list.push(channel);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}

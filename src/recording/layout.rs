@@ -1,0 +1,203 @@
+//! Where everything is in a file.
+
+use super::channels::Channels;
+use super::loss::Loss;
+use super::scan::{Found, HEAD, Place, Scanner};
+use super::section::{Buffers, Section, record_at};
+use super::source::Source;
+use super::{RecordingError, Span};
+use mcap::MAGIC;
+use mcap::records::{Metadata, Record, op};
+use std::io;
+
+/// Records outside of chunks are read in sections of about this size.
+const LOOSE_SECTION: u64 = 1 << 20;
+
+/// An attachment's place and names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct AttachmentPlace {
+    pub(crate) name: String,
+    pub(crate) place: Place,
+}
+
+/// Where everything is in a file.
+#[derive(Debug, Default)]
+pub(crate) struct Layout {
+    /// What wrote the file, by its own words.
+    pub(crate) library: String,
+    pub(crate) sections: Vec<Section>,
+    pub(crate) metadata: Vec<Metadata>,
+    pub(crate) attachments: Vec<AttachmentPlace>,
+    pub(crate) channels: Channels,
+    /// What is damaged between the records.
+    pub(crate) losses: Vec<Loss>,
+    /// Where the data end, if the file says so.
+    pub(crate) data_end: Option<u64>,
+    /// Whether the file ends as an MCAP file does.
+    pub(crate) is_ended: bool,
+}
+
+impl Layout {
+    /// Goes through a file.
+    pub(crate) fn read(source: &Source) -> Result<Self, RecordingError> {
+        let mut magic = Vec::new();
+        source.read(0, MAGIC.len() as u64, &mut magic)?;
+        if magic != MAGIC {
+            return Err(RecordingError::NotMcap);
+        }
+        let mut layout = Self::default();
+        let mut scanner = Scanner::new(source);
+        while let Some(found) = scanner.next()? {
+            match found {
+                Found::Record(place) => layout.take(&place, source)?,
+                Found::Damage(bytes) => {
+                    let reason = "no readable record stands here".to_owned();
+                    layout.losses.push(layout.loss(bytes, reason));
+                }
+                Found::End => layout.is_ended = true,
+                Found::Cut(bytes) if !bytes.is_empty() => {
+                    let reason = "the file ends within a record".to_owned();
+                    layout.losses.push(layout.loss(bytes, reason));
+                }
+                Found::Cut(_) => {}
+            }
+        }
+        layout.close_gaps();
+        layout.find_channels(source);
+        Ok(layout)
+    }
+
+    /// Whether the file calls itself written by toprise.
+    pub(crate) fn is_ours(&self) -> bool {
+        self.library.starts_with("toprise/")
+    }
+
+    fn take(&mut self, place: &Place, source: &Source) -> io::Result<()> {
+        match place.opcode {
+            op::CHUNK => {
+                let section = Section::of_chunk(place, source)?;
+                self.sections.push(section);
+            }
+            // Behind the end of the data, schemas and channels are repeated.
+            op::MESSAGE | op::SCHEMA | op::CHANNEL if self.data_end.is_none() => {
+                self.take_loose(place);
+                if place.opcode != op::MESSAGE {
+                    self.take_small(place, source)?;
+                }
+            }
+            op::ATTACHMENT => {
+                let name = attachment_name(place, source)?;
+                let place = place.clone();
+                self.attachments.push(AttachmentPlace { name, place });
+            }
+            op::DATA_END => self.data_end = Some(place.offset),
+            op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => {
+                self.take_small(place, source)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Adds a record outside of chunks to the section before it, if it continues that.
+    fn take_loose(&mut self, place: &Place) {
+        match self.sections.last_mut() {
+            Some(last)
+                if !last.is_chunk
+                    && last.offset + last.length == place.offset
+                    && last.length < LOOSE_SECTION =>
+            {
+                last.length += place.length;
+            }
+            _ => self.sections.push(Section {
+                offset: place.offset,
+                length: place.length,
+                is_chunk: false,
+                span: None,
+            }),
+        }
+    }
+
+    fn take_small(&mut self, place: &Place, source: &Source) -> io::Result<()> {
+        let mut bytes = Vec::new();
+        source.read(place.offset, place.length, &mut bytes)?;
+        let body = bytes.get(HEAD as usize..).unwrap_or_default();
+        match mcap::parse_record(place.opcode, body) {
+            Ok(Record::Header(header)) => self.library = header.library,
+            Ok(Record::Metadata(record)) => self.metadata.push(record),
+            Ok(record) => self.channels.define(record),
+            Err(_) => {}
+        }
+        Ok(())
+    }
+
+    /// A loss whose time span is not known yet, but for its beginning.
+    fn loss(&self, bytes: std::ops::Range<u64>, reason: String) -> Loss {
+        let from = self.sections.last().and_then(|section| section.span);
+        Loss {
+            offset: bytes.start,
+            length: bytes.end - bytes.start,
+            span: from.map(|(_, end)| Span {
+                from_ns: end,
+                to_ns: None,
+            }),
+            reason,
+        }
+    }
+
+    /// What was lost between two chunks ends where the second begins.
+    fn close_gaps(&mut self) {
+        for loss in &mut self.losses {
+            let next = self.sections.iter().find(|s| s.offset > loss.offset);
+            let start = next
+                .and_then(|section| section.span)
+                .map(|(start, _)| start);
+            let behind_data = self.data_end.is_some_and(|end| loss.offset >= end);
+            loss.span = match (loss.span, start) {
+                _ if behind_data => None,
+                (Some(span), _) => Some(Span {
+                    to_ns: start,
+                    ..span
+                }),
+                (None, Some(start)) => Some(Span {
+                    from_ns: 0,
+                    to_ns: Some(start),
+                }),
+                (None, None) => None,
+            };
+        }
+    }
+
+    /// Without a summary the channels stand only in the chunks: ours in the first, others' anywhere.
+    fn find_channels(&mut self, source: &Source) {
+        if self.data_end.is_some() && !self.channels.is_empty() {
+            return;
+        }
+        let mut buffers = Buffers::default();
+        for section in &self.sections {
+            if section.load(source, &mut buffers).is_err() {
+                continue;
+            }
+            let mut position = 0;
+            while let Some(Ok((inner, next))) = record_at(&buffers.records, position) {
+                position = next;
+                if matches!(inner.opcode, op::SCHEMA | op::CHANNEL)
+                    && let Ok(record) = mcap::parse_record(inner.opcode, inner.body)
+                {
+                    self.channels.define(record);
+                }
+            }
+            if self.library.starts_with("toprise/") && !self.channels.is_empty() {
+                return;
+            }
+        }
+    }
+}
+
+fn attachment_name(place: &Place, source: &Source) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    source.read(place.offset + HEAD + 16, 4, &mut bytes)?;
+    let length = bytes.as_slice().try_into().map_or(0, u32::from_le_bytes);
+    source.read(place.offset + HEAD + 20, u64::from(length), &mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}

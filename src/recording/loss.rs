@@ -1,0 +1,45 @@
+//! What of a file can't be read.
+
+use std::fmt;
+
+/// A span of time, ns; open if it reaches to an end that nobody knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// From this time on.
+    pub from_ns: u64,
+    /// To this time.
+    pub to_ns: Option<u64>,
+}
+
+impl fmt::Display for Span {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seconds = |ns: u64| ns as f64 / 1e9;
+        match self.to_ns {
+            Some(to) => write!(f, "from {} s to {} s", seconds(self.from_ns), seconds(to)),
+            None => write!(f, "from {} s on", seconds(self.from_ns)),
+        }
+    }
+}
+
+/// A part of a file that can't be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Loss {
+    /// Where it starts in the file, bytes.
+    pub offset: u64,
+    /// How long it is, bytes.
+    pub length: u64,
+    /// The times between which messages are lost; none if none are.
+    pub span: Option<Span>,
+    /// Why it can't be read.
+    pub reason: String,
+}
+
+impl fmt::Display for Loss {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} bytes at {}", self.length, self.offset)?;
+        if let Some(span) = self.span {
+            write!(f, ", {span}")?;
+        }
+        write!(f, ": {}", self.reason)
+    }
+}

@@ -1,0 +1,224 @@
+//! Going through a file's top-level records by their lengths, past whatever is damaged.
+//!
+//! A record that contradicts itself, or whose length leads nowhere, is a loss; the next place where a
+//! record stands that doesn't is searched byte by byte.
+
+use super::source::Source;
+use mcap::MAGIC;
+use mcap::records::op;
+use std::io;
+use std::ops::Range;
+
+/// Opcode and length.
+pub(crate) const HEAD: u64 = 9;
+/// What is read of each record at first.
+const PREFIX: u64 = 256;
+/// A record that must be read as a whole to be understood is not longer than this.
+const LONGEST: u64 = 256 << 20;
+/// So much is searched at a time.
+const SEARCH_WINDOW: u64 = 1 << 20;
+
+/// A top-level record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// Its opcode.
+    pub(crate) opcode: u8,
+    /// Where it starts.
+    pub(crate) offset: u64,
+    /// Its length with opcode and length field.
+    pub(crate) length: u64,
+}
+
+impl Place {
+    /// The position behind it.
+    pub(crate) fn end(&self) -> u64 {
+        self.offset + self.length
+    }
+}
+
+/// What is found on the way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// A record.
+    Record(Place),
+    /// Bytes that belong to no record.
+    Damage(Range<u64>),
+    /// The magic bytes at the end of the file.
+    End,
+    /// The file ends without them, in these last bytes that belong to no record.
+    Cut(Range<u64>),
+}
+
+/// The end of the scan can be asked for once.
+#[derive(Debug)]
+pub(crate) struct Scanner<'a> {
+    source: &'a Source,
+    position: u64,
+    prefix: Vec<u8>,
+    done: bool,
+}
+
+impl<'a> Scanner<'a> {
+    /// Starts behind the magic bytes at the beginning, which the file must have.
+    pub(crate) fn new(source: &'a Source) -> Self {
+        Self {
+            source,
+            position: MAGIC.len() as u64,
+            prefix: Vec::new(),
+            done: false,
+        }
+    }
+
+    /// The next thing in the file; none behind its end.
+    pub(crate) fn next(&mut self) -> io::Result<Option<Found>> {
+        if self.done {
+            return Ok(None);
+        }
+        if self.at_end_magic(self.position)? {
+            self.done = true;
+            return Ok(Some(Found::End));
+        }
+        if let Some(place) = self.record_at(self.position)? {
+            self.position = place.end();
+            return Ok(Some(Found::Record(place)));
+        }
+        let from = self.position;
+        let found = self.search(from + 1)?;
+        Ok(Some(match found {
+            Some(next) => {
+                self.position = next;
+                Found::Damage(from..next)
+            }
+            None => {
+                self.done = true;
+                Found::Cut(from..self.source.length())
+            }
+        }))
+    }
+
+    fn at_end_magic(&mut self, position: u64) -> io::Result<bool> {
+        if position + MAGIC.len() as u64 != self.source.length() {
+            return Ok(false);
+        }
+        self.source
+            .read(position, MAGIC.len() as u64, &mut self.prefix)?;
+        Ok(self.prefix == MAGIC)
+    }
+
+    /// The record at a position, if there is one that doesn't contradict itself.
+    fn record_at(&mut self, offset: u64) -> io::Result<Option<Place>> {
+        self.source.read(offset, PREFIX, &mut self.prefix)?;
+        let Some((opcode, body_length)) = head(&self.prefix) else {
+            return Ok(None);
+        };
+        let room = self.source.length() - offset - HEAD;
+        if body_length > room || !is_known(opcode) {
+            return Ok(None);
+        }
+        let place = Place {
+            opcode,
+            offset,
+            length: HEAD + body_length,
+        };
+        let known = &self.prefix[HEAD as usize..];
+        let consistent = match opcode {
+            op::CHUNK => chunk_length(known) == Some(body_length),
+            op::MESSAGE_INDEX => message_index_length(known) == Some(body_length),
+            op::ATTACHMENT => {
+                attachment_length(self.source, offset + HEAD, body_length)? == Some(body_length)
+            }
+            op::MESSAGE => body_length >= 22,
+            _ => body_length <= LONGEST && self.parses(&place)?,
+        };
+        Ok(consistent.then_some(place))
+    }
+
+    fn parses(&mut self, place: &Place) -> io::Result<bool> {
+        if place.length > PREFIX {
+            self.source
+                .read(place.offset, place.length, &mut self.prefix)?;
+        }
+        let body = self.prefix.get(HEAD as usize..place.length as usize);
+        Ok(body.is_some_and(|body| mcap::parse_record(place.opcode, body).is_ok()))
+    }
+
+    /// The first position from `from` on where a record or the end magic stands.
+    fn search(&mut self, from: u64) -> io::Result<Option<u64>> {
+        let mut window = Vec::new();
+        let mut start = from;
+        while start < self.source.length() {
+            self.source.read(start, SEARCH_WINDOW + HEAD, &mut window)?;
+            for at in 0..window.len().min(SEARCH_WINDOW as usize) {
+                let position = start + at as u64;
+                let room = self.source.length() - position;
+                let plausible = head(&window[at..])
+                    .is_some_and(|(opcode, length)| is_known(opcode) && length + HEAD <= room);
+                // A lone message can't be told from chance, nor a short unknown record.
+                let telling = window[at] != op::MESSAGE && window[at] < 0x80;
+                if plausible
+                    && telling
+                    && self.record_at(position)?.is_some_and(|p| p.length > HEAD)
+                {
+                    return Ok(Some(position));
+                }
+                if self.at_end_magic(position)? {
+                    return Ok(Some(position));
+                }
+            }
+            start += SEARCH_WINDOW;
+        }
+        Ok(None)
+    }
+}
+
+/// Opcode and length of the body.
+fn head(bytes: &[u8]) -> Option<(u8, u64)> {
+    let length = bytes.get(1..9)?.try_into().ok()?;
+    let length = u64::from_le_bytes(length);
+    (length < 1 << 62).then_some((bytes[0], length))
+}
+
+/// Opcodes of the specification, and those left to applications.
+fn is_known(opcode: u8) -> bool {
+    (op::HEADER..=op::DATA_END).contains(&opcode) || opcode >= 0x80
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> Option<u64> {
+    let bytes = bytes.get(at..at + 4)?.try_into().ok()?;
+    Some(u64::from(u32::from_le_bytes(bytes)))
+}
+
+fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
+    let bytes = bytes.get(at..at + 8)?.try_into().ok()?;
+    Some(u64::from_le_bytes(bytes))
+}
+
+/// The length of a chunk's body that its fields add up to.
+fn chunk_length(body: &[u8]) -> Option<u64> {
+    let name = u32_at(body, 28)?;
+    let size = u64_at(body, usize::try_from(32 + name).ok()?)?;
+    size.checked_add(40 + name)
+}
+
+fn message_index_length(body: &[u8]) -> Option<u64> {
+    Some(u32_at(body, 2)? + 6)
+}
+
+/// The length of an attachment's body that its fields add up to.
+fn attachment_length(source: &Source, body: u64, limit: u64) -> io::Result<Option<u64>> {
+    let mut bytes = Vec::new();
+    let mut at = 16;
+    for _ in 0..2 {
+        source.read(body + at, 4, &mut bytes)?;
+        let Some(length) = u32_at(&bytes, 0) else {
+            return Ok(None);
+        };
+        at += 4 + length;
+        if at > limit {
+            return Ok(None);
+        }
+    }
+    source.read(body + at, 8, &mut bytes)?;
+    let data = u64_at(&bytes, 0);
+    Ok(data.and_then(|data| data.checked_add(at + 12)))
+}

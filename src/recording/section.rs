@@ -1,0 +1,227 @@
+//! The parts of a file that hold messages: chunks, and records that stand outside of chunks.
+
+use super::scan::{HEAD, Place};
+use super::source::Source;
+use mcap::records::op;
+use std::io::{self, Read as _};
+use thiserror::Error;
+
+/// What a chunk may grow to; more is damage.
+const LARGEST_CHUNK: u64 = 1 << 30;
+
+/// A part of a file that holds messages.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Section {
+    /// Where it starts.
+    pub(crate) offset: u64,
+    /// How long it is.
+    pub(crate) length: u64,
+    /// Whether it is a chunk; else it is a row of records outside of chunks.
+    pub(crate) is_chunk: bool,
+    /// The times of its first and last message, ns; unknown outside of chunks.
+    pub(crate) span: Option<(u64, u64)>,
+}
+
+/// Why a section can't be read.
+#[derive(Debug, Error)]
+pub(crate) enum SectionError {
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    #[error("the file ends within it")]
+    Cut,
+    #[error("it is longer than {LARGEST_CHUNK} bytes")]
+    TooLarge,
+    #[error("its compression {0:?} is none of zstd, lz4 and none")]
+    Compression(String),
+    #[error("it can't be decompressed: {0}")]
+    Decompress(io::Error),
+    #[error("it has {found} bytes, not {expected}")]
+    Size { expected: u64, found: u64 },
+    #[error("its checksum is {found:08x}, not {expected:08x}")]
+    Checksum { expected: u32, found: u32 },
+}
+
+/// The bytes of a section, used again for the next one.
+#[derive(Debug, Default)]
+pub(crate) struct Buffers {
+    raw: Vec<u8>,
+    /// The section's records.
+    pub(crate) records: Vec<u8>,
+}
+
+impl Section {
+    /// The section that a chunk is.
+    pub(crate) fn of_chunk(place: &Place, source: &Source) -> io::Result<Self> {
+        let mut times = Vec::new();
+        source.read(place.offset + HEAD, 16, &mut times)?;
+        let time = |at: usize| {
+            let bytes = times.get(at..at + 8).and_then(|b| b.try_into().ok());
+            bytes.map_or(0, u64::from_le_bytes)
+        };
+        Ok(Self {
+            offset: place.offset,
+            length: place.length,
+            is_chunk: true,
+            span: Some((time(0), time(8))),
+        })
+    }
+
+    /// Reads, decompresses and checks it.
+    pub(crate) fn load(&self, source: &Source, buffers: &mut Buffers) -> Result<(), SectionError> {
+        if !self.is_chunk {
+            source.read(self.offset, self.length, &mut buffers.records)?;
+            return if buffers.records.len() as u64 == self.length {
+                Ok(())
+            } else {
+                Err(SectionError::Cut)
+            };
+        }
+        source.read(self.offset, self.length, &mut buffers.raw)?;
+        let Buffers { raw, records } = buffers;
+        let body = raw.get(HEAD as usize..).ok_or(SectionError::Cut)?;
+        let chunk = Chunk::parse(body).ok_or(SectionError::Cut)?;
+        chunk.decompress(records)
+    }
+}
+
+struct Chunk<'a> {
+    size: u64,
+    checksum: u32,
+    compression: &'a [u8],
+    data: &'a [u8],
+}
+
+impl<'a> Chunk<'a> {
+    fn parse(body: &'a [u8]) -> Option<Self> {
+        let (_times, rest) = body.split_at_checked(16)?;
+        let (size, rest) = rest.split_first_chunk()?;
+        let (checksum, rest) = rest.split_first_chunk()?;
+        let (length, rest) = rest.split_first_chunk()?;
+        let length = usize::try_from(u32::from_le_bytes(*length)).ok()?;
+        let (compression, rest) = rest.split_at_checked(length)?;
+        let (length, rest) = rest.split_first_chunk()?;
+        let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+        Some(Self {
+            size: u64::from_le_bytes(*size),
+            checksum: u32::from_le_bytes(*checksum),
+            compression,
+            data: rest.get(..length)?,
+        })
+    }
+
+    fn decompress(&self, records: &mut Vec<u8>) -> Result<(), SectionError> {
+        if self.size > LARGEST_CHUNK {
+            return Err(SectionError::TooLarge);
+        }
+        records.clear();
+        // One byte more than there should be, to notice that there is more.
+        let limit = self.size + 1;
+        match self.compression {
+            b"" => records.extend_from_slice(self.data),
+            b"zstd" => {
+                let decoder = zstd::Decoder::new(self.data).map_err(SectionError::Decompress)?;
+                let read = decoder.take(limit).read_to_end(records);
+                read.map_err(SectionError::Decompress)?;
+            }
+            b"lz4" => {
+                let decoder = lz4_flex::frame::FrameDecoder::new(self.data);
+                let read = decoder.take(limit).read_to_end(records);
+                read.map_err(SectionError::Decompress)?;
+            }
+            other => {
+                let name = String::from_utf8_lossy(other).into_owned();
+                return Err(SectionError::Compression(name));
+            }
+        }
+        let found = records.len() as u64;
+        if found != self.size {
+            return Err(SectionError::Size {
+                expected: self.size,
+                found,
+            });
+        }
+        // Zero means that no checksum was computed.
+        let found = crc32fast::hash(records);
+        if self.checksum != 0 && found != self.checksum {
+            return Err(SectionError::Checksum {
+                expected: self.checksum,
+                found,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// A record within a section.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Inner<'a> {
+    pub(crate) opcode: u8,
+    pub(crate) body: &'a [u8],
+}
+
+/// The record at `position` of a section's bytes, and the position behind it; `None` at the end.
+#[inline]
+pub(crate) fn record_at(
+    records: &[u8],
+    position: usize,
+) -> Option<Result<(Inner<'_>, usize), &'static str>> {
+    let rest = records.get(position..)?;
+    if rest.is_empty() {
+        return None;
+    }
+    let broken = "a record in it is longer than it";
+    let Some((head, rest)) = rest.split_first_chunk::<{ HEAD as usize }>() else {
+        return Some(Err(broken));
+    };
+    let mut length = [0; 8];
+    length.copy_from_slice(&head[1..]);
+    let body = usize::try_from(u64::from_le_bytes(length))
+        .ok()
+        .and_then(|length| rest.get(..length));
+    Some(body.ok_or(broken).map(|body| {
+        let inner = Inner {
+            opcode: head[0],
+            body,
+        };
+        (inner, position + HEAD as usize + body.len())
+    }))
+}
+
+/// A message record's head and data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct RawMessage<'a> {
+    pub(crate) channel_id: u16,
+    pub(crate) sequence: u32,
+    pub(crate) log_time: u64,
+    pub(crate) publish_time: u64,
+    pub(crate) data: &'a [u8],
+}
+
+impl<'a> RawMessage<'a> {
+    /// Bytes of a message record before its data.
+    pub(crate) const HEAD: usize = HEAD as usize + 22;
+
+    /// The same without its data.
+    pub(crate) fn without_data(&self) -> RawMessage<'static> {
+        RawMessage { data: &[], ..*self }
+    }
+
+    /// Reads the body of a message record.
+    #[inline]
+    pub(crate) fn parse(inner: &Inner<'a>) -> Option<Self> {
+        if inner.opcode != op::MESSAGE {
+            return None;
+        }
+        let (channel_id, rest) = inner.body.split_first_chunk()?;
+        let (sequence, rest) = rest.split_first_chunk()?;
+        let (log_time, rest) = rest.split_first_chunk()?;
+        let (publish_time, data) = rest.split_first_chunk()?;
+        Some(Self {
+            channel_id: u16::from_le_bytes(*channel_id),
+            sequence: u32::from_le_bytes(*sequence),
+            log_time: u64::from_le_bytes(*log_time),
+            publish_time: u64::from_le_bytes(*publish_time),
+            data,
+        })
+    }
+}

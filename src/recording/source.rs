@@ -1,0 +1,71 @@
+//! A file read at any position, by several threads at once.
+//!
+//! It is not mapped into memory: a file that shrinks while it is mapped, as one that is being replaced
+//! does, kills the process, and reading it is as fast.
+
+use super::RecordingError;
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+/// An open file.
+#[derive(Debug)]
+pub(crate) struct Source {
+    file: File,
+    length: u64,
+}
+
+impl Source {
+    pub(crate) fn open(path: &Path) -> Result<Self, RecordingError> {
+        let file = File::open(path)?;
+        let metadata = file.metadata()?;
+        if metadata.is_dir() {
+            return Err(RecordingError::Directory);
+        }
+        if !metadata.is_file() {
+            return Err(RecordingError::NoFile);
+        }
+        if metadata.len() == 0 {
+            return Err(RecordingError::Empty);
+        }
+        Ok(Self {
+            file,
+            length: metadata.len(),
+        })
+    }
+
+    /// Its length when it was opened, in bytes.
+    pub(crate) fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Reads `length` bytes at `offset` into `buffer`, replacing what is there; fewer at the end of the
+    /// file.
+    pub(crate) fn read(&self, offset: u64, length: u64, buffer: &mut Vec<u8>) -> io::Result<()> {
+        let length = length.min(self.length.saturating_sub(offset));
+        let length = usize::try_from(length).map_err(io::Error::other)?;
+        buffer.clear();
+        buffer.resize(length, 0);
+        let mut filled = 0;
+        while filled < length {
+            match read_at(&self.file, &mut buffer[filled..], offset + filled as u64) {
+                Ok(0) => break,
+                Ok(count) => filled += count,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+        buffer.truncate(filled);
+        Ok(())
+    }
+}
+
+#[cfg(unix)]
+fn read_at(file: &File, buffer: &mut [u8], offset: u64) -> io::Result<usize> {
+    std::os::unix::fs::FileExt::read_at(file, buffer, offset)
+}
+
+#[cfg(windows)]
+fn read_at(file: &File, buffer: &mut [u8], offset: u64) -> io::Result<usize> {
+    std::os::windows::fs::FileExt::seek_read(file, buffer, offset)
+}

@@ -1,0 +1,317 @@
+//! What can be saved of an interrupted or damaged recording.
+
+use crate::convert::{Copier, raw, wanted};
+use crate::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
+use crate::simulation::Simulation;
+use crate::sink::mcap::{
+    Archived, END_RECORD, Ending, Form, McapSink, Opening, RECOVERY_RECORD, RUN_RECORD,
+    run_entries, scenario_attachment,
+};
+use crate::sink::publish::Existing;
+use crate::sink::{RecordError, Sink, SinkError, record};
+use crate::telemetry::digest::ContentDigest;
+use crate::telemetry::encoding::Encoding;
+use crate::telemetry::{Telemetry, channels};
+use crate::verify::{Group, Options, Verdict, verify};
+use std::ops::ControlFlow;
+use std::path::Path;
+use thiserror::Error;
+
+/// Why a recording can't be recovered.
+#[derive(Debug, Error)]
+pub enum RecoverError {
+    /// It is not ours.
+    #[error(
+        "it is not a toprise recording, but written by {library:?}: `mcap recover` may save it"
+    )]
+    Foreign {
+        /// What wrote it.
+        library: String,
+    },
+    /// Nothing is wrong with it.
+    #[error("it is complete and readable throughout: there is nothing to recover")]
+    Whole,
+    /// Not a single channel can be read.
+    #[error("nothing can be saved: no description of its channels is readable{}", scenario_hint(*has_scenario))]
+    Nothing {
+        /// Whether its scenario is.
+        has_scenario: bool,
+    },
+    /// Without its scenario the run can't be simulated again.
+    #[error("the run can't be simulated again: {0}")]
+    Scenario(#[from] NoScenario),
+    /// The simulation gives other numbers than the recording has.
+    #[error("the simulation gives another run than the one recorded: {0}")]
+    Different(String),
+    /// The simulation or the writing failed.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// It can't be written.
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+}
+
+fn scenario_hint(has_scenario: bool) -> &'static str {
+    if has_scenario {
+        "; its scenario is, so --complete can simulate the run again"
+    } else {
+        ""
+    }
+}
+
+/// What was saved, and what was not.
+#[derive(Debug)]
+pub struct Recovered {
+    /// The new recording.
+    pub archived: Archived,
+    /// Messages in it.
+    pub messages: u64,
+    /// Messages that could not be decoded.
+    pub undecodable: u64,
+    /// Parts of the file that could not be read.
+    pub losses: Vec<Loss>,
+    /// What is lost, in a sentence; none if all the content is there.
+    pub lost: Option<String>,
+}
+
+/// Writes everything of `recording` that can be read to `path`, as a well-formed recording that says
+/// what was lost.
+///
+/// # Errors
+/// [`RecoverError`]; nothing is left at `path` then.
+pub fn recover(
+    recording: &Recording,
+    path: &Path,
+    existing: Existing,
+    progress: &dyn Fn(u64),
+) -> Result<Recovered, RecoverError> {
+    if recording.condition() == Condition::Foreign {
+        return Err(RecoverError::Foreign {
+            library: recording.library().to_owned(),
+        });
+    }
+    if !recording
+        .channels()
+        .iter()
+        .any(|channel| channel.table.is_some())
+    {
+        return Err(RecoverError::Nothing {
+            has_scenario: recording.scenario().is_ok(),
+        });
+    }
+    let mut sink = McapSink::open(path, existing, &opening(recording))?;
+    let salvaged = salvage(recording, &mut sink, progress);
+    let (saved, is_worthwhile) = match salvaged {
+        Ok(saved) => {
+            let is_worthwhile = !saved.is_whole(recording);
+            (saved, is_worthwhile)
+        }
+        Err(error) => {
+            sink.discard();
+            return Err(error.into());
+        }
+    };
+    if !is_worthwhile {
+        sink.discard();
+        return Err(RecoverError::Whole);
+    }
+    let lost = saved.lost(recording);
+    let archived = sink.finish_with(ending(recording, &saved, lost.as_deref()))?;
+    Ok(Recovered {
+        archived,
+        messages: saved.counts.iter().sum(),
+        undecodable: saved.undecodable,
+        losses: saved.losses,
+        lost,
+    })
+}
+
+/// Simulates the scenario of `recording` again and writes the whole run to `path`, if what can be read of
+/// the recording is what the simulation gives.
+///
+/// `progress` is told how many more bytes have been compared, in the end twice the file's.
+///
+/// # Errors
+/// [`RecoverError`].
+pub fn complete(
+    recording: &Recording,
+    path: &Path,
+    existing: Existing,
+    progress: &dyn Fn(u64),
+) -> Result<Archived, RecoverError> {
+    let scenario = recording.scenario()?;
+    let report = verify(recording, Options { reproduce: true }, progress);
+    let different = report
+        .checks
+        .iter()
+        .find(|check| check.group == Group::Reproduction && check.verdict == Verdict::Failed);
+    if let Some(check) = different {
+        return Err(RecoverError::Different(check.finding.clone()));
+    }
+    let ours = recording.channels().iter().filter(|c| c.table.is_some());
+    let topics: Vec<_> = ours.map(|channel| channel.topic.clone()).collect();
+    let mut telemetry = match topics.as_slice() {
+        [] => Telemetry::default(),
+        topics => Telemetry::with_topics(topics).unwrap_or_default(),
+    };
+    let form = Form {
+        encoding: recording.encoding().unwrap_or(Encoding::Json),
+        views: recording.channels().iter().any(|channel| channel.is_view()),
+    };
+    let mut sink = McapSink::create(path, existing, &scenario, &telemetry, form)?;
+    let mut simulation = Simulation::new(&scenario).map_err(RecordError::from)?;
+    let mut sinks: [&mut dyn Sink; 1] = [&mut sink];
+    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+    let outcome = record(&mut simulation, &mut telemetry, &mut sinks, carry_on)?;
+    Ok(sink.finish(&outcome)?)
+}
+
+fn opening(recording: &Recording) -> Opening {
+    let kept = |name: &str| name != END_RECORD && name != RECOVERY_RECORD;
+    let records = recording.all_metadata().filter(|(name, _)| kept(name));
+    let mut metadata: Vec<(String, Entries)> = records
+        .map(|(name, entries)| (name.to_owned(), entries.clone()))
+        .collect();
+    let scenario = recording.scenario();
+    if let (None, Ok(scenario)) = (recording.run(), &scenario) {
+        metadata.insert(0, (RUN_RECORD.to_owned(), run_entries(scenario)));
+    }
+    let text: Result<String, NoScenario> = recording.scenario_text();
+    Opening {
+        metadata,
+        attachments: text.ok().map(scenario_attachment).into_iter().collect(),
+        encoding: recording.encoding().unwrap_or(Encoding::Json),
+        wanted: wanted(recording),
+        raw: raw(recording),
+    }
+}
+
+/// What was found.
+struct Saved {
+    /// Messages on each channel of the table.
+    counts: Vec<u64>,
+    undecodable: u64,
+    last_ns: u64,
+    losses: Vec<Loss>,
+    digest: String,
+}
+
+fn salvage(
+    recording: &Recording,
+    sink: &mut McapSink,
+    progress: &dyn Fn(u64),
+) -> Result<Saved, SinkError> {
+    let copier = Copier::new(recording);
+    let mut digest = ContentDigest::default();
+    let mut counts = vec![0; channels().len()];
+    let (mut undecodable, mut last_ns) = (0, 0);
+    let mut reader = recording.reader(Selection::default());
+    while let Some(message) = reader.next_of_any() {
+        match message {
+            // Another version's message lacks numbers that this one's have.
+            Ok(Any::Decoded(message)) if message.numbers.iter().any(|n| !n.is_finite()) => {
+                undecodable += 1;
+            }
+            Ok(Any::Decoded(message)) => {
+                sink.write(&message)?;
+                digest.update(&message);
+                counts[message.channel] += 1;
+                last_ns = message.time_ns;
+            }
+            Ok(Any::Other(other)) => copier.copy(&other, sink)?,
+            Err(_) => undecodable += 1,
+        }
+        progress(reader.progress());
+    }
+    let mut losses = recording.losses().to_vec();
+    losses.extend_from_slice(reader.losses());
+    Ok(Saved {
+        counts,
+        undecodable,
+        last_ns,
+        losses,
+        digest: digest.finish(),
+    })
+}
+
+impl Saved {
+    /// Whether all content is there, as the end record proves.
+    fn has_all(&self, recording: &Recording) -> bool {
+        let noted = recording.end().and_then(|end| end.get("content_digest"));
+        noted == Some(&self.digest)
+    }
+
+    /// Whether the recording needs no saving.
+    fn is_whole(&self, recording: &Recording) -> bool {
+        recording.condition() == Condition::Whole
+            && self.losses.is_empty()
+            && self.has_all(recording)
+    }
+
+    /// What is lost, in a sentence.
+    fn lost(&self, recording: &Recording) -> Option<String> {
+        if self.has_all(recording) {
+            return None;
+        }
+        let mut parts: Vec<String> = Vec::new();
+        for loss in &self.losses {
+            parts.extend(loss.span.map(|span| format!("messages {span}")));
+        }
+        if self.undecodable > 0 {
+            parts.push(format!(
+                "{} messages that can't be decoded",
+                self.undecodable
+            ));
+        }
+        if recording.end().is_none() {
+            parts.push(format!(
+                "the end of the run after {} s",
+                self.last_ns as f64 / 1e9
+            ));
+        }
+        if parts.is_empty() {
+            parts.push("what made the content digest another one".to_owned());
+        }
+        Some(parts.join("; "))
+    }
+}
+
+fn ending(recording: &Recording, saved: &Saved, lost: Option<&str>) -> Ending {
+    let Some(lost) = lost else {
+        let end = recording.end().cloned().unwrap_or_default();
+        return Ending {
+            end,
+            ..Ending::default()
+        };
+    };
+    let count = |topic: &str| {
+        let table = channels().iter().position(|channel| channel.topic == topic);
+        table.map_or(0, |table| saved.counts[table]).to_string()
+    };
+    let original = recording.end().cloned();
+    let mut recovery = Entries::from([("lost".to_owned(), lost.to_owned())]);
+    if let Some(digest) = original.as_ref().and_then(|end| end.get("content_digest")) {
+        recovery.insert("original_content_digest".to_owned(), digest.clone());
+    }
+    let mut end = original.unwrap_or_else(|| {
+        Entries::from([
+            ("stop_reason".to_owned(), "interrupted".to_owned()),
+            (
+                "stop_time".to_owned(),
+                format!("{:?}", saved.last_ns as f64 / 1e9),
+            ),
+        ])
+    });
+    for (key, topic) in [
+        ("samples", "/top/state"),
+        ("events", "/events"),
+        ("nutations", "/top/nutation"),
+    ] {
+        end.insert(key.to_owned(), count(topic));
+    }
+    Ending {
+        recovery: Some(recovery),
+        end,
+        digest: None,
+    }
+}

@@ -1,0 +1,107 @@
+//! The web viewer, served by this process: a page, and the stream that it shows.
+
+use std::net::{IpAddr, SocketAddr, TcpListener};
+
+use rerun::grpc_server::GrpcServerSink;
+use rerun::web_viewer::WebViewerConfig;
+
+/// Memory for what viewers that connect later are shown, bytes.
+const MEMORY: u64 = 2 << 30;
+
+/// A page with the viewer, and the server that its streams pass through.
+pub struct WebViewer {
+    /// Serves as long as it lives.
+    _stream: GrpcServerSink,
+    /// Likewise.
+    _page: Box<dyn std::any::Any>,
+    address: String,
+    url: String,
+}
+
+impl WebViewer {
+    /// Serves the page at `port` and the stream at the port after it.
+    ///
+    /// # Errors
+    /// What went wrong, as a text for people.
+    pub fn start(bind: IpAddr, port: u16) -> Result<Self, String> {
+        let stream_port = port
+            .checked_add(1)
+            .ok_or("port 65535 leaves none for the stream")?;
+        for port in [port, stream_port] {
+            check_free(SocketAddr::new(bind, port))?;
+        }
+        let options = rerun::ServerOptions {
+            memory_limit: rerun::MemoryLimit::from_bytes(MEMORY),
+            // By default only pages of this machine may read the stream.
+            cors_allowed_origins: match bind.is_loopback() {
+                true => Vec::new(),
+                false => vec![format!("http://*:{port}")],
+            },
+            ..Default::default()
+        };
+        let host = host(bind);
+        let stream = GrpcServerSink::new(&bracketed(bind), stream_port, options)
+            .map_err(|error| error.to_string())?;
+        let address = format!("rerun+http://{host}:{stream_port}/proxy");
+        let page = WebViewerConfig {
+            bind_ip: bracketed(bind),
+            web_port: port.into(),
+            open_browser: false,
+            ..Default::default()
+        };
+        let page = page
+            .host_web_viewer()
+            .map_err(|error| format!("cannot serve the web viewer: {error}"))?;
+        let encoded = address
+            .replace('+', "%2B")
+            .replace(':', "%3A")
+            .replace('/', "%2F");
+        Ok(Self {
+            _stream: stream,
+            _page: Box::new(page),
+            url: format!("http://{host}:{port}/?url={encoded}"),
+            address,
+        })
+    }
+
+    /// What to open in a browser.
+    #[must_use]
+    pub fn url(&self) -> &str {
+        &self.url
+    }
+
+    /// Where sinks connect to.
+    #[must_use]
+    pub fn address(&self) -> &str {
+        &self.address
+    }
+}
+
+/// The server would only log that it can't listen.
+fn check_free(address: SocketAddr) -> Result<(), String> {
+    match TcpListener::bind(address) {
+        Ok(_) => Ok(()),
+        Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => Err(format!(
+            "port {} is in use: choose another with --port (the stream takes the one after it)",
+            address.port()
+        )),
+        Err(error) => Err(format!("cannot listen on {address}: {error}")),
+    }
+}
+
+/// What this machine calls an address that it listens on.
+fn host(bind: IpAddr) -> String {
+    if bind.is_unspecified() {
+        "127.0.0.1".to_owned()
+    } else {
+        bracketed(bind)
+    }
+}
+
+/// As it stands in front of a port.
+fn bracketed(ip: IpAddr) -> String {
+    match ip {
+        IpAddr::V4(ip) => ip.to_string(),
+        IpAddr::V6(ip) => format!("[{ip}]"),
+    }
+}

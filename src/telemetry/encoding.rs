@@ -1,0 +1,254 @@
+//! The encodings that messages of a recording can have, each way.
+
+use super::json::{JsonDecoder, JsonEncoder};
+use super::protobuf::{ProtobufDecoder, ProtobufEncoder, file_descriptor_set};
+use super::schema::json_schema;
+use super::{ChannelInfo, Message};
+use thiserror::Error;
+
+/// An encoding of messages, with the description of its messages that goes with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// JSON with JSON Schema: read everywhere.
+    Json,
+    /// Protocol Buffers with a `FileDescriptorSet`: smaller and faster.
+    Protobuf,
+}
+
+impl Encoding {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Json, Self::Protobuf];
+
+    /// Its name in MCAP channels.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::Protobuf => "protobuf",
+        }
+    }
+
+    /// The name of its schemas' language in MCAP schemas.
+    #[must_use]
+    pub fn schema_encoding(self) -> &'static str {
+        match self {
+            Self::Json => "jsonschema",
+            Self::Protobuf => "protobuf",
+        }
+    }
+
+    /// The encoding with this name.
+    #[must_use]
+    pub fn find(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|encoding| encoding.name() == name)
+    }
+
+    /// The schema of a channel's messages, as it stands in recordings.
+    #[must_use]
+    pub fn schema(self, channel: &ChannelInfo) -> Vec<u8> {
+        match self {
+            Self::Json => json_schema(channel).into_bytes(),
+            Self::Protobuf => file_descriptor_set(channel),
+        }
+    }
+}
+
+/// Encodes messages of all channels.
+#[derive(Debug)]
+pub enum Encoder {
+    /// As JSON.
+    Json(JsonEncoder),
+    /// As protobuf.
+    Protobuf(ProtobufEncoder),
+}
+
+impl Encoder {
+    /// An encoder of this kind.
+    #[must_use]
+    pub fn new(encoding: Encoding) -> Self {
+        match encoding {
+            Encoding::Json => Self::Json(JsonEncoder::default()),
+            Encoding::Protobuf => Self::Protobuf(ProtobufEncoder::default()),
+        }
+    }
+
+    /// Appends the message to `out`.
+    #[inline]
+    pub fn encode(&self, message: &Message<'_>, out: &mut Vec<u8>) {
+        match self {
+            Self::Json(encoder) => encoder.encode(message, out),
+            Self::Protobuf(encoder) => encoder.encode(message, out),
+        }
+    }
+}
+
+/// What a message was decoded into; used again for the next one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Its timestamp, ns.
+    pub time_ns: u64,
+    /// Its numbers in the order of the channel's; NaN for those that it doesn't have.
+    pub numbers: Vec<f64>,
+    /// Its texts in the order of the channel's; empty for those that it doesn't have.
+    pub texts: Vec<String>,
+}
+
+impl Row {
+    /// Makes room for the leaves of a channel.
+    pub(super) fn clear(&mut self, channel: &ChannelInfo) {
+        self.time_ns = 0;
+        self.numbers.clear();
+        self.numbers.resize(channel.numbers.len(), f64::NAN);
+        self.texts.resize(channel.texts.len(), String::new());
+        self.texts.iter_mut().for_each(String::clear);
+    }
+}
+
+/// Why a channel or message of a file can't be decoded.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum DecodeError {
+    /// An encoding that is neither JSON nor protobuf.
+    #[error("messages are encoded as {0:?}; json and protobuf can be read")]
+    Encoding(String),
+    /// The schema of the channel can't be read.
+    #[error("its schema can't be read: {0}")]
+    Schema(String),
+    /// The message is not what its encoding demands.
+    #[error("not a {encoding} message: {reason}")]
+    Malformed {
+        /// The encoding.
+        encoding: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The message's timestamp is not the time at which the file logs it.
+    #[error("its timestamp is {stamp_ns} ns")]
+    Timestamp {
+        /// The timestamp, ns.
+        stamp_ns: u64,
+    },
+    /// The message has other fields than its schema.
+    #[error("{found} of {expected} fields of its schema are there, and {unknown} others")]
+    Fields {
+        /// Fields of the schema that are there.
+        found: usize,
+        /// Fields of the schema.
+        expected: usize,
+        /// Fields that the schema doesn't have.
+        unknown: usize,
+    },
+}
+
+/// In what a channel of a file differs from the table's: the file is from another version.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FieldDifferences {
+    /// Fields of the table that the file doesn't have.
+    pub missing: Vec<String>,
+    /// Fields of the file that the table doesn't have.
+    pub unknown: Vec<String>,
+}
+
+impl FieldDifferences {
+    /// What a file with the fields `present` lacks and has beside the table's.
+    pub(super) fn between(channel: &ChannelInfo, present: &[String]) -> Self {
+        let known = |path: &String| channel.leaves().any(|leaf| leaf.path == *path);
+        Self {
+            missing: channel
+                .leaves()
+                .filter(|leaf| !present.contains(&leaf.path))
+                .map(|leaf| leaf.path.clone())
+                .collect(),
+            unknown: present
+                .iter()
+                .filter(|path| !known(path))
+                .cloned()
+                .collect(),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.missing.is_empty() && self.unknown.is_empty()
+    }
+}
+
+/// Decodes the messages of one channel of a file.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    channel: &'static ChannelInfo,
+    differences: FieldDifferences,
+    format: Format,
+}
+
+#[derive(Clone, Debug)]
+enum Format {
+    Json(JsonDecoder),
+    Protobuf(ProtobufDecoder),
+}
+
+impl Decoder {
+    /// A decoder for messages of the table's `channel`, as a file describes them: with the encoding's
+    /// name, the schema's name and its data.
+    ///
+    /// # Errors
+    /// [`DecodeError::Encoding`] or [`DecodeError::Schema`].
+    pub fn new(
+        channel: &'static ChannelInfo,
+        encoding: &str,
+        schema_name: &str,
+        schema: &[u8],
+    ) -> Result<Self, DecodeError> {
+        let found = Encoding::find(encoding);
+        let (format, present) = match found {
+            Some(Encoding::Json) => {
+                let (decoder, present) = JsonDecoder::new(channel, schema)?;
+                (Format::Json(decoder), present)
+            }
+            Some(Encoding::Protobuf) => {
+                let (decoder, present) = ProtobufDecoder::new(channel, schema_name, schema)?;
+                (Format::Protobuf(decoder), present)
+            }
+            None => return Err(DecodeError::Encoding(encoding.to_owned())),
+        };
+        Ok(Self {
+            channel,
+            differences: FieldDifferences::between(channel, &present),
+            format,
+        })
+    }
+
+    /// In what the file's fields differ from the table's.
+    #[must_use]
+    pub fn differences(&self) -> &FieldDifferences {
+        &self.differences
+    }
+
+    /// Decodes a message into `row`.
+    ///
+    /// # Errors
+    /// [`DecodeError`] if it is not a message of the file's schema.
+    #[inline]
+    pub fn decode(&self, data: &[u8], row: &mut Row) -> Result<(), DecodeError> {
+        row.clear(self.channel);
+        match &self.format {
+            Format::Json(decoder) => decoder.decode(data, row),
+            Format::Protobuf(decoder) => decoder.decode(data, row),
+        }
+    }
+
+    /// The same decoder for some of the numbers only, which is faster; others and texts stay as they are in
+    /// an empty row.
+    #[must_use]
+    pub fn only(&self, numbers: &[usize]) -> Self {
+        Self {
+            format: match &self.format {
+                Format::Json(decoder) => Format::Json(decoder.only(numbers)),
+                Format::Protobuf(decoder) => Format::Protobuf(decoder.only(numbers)),
+            },
+            ..self.clone()
+        }
+    }
+}

@@ -1,0 +1,522 @@
+//! Messages as Protocol Buffers: one message type per channel, package `toprise`, with a
+//! `google.protobuf.Timestamp` as field 1, then the members in table order; vectors, quaternions and
+//! groups of terms are messages nested in it.
+//!
+//! All numbers are doubles and are written even when they are zero, so that the sign of a zero stays.
+
+use super::encoding::{DecodeError, Row};
+use super::schema::with_unit;
+use super::{ChannelInfo, Content, Member, Message, channels};
+use prost::Message as _;
+use prost::encoding::{
+    DecodeContext, WireType, decode_key, decode_varint, encode_key, encode_varint, skip_field,
+};
+use prost_types::field_descriptor_proto::{Label, Type};
+use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
+use std::fmt::Write as _;
+
+const PACKAGE: &str = "toprise";
+const TIMESTAMP_TYPE: &str = "google.protobuf.Timestamp";
+const TIMESTAMP_FILE: &str = "google/protobuf/timestamp.proto";
+/// The number of the first member's field; the timestamp has 1.
+const FIRST_FIELD: u32 = 2;
+
+/// The schema of a channel's messages: its file and the one that it imports, serialized.
+#[must_use]
+pub fn file_descriptor_set(channel: &ChannelInfo) -> Vec<u8> {
+    let set = FileDescriptorSet {
+        file: vec![timestamp_file(), file_descriptor(channel)],
+    };
+    set.encode_to_vec()
+}
+
+/// The same as a `.proto` file, with the units, frames and meanings as comments.
+#[must_use]
+pub fn proto_file(channel: &ChannelInfo) -> String {
+    let mut text = format!(
+        "// {}: {}\n\nsyntax = \"proto3\";\n\npackage {PACKAGE};\n\nimport \"{TIMESTAMP_FILE}\";\n\n",
+        channel.topic, channel.meaning
+    );
+    // Writing to a String cannot fail.
+    let mut line = |text_of_line: &str| {
+        let _ = writeln!(text, "{text_of_line}");
+    };
+    line(&format!("message {} {{", message_name(channel)));
+    let members = channel.members();
+    for (name, leaves) in nested_types(&members) {
+        line(&format!("  message {name} {{"));
+        for (index, leaf) in leaves.iter().enumerate() {
+            line(&format!("    double {leaf} = {};", index + 1));
+        }
+        line("  }\n");
+    }
+    line("  // simulation time since the start");
+    line(&format!("  {TIMESTAMP_TYPE} timestamp = 1;"));
+    for (member, number) in members.iter().zip(FIRST_FIELD..) {
+        for comment in comments(channel, member) {
+            line(&format!("  // {comment}"));
+        }
+        let kind = match &member.content {
+            Content::Text(_) => "string".to_owned(),
+            Content::Number(_) => "double".to_owned(),
+            Content::Object(leaves) => nested_name(member.name, leaves),
+        };
+        line(&format!("  {kind} {} = {number};", member.name));
+    }
+    line("}");
+    text
+}
+
+/// The name of a channel's `.proto` file in `schemas/`.
+#[must_use]
+pub fn proto_file_name(channel: &ChannelInfo) -> String {
+    format!("{}.proto", channel.schema)
+}
+
+/// What there is to say about a member: one line, or one for each number of a group of terms.
+fn comments(channel: &ChannelInfo, member: &Member<'_>) -> Vec<String> {
+    let describe = |meaning: &str, leaf: &super::Leaf| {
+        let frame = if leaf.frame.is_empty() {
+            String::new()
+        } else {
+            format!(", frame {}", leaf.frame)
+        };
+        format!("{}{frame}", with_unit(meaning, leaf))
+    };
+    match &member.content {
+        Content::Text(index) => vec![channel.texts[*index].meaning.to_owned()],
+        Content::Number(index) => {
+            let leaf = &channel.numbers[*index];
+            vec![describe(leaf.meaning, leaf)]
+        }
+        Content::Object(leaves) if is_components(leaves) => {
+            let leaf = &channel.numbers[leaves[0].1];
+            vec![describe(leaf.meaning, leaf)]
+        }
+        Content::Object(leaves) => leaves
+            .iter()
+            .map(|(name, index)| {
+                let leaf = &channel.numbers[*index];
+                format!("{name}: {}", describe(leaf.meaning, leaf))
+            })
+            .collect(),
+    }
+}
+
+fn message_name(channel: &ChannelInfo) -> &str {
+    let prefix = channel.schema.strip_prefix(PACKAGE);
+    prefix.map_or(channel.schema, |name| name.trim_start_matches('.'))
+}
+
+/// Whether these are the components of one quantity.
+fn is_components(leaves: &[(&str, usize)]) -> bool {
+    leaves.iter().all(|(name, _)| name.len() == 1)
+}
+
+/// The name of the message type of an object.
+fn nested_name(member: &str, leaves: &[(&str, usize)]) -> String {
+    match leaves.len() {
+        3 if is_components(leaves) => "Vector3".to_owned(),
+        4 if is_components(leaves) => "Quaternion".to_owned(),
+        _ => member.split('_').map(capitalized).collect(),
+    }
+}
+
+fn capitalized(word: &str) -> String {
+    let mut letters = word.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+    first.into_iter().chain(letters).collect()
+}
+
+/// The message types nested in a channel's, each with the names of its fields.
+fn nested_types<'a>(members: &[Member<'a>]) -> Vec<(String, Vec<&'a str>)> {
+    let mut types: Vec<(String, Vec<&str>)> = Vec::new();
+    for member in members {
+        if let Content::Object(leaves) = &member.content {
+            let name = nested_name(member.name, leaves);
+            if types.iter().all(|(known, _)| *known != name) {
+                types.push((name, leaves.iter().map(|(leaf, _)| *leaf).collect()));
+            }
+        }
+    }
+    types
+}
+
+fn file_descriptor(channel: &ChannelInfo) -> FileDescriptorProto {
+    let members = channel.members();
+    let name = message_name(channel);
+    let nested = nested_types(&members);
+    let nested_type = nested.iter().map(|(name, leaves)| DescriptorProto {
+        name: Some(name.clone()),
+        field: leaves
+            .iter()
+            .zip(1..)
+            .map(|(leaf, number)| field(leaf, number, Type::Double, None))
+            .collect(),
+        ..DescriptorProto::default()
+    });
+    let stamp = format!(".{TIMESTAMP_TYPE}");
+    let mut fields = vec![field("timestamp", 1, Type::Message, Some(stamp))];
+    for (member, number) in members.iter().zip(FIRST_FIELD as i32..) {
+        fields.push(match &member.content {
+            Content::Text(_) => field(member.name, number, Type::String, None),
+            Content::Number(_) => field(member.name, number, Type::Double, None),
+            Content::Object(leaves) => {
+                let kind = format!(".{PACKAGE}.{name}.{}", nested_name(member.name, leaves));
+                field(member.name, number, Type::Message, Some(kind))
+            }
+        });
+    }
+    FileDescriptorProto {
+        name: Some(proto_file_name(channel)),
+        package: Some(PACKAGE.to_owned()),
+        dependency: vec![TIMESTAMP_FILE.to_owned()],
+        message_type: vec![DescriptorProto {
+            name: Some(name.to_owned()),
+            field: fields,
+            nested_type: nested_type.collect(),
+            ..DescriptorProto::default()
+        }],
+        syntax: Some("proto3".to_owned()),
+        ..FileDescriptorProto::default()
+    }
+}
+
+fn timestamp_file() -> FileDescriptorProto {
+    FileDescriptorProto {
+        name: Some(TIMESTAMP_FILE.to_owned()),
+        package: Some("google.protobuf".to_owned()),
+        message_type: vec![DescriptorProto {
+            name: Some("Timestamp".to_owned()),
+            field: vec![
+                field("seconds", 1, Type::Int64, None),
+                field("nanos", 2, Type::Int32, None),
+            ],
+            ..DescriptorProto::default()
+        }],
+        syntax: Some("proto3".to_owned()),
+        ..FileDescriptorProto::default()
+    }
+}
+
+fn field(name: &str, number: i32, kind: Type, type_name: Option<String>) -> FieldDescriptorProto {
+    FieldDescriptorProto {
+        name: Some(name.to_owned()),
+        number: Some(number),
+        label: Some(Label::Optional.into()),
+        r#type: Some(kind.into()),
+        type_name,
+        json_name: Some(json_name(name)),
+        ..FieldDescriptorProto::default()
+    }
+}
+
+/// The name that protobuf's own JSON gives a field: `phi_dot` becomes `phiDot`, as `protoc` writes it.
+fn json_name(name: &str) -> String {
+    let mut words = name.split('_');
+    let first = words.next().unwrap_or_default().to_owned();
+    words.fold(first, |all, word| all + &capitalized(word))
+}
+
+/// Writes messages of all channels as protobuf.
+#[derive(Debug)]
+pub struct ProtobufEncoder {
+    templates: Vec<Template>,
+}
+
+/// What stands before each value of a channel's messages, and whether it is a text.
+#[derive(Debug)]
+struct Template(Vec<(Vec<u8>, bool)>);
+
+impl Default for ProtobufEncoder {
+    fn default() -> Self {
+        Self {
+            templates: channels().iter().map(Template::new).collect(),
+        }
+    }
+}
+
+impl ProtobufEncoder {
+    /// Appends the message to `out`.
+    pub fn encode(&self, message: &Message<'_>, out: &mut Vec<u8>) {
+        encode_timestamp(message.time_ns, out);
+        let Template(slots) = &self.templates[message.channel];
+        let mut numbers = message.numbers.iter();
+        let mut texts = message.texts.iter();
+        for (before, is_text) in slots {
+            out.extend_from_slice(before);
+            if *is_text {
+                let text = texts.next().map_or("", String::as_str);
+                encode_varint(text.len() as u64, out);
+                out.extend_from_slice(text.as_bytes());
+            } else {
+                let number = numbers.next().copied().unwrap_or(0.0);
+                out.extend_from_slice(&number.to_le_bytes());
+            }
+        }
+    }
+}
+
+fn encode_timestamp(time_ns: u64, out: &mut Vec<u8>) {
+    let (seconds, nanoseconds) = super::json::seconds_and_nanoseconds(time_ns);
+    let mut inner = Vec::with_capacity(16);
+    encode_key(1, WireType::Varint, &mut inner);
+    encode_varint(seconds, &mut inner);
+    encode_key(2, WireType::Varint, &mut inner);
+    encode_varint(nanoseconds, &mut inner);
+    encode_key(1, WireType::LengthDelimited, out);
+    encode_varint(inner.len() as u64, out);
+    out.extend_from_slice(&inner);
+}
+
+impl Template {
+    fn new(channel: &ChannelInfo) -> Self {
+        let mut slots = Vec::new();
+        for (member, number) in channel.members().iter().zip(FIRST_FIELD..) {
+            let mut before = Vec::new();
+            match &member.content {
+                Content::Text(_) => {
+                    encode_key(number, WireType::LengthDelimited, &mut before);
+                    slots.push((before, true));
+                }
+                Content::Number(_) => {
+                    encode_key(number, WireType::SixtyFourBit, &mut before);
+                    slots.push((before, false));
+                }
+                Content::Object(leaves) => {
+                    encode_key(number, WireType::LengthDelimited, &mut before);
+                    // Each number takes one byte for its key and eight for itself.
+                    encode_varint(leaves.len() as u64 * 9, &mut before);
+                    for (_, inner) in leaves.iter().zip(1..) {
+                        encode_key(inner, WireType::SixtyFourBit, &mut before);
+                        slots.push((std::mem::take(&mut before), false));
+                    }
+                }
+            }
+        }
+        Self(slots)
+    }
+}
+
+/// Reads the protobuf messages of one channel.
+#[derive(Clone, Debug)]
+pub(super) struct ProtobufDecoder {
+    message: Object,
+    /// Numbers that the file has; in proto3 a field that isn't there is zero.
+    present: Vec<usize>,
+}
+
+/// A message type's fields by number.
+#[derive(Clone, Debug, Default)]
+struct Object(Vec<(u32, Target)>);
+
+/// Where a field goes.
+#[derive(Clone, Debug)]
+enum Target {
+    Seconds,
+    Nanoseconds,
+    Number(usize),
+    Text(usize),
+    Object(Object),
+    /// Nowhere.
+    Skipped,
+}
+
+impl ProtobufDecoder {
+    /// A decoder for the table's `channel`, as the descriptors of a file describe it; and the paths of the
+    /// leaves in the file.
+    pub(super) fn new(
+        channel: &ChannelInfo,
+        name: &str,
+        schema: &[u8],
+    ) -> Result<(Self, Vec<String>), DecodeError> {
+        let set =
+            FileDescriptorSet::decode(schema).map_err(|e| DecodeError::Schema(e.to_string()))?;
+        let root = find_message(&set, name)
+            .ok_or_else(|| DecodeError::Schema(format!("it has no message {name}")))?;
+        let mut builder = Builder {
+            set: &set,
+            channel,
+            paths: Vec::new(),
+            present: Vec::new(),
+        };
+        let message = builder.object(root, "", 0);
+        let Builder { paths, present, .. } = builder;
+        Ok((Self { message, present }, paths))
+    }
+
+    /// The same for some of the numbers only, and the timestamp.
+    pub(super) fn only(&self, numbers: &[usize]) -> Self {
+        let mut decoder = self.clone();
+        decoder.message.skip_all_but(numbers);
+        decoder.present.retain(|number| numbers.contains(number));
+        decoder
+    }
+
+    pub(super) fn decode(&self, data: &[u8], row: &mut Row) -> Result<(), DecodeError> {
+        for number in &self.present {
+            row.numbers[*number] = 0.0;
+        }
+        let filled = self.message.fill(data, row);
+        filled.map_err(|reason| DecodeError::Malformed {
+            encoding: "protobuf",
+            reason,
+        })
+    }
+}
+
+/// Builds the tree of targets from descriptors.
+struct Builder<'a> {
+    set: &'a FileDescriptorSet,
+    channel: &'a ChannelInfo,
+    paths: Vec<String>,
+    present: Vec<usize>,
+}
+
+impl Builder<'_> {
+    /// The fields of a message type at a path; `depth` guards against types that contain themselves.
+    fn object(&mut self, message: &DescriptorProto, prefix: &str, depth: usize) -> Object {
+        let mut fields = Vec::new();
+        for field in &message.field {
+            let number = u32::try_from(field.number()).unwrap_or(0);
+            fields.push((number, self.target(field, prefix, depth)));
+        }
+        Object(fields)
+    }
+
+    fn target(&mut self, field: &FieldDescriptorProto, prefix: &str, depth: usize) -> Target {
+        let path = format!("{prefix}{}", field.name());
+        if field.label() == Label::Repeated {
+            self.paths.push(path);
+            return Target::Skipped;
+        }
+        if field.r#type() == Type::Message && depth < 8 {
+            let name = field.type_name().trim_start_matches('.');
+            if path == "timestamp" && name == TIMESTAMP_TYPE {
+                let parts = [(1, Target::Seconds), (2, Target::Nanoseconds)];
+                return Target::Object(Object(parts.into()));
+            }
+            if let Some(inner) = find_message(self.set, name) {
+                return Target::Object(self.object(inner, &format!("{path}."), depth + 1));
+            }
+        }
+        let number = self.channel.number_index(&path);
+        let text = self.channel.texts.iter().position(|text| text.path == path);
+        match (field.r#type(), number, text) {
+            (Type::Double, Some(index), _) => {
+                self.paths.push(path);
+                self.present.push(index);
+                Target::Number(index)
+            }
+            (Type::String, _, Some(index)) => {
+                self.paths.push(path);
+                Target::Text(index)
+            }
+            // A leaf of the table with another type is another field.
+            (_, None, None) => {
+                self.paths.push(path);
+                Target::Skipped
+            }
+            _ => {
+                self.paths
+                    .push(format!("{path} (as {})", field.r#type().as_str_name()));
+                Target::Skipped
+            }
+        }
+    }
+}
+
+/// The message type with a full name, as in `toprise.State`.
+fn find_message<'a>(set: &'a FileDescriptorSet, name: &str) -> Option<&'a DescriptorProto> {
+    set.file.iter().find_map(|file| {
+        let local = match file.package() {
+            "" => Some(name),
+            package => name.strip_prefix(package)?.strip_prefix('.'),
+        }?;
+        let mut parts = local.split('.');
+        let first = parts.next()?;
+        let mut found = file.message_type.iter().find(|m| m.name() == first)?;
+        for part in parts {
+            found = found.nested_type.iter().find(|m| m.name() == part)?;
+        }
+        Some(found)
+    })
+}
+
+impl Object {
+    /// Skips the leaves that are not among `numbers`.
+    fn skip_all_but(&mut self, numbers: &[usize]) {
+        for (_, target) in &mut self.0 {
+            match target {
+                Target::Object(object) => object.skip_all_but(numbers),
+                Target::Number(index) if !numbers.contains(index) => *target = Target::Skipped,
+                Target::Text(_) => *target = Target::Skipped,
+                _ => {}
+            }
+        }
+    }
+
+    /// Reads the fields of a message, or says what is wrong with it.
+    fn fill(&self, mut data: &[u8], row: &mut Row) -> Result<(), String> {
+        let mut next = 0;
+        while !data.is_empty() {
+            let (number, wire) = decode_key(&mut data).map_err(|e| e.to_string())?;
+            let target = self.find(number, &mut next);
+            match (target, wire) {
+                (Some(Target::Number(index)), WireType::SixtyFourBit) => {
+                    let bytes = data.split_first_chunk().ok_or("it ends within a number")?;
+                    row.numbers[*index] = f64::from_le_bytes(*bytes.0);
+                    data = bytes.1;
+                }
+                (Some(Target::Object(object)), WireType::LengthDelimited) => {
+                    object.fill(delimited(&mut data)?, row)?;
+                }
+                (Some(Target::Text(index)), WireType::LengthDelimited) => {
+                    let text = std::str::from_utf8(delimited(&mut data)?);
+                    row.texts[*index].clear();
+                    row.texts[*index].push_str(text.map_err(|e| e.to_string())?);
+                }
+                (Some(Target::Seconds), WireType::Varint) => {
+                    let seconds = decode_varint(&mut data).map_err(|e| e.to_string())?;
+                    let time = seconds.checked_mul(1_000_000_000);
+                    let time = time.and_then(|time| time.checked_add(row.time_ns));
+                    row.time_ns = time.ok_or("its timestamp is out of range")?;
+                }
+                (Some(Target::Nanoseconds), WireType::Varint) => {
+                    let part = decode_varint(&mut data).map_err(|e| e.to_string())?;
+                    let time = row.time_ns.checked_add(part);
+                    row.time_ns = time.ok_or("its timestamp is out of range")?;
+                }
+                (None, _) => return Err(format!("field {number} is not in its schema")),
+                (Some(Target::Skipped), _) => {
+                    skip_field(wire, number, &mut data, DecodeContext::default())
+                        .map_err(|e| e.to_string())?;
+                }
+                _ => return Err(format!("field {number} has wire type {wire:?}")),
+            }
+        }
+        Ok(())
+    }
+
+    /// The target of a field; fields mostly come in order.
+    #[inline]
+    fn find(&self, number: u32, next: &mut usize) -> Option<&Target> {
+        let is = |position: &usize| self.0.get(*position).is_some_and(|(n, _)| *n == number);
+        let position = Some(*next)
+            .filter(is)
+            .or_else(|| (0..self.0.len()).find(is))?;
+        *next = position + 1;
+        Some(&self.0[position].1)
+    }
+}
+
+/// Takes a length and that many bytes off the front.
+fn delimited<'a>(data: &mut &'a [u8]) -> Result<&'a [u8], String> {
+    let length = decode_varint(data).map_err(|e| e.to_string())?;
+    let length = usize::try_from(length).map_err(|e| e.to_string())?;
+    let (front, rest) = data
+        .split_at_checked(length)
+        .ok_or("it ends within a field")?;
+    *data = rest;
+    Ok(front)
+}

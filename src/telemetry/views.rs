@@ -1,0 +1,346 @@
+//! Channels that are there for viewers: with them a recording shows itself, without toprise.
+//!
+//! Rerun opens views by itself only for messages of ROS 2; Foxglove and Lichtblick show them too. So a
+//! few channels of the table are given again in that form, thinned out to 100 Hz: the top's shape and
+//! motion, two arrows, plots, and the log of events. They follow from the messages of the table and are
+//! not part of the content digest.
+//!
+//! The set is as small as it can be. Rerun makes one plot for each of the three arrays of a `JointState`
+//! and one for a `Float64MultiArray` with one element, which it names after its topic; eight plots at
+//! most. `MagneticField` is the vector message that it draws as an arrow.
+
+mod cdr;
+mod urdf;
+
+use self::cdr::Cdr;
+use super::{Message, channels};
+use crate::drawing::Proportions;
+use crate::scenario::Scenario;
+use crate::top::Top;
+
+/// Views come no more often than this, ns.
+const PERIOD_NS: u64 = 10_000_000;
+
+/// A channel for viewers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ViewChannel {
+    /// Topic.
+    pub topic: &'static str,
+    /// Name of the message type in ROS 2.
+    pub schema: &'static str,
+    /// Its definition, in the language `ros2msg`.
+    pub definition: &'static str,
+    /// What it carries.
+    pub meaning: &'static str,
+    /// The topics of the table that it is made from; it comes with the last of them.
+    sources: &'static [&'static str],
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Description,
+    Transforms,
+    Inclination,
+    PrecessionRate,
+    SpinRate,
+    SlipSpeed,
+    SlipVelocity,
+    FrictionTorque,
+    Log,
+}
+
+const STRING: (&str, &str) = ("std_msgs/msg/String", include_str!("views/String.msg"));
+const TRANSFORMS: (&str, &str) = (
+    "tf2_msgs/msg/TFMessage",
+    include_str!("views/TFMessage.msg"),
+);
+const JOINT: (&str, &str) = (
+    "sensor_msgs/msg/JointState",
+    include_str!("views/JointState.msg"),
+);
+const NUMBERS: (&str, &str) = (
+    "std_msgs/msg/Float64MultiArray",
+    include_str!("views/Float64MultiArray.msg"),
+);
+const FIELD: (&str, &str) = (
+    "sensor_msgs/msg/MagneticField",
+    include_str!("views/MagneticField.msg"),
+);
+const LOG: (&str, &str) = ("rcl_interfaces/msg/Log", include_str!("views/Log.msg"));
+
+const STATE: &str = "/top/state";
+const POSE: &str = "/top/pose";
+const TORQUE: &str = "/top/torque";
+const CONTACT: &str = "/top/contact";
+const EVENTS: &str = "/events";
+
+const fn view(
+    kind: Kind,
+    topic: &'static str,
+    (schema, definition): (&'static str, &'static str),
+    sources: &'static [&'static str],
+    meaning: &'static str,
+) -> ViewChannel {
+    ViewChannel {
+        topic,
+        schema,
+        definition,
+        meaning,
+        sources,
+        kind,
+    }
+}
+
+/// All channels for viewers.
+#[rustfmt::skip]
+const VIEWS: &[ViewChannel] = &[
+    view(Kind::Description, "/robot_description", STRING, &[POSE],
+        "shape of the top as URDF, and a legend of these channels; sent once"),
+    view(Kind::Transforms, "/tf", TRANSFORMS, &[POSE],
+        "frames `top` (body axes) and `contact` in `world`, m"),
+    view(Kind::Inclination, "/view/inclination", JOINT, &[STATE, TORQUE],
+        "θ in rad, θ̇ in rad/s, and as effort the total torque about the line of nodes in N m"),
+    view(Kind::PrecessionRate, "/view/precession_rate", NUMBERS, &[STATE], "φ̇, rad/s"),
+    view(Kind::SpinRate, "/view/spin_rate", NUMBERS, &[STATE], "ψ̇, rad/s"),
+    view(Kind::SlipSpeed, "/view/slip_speed", NUMBERS, &[CONTACT], "slip speed, m/s"),
+    view(Kind::SlipVelocity, "/view/slip_velocity", FIELD, &[CONTACT],
+        "arrow of the slip velocity in frame `contact`; the legend gives its scale"),
+    view(Kind::FrictionTorque, "/view/friction_torque", FIELD, &[TORQUE],
+        "arrow of the torque of friction in frame `top`; the legend gives its scale"),
+    view(Kind::Log, "/log", LOG, &[EVENTS], "events but for nutation extremes, as log lines"),
+];
+
+/// All channels for viewers.
+#[must_use]
+pub fn view_channels() -> &'static [ViewChannel] {
+    VIEWS
+}
+
+/// Lengths of arrows, in metres per unit; none where there is nothing to draw.
+#[derive(Clone, Copy, Debug)]
+struct Scales {
+    /// For 1 m/s.
+    slip: Option<f64>,
+    /// For 1 N m.
+    torque: Option<f64>,
+}
+
+impl Scales {
+    /// The slip velocity at the start and the torque of the law's largest force are drawn somewhat longer
+    /// than the top.
+    fn new(scenario: &Scenario, proportions: &Proportions) -> Self {
+        let length = 1.6 * proportions.tip;
+        let top = &scenario.model.top;
+        let force = scenario.model.friction.law.force_scale(top.weight());
+        let scale = |size: f64| {
+            let scale = two_digits(length / size);
+            Some(scale).filter(|scale| scale.is_finite() && *scale > 0.0)
+        };
+        Self {
+            slip: scale(scenario.slip_speed_at_start()),
+            torque: scale(force * top.peg_radius),
+        }
+    }
+}
+
+/// Rounded to two digits, for people.
+fn two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
+
+/// Makes the messages of the view channels from those of the table.
+#[derive(Debug)]
+pub struct Views {
+    top: Top,
+    scales: Scales,
+    /// Every so many samples there are views.
+    stride: u32,
+    /// For each view the index of the table's channel that it comes with, if it is wanted.
+    sources: Vec<Option<usize>>,
+    fields: Fields,
+    /// The shape, until it has been sent.
+    description: Option<String>,
+    /// θ and θ̇ of the last state.
+    inclination: [f64; 2],
+    cdr: Cdr,
+}
+
+impl Views {
+    /// The views of a run of `scenario` in which those channels of the table are recorded that `wants`
+    /// tells by their index.
+    #[must_use]
+    pub fn new(scenario: &Scenario, wants: impl Fn(usize) -> bool) -> Self {
+        let top = scenario.model.top;
+        let proportions = Proportions::new(&top);
+        let scales = Scales::new(scenario, &proportions);
+        let source = |view: &ViewChannel| {
+            let has_scale = match view.kind {
+                Kind::SlipVelocity => scales.slip.is_some(),
+                Kind::FrictionTorque => scales.torque.is_some(),
+                _ => true,
+            };
+            let mut sources = view.sources.iter().map(|topic| channel_index(topic));
+            let is_wanted = has_scale && sources.clone().all(&wants);
+            sources.next_back().filter(|_| is_wanted)
+        };
+        let period = scenario.sample_period_ns.max(1);
+        Self {
+            sources: VIEWS.iter().map(source).collect(),
+            description: Some(urdf::urdf(&proportions, &scales)),
+            stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
+            fields: Fields::new(),
+            inclination: [0.0; 2],
+            cdr: Cdr::default(),
+            top,
+            scales,
+        }
+    }
+
+    /// Whether there will be messages of the view with this index.
+    #[must_use]
+    pub fn wants(&self, view: usize) -> bool {
+        self.sources[view].is_some()
+    }
+
+    /// Gives `emit` the views that come with a message: index of the view among all, sequence number and
+    /// bytes. Their time is that of the message.
+    pub fn take(&mut self, message: &Message<'_>, mut emit: impl FnMut(usize, u32, &[u8])) {
+        let is_due = message.sequence.is_multiple_of(self.stride);
+        if channels()[message.channel].is_sampled && !is_due {
+            return;
+        }
+        if message.channel == self.fields.state {
+            let [theta, theta_dot, ..] = self.fields.state_of(message);
+            self.inclination = [theta, theta_dot];
+        }
+        for (index, view) in VIEWS.iter().enumerate() {
+            if self.sources[index] == Some(message.channel) && self.write(view.kind, message) {
+                emit(index, message.sequence, self.cdr.bytes());
+            }
+        }
+    }
+
+    /// Writes a view of a message; false if there is none.
+    fn write(&mut self, kind: Kind, message: &Message<'_>) -> bool {
+        let Self { fields, cdr, .. } = self;
+        let (time, numbers) = (message.time_ns, message.numbers);
+        cdr.begin();
+        match kind {
+            Kind::Description => {
+                let Some(text) = self.description.take() else {
+                    return false;
+                };
+                cdr.string(&text);
+            }
+            Kind::Transforms => {
+                let [x, y, z] = vector(numbers, fields.peg_position);
+                let turn = &numbers[fields.orientation..fields.orientation + 4];
+                cdr.u32(2).header(time, "world").string("top");
+                cdr.f64s(&[x, y, z]).f64s(turn);
+                // The lowest point of the peg.
+                let contact = [x, y, z - self.top.peg_radius];
+                cdr.header(time, "world").string("contact");
+                cdr.f64s(&contact).f64s(&[0.0, 0.0, 0.0, 1.0]);
+            }
+            Kind::Inclination => {
+                let [theta, theta_dot] = self.inclination;
+                let [torque, ..] = vector(numbers, fields.total_torque);
+                cdr.header(time, "").u32(1).string("theta");
+                cdr.sequence(&[theta])
+                    .sequence(&[theta_dot])
+                    .sequence(&[torque]);
+            }
+            Kind::PrecessionRate => plot(cdr, fields.state_of(message)[2]),
+            Kind::SpinRate => plot(cdr, fields.state_of(message)[3]),
+            Kind::SlipSpeed => plot(cdr, numbers[fields.slip_speed]),
+            Kind::SlipVelocity => {
+                let slip = vector(numbers, fields.slip);
+                arrow(cdr.header(time, "contact"), slip, self.scales.slip);
+            }
+            Kind::FrictionTorque => {
+                let torque = vector(numbers, fields.friction_torque);
+                arrow(cdr.header(time, "top"), torque, self.scales.torque);
+            }
+            Kind::Log => {
+                let name = &message.texts[fields.name];
+                if name.starts_with("nutation") {
+                    return false;
+                }
+                const INFO: u8 = 20;
+                cdr.time(time).u8(INFO).string(name);
+                cdr.string(&message.texts[fields.description]);
+                // File, function and line of the code that logs: they mean nothing here.
+                cdr.string("").string("").u32(0);
+            }
+        }
+        true
+    }
+}
+
+/// A `Float64MultiArray` with one element and no layout.
+fn plot(cdr: &mut Cdr, value: f64) {
+    cdr.u32(0).u32(0).sequence(&[value]);
+}
+
+/// The rest of a `MagneticField`: the vector, and no covariance.
+fn arrow(cdr: &mut Cdr, vector: [f64; 3], scale: Option<f64>) {
+    let scale = scale.unwrap_or(0.0);
+    cdr.f64s(&vector.map(|x| scale * x)).f64s(&[0.0; 9]);
+}
+
+fn vector(numbers: &[f64], first: usize) -> [f64; 3] {
+    [numbers[first], numbers[first + 1], numbers[first + 2]]
+}
+
+fn channel_index(topic: &str) -> usize {
+    let found = channels().iter().position(|channel| channel.topic == topic);
+    found.unwrap_or_else(|| unreachable!("the table has no {topic}"))
+}
+
+/// Where the fields that are viewed stand in their messages.
+#[derive(Clone, Copy, Debug)]
+struct Fields {
+    state: usize,
+    /// θ, θ̇, φ̇, ψ̇.
+    rates: [usize; 4],
+    orientation: usize,
+    peg_position: usize,
+    total_torque: usize,
+    friction_torque: usize,
+    slip: usize,
+    slip_speed: usize,
+    name: usize,
+    description: usize,
+}
+
+impl Fields {
+    fn new() -> Self {
+        let number = |topic: &str, path: &str| {
+            let found = channels()[channel_index(topic)].number_index(path);
+            found.unwrap_or_else(|| unreachable!("{topic} has no {path}"))
+        };
+        let text = |path: &str| {
+            let mut texts = channels()[channel_index(EVENTS)].texts.iter();
+            let found = texts.position(|leaf| leaf.path == path);
+            found.unwrap_or_else(|| unreachable!("events have no {path}"))
+        };
+        Self {
+            state: channel_index(STATE),
+            rates: ["theta", "theta_dot", "phi_dot", "psi_dot"].map(|path| number(STATE, path)),
+            orientation: number(POSE, "orientation.x"),
+            peg_position: number(POSE, "peg_position.x"),
+            total_torque: number(TORQUE, "total_node.x"),
+            friction_torque: number(TORQUE, "friction_body.x"),
+            slip: number(CONTACT, "slip_world.x"),
+            slip_speed: number(CONTACT, "slip_speed"),
+            name: text("name"),
+            description: text("description"),
+        }
+    }
+
+    /// θ, θ̇, φ̇ and ψ̇ of a state.
+    fn state_of(&self, message: &Message<'_>) -> [f64; 4] {
+        self.rates.map(|at| message.numbers[at])
+    }
+}
