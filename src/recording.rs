@@ -319,6 +319,18 @@ impl Recording {
         }
     }
 
+    /// Whether the data are what they were when they were written; a file without a checksum can't be told.
+    pub(crate) fn data_checksum_is_right(&self) -> bool {
+        let Some(end) = self.layout.data_end else {
+            return true;
+        };
+        let mut bytes = Vec::new();
+        let read = self.source.read(end + HEAD, 4, &mut bytes);
+        let noted = bytes.as_slice().try_into().map_or(0, u32::from_le_bytes);
+        let is_right = |found| found == noted;
+        read.is_ok() && (noted == 0 || self.source.checksum(0, end).is_ok_and(is_right))
+    }
+
     /// A reader for some of its messages.
     #[must_use]
     pub fn reader(&self, selection: Selection) -> Reader<'_> {

@@ -13,6 +13,7 @@ use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::{Telemetry, channels};
 use crate::verify::{Group, Options, Verdict, verify};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 use thiserror::Error;
@@ -100,21 +101,17 @@ pub fn recover(
         });
     }
     let mut sink = McapSink::open(path, existing, &opening(recording))?;
-    let salvaged = salvage(recording, &mut sink, progress);
-    let (saved, is_worthwhile) = match salvaged {
-        Ok(saved) => {
-            let is_worthwhile = !saved.is_whole(recording);
-            (saved, is_worthwhile)
+    let saved = match salvage(recording, &mut sink, progress) {
+        Ok(saved) if saved.is_whole(recording) => {
+            sink.discard();
+            return Err(RecoverError::Whole);
         }
+        Ok(saved) => saved,
         Err(error) => {
             sink.discard();
             return Err(error.into());
         }
     };
-    if !is_worthwhile {
-        sink.discard();
-        return Err(RecoverError::Whole);
-    }
     let lost = saved.lost(recording);
     let archived = sink.finish_with(ending(recording, &saved, lost.as_deref()))?;
     Ok(Recovered {
@@ -167,15 +164,11 @@ pub fn complete(
 }
 
 fn opening(recording: &Recording) -> Opening {
-    let kept = |name: &str| name != END_RECORD && name != RECOVERY_RECORD;
-    let records = recording.all_metadata().filter(|(name, _)| kept(name));
-    let mut metadata: Vec<(String, Entries)> = records
-        .map(|(name, entries)| (name.to_owned(), entries.clone()))
-        .collect();
-    let scenario = recording.scenario();
-    if let (None, Ok(scenario)) = (recording.run(), &scenario) {
-        metadata.insert(0, (RUN_RECORD.to_owned(), run_entries(scenario)));
-    }
+    let run = run_record(recording).map(|entries| (RUN_RECORD.to_owned(), entries));
+    let kept = |name: &str| ![RUN_RECORD, END_RECORD, RECOVERY_RECORD].contains(&name);
+    let others = recording.all_metadata().filter(|(name, _)| kept(name));
+    let others = others.map(|(name, entries)| (name.to_owned(), entries.clone()));
+    let metadata = run.into_iter().chain(others).collect();
     let text: Result<String, NoScenario> = recording.scenario_text();
     Opening {
         metadata,
@@ -186,11 +179,31 @@ fn opening(recording: &Recording) -> Opening {
     }
 }
 
+/// The record of the run, written again from the scenario if it is lost or doesn't fit it.
+fn run_record(recording: &Recording) -> Option<Entries> {
+    let noted = recording.run().cloned();
+    let Ok(scenario) = recording.scenario() else {
+        return noted;
+    };
+    let mut entries = run_entries(&scenario);
+    if let Some(noted) = noted
+        && noted.get("scenario_digest") == entries.get("scenario_digest")
+    {
+        return Some(noted);
+    }
+    if let Some(version) = recording.library().strip_prefix("toprise/") {
+        entries.insert("version".to_owned(), version.to_owned());
+    }
+    Some(entries)
+}
+
 /// What was found.
 struct Saved {
     /// Messages on each channel of the table.
     counts: Vec<u64>,
     undecodable: u64,
+    /// Messages that stand behind later ones of their channel, as where a chunk is repeated.
+    repeated: u64,
     last_ns: u64,
     losses: Vec<Loss>,
     digest: String,
@@ -204,13 +217,19 @@ fn salvage(
     let copier = Copier::new(recording);
     let mut digest = ContentDigest::default();
     let mut counts = vec![0; channels().len()];
-    let (mut undecodable, mut last_ns) = (0, 0);
-    let mut reader = recording.reader(Selection::default());
+    let (mut undecodable, mut repeated, mut last_ns) = (0, 0, 0);
+    let mut latest = Latest::default();
+    let mut reader = recording.reader(Selection::default()).in_order_of_time();
     while let Some(message) = reader.next_of_any() {
         match message {
             // Another version's message lacks numbers that this one's have.
             Ok(Any::Decoded(message)) if message.numbers.iter().any(|n| !n.is_finite()) => {
                 undecodable += 1;
+            }
+            Ok(Any::Decoded(message))
+                if latest.has_passed(Channel::OfTable(message.channel), message.sequence) =>
+            {
+                repeated += 1;
             }
             Ok(Any::Decoded(message)) => {
                 sink.write(&message)?;
@@ -218,6 +237,9 @@ fn salvage(
                 counts[message.channel] += 1;
                 last_ns = message.time_ns;
             }
+            Ok(Any::Other(view))
+                if view.channel.is_view()
+                    && latest.has_passed(Channel::Other(view.channel.id), view.sequence) => {}
             Ok(Any::Other(other)) => copier.copy(&other, sink)?,
             Err(_) => undecodable += 1,
         }
@@ -228,6 +250,7 @@ fn salvage(
     Ok(Saved {
         counts,
         undecodable,
+        repeated,
         last_ns,
         losses,
         digest: digest.finish(),
@@ -244,16 +267,31 @@ impl Saved {
     /// Whether the recording needs no saving.
     fn is_whole(&self, recording: &Recording) -> bool {
         recording.condition() == Condition::Whole
-            && self.losses.is_empty()
-            && self.has_all(recording)
+            && self.lost(recording).is_none()
+            && self.repeated == 0
+            && recording.data_checksum_is_right()
+            && recording.losses().is_empty()
     }
 
     /// What is lost, in a sentence.
     fn lost(&self, recording: &Recording) -> Option<String> {
-        if self.has_all(recording) {
-            return None;
-        }
         let mut parts: Vec<String> = Vec::new();
+        if recording.scenario_text().is_err() {
+            parts.push("the scenario".to_owned());
+        }
+        if self.has_all(recording) {
+            if self.losses.is_empty() && !recording.data_checksum_is_right() {
+                let doubt = "perhaps some of the metadata: the checksum of the data is wrong";
+                parts.push(doubt.to_owned());
+            }
+        } else {
+            self.name_lost_messages(recording, &mut parts);
+        }
+        (!parts.is_empty()).then(|| parts.join("; "))
+    }
+
+    fn name_lost_messages(&self, recording: &Recording, parts: &mut Vec<String>) {
+        let before = parts.len();
         for loss in &self.losses {
             parts.extend(loss.span.map(|span| format!("messages {span}")));
         }
@@ -269,10 +307,31 @@ impl Saved {
                 self.last_ns as f64 / 1e9
             ));
         }
-        if parts.is_empty() {
-            parts.push("what made the content digest another one".to_owned());
+        if parts.len() == before {
+            parts.push("some of the messages: the content digest is another one".to_owned());
         }
-        Some(parts.join("; "))
+    }
+}
+
+/// A channel of the table by its index, or another by its MCAP id.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Channel {
+    OfTable(usize),
+    Other(u16),
+}
+
+/// The sequence number of the last message of each channel.
+#[derive(Default)]
+struct Latest(BTreeMap<Channel, u32>);
+
+impl Latest {
+    /// Whether a message is no later than the last of its channel; if it is later, it is the last now.
+    fn has_passed(&mut self, channel: Channel, sequence: u32) -> bool {
+        let has_passed = self.0.get(&channel).is_some_and(|last| sequence <= *last);
+        if !has_passed {
+            self.0.insert(channel, sequence);
+        }
+        has_passed
     }
 }
 

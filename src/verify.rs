@@ -198,8 +198,15 @@ pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -
     } else {
         checks.extend(content::check(recording, options, progress));
     }
+    let is_damaged = checks
+        .iter()
+        .any(|check| check.group == Group::Container && check.verdict == Verdict::Failed);
     Report {
-        condition: recording.condition(),
+        condition: match recording.condition() {
+            Condition::Foreign => Condition::Foreign,
+            _ if is_damaged => Condition::Damaged,
+            condition => condition,
+        },
         checks,
     }
 }

@@ -16,6 +16,12 @@ pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
     stdout.flush()
 }
 
+/// Says on standard error what went wrong.
+pub(super) fn error(text: &str) {
+    // Where standard error is gone there is nobody to tell.
+    let _ = writeln!(io::stderr(), "error: {text}");
+}
+
 /// Warns on standard error.
 pub(super) fn warn(text: &str) {
     // Where standard error is gone there is nobody to warn.

@@ -41,8 +41,12 @@ pub(super) fn verify(arguments: &VerifyArguments) -> Result<Done, Error> {
     let pairs = || files.iter().map(PathBuf::as_path).zip(&answers);
     match arguments.format {
         Format::Text => {
-            let texts: Vec<_> = pairs().map(|(file, answer)| text(file, answer)).collect();
-            output::print(&texts.join("\n"))?;
+            for (file, answer) in pairs() {
+                match answer {
+                    Ok(report) => output::print(&text(file, report))?,
+                    Err(error) => output::error(&format!("{}: {error}", file.display())),
+                }
+            }
         }
         Format::Json => {
             let values: Vec<_> = pairs().map(|(file, answer)| value(file, answer)).collect();
@@ -99,11 +103,7 @@ fn done(answers: &[Answer]) -> Done {
     }
 }
 
-fn text(file: &Path, answer: &Answer) -> String {
-    let report = match answer {
-        Ok(report) => report,
-        Err(error) => return format!("{}: unreadable: {error}\n", file.display()),
-    };
+fn text(file: &Path, report: &Report) -> String {
     let mut text = format!("{}: {}\n", file.display(), conclusion(report));
     let mut group = None;
     let width = report.checks.iter().map(|c| c.name.chars().count()).max();

@@ -36,11 +36,11 @@ pub(super) struct ViewArguments {
     force: bool,
 
     /// Leave out what is earlier, in seconds of simulated time.
-    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     from: Option<f64>,
 
     /// Leave out what is later, in seconds of simulated time.
-    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     to: Option<f64>,
 }
 

@@ -33,6 +33,8 @@ pub(crate) struct Layout {
     pub(crate) losses: Vec<Loss>,
     /// Where the data end, if the file says so.
     pub(crate) data_end: Option<u64>,
+    /// Where the footer is.
+    footer: Option<Place>,
     /// Whether the file ends as an MCAP file does.
     pub(crate) is_ended: bool,
 }
@@ -63,7 +65,9 @@ impl Layout {
             }
         }
         layout.close_gaps();
-        layout.find_channels(source);
+        if layout.channels.is_empty() || !layout.summary_is_right(source)? {
+            layout.find_channels(source);
+        }
         Ok(layout)
     }
 
@@ -91,6 +95,7 @@ impl Layout {
                 self.attachments.push(AttachmentPlace { name, place });
             }
             op::DATA_END => self.data_end = Some(place.offset),
+            op::FOOTER => self.footer = Some(place.clone()),
             op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => {
                 self.take_small(place, source)?;
             }
@@ -168,11 +173,26 @@ impl Layout {
         }
     }
 
-    /// Without a summary the channels stand only in the chunks: ours in the first, others' anywhere.
+    /// Whether there is a summary that can be believed.
+    fn summary_is_right(&self, source: &Source) -> io::Result<bool> {
+        let (Some(footer), Some(_)) = (&self.footer, self.data_end) else {
+            return Ok(false);
+        };
+        let mut bytes = Vec::new();
+        source.read(footer.offset, footer.length, &mut bytes)?;
+        let body = bytes.get(HEAD as usize..).unwrap_or_default();
+        let Ok(Record::Footer(found)) = mcap::parse_record(op::FOOTER, body) else {
+            return Ok(false);
+        };
+        // Opcode, length, and the two offsets belong to what is summed.
+        let end = footer.offset + HEAD + 16;
+        Ok(found.summary_crc == 0
+            || source.checksum(found.summary_start, end)? == found.summary_crc)
+    }
+
+    /// Finds the channels in the chunks: ours stand in the first, others' anywhere.
     fn find_channels(&mut self, source: &Source) {
-        if self.data_end.is_some() && !self.channels.is_empty() {
-            return;
-        }
+        let in_summary = std::mem::take(&mut self.channels);
         let mut buffers = Buffers::default();
         for section in &self.sections {
             if section.load(source, &mut buffers).is_err() {
@@ -187,9 +207,12 @@ impl Layout {
                     self.channels.define(record);
                 }
             }
-            if self.library.starts_with("toprise/") && !self.channels.is_empty() {
+            if self.is_ours() && !self.channels.is_empty() {
                 return;
             }
+        }
+        if self.channels.is_empty() {
+            self.channels = in_summary;
         }
     }
 }

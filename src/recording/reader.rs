@@ -2,7 +2,7 @@
 
 use super::channels::FileChannel;
 use super::loss::{Loss, Span};
-use super::section::{Buffers, RawMessage, record_at};
+use super::section::{Buffers, RawMessage, Section, record_at};
 use super::{MessageError, Recording};
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
 use crate::telemetry::{ChannelInfo, Message};
@@ -66,7 +66,9 @@ pub enum Any<'a> {
 pub struct Reader<'r> {
     recording: &'r Recording,
     selection: Selection,
-    sections: Range<usize>,
+    /// The sections that are to be read, and how many of them have been.
+    sections: Vec<usize>,
+    read: usize,
     buffers: Buffers,
     /// Where the next record starts in the section that is being read.
     position: usize,
@@ -107,7 +109,8 @@ impl<'r> Reader<'r> {
             }
         };
         Self {
-            sections: 0..recording.layout.sections.len(),
+            sections: (0..recording.layout.sections.len()).collect(),
+            read: 0,
             plans: recording.channels().iter().map(plan).collect(),
             recording,
             selection,
@@ -121,7 +124,15 @@ impl<'r> Reader<'r> {
 
     /// Restricts it to some of the sections.
     pub(super) fn within(mut self, sections: Range<usize>) -> Self {
-        self.sections = sections;
+        self.sections = sections.collect();
+        self
+    }
+
+    /// Reads the chunks in the order of their times, wherever they stand.
+    pub(crate) fn in_order_of_time(mut self) -> Self {
+        let sections = &self.recording.layout.sections;
+        let start = |section: &usize| sections[*section].span.map(|(start, _)| start);
+        self.sections.sort_by_key(start);
         self
     }
 
@@ -222,10 +233,18 @@ impl<'r> Reader<'r> {
 
     /// How many bytes of the file have been looked at since this was asked last.
     pub fn progress(&mut self) -> u64 {
-        let read = self.recording.layout.sections.get(..self.sections.start);
-        let last = read.and_then(<[_]>::last);
+        let last = self.current();
         let offset = last.map_or(0, |section| section.offset + section.length);
-        offset - std::mem::replace(&mut self.told, offset)
+        // Where chunks are out of order, it goes back.
+        let more = offset.saturating_sub(self.told);
+        self.told = self.told.max(offset);
+        more
+    }
+
+    /// The section that is being read.
+    fn current(&self) -> Option<&'r Section> {
+        let index = self.sections.get(self.read.checked_sub(1)?)?;
+        Some(&self.recording.layout.sections[*index])
     }
 
     /// The next message as it stands in the file, whatever its channel.
@@ -277,7 +296,8 @@ impl<'r> Reader<'r> {
     /// Loads the next section that may have wanted messages.
     fn load_next(&mut self) -> Option<()> {
         loop {
-            let index = self.sections.next()?;
+            let index = *self.sections.get(self.read)?;
+            self.read += 1;
             let section = &self.recording.layout.sections[index];
             if section
                 .span
@@ -298,7 +318,9 @@ impl<'r> Reader<'r> {
 
     /// Notes that the rest of the section is lost.
     fn lose(&mut self, reason: String) {
-        let section = &self.recording.layout.sections[self.sections.start - 1];
+        let Some(section) = self.current() else {
+            return;
+        };
         self.losses.push(Loss {
             offset: section.offset,
             length: section.length,

@@ -58,6 +58,22 @@ impl Source {
         buffer.truncate(filled);
         Ok(())
     }
+
+    /// The CRC-32 of the bytes between two positions.
+    pub(crate) fn checksum(&self, from: u64, to: u64) -> io::Result<u32> {
+        let mut hasher = crc32fast::Hasher::new();
+        let mut bytes = Vec::new();
+        let mut at = from;
+        while at < to {
+            self.read(at, (1 << 20).min(to - at), &mut bytes)?;
+            if bytes.is_empty() {
+                break;
+            }
+            hasher.update(&bytes);
+            at += bytes.len() as u64;
+        }
+        Ok(hasher.finalize())
+    }
 }
 
 #[cfg(unix)]

@@ -9,6 +9,8 @@ use std::io::Write as _;
 
 /// The member that every message starts with.
 const TIMESTAMP: &str = "timestamp";
+/// It has this many parts.
+const STAMP_PARTS: usize = 2;
 
 /// Writes messages of all channels as JSON, exact to the last bit of each number.
 #[derive(Debug)]
@@ -92,6 +94,8 @@ impl Template {
 #[derive(Clone, Debug)]
 pub(super) struct JsonDecoder {
     message: Object,
+    /// Numbers that the file has.
+    numbers: Vec<usize>,
     /// Leaves and parts of the timestamp that a message must have.
     expected: usize,
     /// Members that a message has beside them.
@@ -144,7 +148,11 @@ impl JsonDecoder {
         let matched = present.iter().filter(known).count();
         let decoder = Self {
             message: Object(members),
-            expected: matched + 2,
+            numbers: present
+                .iter()
+                .filter_map(|path| channel.number_index(path))
+                .collect(),
+            expected: matched + STAMP_PARTS,
             unknown: present.len() - matched,
         };
         Ok((decoder, present))
@@ -152,13 +160,11 @@ impl JsonDecoder {
 
     /// The same for some of the numbers only, and the timestamp.
     pub(super) fn only(&self, numbers: &[usize]) -> Self {
-        let mut message = self.message.clone();
-        let kept = message.skip_all_but(numbers);
-        Self {
-            message,
-            expected: kept,
-            unknown: self.unknown,
-        }
+        let mut decoder = self.clone();
+        decoder.message.skip_all_but(numbers);
+        decoder.numbers.retain(|number| numbers.contains(number));
+        decoder.expected = decoder.numbers.len() + STAMP_PARTS;
+        decoder
     }
 
     pub(super) fn decode(&self, data: &[u8], row: &mut Row) -> Result<(), DecodeError> {
@@ -187,24 +193,16 @@ impl JsonDecoder {
 }
 
 impl Object {
-    /// Skips the leaves that are not among `numbers`; returns how many stay.
-    fn skip_all_but(&mut self, numbers: &[usize]) -> usize {
-        let mut kept = 0;
+    /// Skips the leaves that are not among `numbers`.
+    fn skip_all_but(&mut self, numbers: &[usize]) {
         for (_, target) in &mut self.0 {
             match target {
-                Target::Number(index) if numbers.contains(index) => kept += 1,
-                Target::Seconds | Target::Nanoseconds => kept += 1,
-                Target::Object(object) => {
-                    let inside = object.skip_all_but(numbers);
-                    if inside == 0 {
-                        *target = Target::Skipped;
-                    }
-                    kept += inside;
-                }
+                Target::Object(object) => object.skip_all_but(numbers),
+                Target::Number(index) if numbers.contains(index) => {}
+                Target::Seconds | Target::Nanoseconds => {}
                 Target::Number(_) | Target::Text(_) | Target::Skipped => *target = Target::Skipped,
             }
         }
-        kept
     }
 }
 

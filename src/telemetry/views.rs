@@ -161,8 +161,8 @@ pub struct Views {
     fields: Fields,
     /// The shape, until it has been sent.
     description: Option<String>,
-    /// θ and θ̇ of the last state.
-    inclination: [f64; 2],
+    /// Sequence number, θ and θ̇ of the last state.
+    state: Option<(u32, [f64; 2])>,
     cdr: Cdr,
 }
 
@@ -190,7 +190,7 @@ impl Views {
             description: Some(urdf::urdf(&proportions, &scales)),
             stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
             fields: Fields::new(),
-            inclination: [0.0; 2],
+            state: None,
             cdr: Cdr::default(),
             top,
             scales,
@@ -212,7 +212,7 @@ impl Views {
         }
         if message.channel == self.fields.state {
             let [theta, theta_dot, ..] = self.fields.state_of(message);
-            self.inclination = [theta, theta_dot];
+            self.state = Some((message.sequence, [theta, theta_dot]));
         }
         for (index, view) in VIEWS.iter().enumerate() {
             if self.sources[index] == Some(message.channel) && self.write(view.kind, message) {
@@ -244,7 +244,13 @@ impl Views {
                 cdr.f64s(&contact).f64s(&[0.0, 0.0, 0.0, 1.0]);
             }
             Kind::Inclination => {
-                let [theta, theta_dot] = self.inclination;
+                // Where messages were lost, a torque may come without its state.
+                let Some((_, [theta, theta_dot])) = self
+                    .state
+                    .filter(|(sequence, _)| *sequence == message.sequence)
+                else {
+                    return false;
+                };
                 let [torque, ..] = vector(numbers, fields.total_torque);
                 cdr.header(time, "").u32(1).string("theta");
                 cdr.sequence(&[theta])

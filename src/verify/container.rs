@@ -339,7 +339,7 @@ impl<'a> Survey<'a> {
     }
 
     fn check_data(&mut self, place: &Place, crc: u32) {
-        match checksum(self.source, 0, place.offset) {
+        match self.source.checksum(0, place.offset) {
             Ok(found) => self.checksums.unless(crc == 0 || crc == found, || {
                 format!("the checksum of the data is {found:08x}, not {crc:08x}")
             }),
@@ -369,7 +369,7 @@ impl<'a> Survey<'a> {
         }
         // Opcode, length, and the two offsets belong to what is summed.
         let end = footer.offset + HEAD + 16;
-        let sum = checksum(self.source, found.summary_start, end)?;
+        let sum = self.source.checksum(found.summary_start, end)?;
         let right = found.summary_crc == 0 || found.summary_crc == sum;
         self.checksums
             .unless(right, || "the checksum of the summary is wrong".to_owned());
@@ -466,20 +466,4 @@ impl<'a> Survey<'a> {
         };
         Check::new(Group::Container, "end record", verdict, finding)
     }
-}
-
-/// The CRC-32 of a part of a file.
-fn checksum(source: &Source, from: u64, to: u64) -> io::Result<u32> {
-    let mut hasher = crc32fast::Hasher::new();
-    let mut bytes = Vec::new();
-    let mut at = from;
-    while at < to {
-        source.read(at, (1 << 20).min(to - at), &mut bytes)?;
-        if bytes.is_empty() {
-            break;
-        }
-        hasher.update(&bytes);
-        at += bytes.len() as u64;
-    }
-    Ok(hasher.finalize())
 }

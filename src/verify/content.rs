@@ -3,7 +3,7 @@
 use super::physics::Physics;
 use super::reproduction::Reproduction;
 use super::{Check, Group, Options, Problems, Verdict};
-use crate::recording::{Any, Condition, Loss, NoScenario, Reader, Recording, Selection, Undecoded};
+use crate::recording::{Any, Condition, NoScenario, Recording, Selection, Undecoded};
 use crate::scenario::Scenario;
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
@@ -47,11 +47,15 @@ pub(super) fn check(recording: &Recording, options: Options, progress: &dyn Fn(u
         }
         progress(reader.progress());
     }
-    checks.extend(content.checks(recording, &reader));
-    checks.extend(views.map(ViewCheck::check));
+    let losses = recording.losses().iter().chain(reader.losses());
+    let lost = losses.filter(|loss| loss.span.is_some()).count();
+    let is_all_there =
+        lost == 0 && content.messages.count == 0 && recording.condition() == Condition::Whole;
+    checks.extend(content.checks(recording, lost));
+    checks.extend(views.map(|views| views.check(is_all_there)));
     checks.extend(physics.into_iter().flat_map(Physics::checks));
     checks.push(match reproduction {
-        Some(reproduction) => reproduction.check(),
+        Some(reproduction) => reproduction.check(is_all_there),
         None => {
             let finding = match options.reproduce {
                 true => "without its scenario it can't be simulated again",
@@ -81,6 +85,10 @@ fn attached(recording: &Recording, scenario: &Result<Scenario, NoScenario>) -> C
                 Some(noted) => format!("its digest is {}, not {noted}", scenario.digest()),
                 None => "the record toprise.run, which names its digest, is lost".to_owned(),
             });
+        }
+        Err(error) if recording.recovery().is_some() => {
+            let finding = error.to_string();
+            return Check::new(Group::Telemetry, "scenario", Verdict::Incomplete, finding);
         }
         Err(error) => problems.add(|| error.to_string()),
     }
@@ -166,10 +174,8 @@ impl Content {
         count.messages += 1;
     }
 
-    fn checks(mut self, recording: &Recording, reader: &Reader<'_>) -> Vec<Check> {
+    fn checks(mut self, recording: &Recording, lost: usize) -> Vec<Check> {
         let group = Group::Telemetry;
-        let losses: Vec<&Loss> = recording.losses().iter().chain(reader.losses()).collect();
-        let lost = losses.iter().filter(|loss| loss.span.is_some()).count();
         let mut schemas = Problems::default();
         self.check_schemas(recording, &mut schemas);
         let messages = format!("all {} are what their schemas say", self.total);
@@ -297,6 +303,10 @@ struct ViewCheck {
     expected: VecDeque<(&'static str, u32, Vec<u8>)>,
     problems: Problems,
     found: u64,
+    /// Views that follow from no message that is there.
+    unexpected: u64,
+    /// Views that should be there.
+    missing: u64,
     is_recorded: bool,
 }
 
@@ -308,6 +318,8 @@ impl ViewCheck {
             expected: VecDeque::new(),
             problems: Problems::default(),
             found: 0,
+            unexpected: 0,
+            missing: 0,
             is_recorded: recording.channels().iter().any(|channel| channel.is_view()),
         }
     }
@@ -327,14 +339,15 @@ impl ViewCheck {
             return;
         }
         self.found += 1;
-        let is_it = |(topic, sequence, _): &&(&str, u32, Vec<u8>)| {
+        let is_it = |(topic, sequence, _): &(&str, u32, Vec<u8>)| {
             *topic == message.channel.topic && *sequence == message.sequence
         };
-        // Where messages are lost, views are lost with them.
-        while self.expected.front().is_some_and(|front| !is_it(&front)) {
-            self.expected.pop_front();
-        }
-        let expected = self.expected.pop_front();
+        let Some(position) = self.expected.iter().position(is_it) else {
+            self.unexpected += 1;
+            return;
+        };
+        self.missing += position as u64;
+        let expected = self.expected.drain(..=position).next_back();
         let right = expected.is_some_and(|(_, _, data)| data == message.data);
         self.problems.unless(right, || {
             let (topic, sequence) = (&message.channel.topic, message.sequence);
@@ -342,13 +355,20 @@ impl ViewCheck {
         });
     }
 
-    fn check(self) -> Check {
+    fn check(mut self, is_all_there: bool) -> Check {
         let group = Group::Telemetry;
         if !self.is_recorded {
             let finding = "there are none".to_owned();
             return Check::new(group, "views", Verdict::Skipped, finding);
         }
-        let finding = format!("all {} follow from the data", self.found);
+        // Where messages are lost, views are without them, or lost with them.
+        let (unexpected, missing) = (self.unexpected, self.missing + self.expected.len() as u64);
+        if is_all_there {
+            self.problems.unless(unexpected == 0 && missing == 0, || {
+                format!("{unexpected} follow from nothing, {missing} are missing")
+            });
+        }
+        let finding = format!("all {} follow from the data", self.found - unexpected);
         Check::of(group, "views", &self.problems, finding)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Check, Group, Verdict};
 use crate::math::ulp_distance;
-use crate::recording::{Condition, Entries, Recording};
+use crate::recording::{Entries, Recording};
 use crate::scenario::Scenario;
 use crate::simulation::{Simulation, StopReason};
 use crate::sink::mcap::end_entries;
@@ -21,7 +21,6 @@ pub(super) struct Reproduction {
     equal: u64,
     missing: u64,
     difference: Option<String>,
-    condition: Condition,
     end: Option<Entries>,
     version: Option<String>,
 }
@@ -42,7 +41,6 @@ impl Reproduction {
             equal: 0,
             missing: 0,
             difference: None,
-            condition: recording.condition(),
             end: recording.end().cloned(),
             version: version.filter(|v| *v != env!("CARGO_PKG_VERSION")).cloned(),
         }
@@ -107,8 +105,9 @@ impl Reproduction {
         logged.is_ok()
     }
 
-    pub(super) fn check(mut self) -> Check {
-        let (verdict, finding) = self.conclude();
+    /// `is_all_there` tells whether the recording is whole.
+    pub(super) fn check(mut self, is_all_there: bool) -> Check {
+        let (verdict, finding) = self.conclude(is_all_there);
         let finding = match &self.version {
             Some(version) if verdict == Verdict::Failed => {
                 let this = env!("CARGO_PKG_VERSION");
@@ -119,7 +118,7 @@ impl Reproduction {
         Check::new(Group::Reproduction, "simulated again", verdict, finding)
     }
 
-    fn conclude(&mut self) -> (Verdict, String) {
+    fn conclude(&mut self, is_all_there: bool) -> (Verdict, String) {
         if let Err(error) = &self.simulation {
             return (Verdict::Failed, error.clone());
         }
@@ -127,20 +126,17 @@ impl Reproduction {
             return (Verdict::Failed, difference.clone());
         }
         let equal = format!("all {} messages are equal, bit for bit", self.equal);
-        match self.condition {
-            Condition::Whole => match self.compare_ends() {
+        if is_all_there {
+            return match self.compare_ends() {
                 Ok(()) => (Verdict::Passed, equal),
                 Err(problem) => (Verdict::Failed, problem),
-            },
-            _ if self.missing > 0 => {
-                let missing = self.missing;
-                (
-                    Verdict::Incomplete,
-                    format!("{equal}; {missing} are missing in between"),
-                )
-            }
-            _ => (Verdict::Incomplete, format!("{equal}, as far as they go")),
+            };
         }
+        let finding = match self.missing {
+            0 => format!("{equal}, as far as they go"),
+            missing => format!("{equal}; {missing} are missing in between"),
+        };
+        (Verdict::Incomplete, finding)
     }
 
     /// Compares the end of the run that was recorded with the simulation's.

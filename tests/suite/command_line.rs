@@ -109,6 +109,18 @@ fn bad_input_is_exit_code_2_and_writes_nothing() {
         (&["info", "broken.toml"], "MCAP"),
         (&["info", "file"], "empty"),
         (&["info", "."], "."),
+        (&["verify", "missing.mcap"], "missing.mcap"),
+        (
+            &["convert", "broken.toml", "b.mcap", "--encoding", "json"],
+            "not an MCAP file",
+        ),
+        (
+            &["convert", "a.mcap", "b.mcap", "--encoding", "xml"],
+            "protobuf",
+        ),
+        (&["recover", ".", "b.mcap"], "directory"),
+        (&["recover", "file", "b.mcap"], "empty"),
+        (&["run", "--encoding", "cdr"], "json"),
         (&["presets", "nope"], "paper"),
         (&["schema", "/nope"], "/top/state"),
         (&["frobnicate"], "frobnicate"),
@@ -336,4 +348,133 @@ fn a_reader_that_goes_away_is_no_failure() {
             .unwrap();
         assert_eq!(status.code(), Some(0));
     }
+}
+
+/// Runs `commands` one after the other; each must end with its exit code.
+fn ends_with(directory: &TempDir, commands: &[(&[&str], i32)]) {
+    for (arguments, code) in commands {
+        toprise(directory).args(*arguments).assert().code(*code);
+    }
+}
+
+#[test]
+fn recordings_are_verified_converted_and_recovered() {
+    let directory = tempdir().unwrap();
+    toprise(&directory)
+        .args(SHORT)
+        .args(["-o", "a.mcap"])
+        .assert()
+        .success();
+    let text = answer(toprise(&directory).args(["verify", "a.mcap"]));
+    assert!(text.starts_with("a.mcap: verified"), "{text}");
+    assert!(text.contains("equal, bit for bit"), "{text}");
+    let whole = fs::read(directory.path().join("a.mcap")).unwrap();
+    fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
+    let mut flipped = whole.clone();
+    flipped[whole.len() / 2] ^= 4;
+    fs::write(directory.path().join("flipped.mcap"), flipped).unwrap();
+    ends_with(
+        &directory,
+        &[
+            (
+                &["convert", "a.mcap", "b.mcap", "--encoding", "protobuf"],
+                0,
+            ),
+            (
+                &["convert", "a.mcap", "b.mcap", "--encoding", "protobuf"],
+                2,
+            ),
+            (&["verify", "a.mcap", "b.mcap"], 0),
+            (&["verify", "b.mcap", "--no-reproduce"], 0),
+            (&["verify", "cut.mcap"], 3),
+            (&["verify", "a.mcap", "flipped.mcap", "cut.mcap"], 1),
+            (&["verify", "a.mcap", "flipped.mcap", "missing.mcap"], 2),
+            (&["info", "cut.mcap"], 3),
+            (&["convert", "cut.mcap", "c.mcap", "--encoding", "json"], 2),
+            (&["recover", "a.mcap", "c.mcap"], 2),
+            (&["recover", "cut.mcap", "c.mcap"], 3),
+            (&["recover", "cut.mcap", "c.mcap"], 2),
+            (
+                &["recover", "cut.mcap", "c.mcap", "--complete", "--force"],
+                0,
+            ),
+            (&["verify", "c.mcap"], 0),
+            (&["recover", "flipped.mcap", "d.mcap"], 3),
+            (&["verify", "d.mcap"], 3),
+        ],
+    );
+    assert_eq!(fs::read(directory.path().join("c.mcap")).unwrap(), whole);
+    let report = toprise(&directory)
+        .args(["verify", "a.mcap", "flipped.mcap", "--format", "json"])
+        .assert()
+        .code(1);
+    let report: Value = serde_json::from_slice(&report.get_output().stdout).unwrap();
+    assert_eq!(report[0]["verdict"], "passed");
+    assert_eq!(report[1]["verdict"], "failed");
+    assert_eq!(report[1]["state"], "damaged");
+    assert_eq!(report[0]["checks"][0]["group"], "container");
+}
+
+#[cfg(feature = "rerun")]
+#[test]
+fn recordings_are_shown_again() {
+    let directory = tempdir().unwrap();
+    let live = ["-o", "a.mcap", "--rrd", "a.rrd"];
+    toprise(&directory)
+        .args(SHORT)
+        .args(live)
+        .assert()
+        .success();
+    let whole = fs::read(directory.path().join("a.mcap")).unwrap();
+    fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
+    ends_with(
+        &directory,
+        &[
+            (&["view", "a.mcap", "--rrd", "b.rrd"], 0),
+            (&["view", "a.mcap", "--rrd", "b.rrd"], 2),
+            (&["view", "a.mcap", "--rrd", "b.rrd", "--force"], 0),
+            (
+                &[
+                    "view", "a.mcap", "--rrd", "c.rrd", "--from", "0.1", "--to", "0.15",
+                ],
+                0,
+            ),
+            (&["view", "cut.mcap", "--rrd", "d.rrd"], 3),
+            (&["view", "a.mcap", "cut.mcap", "--rrd", "both"], 3),
+        ],
+    );
+    let size = |name: &str| fs::metadata(directory.path().join(name)).unwrap().len();
+    assert!(size("c.rrd") < size("b.rrd"));
+    assert!(size("both/a.rrd") > 0 && size("both/cut.rrd") > 0);
+    for (arguments, part) in [
+        (
+            &[
+                "view", "a.mcap", "--rrd", "e.rrd", "--from", "2", "--to", "1",
+            ][..],
+            "after",
+        ),
+        (
+            &["view", "a.mcap", "--rrd", "e.rrd", "--from", "-1"],
+            "seconds",
+        ),
+        (&["view", "missing.mcap"], "missing.mcap"),
+        (
+            &["view", "a.mcap", "--connect", "127.0.0.1:9"],
+            "no Rerun viewer",
+        ),
+        (&["view", "a.mcap", "--spawn", "--serve"], "--serve"),
+        (&["view", "a.mcap", "--port", "1"], "--serve"),
+    ] {
+        let failure = toprise(&directory).args(arguments).assert().code(2);
+        let error = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();
+        assert!(error.contains(part), "{arguments:?}: {error}");
+    }
+    // Where no viewer is installed, it is said how to get one.
+    let failure = toprise(&directory)
+        .env("PATH", "/nowhere")
+        .args(["view", "a.mcap"])
+        .assert()
+        .code(2);
+    let error = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();
+    assert!(error.contains("pip install rerun-sdk"), "{error}");
 }

@@ -6,10 +6,15 @@
 mod architecture;
 mod archive;
 mod command_line;
+#[cfg(unix)]
+mod crash;
+mod damage;
 mod golden;
 mod integrate;
 mod physics;
 mod properties;
+mod readers;
+mod recordings;
 mod reference;
 #[cfg(feature = "rerun")]
 mod rerun;

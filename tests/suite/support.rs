@@ -1,7 +1,13 @@
 //! What several tests need.
 
+use std::ops::ControlFlow;
+use std::path::Path;
 use toprise::scenario::{Preset, Scenario};
 use toprise::simulation::{Event, EventKind, NutationCycle, Outcome, Record, Sample, Simulation};
+use toprise::sink::mcap::{Archived, Form, McapSink};
+use toprise::sink::publish::Existing;
+use toprise::sink::{Sink, SinkError, record};
+use toprise::telemetry::Telemetry;
 
 /// A preset with some keys set otherwise.
 pub fn scenario(preset: &str, overrides: &[(&str, &str)]) -> Scenario {
@@ -65,4 +71,23 @@ pub fn assert_near(what: &str, actual: f64, expected: f64, tolerance: f64) {
         error <= tolerance,
         "{what}: {actual:?} differs from {expected:?} by {error:e}, more than {tolerance:e}"
     );
+}
+
+/// Records a run with these topics, all if there are none.
+pub fn archive(
+    path: &Path,
+    scenario: &Scenario,
+    topics: &[&str],
+    form: Form,
+) -> Result<Archived, SinkError> {
+    let topics: Vec<_> = topics.iter().map(|topic| (*topic).to_owned()).collect();
+    let mut telemetry = match topics.as_slice() {
+        [] => Telemetry::default(),
+        topics => Telemetry::with_topics(topics).unwrap(),
+    };
+    let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, form)?;
+    let mut simulation = Simulation::new(scenario).unwrap();
+    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+    let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    sink.finish(&outcome)
 }

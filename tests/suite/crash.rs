@@ -1,0 +1,133 @@
+//! Runs that are killed or run out of space: what was on the disk stays readable and is saved.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::Duration;
+use toprise::recording::{Condition, Overview, Recording, Selection};
+use toprise::recover::recover;
+use toprise::sink::publish::Existing;
+use toprise::verify::{Options, Verdict, verify};
+
+/// Runs that are killed.
+const KILLS: u64 = 24;
+
+fn program() -> std::path::PathBuf {
+    assert_cmd::cargo::cargo_bin("toprise")
+}
+
+/// A run at a multiple of real time, in the background.
+fn paced_run(directory: &Path, encoding: &str) -> Child {
+    Command::new(program())
+        .current_dir(directory)
+        .args(["run", "--realtime", "4", "-o", "live.mcap"])
+        .args(["--encoding", encoding])
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// Messages of a recording that is being written, once there are any.
+fn messages(partial: &Path) -> u64 {
+    Overview::read(partial).map_or(0, |overview| overview.messages())
+}
+
+/// Kills a run some milliseconds after its first messages have reached the disk.
+fn killed_after(directory: &Path, encoding: &str, milliseconds: u64) {
+    let partial = directory.join("live.mcap.partial");
+    let mut run = paced_run(directory, encoding);
+    for _ in 0..1000 {
+        if messages(&partial) > 0 {
+            break;
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+    thread::sleep(Duration::from_millis(milliseconds));
+    let before = messages(&partial);
+    assert!(before > 0, "the run doesn't write anything");
+    run.kill().unwrap();
+    run.wait().unwrap();
+
+    let recording = Recording::open(&partial).unwrap();
+    assert_eq!(recording.condition(), Condition::Interrupted);
+    let overview = Overview::of(&recording);
+    assert!(
+        overview.messages() >= before,
+        "{} of {before}",
+        overview.messages()
+    );
+    let report = verify(&recording, Options::default(), &|_| {});
+    assert_eq!(report.verdict(), Verdict::Incomplete, "{:#}", report.json());
+
+    let saved = directory.join("saved.mcap");
+    let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
+    assert!(recovered.lost.unwrap().contains("the end of the run"));
+    let saved = Recording::open(&saved).unwrap();
+    let report = verify(&saved, Options::default(), &|_| {});
+    assert_eq!(report.verdict(), Verdict::Incomplete, "{:#}", report.json());
+    assert_eq!(Overview::of(&saved).messages(), overview.messages());
+    // Not one sample is missing in what was saved.
+    let mut reader = saved.reader(Selection {
+        topics: vec!["/top/state".to_owned()],
+        ..Selection::default()
+    });
+    let mut next = 0;
+    while let Some(message) = reader.next() {
+        assert_eq!(message.unwrap().sequence, next);
+        next += 1;
+    }
+}
+
+#[test]
+fn runs_that_are_killed_at_any_moment_lose_nothing_that_was_on_the_disk() {
+    thread::scope(|scope| {
+        for lane in 0..4 {
+            scope.spawn(move || {
+                // Knuth's multiplicative hash spreads the moments over the first 700 ms.
+                for kill in (lane..KILLS).step_by(4) {
+                    let directory = tempfile::tempdir().unwrap();
+                    let moment = (kill * 2_654_435_761) % 700;
+                    let encoding = ["json", "protobuf"][(kill % 2) as usize];
+                    killed_after(directory.path(), encoding, moment);
+                }
+            });
+        }
+    });
+}
+
+/// A file system with 400 kB of room, where the system lets a user mount one.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_file_system_is_a_clear_error() {
+    let directory = tempfile::tempdir().unwrap();
+    let room = directory.path().join("room");
+    fs::create_dir(&room).unwrap();
+    let script = format!(
+        "mount -t tmpfs -o size=400k tmpfs {room} || exit 99; cd {room}; \
+         {program} run -o full.mcap; code=$?; cp full.mcap.partial ..; ls; exit $code",
+        room = room.display(),
+        program = program().display()
+    );
+    let output = Command::new("unshare")
+        .args(["--user", "--mount", "--map-root-user", "sh", "-c", &script])
+        .output();
+    let output = match output {
+        Ok(output) if ![Some(1), Some(99)].contains(&output.status.code()) => output,
+        _ => {
+            eprintln!("skipped: no file system can be mounted here");
+            return;
+        }
+    };
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("full.mcap.partial"), "{error}");
+    assert!(error.contains("No space left"), "{error}");
+    assert_eq!(output.stdout, b"full.mcap.partial\n");
+    let partial = directory.path().join("full.mcap.partial");
+    let recording = Recording::open(&partial).unwrap();
+    assert_eq!(recording.condition(), Condition::Interrupted);
+    let report = verify(&recording, Options::default(), &|_| {});
+    assert_eq!(report.verdict(), Verdict::Incomplete, "{:#}", report.json());
+    assert!(messages(&partial) > 100);
+}

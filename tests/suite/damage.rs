@@ -1,0 +1,223 @@
+//! Recordings that were damaged: nothing goes unnoticed, nothing panics, and what is whole is saved.
+
+use crate::support::{archive, scenario};
+use std::fs;
+use std::path::Path;
+use std::thread;
+use toprise::recording::{Condition, Overview, Recording};
+use toprise::recover::{RecoverError, complete, recover};
+use toprise::sink::mcap::Form;
+use toprise::sink::publish::Existing;
+use toprise::telemetry::encoding::Encoding;
+use toprise::verify::{Options, Verdict, verify};
+
+const QUICK: Options = Options { reproduce: false };
+
+/// Whether somebody who verifies the file is told that something is wrong with it.
+fn is_noticed(path: &Path) -> bool {
+    match Recording::open(path) {
+        Ok(recording) => verify(&recording, QUICK, &|_| {}).verdict() != Verdict::Passed,
+        Err(_) => true,
+    }
+}
+
+/// Reads everything of the file in every way, and saves what can be saved.
+fn endures(path: &Path) {
+    let _ = Overview::read(path);
+    let Ok(recording) = Recording::open(path) else {
+        return;
+    };
+    let _ = recording.series("/top/state", "theta");
+    let saved = path.with_extension("saved");
+    if recover(&recording, &saved, Existing::Replace, &|_| {}).is_ok() {
+        let saved = Recording::open(&saved).unwrap();
+        let report = verify(&saved, QUICK, &|_| {});
+        assert_ne!(report.verdict(), Verdict::Failed, "{:#}", report.json());
+    }
+}
+
+/// Calls `check` with each of the cases, divided between two threads with a directory each.
+fn in_parallel<T: Sync>(cases: &[T], check: impl Fn(&Path, &T) + Sync) {
+    thread::scope(|scope| {
+        for half in [0, 1] {
+            let check = &check;
+            scope.spawn(move || {
+                let directory = tempfile::tempdir().unwrap();
+                let path = directory.path().join("case.mcap");
+                for case in cases.iter().skip(half).step_by(2) {
+                    check(&path, case);
+                }
+            });
+        }
+    });
+}
+
+fn recorded(duration: &str, topics: &[&str], form: Form) -> Vec<u8> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let scenario = scenario("paper", &[("stop.duration", duration)]);
+    archive(&path, &scenario, topics, form).unwrap();
+    fs::read(&path).unwrap()
+}
+
+#[test]
+fn every_byte_of_a_tiny_recording_counts() {
+    let form = Form {
+        views: false,
+        ..Form::default()
+    };
+    let whole = recorded("0.002", &["/events"], form);
+    let positions: Vec<usize> = (0..whole.len()).collect();
+    in_parallel(&positions, |path, position| {
+        for mask in [0x01, 0x80, 0xff] {
+            let mut bytes = whole.clone();
+            bytes[*position] ^= mask;
+            fs::write(path, bytes).unwrap();
+            assert!(is_noticed(path), "byte {position} xor {mask:#x}");
+        }
+        // Saving syncs files, which takes its time.
+        if position % 7 == 0 {
+            endures(path);
+        }
+    });
+}
+
+#[test]
+fn flipped_bits_are_noticed_all_over_a_recording() {
+    for encoding in Encoding::ALL {
+        let form = Form {
+            encoding,
+            views: true,
+        };
+        let whole = recorded("0.08", &[], form);
+        let positions: Vec<usize> = (0..1000).map(|i| i * whole.len() / 1000).collect();
+        in_parallel(&positions, |path, position| {
+            let mut bytes = whole.clone();
+            bytes[*position] ^= 1 << (position % 8);
+            fs::write(path, bytes).unwrap();
+            assert!(is_noticed(path), "{encoding:?}: byte {position}");
+            if position % 10 == 0 {
+                endures(path);
+            }
+        });
+    }
+}
+
+#[test]
+fn a_recording_may_end_anywhere() {
+    let whole = recorded("0.1", &[], Form::default());
+    let mut lengths: Vec<usize> = (0..200).map(|i| i * whole.len() / 200).collect();
+    lengths.extend(whole.len() - 300..whole.len());
+    in_parallel(&lengths, |path, length| {
+        fs::write(path, &whole[..*length]).unwrap();
+        assert!(is_noticed(path), "{length} bytes");
+        if length % 5 == 0 {
+            endures(path);
+        }
+    });
+}
+
+#[test]
+fn chunks_that_were_swapped_or_repeated_are_noticed() {
+    let whole = recorded("0.5", &[], Form::default());
+    let chunks = chunks(&whole);
+    assert!(chunks.len() > 4);
+    let (first, second) = (chunks[1].clone(), chunks[2].clone());
+    let parts = |order: [std::ops::Range<usize>; 2]| {
+        let mut bytes = whole[..first.start].to_vec();
+        for part in order {
+            bytes.extend_from_slice(&whole[part]);
+        }
+        bytes.extend_from_slice(&whole[second.end..]);
+        bytes
+    };
+    let changed = [
+        parts([second.clone(), first.clone()]),
+        parts([first.clone(), first.clone()]),
+        parts([first.clone(), 0..0]),
+    ];
+    in_parallel(&changed, |path, bytes| {
+        fs::write(path, bytes).unwrap();
+        assert!(is_noticed(path));
+        endures(path);
+    });
+}
+
+/// Where the chunks with their indexes lie, by another reader.
+fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
+    let summary = mcap::Summary::read(bytes).unwrap().unwrap();
+    let mut indexes = summary.chunk_indexes;
+    indexes.sort_by_key(|index| index.chunk_start_offset);
+    let range = |index: &mcap::records::ChunkIndex| {
+        let start = index.chunk_start_offset;
+        let end = start + index.chunk_length + index.message_index_length;
+        start as usize..end as usize
+    };
+    indexes.iter().map(range).collect()
+}
+
+#[test]
+fn the_rest_of_a_damaged_recording_is_saved_and_can_be_completed() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let scenario = scenario("paper", &[("stop.duration", "0.5")]);
+    archive(&path, &scenario, &[], Form::default()).unwrap();
+    let whole = fs::read(&path).unwrap();
+    let all = Overview::read(&path).unwrap().messages();
+    let hit = chunks(&whole)[2].clone();
+
+    let damaged = directory.path().join("damaged.mcap");
+    let mut bytes = whole.clone();
+    bytes[usize::midpoint(hit.start, hit.end)] ^= 1;
+    fs::write(&damaged, bytes).unwrap();
+    let recording = Recording::open(&damaged).unwrap();
+    let overview = Overview::of(&recording);
+    assert_eq!(overview.condition, Condition::Damaged);
+    assert_eq!(overview.losses.len(), 1);
+    assert_eq!(overview.losses[0].offset, hit.start as u64);
+
+    let saved = directory.path().join("saved.mcap");
+    let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
+    assert!(recovered.lost.as_ref().unwrap().contains("messages from"));
+    let report = verify(
+        &Recording::open(&saved).unwrap(),
+        Options::default(),
+        &|_| {},
+    );
+    assert_eq!(report.verdict(), Verdict::Incomplete, "{:#}", report.json());
+    assert_eq!(report.condition, Condition::Recovered);
+    let kept = Overview::read(&saved).unwrap().messages();
+    assert!(kept < all && kept > all / 2, "{kept} of {all}");
+
+    let completed = directory.path().join("completed.mcap");
+    complete(&recording, &completed, Existing::Keep, &|_| {}).unwrap();
+    assert_eq!(fs::read(&completed).unwrap(), whole);
+
+    let again = directory.path().join("again.mcap");
+    let error = recover(
+        &Recording::open(&path).unwrap(),
+        &again,
+        Existing::Keep,
+        &|_| {},
+    );
+    assert!(matches!(error, Err(RecoverError::Whole)));
+    assert!(!again.exists());
+}
+
+#[test]
+fn a_recording_whose_index_is_lost_loses_nothing() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let scenario = scenario("paper", &[("stop.duration", "0.3")]);
+    let archived = archive(&path, &scenario, &[], Form::default()).unwrap();
+    let whole = fs::read(&path).unwrap();
+    // The end magic and a part of the footer.
+    fs::write(&path, &whole[..whole.len() - 20]).unwrap();
+    let recording = Recording::open(&path).unwrap();
+    assert_eq!(recording.condition(), Condition::Damaged);
+    let saved = directory.path().join("saved.mcap");
+    let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
+    assert_eq!(recovered.lost, None);
+    assert_eq!(recovered.archived.digest, archived.digest);
+    assert_eq!(fs::read(&saved).unwrap(), whole);
+}
