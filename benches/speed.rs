@@ -7,13 +7,17 @@ use ivp::prelude::*;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::path::Path;
+use toprise::convert::convert;
 use toprise::integrate::{Direction, Dop853, System, Tolerances};
+use toprise::recording::{Recording, Selection};
 use toprise::scenario::{Preset, Scenario};
 use toprise::simulation::Simulation;
 use toprise::sink::mcap::{Form, McapSink};
 use toprise::sink::publish::Existing;
 use toprise::sink::{Sink, record};
 use toprise::telemetry::Telemetry;
+use toprise::telemetry::encoding::Encoding;
+use toprise::verify::{Options, verify};
 
 const START: [f64; 6] = [0.0, 0.5, 0.0, 1.75, 0.0, 170.0];
 const SECONDS: u32 = 20;
@@ -149,5 +153,45 @@ fn runs(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, integrator, runs);
+/// Reading the paper's run back, in both encodings.
+fn recordings(criterion: &mut Criterion) {
+    let scenario = Preset::find("paper")
+        .and_then(Preset::scenario)
+        .expect("the preset is sound");
+    let directory = tempfile::tempdir().expect("there is a temporary directory");
+    archive(&scenario, &[], directory.path());
+    let json = Recording::open(&directory.path().join("bench.mcap")).expect("it is a recording");
+    let path = directory.path().join("protobuf.mcap");
+    convert(&json, &path, Existing::Keep, Encoding::Protobuf, &|_| {}).expect("it is whole");
+    let protobuf = Recording::open(&path).expect("it is a recording");
+    for (name, recording) in [("JSON", &json), ("protobuf", &protobuf)] {
+        let mut group = criterion.benchmark_group(format!("recording: paper in {name}"));
+        group.sample_size(10);
+        group.bench_function("verify", |b| {
+            b.iter(|| black_box(verify(recording, Options::default(), &|_| {})));
+        });
+        group.bench_function("decode everything", |b| {
+            b.iter(|| {
+                let mut reader = recording.reader(Selection::default());
+                let mut sum = 0.0;
+                while let Some(message) = reader.next() {
+                    sum += message.expect("it is sound").numbers[0];
+                }
+                black_box(sum)
+            });
+        });
+        group.bench_function("one column", |b| {
+            b.iter(|| {
+                black_box(
+                    recording
+                        .series("/top/state", "theta")
+                        .expect("it is there"),
+                )
+            });
+        });
+        group.finish();
+    }
+}
+
+criterion_group!(benches, integrator, runs, recordings);
 criterion_main!(benches);

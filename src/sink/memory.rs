@@ -31,6 +31,20 @@ impl From<&Message<'_>> for Owned {
     }
 }
 
+impl Owned {
+    /// The message as sinks take it.
+    #[must_use]
+    pub fn as_message(&self) -> Message<'_> {
+        Message {
+            channel: self.channel,
+            sequence: self.sequence,
+            time_ns: self.time_ns,
+            numbers: &self.numbers,
+            texts: &self.texts,
+        }
+    }
+}
+
 /// All messages, and their digest.
 #[derive(Clone, Debug, Default)]
 pub struct MemorySink {

@@ -5,11 +5,12 @@
 
 use std::fs;
 use std::path::Path;
-use toprise::recording::Overview;
+use toprise::recording::Recording;
 use toprise::scenario::{PRESETS, Preset};
 use toprise::simulation::{Outcome, Simulation};
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::{Telemetry, TelemetryError};
+use toprise::verify::{Options, Verdict, verify};
 
 /// Preset, messages, steps, content digest at its own sample period with all topics.
 #[rustfmt::skip]
@@ -21,12 +22,8 @@ const GOLDEN: &[(&str, u64, u64, &str)] = &[
     ("frictionless", 161372, 6456, "a5a04e1700102fb098cae570ba82b386b03465d8fafed059e787bfecc337ebda"),
 ];
 
-fn digest_of(preset: &Preset, overrides: &[(&str, &str)]) -> (u64, Outcome, String) {
-    let mut values = preset.values().unwrap();
-    for (key, value) in overrides {
-        values.set(key, value).unwrap();
-    }
-    let scenario = toprise::scenario::Scenario::new(values).unwrap();
+fn digest_of(preset: &Preset) -> (u64, Outcome, String) {
+    let scenario = preset.scenario().unwrap();
     let mut simulation = Simulation::new(&scenario).unwrap();
     let mut telemetry = Telemetry::default();
     let mut digest = ContentDigest::default();
@@ -46,7 +43,7 @@ fn digest_of(preset: &Preset, overrides: &[(&str, &str)]) -> (u64, Outcome, Stri
 fn regress_content_digests() {
     let mut found = String::new();
     for preset in PRESETS {
-        let (messages, outcome, digest) = digest_of(preset, &[]);
+        let (messages, outcome, digest) = digest_of(preset);
         let steps = outcome.statistics.accepted;
         found.push_str(&format!(
             "    (\"{}\", {messages}, {steps}, \"{digest}\"),\n",
@@ -66,26 +63,20 @@ fn regress_content_digests() {
 }
 
 #[test]
-fn regress_the_reference_recordings_are_reproduced() {
+fn regress_the_reference_recordings_are_verified() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/reference");
     let readme = fs::read_to_string(directory.join("../README.md")).unwrap();
-    let mut checked = 0;
-    for entry in fs::read_dir(&directory).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-        let overview = Overview::read(&path).unwrap();
-        assert!(overview.is_whole(), "{name}");
-        let recorded = &overview.end.as_ref().unwrap()["content_digest"];
-        let scenario = overview.parsed_scenario().unwrap();
-        let period = format!("{:?}", scenario.sample_period_ns as f64 / 1e9);
-        let overrides = [("sampling.period", period.as_str())];
-        let (_, _, digest) = digest_of(Preset::find(&name).unwrap(), &overrides);
-        assert_eq!(recorded, &digest, "{name}");
+    for preset in PRESETS {
+        let path = directory.join(preset.name).with_extension("mcap");
+        let recording = Recording::open(&path).unwrap();
+        let report = verify(&recording, Options::default(), &|_| {});
+        assert_eq!(report.verdict(), Verdict::Passed, "{:#}", report.json());
+        let digest = &recording.end().unwrap()["content_digest"];
+        let name = preset.name;
         assert!(
-            readme.contains(&digest),
+            readme.contains(digest),
             "recordings/README.md lacks the digest of {name}"
         );
-        checked += 1;
     }
-    assert_eq!(checked, 3);
+    assert_eq!(fs::read_dir(&directory).unwrap().count(), PRESETS.len());
 }

@@ -19,5 +19,7 @@ mod reference;
 #[cfg(feature = "rerun")]
 mod rerun;
 mod scenarios;
+#[cfg(all(feature = "web-viewer", unix))]
+mod serve;
 mod support;
 mod telemetry;

@@ -19,7 +19,7 @@ use toprise::sink::memory::{MemorySink, Owned};
 use toprise::sink::publish::Existing;
 use toprise::sink::{Sink, record};
 use toprise::telemetry::encoding::{Decoder, Encoder, Encoding, Row};
-use toprise::telemetry::{Message, Telemetry, channels};
+use toprise::telemetry::{Telemetry, channels};
 use toprise::verify::{Options, Verdict, verify};
 use toprise::view::replay;
 
@@ -284,7 +284,7 @@ impl Forgery {
             .counts
             .entry(channels()[message.channel].topic)
             .or_default() += 1;
-        self.sink.write(&borrowed(message)).unwrap();
+        self.sink.write(&message.as_message()).unwrap();
     }
 
     fn finish(self) {
@@ -301,16 +301,6 @@ impl Forgery {
             ..Default::default()
         };
         self.sink.finish_with(ending).unwrap();
-    }
-}
-
-fn borrowed(message: &Owned) -> Message<'_> {
-    Message {
-        channel: message.channel,
-        sequence: message.sequence,
-        time_ns: message.time_ns,
-        numbers: &message.numbers,
-        texts: &message.texts,
     }
 }
 
@@ -493,7 +483,7 @@ proptest! {
         for encoding in Encoding::ALL {
             let info = &channels()[row.channel];
             let mut bytes = Vec::new();
-            Encoder::new(encoding).encode(&borrowed(&row), &mut bytes);
+            Encoder::new(encoding).encode(&row.as_message(), &mut bytes);
             let schema = encoding.schema(info);
             let decoder = Decoder::new(info, encoding.name(), info.schema, &schema).unwrap();
             let mut decoded = Row::default();

@@ -12,7 +12,8 @@ use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::json::JsonEncoder;
 use toprise::telemetry::protobuf::{proto_file, proto_file_name};
 use toprise::telemetry::schema::{file_name, json_schema};
-use toprise::telemetry::{Message, Telemetry, channels};
+use toprise::telemetry::views::view_channels;
+use toprise::telemetry::{Telemetry, channels};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -34,16 +35,6 @@ fn short_run(overrides: &[(&str, &str)]) -> MemorySink {
     )
     .unwrap();
     sink
-}
-
-fn borrowed(message: &Owned) -> Message<'_> {
-    Message {
-        channel: message.channel,
-        sequence: message.sequence,
-        time_ns: message.time_ns,
-        numbers: &message.numbers,
-        texts: &message.texts,
-    }
 }
 
 #[test]
@@ -77,6 +68,13 @@ fn the_readme_lists_every_channel() {
     let readme = fs::read_to_string(root().join("README.md")).unwrap();
     for channel in channels() {
         let row = format!("| `{}` | {} |", channel.topic, channel.meaning);
+        assert!(readme.contains(&row), "README.md lacks the row {row}");
+    }
+    for view in view_channels() {
+        let row = format!(
+            "| `{}` | `{}` | {} |",
+            view.topic, view.schema, view.meaning
+        );
         assert!(readme.contains(&row), "README.md lacks the row {row}");
     }
 }
@@ -156,7 +154,7 @@ fn json_messages_carry_every_bit_and_fit_their_schema() {
     for message in &sink.messages {
         let channel = &channels()[message.channel];
         let mut bytes = Vec::new();
-        encoder.encode(&borrowed(message), &mut bytes);
+        encoder.encode(&message.as_message(), &mut bytes);
         let json: Value = serde_json::from_slice(&bytes).unwrap();
         let schema: Value = serde_json::from_str(&json_schema(channel)).unwrap();
         assert!(conforms(&json, &schema), "{}: {json}", channel.topic);
@@ -201,7 +199,7 @@ fn the_digest_sees_every_bit_but_not_the_interleaving() {
         let mut digest = ContentDigest::default();
         messages
             .iter()
-            .for_each(|message| digest.update(&borrowed(message)));
+            .for_each(|message| digest.update(&message.as_message()));
         digest.finish()
     };
     let original = digest(&sink.messages);
