@@ -138,7 +138,10 @@ fn show(
 ) -> Result<Replayed, Error> {
     let path = recording.path();
     let context = || path.display().to_string();
-    let identity = identity(recording).with_context(context)?;
+    let identity = Identity {
+        is_alone: arguments.files.len() == 1 || arguments.rrd.is_some(),
+        ..identity(recording).with_context(context)?
+    };
     let existing = Existing::forced(arguments.force);
     let reserved = match arguments.rrd_of(path) {
         Some(rrd) => Some(Place::reserve(&rrd, existing)?),

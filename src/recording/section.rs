@@ -3,6 +3,7 @@
 use super::scan::{HEAD, Place};
 use super::source::Source;
 use mcap::records::op;
+use std::fmt;
 use std::io::{self, Read as _};
 use thiserror::Error;
 
@@ -42,11 +43,18 @@ pub(crate) enum SectionError {
 }
 
 /// The bytes of a section, used again for the next one.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(crate) struct Buffers {
     raw: Vec<u8>,
     /// The section's records.
     pub(crate) records: Vec<u8>,
+    zstd: Option<zstd::bulk::Decompressor<'static>>,
+}
+
+impl fmt::Debug for Buffers {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Buffers").finish_non_exhaustive()
+    }
 }
 
 impl Section {
@@ -77,10 +85,10 @@ impl Section {
             };
         }
         source.read(self.offset, self.length, &mut buffers.raw)?;
-        let Buffers { raw, records } = buffers;
+        let Buffers { raw, records, zstd } = buffers;
         let body = raw.get(HEAD as usize..).ok_or(SectionError::Cut)?;
         let chunk = Chunk::parse(body).ok_or(SectionError::Cut)?;
-        chunk.decompress(records)
+        chunk.decompress(records, zstd)
     }
 }
 
@@ -109,23 +117,32 @@ impl<'a> Chunk<'a> {
         })
     }
 
-    fn decompress(&self, records: &mut Vec<u8>) -> Result<(), SectionError> {
+    fn decompress(
+        &self,
+        records: &mut Vec<u8>,
+        zstd: &mut Option<zstd::bulk::Decompressor<'static>>,
+    ) -> Result<(), SectionError> {
         if self.size > LARGEST_CHUNK {
             return Err(SectionError::TooLarge);
         }
         records.clear();
-        // One byte more than there should be, to notice that there is more.
-        let limit = self.size + 1;
         match self.compression {
             b"" => records.extend_from_slice(self.data),
             b"zstd" => {
-                let decoder = zstd::Decoder::new(self.data).map_err(SectionError::Decompress)?;
-                let read = decoder.take(limit).read_to_end(records);
-                read.map_err(SectionError::Decompress)?;
+                let decompressor = match zstd {
+                    Some(decompressor) => decompressor,
+                    none => none.insert(zstd::bulk::Decompressor::new()?),
+                };
+                // The system gives memory as it is written to: a size that is a lie costs nothing.
+                records.reserve(usize::try_from(self.size).map_err(io::Error::other)?);
+                decompressor
+                    .decompress_to_buffer(self.data, records)
+                    .map_err(SectionError::Decompress)?;
             }
             b"lz4" => {
                 let decoder = lz4_flex::frame::FrameDecoder::new(self.data);
-                let read = decoder.take(limit).read_to_end(records);
+                // One byte more than there should be, to notice that there is more.
+                let read = decoder.take(self.size + 1).read_to_end(records);
                 read.map_err(SectionError::Decompress)?;
             }
             other => {

@@ -98,6 +98,8 @@ pub struct Identity {
     pub topics: Vec<String>,
     /// What a viewer does at first.
     pub playback: Playback,
+    /// Whether it is not shown together with other recordings.
+    pub is_alone: bool,
 }
 
 impl Identity {
@@ -123,6 +125,7 @@ impl Identity {
             },
             topics,
             playback,
+            is_alone: true,
         }
     }
 
@@ -371,6 +374,7 @@ mod tests {
             },
             topics,
             playback: Playback::PausedAtStart,
+            is_alone: true,
         }
     }
 

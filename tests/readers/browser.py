@@ -38,8 +38,8 @@ def main(url, picture=None):
         page.goto(url + "&renderer=webgl")
         deadline = time.time() + 90
         found = 0
-        # The welcome screen has few colours; the lit top has thousands.
-        while found < 2000 and time.time() < deadline:
+        # The welcome screen has few colours, the lit top over 2000.
+        while found < 1000 and time.time() < deadline:
             page.wait_for_timeout(2000)
             png = page.screenshot(timeout=120_000)
             found = colors(png)
@@ -48,7 +48,7 @@ def main(url, picture=None):
                 file.write(png)
         browser.close()
     print(found, "colours")
-    sys.exit(0 if found >= 2000 else 1)
+    sys.exit(0 if found >= 1000 else 1)
 
 
 main(*sys.argv[1:])

@@ -165,7 +165,7 @@ pub(super) fn messages(
         .with_auto_layout(false)
         .with_auto_views(false);
     layout.log("viewport", &viewport)?;
-    panels(&mut layout, identity.playback)?;
+    panels(&mut layout, identity)?;
     Ok(layout.finish())
 }
 
@@ -261,15 +261,21 @@ fn time_series(layout: &mut Layout, plot: &Plot) -> Result<Child, RerunError> {
     Ok(view)
 }
 
-fn panels(layout: &mut Layout, playback: Playback) -> Result<(), RerunError> {
+fn panels(layout: &mut Layout, identity: &Identity) -> Result<(), RerunError> {
     let hidden = parts::PanelBlueprint::new().with_state(PanelState::Hidden);
-    layout.log("blueprint_panel", &hidden)?;
+    // Between several recordings one chooses in this panel.
+    let recordings = if identity.is_alone {
+        hidden.clone()
+    } else {
+        parts::PanelBlueprint::new().with_state(PanelState::Expanded)
+    };
+    layout.log("blueprint_panel", &recordings)?;
     layout.log("selection_panel", &hidden)?;
     let time = parts::TimePanelBlueprint::new()
         .with_state(PanelState::Collapsed)
         .with_timeline(TIMELINE)
         .with_playback_speed(SPEED)
-        .with_play_state(match playback {
+        .with_play_state(match identity.playback {
             Playback::PausedAtStart => PlayState::Paused,
             Playback::Following => PlayState::Following,
         });
