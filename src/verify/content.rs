@@ -149,7 +149,8 @@ impl Content {
         self.last_ns = time;
         let count = &mut self.counts[message.channel];
         if info.is_sampled {
-            let due = self.period_ns.map(|period| u64::from(number) * period);
+            let due = |period| u64::from(number).saturating_mul(period);
+            let due = self.period_ns.map(due);
             self.times.unless(due.is_none_or(|due| due == time), || {
                 format!(
                     "{}: it is due at {} s",
