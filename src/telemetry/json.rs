@@ -236,6 +236,15 @@ struct Filling<'a> {
     tally: &'a mut Tally,
 }
 
+impl Filling<'_> {
+    /// A member that is repeated adds up until it doesn't fit.
+    fn add_time<E: de::Error>(&mut self, part_ns: u64) -> Result<(), E> {
+        let time = self.row.time_ns.checked_add(part_ns);
+        self.row.time_ns = time.ok_or_else(|| E::custom("its timestamp is out of range"))?;
+        Ok(())
+    }
+}
+
 impl<'de> DeserializeSeed<'de> for Filling<'_> {
     type Value = ();
 
@@ -251,7 +260,7 @@ impl<'de> Visitor<'de> for Filling<'_> {
         f.write_str("an object")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+    fn visit_map<A: MapAccess<'de>>(mut self, mut map: A) -> Result<(), A::Error> {
         let members = &self.object.0;
         let mut next = 0;
         while let Some(position) = map.next_key_seed(Name { members, next })? {
@@ -266,11 +275,11 @@ impl<'de> Visitor<'de> for Filling<'_> {
                 Target::Text(at) => self.row.texts[*at] = map.next_value()?,
                 Target::Seconds => {
                     let seconds: u32 = map.next_value()?;
-                    self.row.time_ns += u64::from(seconds) * NANOSECONDS;
+                    self.add_time(u64::from(seconds) * NANOSECONDS)?;
                 }
                 Target::Nanoseconds => {
                     let nanoseconds: u32 = map.next_value()?;
-                    self.row.time_ns += u64::from(nanoseconds);
+                    self.add_time(u64::from(nanoseconds))?;
                 }
                 Target::Object(object) => {
                     map.next_value_seed(Filling {
