@@ -175,6 +175,32 @@ impl FieldDifferences {
     }
 }
 
+/// The paths of all fields of a file's schema may take so many bytes together.
+const LARGEST_PATHS: usize = 1 << 16;
+
+/// The paths of the fields that a file's schema describes.
+///
+/// Types within types unfold with the power of their depth: a few hundred bytes can describe more fields
+/// than fit into memory.
+#[derive(Debug, Default)]
+pub(super) struct Paths {
+    /// The leaves'.
+    pub(super) leaves: Vec<String>,
+    bytes: usize,
+}
+
+impl Paths {
+    /// Counts a field, before it is unfolded.
+    pub(super) fn count(&mut self, path: &str) -> Result<(), DecodeError> {
+        self.bytes += path.len() + 1;
+        if self.bytes <= LARGEST_PATHS {
+            return Ok(());
+        }
+        let reason = format!("its fields unfold to more than {LARGEST_PATHS} bytes");
+        Err(DecodeError::Schema(reason))
+    }
+}
+
 /// Decodes the messages of one channel of a file.
 #[derive(Clone, Debug)]
 pub struct Decoder {

@@ -1,6 +1,6 @@
 //! Messages as JSON: `{"timestamp":{"sec":…,"nsec":…},"theta":…,…}`.
 
-use super::encoding::{DecodeError, Row};
+use super::encoding::{DecodeError, Paths, Row};
 use super::{ChannelInfo, Content, Message, channels};
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
@@ -127,8 +127,9 @@ impl JsonDecoder {
     ) -> Result<(Self, Vec<String>), DecodeError> {
         let schema: Value =
             serde_json::from_slice(schema).map_err(|e| DecodeError::Schema(e.to_string()))?;
-        let mut present = Vec::new();
-        leaf_paths(&schema, "", &mut present);
+        let mut paths = Paths::default();
+        unfold(&schema, "", &mut paths)?;
+        let present = paths.leaves;
         let stamps = [("sec", Target::Seconds), ("nsec", Target::Nanoseconds)];
         let stamp = stamps.map(|(name, target)| (name.to_owned(), target));
         let mut members = vec![(TIMESTAMP.to_owned(), Target::Object(Object(stamp.into())))];
@@ -206,20 +207,22 @@ impl Object {
     }
 }
 
-/// The paths of all numbers and texts that a JSON Schema of ours describes, but for the timestamp.
-fn leaf_paths(schema: &Value, prefix: &str, paths: &mut Vec<String>) {
+/// Finds the paths of all numbers and texts that a JSON Schema of ours describes, but for the timestamp.
+fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), DecodeError> {
     let properties = schema.get("properties").and_then(Value::as_object);
     for (name, inner) in properties.into_iter().flatten() {
         if prefix.is_empty() && name == TIMESTAMP {
             continue;
         }
         let path = format!("{prefix}{name}");
+        paths.count(&path)?;
         if inner.get("properties").is_some() {
-            leaf_paths(inner, &format!("{path}."), paths);
+            unfold(inner, &format!("{path}."), paths)?;
         } else {
-            paths.push(path);
+            paths.leaves.push(path);
         }
     }
+    Ok(())
 }
 
 /// What was met in a message.

@@ -4,7 +4,7 @@
 //!
 //! All numbers are doubles and are written even when they are zero, so that the sign of a zero stays.
 
-use super::encoding::{DecodeError, Row};
+use super::encoding::{DecodeError, Paths, Row};
 use super::schema::with_unit;
 use super::{ChannelInfo, Content, Member, Message, channels};
 use prost::Message as _;
@@ -337,12 +337,12 @@ impl ProtobufDecoder {
         let mut builder = Builder {
             set: &set,
             channel,
-            paths: Vec::new(),
+            paths: Paths::default(),
             present: Vec::new(),
         };
-        let message = builder.object(root, "", 0);
+        let message = builder.object(root, "", 0)?;
         let Builder { paths, present, .. } = builder;
-        Ok((Self { message, present }, paths))
+        Ok((Self { message, present }, paths.leaves))
     }
 
     /// The same for some of the numbers only, and the timestamp.
@@ -369,60 +369,73 @@ impl ProtobufDecoder {
 struct Builder<'a> {
     set: &'a FileDescriptorSet,
     channel: &'a ChannelInfo,
-    paths: Vec<String>,
+    paths: Paths,
     present: Vec<usize>,
 }
 
 impl Builder<'_> {
     /// The fields of a message type at a path; `depth` guards against types that contain themselves.
-    fn object(&mut self, message: &DescriptorProto, prefix: &str, depth: usize) -> Object {
+    fn object(
+        &mut self,
+        message: &DescriptorProto,
+        prefix: &str,
+        depth: usize,
+    ) -> Result<Object, DecodeError> {
         let mut fields = Vec::new();
         for field in &message.field {
             let number = u32::try_from(field.number()).unwrap_or(0);
-            fields.push((number, self.target(field, prefix, depth)));
+            fields.push((number, self.target(field, prefix, depth)?));
         }
-        Object(fields)
+        Ok(Object(fields))
     }
 
-    fn target(&mut self, field: &FieldDescriptorProto, prefix: &str, depth: usize) -> Target {
+    fn target(
+        &mut self,
+        field: &FieldDescriptorProto,
+        prefix: &str,
+        depth: usize,
+    ) -> Result<Target, DecodeError> {
         let path = format!("{prefix}{}", field.name());
+        self.paths.count(&path)?;
         if field.label() == Label::Repeated {
-            self.paths.push(path);
-            return Target::Skipped;
+            self.paths.leaves.push(path);
+            return Ok(Target::Skipped);
         }
         if field.r#type() == Type::Message && depth < 8 {
             let name = field.type_name().trim_start_matches('.');
             if path == "timestamp" && name == TIMESTAMP_TYPE {
                 let parts = [(1, Target::Seconds), (2, Target::Nanoseconds)];
-                return Target::Object(Object(parts.into()));
+                return Ok(Target::Object(Object(parts.into())));
             }
             if let Some(inner) = find_message(self.set, name) {
-                return Target::Object(self.object(inner, &format!("{path}."), depth + 1));
+                let object = self.object(inner, &format!("{path}."), depth + 1)?;
+                return Ok(Target::Object(object));
             }
         }
         let number = self.channel.number_index(&path);
         let text = self.channel.texts.iter().position(|text| text.path == path);
-        match (field.r#type(), number, text) {
+        Ok(match (field.r#type(), number, text) {
             (Type::Double, Some(index), _) => {
-                self.paths.push(path);
+                self.paths.leaves.push(path);
                 self.present.push(index);
                 Target::Number(index)
             }
             (Type::String, _, Some(index)) => {
-                self.paths.push(path);
+                self.paths.leaves.push(path);
                 Target::Text(index)
             }
             // A leaf of the table with another type is another field.
             (_, None, None) => {
-                self.paths.push(path);
+                self.paths.leaves.push(path);
                 Target::Skipped
             }
             _ => {
                 self.paths
+                    .leaves
                     .push(format!("{path} (as {})", field.r#type().as_str_name()));
                 Target::Skipped
             }
-        }
+        })
     }
 }
 
