@@ -316,11 +316,16 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// Notes that the rest of the section is lost.
+    /// Notes that something of the section is lost.
     fn lose(&mut self, reason: String) {
         let Some(section) = self.current() else {
             return;
         };
+        // A chunk decompresses to a thousand times its size: not each of its records is a loss of its own.
+        let last = self.losses.last();
+        if last.is_some_and(|loss| loss.offset == section.offset) {
+            return;
+        }
         self.losses.push(Loss {
             offset: section.offset,
             length: section.length,
