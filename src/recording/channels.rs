@@ -4,7 +4,7 @@ use crate::telemetry::encoding::{DecodeError, Decoder};
 use crate::telemetry::views::view_channels;
 use crate::telemetry::{ChannelInfo, channels};
 use mcap::records::Record;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A channel of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -70,8 +70,8 @@ pub(crate) struct Channels {
     schemas: BTreeMap<u16, FileSchema>,
     list: Vec<FileChannel>,
     positions: BTreeMap<u16, usize>,
-    /// Definitions that contradict earlier ones.
-    pub(crate) contradictions: Vec<String>,
+    /// Definitions that contradict earlier ones; each once, however often it comes.
+    pub(crate) contradictions: BTreeSet<String>,
 }
 
 impl Channels {
@@ -100,7 +100,7 @@ impl Channels {
                 match self.schemas.get(&header.id) {
                     Some(known) if *known != schema => {
                         let text = format!("schema {} is defined twice, differently", header.id);
-                        self.contradictions.push(text);
+                        self.contradictions.insert(text);
                     }
                     _ => {
                         self.schemas.insert(header.id, schema);
@@ -121,7 +121,7 @@ impl Channels {
                 match self.position(record.id) {
                     Some(position) if self.list[position] != channel => {
                         let text = format!("channel {} is defined twice, differently", record.id);
-                        self.contradictions.push(text);
+                        self.contradictions.insert(text);
                     }
                     Some(_) => {}
                     None => {
