@@ -153,7 +153,8 @@ impl Layout {
     /// What was lost between two chunks ends where the second begins.
     fn close_gaps(&mut self) {
         for loss in &mut self.losses {
-            let next = self.sections.iter().find(|s| s.offset > loss.offset);
+            let next = self.sections.partition_point(|s| s.offset <= loss.offset);
+            let next = self.sections.get(next);
             let start = next
                 .and_then(|section| section.span)
                 .map(|(start, _)| start);
