@@ -306,7 +306,7 @@ impl Recording {
         let read = self.source.read(place.offset, place.length, &mut bytes);
         read.map_err(|error| error.to_string())?;
         let body = bytes.get(HEAD as usize..).unwrap_or_default();
-        match mcap::parse_record(place.opcode, body) {
+        match scan::parse(place.opcode, body) {
             Ok(Record::Attachment { header, data, crc }) => {
                 let checked = body.len().saturating_sub(4);
                 if crc != 0 && crc32fast::hash(&body[..checked]) != crc {

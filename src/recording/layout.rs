@@ -2,7 +2,7 @@
 
 use super::channels::Channels;
 use super::loss::Loss;
-use super::scan::{Found, HEAD, Place, Scanner};
+use super::scan::{Found, HEAD, Place, Scanner, parse};
 use super::section::{Buffers, Section, record_at};
 use super::source::Source;
 use super::{RecordingError, Span};
@@ -127,7 +127,7 @@ impl Layout {
         let mut bytes = Vec::new();
         source.read(place.offset, place.length, &mut bytes)?;
         let body = bytes.get(HEAD as usize..).unwrap_or_default();
-        match mcap::parse_record(place.opcode, body) {
+        match parse(place.opcode, body) {
             Ok(Record::Header(header)) => self.library = header.library,
             Ok(Record::Metadata(record)) => self.metadata.push(record),
             Ok(record) => self.channels.define(record),
@@ -203,7 +203,7 @@ impl Layout {
             while let Some(Ok((inner, next))) = record_at(&buffers.records, position) {
                 position = next;
                 if matches!(inner.opcode, op::SCHEMA | op::CHANNEL)
-                    && let Ok(record) = mcap::parse_record(inner.opcode, inner.body)
+                    && let Ok(record) = parse(inner.opcode, inner.body)
                 {
                     self.channels.define(record);
                 }

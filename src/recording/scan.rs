@@ -4,8 +4,8 @@
 //! record stands that doesn't is searched byte by byte.
 
 use super::source::Source;
-use mcap::MAGIC;
-use mcap::records::op;
+use mcap::records::{Record, op};
+use mcap::{MAGIC, McapError, McapResult};
 use std::io;
 use std::ops::Range;
 
@@ -139,7 +139,7 @@ impl<'a> Scanner<'a> {
                 .read(place.offset, place.length, &mut self.prefix)?;
         }
         let body = self.prefix.get(HEAD as usize..place.length as usize);
-        Ok(body.is_some_and(|body| mcap::parse_record(place.opcode, body).is_ok()))
+        Ok(body.is_some_and(|body| parse(place.opcode, body).is_ok()))
     }
 
     /// The first position from `from` on where a record or the end magic stands.
@@ -181,6 +181,75 @@ fn head(bytes: &[u8]) -> Option<(u8, u64)> {
 /// Opcodes of the specification, and those left to applications.
 fn is_known(opcode: u8) -> bool {
     (op::HEADER..=op::DATA_END).contains(&opcode) || opcode >= 0x80
+}
+
+/// Reads a record.
+///
+/// `mcap` takes memory for a text before it looks whether the text is there, up to 4 GiB of it, and panics
+/// at an attachment that ends behind its head: such records are refused before.
+pub(crate) fn parse(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
+    match behind_texts(opcode, body) {
+        Some(_) => mcap::parse_record(opcode, body),
+        None => Err(McapError::UnexpectedEof),
+    }
+}
+
+/// A part of a record.
+enum Part {
+    Bytes(usize),
+    Text,
+    /// Pairs of texts.
+    Texts,
+    /// Pairs of a channel's id and a position.
+    Positions,
+}
+
+/// What stands behind the last text of a record; none if a text or what must follow is not there.
+fn behind_texts(opcode: u8, body: &[u8]) -> Option<&[u8]> {
+    use Part::{Bytes, Positions, Text, Texts};
+    let parts: &[Part] = match opcode {
+        op::HEADER => &[Text, Text],
+        op::SCHEMA => &[Bytes(2), Text, Text],
+        op::CHANNEL => &[Bytes(4), Text, Text, Texts],
+        op::CHUNK => &[Bytes(28), Text],
+        op::CHUNK_INDEX => &[Bytes(32), Positions, Bytes(8), Text],
+        op::ATTACHMENT => &[Bytes(16), Text, Text, Bytes(12)],
+        op::ATTACHMENT_INDEX => &[Bytes(40), Text, Text],
+        op::METADATA => &[Text, Texts],
+        op::METADATA_INDEX => &[Bytes(16), Text],
+        _ => &[],
+    };
+    let mut rest = body;
+    for part in parts {
+        rest = match part {
+            Bytes(count) => rest.get(*count..)?,
+            Text => behind_text(rest)?,
+            Texts => {
+                let (length, mut pairs) = length(rest)?;
+                let end = pairs.len().checked_sub(length)?;
+                while pairs.len() > end {
+                    pairs = behind_text(behind_text(pairs)?)?;
+                }
+                pairs
+            }
+            Positions => {
+                let (length, pairs) = length(rest)?;
+                pairs.get(length.checked_next_multiple_of(10)?..)?
+            }
+        };
+    }
+    Some(rest)
+}
+
+fn behind_text(bytes: &[u8]) -> Option<&[u8]> {
+    let (length, rest) = length(bytes)?;
+    rest.get(length..)
+}
+
+/// A length, and what follows it.
+fn length(bytes: &[u8]) -> Option<(usize, &[u8])> {
+    let (length, rest) = bytes.split_first_chunk()?;
+    Some((usize::try_from(u32::from_le_bytes(*length)).ok()?, rest))
 }
 
 fn u32_at(bytes: &[u8], at: usize) -> Option<u64> {

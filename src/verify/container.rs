@@ -1,7 +1,7 @@
 //! The file as an MCAP file: structure, checksums, indexes.
 
 use super::{Check, Group, Problems, Verdict};
-use crate::recording::scan::{Found, HEAD, Place, Scanner};
+use crate::recording::scan::{Found, HEAD, Place, Scanner, parse};
 use crate::recording::section::{Buffers, RawMessage, Section, record_at};
 use crate::recording::source::Source;
 use crate::recording::{Condition, Recording};
@@ -153,7 +153,7 @@ impl<'a> Survey<'a> {
         let mut bytes = Vec::new();
         self.source.read(place.offset, place.length, &mut bytes)?;
         let body = bytes.get(HEAD as usize..).unwrap_or_default();
-        match mcap::parse_record(place.opcode, body) {
+        match parse(place.opcode, body) {
             Ok(record) => self.take_record(place, record, body),
             Err(error) => self
                 .structure
@@ -262,7 +262,7 @@ impl<'a> Survey<'a> {
                 });
             } else {
                 let chunk = place.offset;
-                match mcap::parse_record(inner.opcode, inner.body) {
+                match parse(inner.opcode, inner.body) {
                     Ok(Record::Schema { header, .. }) => {
                         self.counts.schemas.insert(header.id);
                     }
@@ -359,7 +359,7 @@ impl<'a> Survey<'a> {
         let mut bytes = Vec::new();
         self.source.read(footer.offset, footer.length, &mut bytes)?;
         let Ok(Record::Footer(found)) =
-            mcap::parse_record(op::FOOTER, bytes.get(HEAD as usize..).unwrap_or_default())
+            parse(op::FOOTER, bytes.get(HEAD as usize..).unwrap_or_default())
         else {
             return Ok(());
         };
