@@ -7,8 +7,8 @@ use std::fmt;
 use std::io::{self, Read as _};
 use thiserror::Error;
 
-/// What a chunk may grow to; more is damage.
-const LARGEST_CHUNK: u64 = 1 << 30;
+/// What a chunk may grow to; more is damage. Writers make chunks of one to a few megabytes.
+const LARGEST_CHUNK: u64 = 1 << 28;
 
 /// A part of a file that holds messages.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -134,8 +134,11 @@ impl<'a> Survey<'a> {
     }
 
     fn take(&mut self, place: &Place) -> io::Result<()> {
-        self.places
-            .insert(place.offset, (place.opcode, place.length));
+        // Nothing points to a message outside of chunks, and there may be many.
+        if place.opcode != op::MESSAGE {
+            let found = (place.opcode, place.length);
+            self.places.insert(place.offset, found);
+        }
         self.structure
             .unless((place.opcode == op::HEADER) == (self.records == 1), || {
                 format!("the record at {} is out of place", place.offset)

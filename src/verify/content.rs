@@ -297,6 +297,9 @@ impl Content {
     }
 }
 
+/// So many views may be expected at a time.
+const VIEWS_AHEAD: usize = 1000;
+
 /// Whether the channels for viewers say the same as those of the table.
 struct ViewCheck {
     views: Views,
@@ -333,6 +336,11 @@ impl ViewCheck {
         self.views.take(message, |channel, sequence, data| {
             expected.push_back((view_channels()[channel].topic, sequence, data.to_vec()));
         });
+        // Views stand right behind what they follow from: what is so far behind never comes.
+        while self.expected.len() > VIEWS_AHEAD {
+            self.expected.pop_front();
+            self.missing += 1;
+        }
     }
 
     fn take(&mut self, message: &Undecoded<'_>) {
