@@ -19,7 +19,6 @@ mod viewer;
 use crate::telemetry::encoding::Encoding;
 use anyhow::Error;
 use clap::{CommandFactory as _, Parser, Subcommand, ValueEnum};
-use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -85,7 +84,7 @@ enum Command {
     /// for bit.
     ///
     /// Exit codes: 0 verified, 1 failed, 2 unreadable, 3 all that is there is right, but something is
-    /// missing (an interrupted, damaged or recovered recording).
+    /// missing (a recording that was cut off or recovered).
     Verify(verify::VerifyArguments),
     /// Write a recording in another encoding; content, metadata and attachments stay the same.
     Convert(convert::ConvertArguments),
@@ -151,7 +150,6 @@ pub fn main() -> ExitCode {
         Ok(Done::Differing) => ExitCode::from(1),
         Ok(Done::Unreadable) => ExitCode::from(2),
         Ok(Done::WithLosses) => ExitCode::from(3),
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(2)
@@ -181,14 +179,6 @@ fn dispatch(command: Command) -> Result<Done, Error> {
             Ok(Done::Well)
         }
     }
-}
-
-/// Whether the reader of our output has gone away, which is no failure of ours.
-fn is_broken_pipe(error: &Error) -> bool {
-    error
-        .chain()
-        .filter_map(|cause| cause.downcast_ref::<io::Error>())
-        .any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
 }
 
 #[cfg(test)]

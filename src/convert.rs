@@ -6,7 +6,7 @@ use crate::recording::{
 use crate::sink::mcap::{
     Archived, END_RECORD, Ending, McapSink, Opening, RECOVERY_RECORD, RawChannel, RawMessage,
 };
-use crate::sink::publish::Existing;
+use crate::sink::publish::{Existing, Place};
 use crate::sink::{Sink as _, SinkError};
 use crate::telemetry::channels;
 use crate::telemetry::encoding::Encoding;
@@ -69,7 +69,7 @@ pub fn convert(
     check_condition(recording)?;
     let opening = opening(recording, encoding)?;
     let ending = ending(recording);
-    let mut sink = McapSink::open(path, existing, &opening)?;
+    let mut sink = McapSink::open(Place::reserve_derived(path, existing)?, &opening)?;
     match copy(recording, &mut sink, progress) {
         Ok(()) => Ok(sink.finish_with(ending)?),
         Err(error) => {
@@ -103,21 +103,7 @@ fn check_condition(recording: &Recording) -> Result<(), ConvertError> {
 fn opening(recording: &Recording, encoding: Encoding) -> Result<Opening, ConvertError> {
     let before = |name: &str| name != END_RECORD && name != RECOVERY_RECORD;
     let metadata = recording.all_metadata();
-    let mut attachments = Vec::new();
-    for attachment in &recording.layout.attachments {
-        let read = recording.attachment(&attachment.place);
-        let (header, data) = read.map_err(|reason| ConvertError::Attachment {
-            name: attachment.name.clone(),
-            reason,
-        })?;
-        attachments.push(mcap::Attachment {
-            log_time: header.log_time,
-            create_time: header.create_time,
-            name: header.name,
-            media_type: header.media_type,
-            data: Cow::Owned(data),
-        });
-    }
+    let attachments = attachments(recording).collect::<Result<_, _>>()?;
     Ok(Opening {
         metadata: metadata
             .filter(|(name, _)| before(name))
@@ -127,6 +113,26 @@ fn opening(recording: &Recording, encoding: Encoding) -> Result<Opening, Convert
         encoding,
         wanted: wanted(recording),
         raw: raw(recording),
+    })
+}
+
+/// The attachments of a recording, or what is wrong with them.
+pub(crate) fn attachments(
+    recording: &Recording,
+) -> impl Iterator<Item = Result<mcap::Attachment<'static>, ConvertError>> {
+    recording.layout.attachments.iter().map(|attachment| {
+        let read = recording.attachment(&attachment.place);
+        let (header, data) = read.map_err(|reason| ConvertError::Attachment {
+            name: attachment.name.clone(),
+            reason,
+        })?;
+        Ok(mcap::Attachment {
+            log_time: header.log_time,
+            create_time: header.create_time,
+            name: header.name,
+            media_type: header.media_type,
+            data: Cow::Owned(data),
+        })
     })
 }
 
@@ -147,7 +153,7 @@ pub(crate) fn raw(recording: &Recording) -> Vec<RawChannel> {
 }
 
 fn raw_channel(channel: &FileChannel) -> RawChannel {
-    let schema = channel.schema.clone();
+    let schema = channel.schema.as_deref().cloned();
     RawChannel {
         topic: channel.topic.clone(),
         encoding: channel.encoding.clone(),
@@ -187,14 +193,19 @@ fn copy(
 
 /// Copies messages of other channels than the table's as they are.
 pub(crate) struct Copier {
-    /// MCAP ids in the recording that is read, in the order of [`Opening::raw`].
-    ids: Vec<u16>,
+    /// For each channel of the recording that is read its place in [`Opening::raw`], if it has one.
+    places: Vec<Option<usize>>,
 }
 
 impl Copier {
     pub(crate) fn new(recording: &Recording) -> Self {
+        let mut raw = 0..;
+        let place = |channel: &FileChannel| match channel.table {
+            None => raw.next(),
+            Some(_) => None,
+        };
         Self {
-            ids: raw_channels(recording).map(|channel| channel.id).collect(),
+            places: recording.channels().iter().map(place).collect(),
         }
     }
 
@@ -203,7 +214,7 @@ impl Copier {
         message: &Undecoded<'_>,
         sink: &mut McapSink,
     ) -> Result<(), SinkError> {
-        let Some(channel) = self.ids.iter().position(|id| *id == message.channel.id) else {
+        let Some(channel) = self.places[message.position] else {
             return Ok(());
         };
         sink.write_raw(&RawMessage {

@@ -1,18 +1,17 @@
 //! What can be saved of an interrupted or damaged recording.
 
-use crate::convert::{Copier, raw, wanted};
+use crate::convert::{Copier, attachments, raw, wanted};
 use crate::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
 use crate::simulation::Simulation;
 use crate::sink::mcap::{
-    Archived, END_RECORD, Ending, Form, McapSink, Opening, RECOVERY_RECORD, RUN_RECORD,
-    run_entries, scenario_attachment,
+    Archived, END_RECORD, Ending, Form, McapSink, Opening, RECOVERY_RECORD, RUN_RECORD, run_entries,
 };
-use crate::sink::publish::Existing;
+use crate::sink::publish::{Existing, Place};
 use crate::sink::{RecordError, Sink, SinkError, record};
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::{Telemetry, channels};
-use crate::verify::{Group, Options, Verdict, verify};
+use crate::verify::{Group, Options, Verdict, is_sound_container, verify};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -39,7 +38,7 @@ pub enum RecoverError {
         has_scenario: bool,
     },
     /// Without its scenario the run can't be simulated again.
-    #[error("the run can't be simulated again: {0}")]
+    #[error(transparent)]
     Scenario(#[from] NoScenario),
     /// The simulation gives other numbers than the recording has.
     #[error("the simulation gives another run than the one recorded: {0}")]
@@ -100,7 +99,7 @@ pub fn recover(
             has_scenario: recording.scenario().is_ok(),
         });
     }
-    let mut sink = McapSink::open(path, existing, &opening(recording))?;
+    let mut sink = McapSink::open(Place::reserve_derived(path, existing)?, &opening(recording))?;
     let saved = match salvage(recording, &mut sink, progress) {
         Ok(saved) if saved.is_whole(recording) => {
             sink.discard();
@@ -155,7 +154,12 @@ pub fn complete(
         encoding: recording.encoding().unwrap_or(Encoding::Json),
         views: recording.channels().iter().any(|channel| channel.is_view()),
     };
-    let mut sink = McapSink::create(path, existing, &scenario, &telemetry, form)?;
+    let mut sink = McapSink::create_in(
+        Place::reserve_derived(path, existing)?,
+        &scenario,
+        &telemetry,
+        form,
+    )?;
     let mut simulation = Simulation::new(&scenario).map_err(RecordError::from)?;
     let mut sinks: [&mut dyn Sink; 1] = [&mut sink];
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
@@ -169,10 +173,9 @@ fn opening(recording: &Recording) -> Opening {
     let others = recording.all_metadata().filter(|(name, _)| kept(name));
     let others = others.map(|(name, entries)| (name.to_owned(), entries.clone()));
     let metadata = run.into_iter().chain(others).collect();
-    let text: Result<String, NoScenario> = recording.scenario_text();
     Opening {
         metadata,
-        attachments: text.ok().map(scenario_attachment).into_iter().collect(),
+        attachments: attachments(recording).filter_map(Result::ok).collect(),
         encoding: recording.encoding().unwrap_or(Encoding::Json),
         wanted: wanted(recording),
         raw: raw(recording),
@@ -269,8 +272,7 @@ impl Saved {
         recording.condition() == Condition::Whole
             && self.lost(recording).is_none()
             && self.repeated == 0
-            && recording.data_checksum_is_right()
-            && recording.losses().is_empty()
+            && is_sound_container(recording)
     }
 
     /// What is lost, in a sentence.
@@ -278,6 +280,9 @@ impl Saved {
         let mut parts: Vec<String> = Vec::new();
         if recording.scenario_text().is_err() {
             parts.push("the scenario".to_owned());
+        }
+        for damaged in attachments(recording).filter_map(Result::err) {
+            parts.push(damaged.to_string());
         }
         if self.has_all(recording) {
             if self.losses.is_empty() && !recording.data_checksum_is_right() {
@@ -299,6 +304,12 @@ impl Saved {
             parts.push(format!(
                 "{} messages that can't be decoded",
                 self.undecodable
+            ));
+        }
+        if self.repeated > 0 {
+            let repeated = self.repeated;
+            parts.push(format!(
+                "{repeated} messages that come twice or out of order"
             ));
         }
         if recording.end().is_none() {

@@ -179,6 +179,12 @@ impl Report {
     }
 }
 
+/// Whether nothing is wrong with a recording as an MCAP file.
+pub(crate) fn is_sound_container(recording: &Recording) -> bool {
+    let checks = container::check(recording, &|_| {});
+    checks.iter().all(|check| check.verdict != Verdict::Failed)
+}
+
 /// Checks a recording. `progress` is told how many more bytes of the file have been looked at; in the end
 /// they are twice the file's.
 #[must_use]

@@ -4,16 +4,17 @@ use std::io::{self, Write as _};
 
 /// Prints a text and a newline.
 pub(super) fn print(text: &str) -> io::Result<()> {
-    let mut stdout = io::stdout().lock();
-    writeln!(stdout, "{}", text.trim_end())?;
-    stdout.flush()
+    print_bytes(format!("{}\n", text.trim_end()).as_bytes())
 }
 
 /// Prints bytes as they are.
 pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
-    stdout.write_all(bytes)?;
-    stdout.flush()
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
+        // Who reads no further has read enough: the exit code says the rest.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        result => result,
+    }
 }
 
 /// Says on standard error what went wrong.

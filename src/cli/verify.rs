@@ -64,11 +64,14 @@ fn check_all(files: &[PathBuf], options: Options) -> Vec<Answer> {
     let next = AtomicUsize::new(0);
     let answers: Vec<Mutex<Option<Answer>>> = files.iter().map(|_| Mutex::new(None)).collect();
     let work = || {
-        while let Some(file) = files.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let position = files.iter().position(|f| std::ptr::eq(f, file));
+        loop {
+            let position = next.fetch_add(1, Ordering::Relaxed);
+            let Some(file) = files.get(position) else {
+                break;
+            };
             let answer = Recording::open(file)
                 .map(|recording| check(&recording, options, &|bytes| progress.add(bytes)));
-            if let Some(Ok(mut slot)) = position.map(|at| answers[at].lock()) {
+            if let Ok(mut slot) = answers[position].lock() {
                 *slot = Some(answer);
             }
         }

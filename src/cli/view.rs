@@ -59,13 +59,26 @@ impl ViewArguments {
         })
     }
 
-    /// Where the Rerun recording of a file goes.
-    fn rrd_of(&self, file: &Path) -> Option<PathBuf> {
+    /// Where the Rerun recording with a name goes.
+    fn rrd_of(&self, name: &str) -> Option<PathBuf> {
         let path = self.rrd.as_ref()?;
-        if self.files.len() == 1 && !path.is_dir() {
+        let is_directory = path.is_dir() || path.as_os_str().to_string_lossy().ends_with('/');
+        if self.files.len() == 1 && !is_directory {
             return Some(path.clone());
         }
-        Some(path.join(file.file_stem()?).with_extension("rrd"))
+        Some(path.join(format!("{name}.rrd")))
+    }
+
+    /// What a viewer calls the files: by their names, told apart by numbers where they are the same.
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for file in &self.files {
+            let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+            let numbered = (2..).map(|number| format!("{stem}-{number}"));
+            let mut candidates = std::iter::once(stem.clone().into_owned()).chain(numbered);
+            names.extend(candidates.find(|name| !names.contains(name)));
+        }
+        names
     }
 }
 
@@ -77,15 +90,23 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
         .iter()
         .map(|file| open(file))
         .collect::<Result<Vec<_>, _>>()?;
+    for name in arguments.names() {
+        refuse_input(arguments, &name)?;
+    }
     let interrupt = Interrupt::watch()?;
     let target = target(arguments)?;
     let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
     let mut done = Done::Well;
-    for recording in &recordings {
-        let replayed = show(
-            recording, arguments, &selection, &target, &interrupt, &progress,
-        )?;
-        if report(recording, &replayed) {
+    for (recording, name) in recordings.iter().zip(arguments.names()) {
+        let way = Way {
+            arguments,
+            selection: &selection,
+            target: &target,
+            interrupt: &interrupt,
+            progress: &progress,
+        };
+        let replayed = show(recording, &name, &way)?;
+        if report(recording, &replayed) || interrupt.is_asked() {
             done = Done::WithLosses;
         }
         if interrupt.is_asked() {
@@ -95,6 +116,24 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
     progress.finish();
     target.serve_until(&interrupt);
     Ok(done)
+}
+
+/// A recording that is shown can't be replaced by what is shown.
+fn refuse_input(arguments: &ViewArguments, name: &str) -> Result<(), Error> {
+    let Some(rrd) = arguments.rrd_of(name) else {
+        return Ok(());
+    };
+    let same = |file: &PathBuf| {
+        let whole = |path: &Path| path.canonicalize().ok();
+        whole(file).is_some_and(|file| whole(&rrd) == Some(file))
+    };
+    if arguments.files.iter().any(same) {
+        bail!(
+            "{} is a recording that is to be shown: write to another file",
+            rrd.display()
+        );
+    }
+    Ok(())
 }
 
 fn open(file: &Path) -> Result<Recording, Error> {
@@ -127,30 +166,38 @@ fn viewer_is_installed() -> bool {
     env::split_paths(&path).any(|directory| directory.join(&name).is_file())
 }
 
+/// How recordings are replayed.
+struct Way<'a> {
+    arguments: &'a ViewArguments,
+    selection: &'a Selection,
+    target: &'a Target,
+    interrupt: &'a Interrupt,
+    progress: &'a Progress,
+}
+
 /// Replays one recording.
-fn show(
-    recording: &Recording,
-    arguments: &ViewArguments,
-    selection: &Selection,
-    target: &Target,
-    interrupt: &Interrupt,
-    progress: &Progress,
-) -> Result<Replayed, Error> {
+fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<Replayed, Error> {
+    let Way {
+        arguments,
+        interrupt,
+        progress,
+        ..
+    } = way;
     let path = recording.path();
     let context = || path.display().to_string();
     let identity = Identity {
         is_alone: arguments.files.len() == 1 || arguments.rrd.is_some(),
-        ..identity(recording).with_context(context)?
+        ..identity(recording, name).with_context(context)?
     };
     let existing = Existing::forced(arguments.force);
-    let reserved = match arguments.rrd_of(path) {
-        Some(rrd) => Some(Place::reserve(&rrd, existing)?),
+    let reserved = match arguments.rrd_of(name) {
+        Some(rrd) => Some(Place::reserve_derived(&rrd, existing)?),
         None => None,
     };
     let (place, file) = reserved.unzip();
     let destinations = Destinations {
         file,
-        live: target.live(),
+        live: way.target.live(),
     };
     let mut sink = RerunSink::new(&identity, destinations).map_err(SinkError::from)?;
     let warnings = sink.take_warnings();
@@ -158,7 +205,7 @@ fn show(
         bail!("{}", warnings.join("; "));
     }
     output::warn_all(warnings);
-    let replayed = replay(recording, selection.clone(), &mut sink, |read| {
+    let replayed = replay(recording, way.selection.clone(), &mut sink, |read| {
         progress.add(read);
         if interrupt.is_asked() {
             ControlFlow::Break(())
@@ -170,7 +217,21 @@ fn show(
     let (file, warnings) = sink.finish().map_err(SinkError::from)?;
     output::warn_all(warnings);
     if let Some((place, file)) = place.zip(file) {
-        publish(&place, &file)?;
+        if interrupt.is_asked() {
+            let partial = place.partial();
+            output::warn(&format!(
+                "interrupted: {} holds what there was until then",
+                partial.display()
+            ));
+        } else {
+            publish(&place, &file)?;
+        }
+    }
+    if replayed.messages == 0 {
+        output::warn(&format!(
+            "{}: no messages in this span of time",
+            path.display()
+        ));
     }
     Ok(replayed)
 }
@@ -183,15 +244,14 @@ fn publish(place: &Place, file: &File) -> Result<(), Error> {
     Ok(())
 }
 
-fn identity(recording: &Recording) -> Result<Identity, Error> {
+fn identity(recording: &Recording, name: &str) -> Result<Identity, Error> {
     let scenario = recording
         .scenario()
         .context("the scene can't be drawn without the scenario")?;
-    let name = recording.path().file_stem().unwrap_or_default();
     let has = |topic: &str| recording.channels().iter().any(|c| c.topic == topic);
     let topics = channels().iter().map(|channel| channel.topic);
     Ok(Identity::of(
-        &name.to_string_lossy(),
+        name,
         &scenario,
         topics
             .filter(|topic| has(topic))

@@ -10,7 +10,7 @@ use std::net::IpAddr;
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct ViewerArguments {
     /// Show it in the Rerun viewer at this address.
-    #[arg(long, value_name = "URL", num_args = 0..=1,
+    #[arg(long, value_name = "URL", num_args = 0..=1, require_equals = true,
           default_missing_value = "rerun+http://127.0.0.1:9876/proxy",
           conflicts_with_all = ["spawn", "serve"])]
     connect: Option<String>,
@@ -33,7 +33,8 @@ pub(super) struct ViewerArguments {
     bind: IpAddr,
 
     /// Serve the web viewer at this port and its stream at the next one.
-    #[arg(long, value_name = "PORT", default_value_t = 9090, requires = "serve")]
+    #[arg(long, value_name = "PORT", default_value_t = 9090, requires = "serve",
+          value_parser = clap::value_parser!(u16).range(1..=65534))]
     port: u16,
 }
 
@@ -66,6 +67,9 @@ impl ViewerArguments {
         let viewer = crate::sink::rerun::WebViewer::start(self.bind, self.port);
         let viewer = viewer.map_err(Error::msg)?;
         eprintln!("serving at {}", viewer.url());
+        if !self.bind.is_loopback() {
+            eprintln!("from another machine, put this one's name in both places of the address");
+        }
         Ok(Target::Served(viewer))
     }
 

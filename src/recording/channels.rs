@@ -5,6 +5,7 @@ use crate::telemetry::views::view_channels;
 use crate::telemetry::{ChannelInfo, channels};
 use mcap::records::Record;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// A channel of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,7 +17,7 @@ pub struct FileChannel {
     /// Encoding of its messages.
     pub encoding: String,
     /// Its message type; none for messages that describe themselves.
-    pub schema: Option<FileSchema>,
+    pub schema: Option<Arc<FileSchema>>,
     /// What the file says about it beside that.
     pub metadata: BTreeMap<String, String>,
     /// Its index in the table of channels, if it is one of them.
@@ -67,7 +68,7 @@ impl FileChannel {
 /// All channels of a file, in the order of their first definitions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Channels {
-    schemas: BTreeMap<u16, FileSchema>,
+    schemas: BTreeMap<u16, Arc<FileSchema>>,
     list: Vec<FileChannel>,
     positions: BTreeMap<u16, usize>,
     /// Definitions that contradict earlier ones; each once, however often it comes.
@@ -92,11 +93,11 @@ impl Channels {
     pub(crate) fn define(&mut self, record: Record<'_>) {
         match record {
             Record::Schema { header, data } => {
-                let schema = FileSchema {
+                let schema = Arc::new(FileSchema {
                     name: header.name,
                     encoding: header.encoding,
                     data: data.into_owned(),
-                };
+                });
                 match self.schemas.get(&header.id) {
                     Some(known) if *known != schema => {
                         let text = format!("schema {} is defined twice, differently", header.id);

@@ -10,6 +10,9 @@ use mcap::MAGIC;
 use mcap::records::{Metadata, Record, op};
 use std::io;
 
+/// A file that is damaged in more places than this is not looked through further.
+const MOST_LOSSES: usize = 1000;
+
 /// Records outside of chunks are read in sections of about this size.
 const LOOSE_SECTION: u64 = 1 << 20;
 
@@ -55,6 +58,9 @@ impl Layout {
                 Found::Damage(bytes) => {
                     let reason = "no readable record stands here".to_owned();
                     layout.losses.push(layout.loss(bytes, reason));
+                    if layout.losses.len() > MOST_LOSSES {
+                        break;
+                    }
                 }
                 Found::End => layout.is_ended = true,
                 Found::Cut(bytes) if !bytes.is_empty() => {

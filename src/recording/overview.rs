@@ -106,10 +106,7 @@ impl Overview {
         let mut events = Events::find(recording);
         let mut reader = recording.reader(Selection::default());
         while let Some(message) = reader.next_undecoded() {
-            let position = counted.iter_mut().find(|c| c.id == message.channel.id);
-            if let Some(channel) = position {
-                channel.count(message.log_time, message.data.len());
-            }
+            counted[message.position].count(message.log_time, message.data.len());
             if message.channel.topic == EVENTS
                 && let Some(events) = &mut events
             {

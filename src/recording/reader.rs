@@ -39,6 +39,8 @@ impl Selection {
 pub struct Undecoded<'a> {
     /// Its channel.
     pub channel: &'a FileChannel,
+    /// Where that stands among the channels of the recording.
+    pub position: usize,
     /// Sequence number.
     pub sequence: u32,
     /// Time of logging, ns.
@@ -129,11 +131,39 @@ impl<'r> Reader<'r> {
     }
 
     /// Reads the chunks in the order of their times, wherever they stand.
+    ///
+    /// The times in the heads of chunks have no checksum: where they are not in order, those of the
+    /// messages count.
     pub(crate) fn in_order_of_time(mut self) -> Self {
         let sections = &self.recording.layout.sections;
-        let start = |section: &usize| sections[*section].span.map(|(start, _)| start);
-        self.sections.sort_by_key(start);
+        let noted = |section: &usize| sections[*section].span.map(|(start, _)| start);
+        if !self.sections.is_sorted_by_key(noted) {
+            let mut last = 0;
+            let mut starts = Vec::new();
+            for section in &self.sections {
+                // What can't be read stays where it is.
+                last = self.first_time(*section).unwrap_or(last);
+                starts.push((last, *section));
+            }
+            starts.sort_by_key(|(start, _)| *start);
+            self.sections = starts.into_iter().map(|(_, section)| section).collect();
+        }
         self
+    }
+
+    /// The time of the first message in a section.
+    fn first_time(&self, section: usize) -> Option<u64> {
+        let mut buffers = Buffers::default();
+        let section = &self.recording.layout.sections[section];
+        section.load(&self.recording.source, &mut buffers).ok()?;
+        let mut position = 0;
+        while let Some(Ok((inner, next))) = record_at(&buffers.records, position) {
+            if let Some(message) = RawMessage::parse(&inner) {
+                return Some(message.log_time);
+            }
+            position = next;
+        }
+        None
     }
 
     /// Decodes only some numbers of a channel.
@@ -224,6 +254,7 @@ impl<'r> Reader<'r> {
         let raw = at.raw(&self.buffers.records);
         Undecoded {
             channel: &self.recording.channels()[at.channel],
+            position: at.channel,
             sequence: raw.sequence,
             log_time: raw.log_time,
             publish_time: raw.publish_time,

@@ -17,6 +17,8 @@ const PREFIX: u64 = 256;
 const LONGEST: u64 = 256 << 20;
 /// So much is searched at a time.
 const SEARCH_WINDOW: u64 = 1 << 20;
+/// What is read beside that to look at what might be records; what is damaged beyond that is not searched.
+const SEARCH_LIMIT: u64 = 1 << 28;
 
 /// A top-level record.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,6 +57,8 @@ pub(crate) struct Scanner<'a> {
     source: &'a Source,
     position: u64,
     prefix: Vec<u8>,
+    /// Bytes that searching has read so far.
+    searched: u64,
     done: bool,
 }
 
@@ -65,6 +69,7 @@ impl<'a> Scanner<'a> {
             source,
             position: MAGIC.len() as u64,
             prefix: Vec::new(),
+            searched: 0,
             done: false,
         }
     }
@@ -138,36 +143,65 @@ impl<'a> Scanner<'a> {
             self.source
                 .read(place.offset, place.length, &mut self.prefix)?;
         }
-        let body = self.prefix.get(HEAD as usize..place.length as usize);
-        Ok(body.is_some_and(|body| parse(place.opcode, body).is_ok()))
+        let Some(body) = self.prefix.get(HEAD as usize..place.length as usize) else {
+            return Ok(false);
+        };
+        if parse(place.opcode, body).is_err() {
+            return Ok(false);
+        }
+        // Later versions of the format may add fields; else a longer record has swallowed others.
+        Ok(is_exact(place.opcode, body) || self.may_begin_at(place.end())?)
+    }
+
+    /// Whether a record may begin at a position, or the file ends there.
+    fn may_begin_at(&mut self, position: u64) -> io::Result<bool> {
+        self.source.read(position, HEAD, &mut self.prefix)?;
+        let room = self.source.length() - position;
+        let begins =
+            head(&self.prefix).is_some_and(|(opcode, length)| is_known(opcode) && length < 1 << 40);
+        Ok(begins || room <= MAGIC.len() as u64)
     }
 
     /// The first position from `from` on where a record or the end magic stands.
     fn search(&mut self, from: u64) -> io::Result<Option<u64>> {
         let mut window = Vec::new();
         let mut start = from;
+        // Most often the next record is near.
+        let mut size = SEARCH_WINDOW >> 6;
         while start < self.source.length() {
-            self.source.read(start, SEARCH_WINDOW + HEAD, &mut window)?;
-            for at in 0..window.len().min(SEARCH_WINDOW as usize) {
+            self.source.read(start, size + HEAD, &mut window)?;
+            for at in 0..window.len().min(size as usize) {
                 let position = start + at as u64;
                 let room = self.source.length() - position;
                 let plausible = head(&window[at..])
                     .is_some_and(|(opcode, length)| is_known(opcode) && length + HEAD <= room);
                 // A lone message can't be told from chance, nor a short unknown record.
                 let telling = window[at] != op::MESSAGE && window[at] < 0x80;
-                if plausible
-                    && telling
-                    && self.record_at(position)?.is_some_and(|p| p.length > HEAD)
-                {
-                    return Ok(Some(position));
+                if plausible && telling && self.searched < SEARCH_LIMIT {
+                    self.searched += self.cost_at(position, &window[at..]);
+                    if self.record_at(position)?.is_some_and(|p| p.length > HEAD) {
+                        return Ok(Some(position));
+                    }
                 }
                 if self.at_end_magic(position)? {
                     return Ok(Some(position));
                 }
             }
-            start += SEARCH_WINDOW;
+            start += size;
+            size = SEARCH_WINDOW;
         }
         Ok(None)
+    }
+
+    /// How much must be read to tell whether a record stands at a position.
+    fn cost_at(&self, position: u64, bytes: &[u8]) -> u64 {
+        let telling_by_head = matches!(bytes[0], op::CHUNK | op::MESSAGE_INDEX | op::ATTACHMENT);
+        match head(bytes) {
+            Some((_, length)) if !telling_by_head => {
+                PREFIX + length.min(self.source.length() - position)
+            }
+            _ => PREFIX,
+        }
     }
 }
 
@@ -192,6 +226,27 @@ pub(crate) fn parse(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
         Some(_) => mcap::parse_record(opcode, body),
         None => Err(McapError::UnexpectedEof),
     }
+}
+
+/// Whether a record ends where its last field of the specification ends.
+fn is_exact(opcode: u8, body: &[u8]) -> bool {
+    let Some(rest) = behind_texts(opcode, body) else {
+        return false;
+    };
+    let has_length = |at: usize| u32_at(rest, at).map(|length| at as u64 + 4 + length);
+    let expected = match opcode {
+        op::HEADER | op::CHANNEL | op::METADATA | op::METADATA_INDEX | op::ATTACHMENT_INDEX => {
+            Some(0)
+        }
+        op::SCHEMA => has_length(0),
+        op::CHUNK_INDEX => Some(16),
+        op::STATISTICS => has_length(42),
+        op::SUMMARY_OFFSET => Some(17),
+        op::DATA_END => Some(4),
+        op::FOOTER => Some(20),
+        _ => None,
+    };
+    expected == Some(rest.len() as u64)
 }
 
 /// A part of a record.

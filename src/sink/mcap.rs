@@ -197,6 +197,20 @@ impl McapSink {
         telemetry: &Telemetry,
         form: Form,
     ) -> Result<Self, SinkError> {
+        let reserved = Place::reserve(path, existing)?;
+        Self::create_in(reserved, scenario, telemetry, form)
+    }
+
+    /// The same in a place that has been reserved.
+    ///
+    /// # Errors
+    /// [`SinkError`] if the file can't be written.
+    pub fn create_in(
+        reserved: (Place, File),
+        scenario: &Scenario,
+        telemetry: &Telemetry,
+        form: Form,
+    ) -> Result<Self, SinkError> {
         let views = form
             .views
             .then(|| Views::new(scenario, |channel| telemetry.wants(channel)));
@@ -207,7 +221,7 @@ impl McapSink {
             wanted: (0..channels().len()).map(|i| telemetry.wants(i)).collect(),
             raw: views.as_ref().map_or_else(Vec::new, raw_views),
         };
-        let mut sink = Self::open(path, existing, &opening)?;
+        let mut sink = Self::open(reserved, &opening)?;
         sink.views = views.map(|views| {
             let wanted = |view: &usize| views.wants(*view);
             let position = |view: usize| (0..view).filter(wanted).count();
@@ -217,12 +231,11 @@ impl McapSink {
         Ok(sink)
     }
 
-    /// Starts a recording that begins with `opening`.
+    /// Starts a recording that begins with `opening`, in a place that has been reserved.
     ///
     /// # Errors
-    /// [`SinkError`] if the file can't be made or written.
-    pub fn open(path: &Path, existing: Existing, opening: &Opening) -> Result<Self, SinkError> {
-        let (place, file) = Place::reserve(path, existing)?;
+    /// [`SinkError`] if the file can't be written.
+    pub fn open((place, file): (Place, File), opening: &Opening) -> Result<Self, SinkError> {
         let started = start(file, opening).map_err(|reason| {
             place.withdraw();
             SinkError::Mcap {
@@ -424,6 +437,7 @@ fn work(
                 if let Some(expected) = ending.digest.clone().filter(|expected| *expected != found)
                 {
                     abandon(writer);
+                    place.withdraw();
                     return Err(SinkError::Digest {
                         path: place.partial(),
                         expected,

@@ -30,6 +30,8 @@ impl Existing {
 #[derive(Clone, Debug)]
 pub struct Place {
     path: PathBuf,
+    /// Its name until then.
+    partial: PathBuf,
     existing: Existing,
 }
 
@@ -39,6 +41,23 @@ impl Place {
     /// # Errors
     /// [`SinkError::Exists`] if the file, or a partial one, is there; [`SinkError::Io`] otherwise.
     pub fn reserve(path: &Path, existing: Existing) -> Result<(Self, File), SinkError> {
+        Self::reserve_as(path, partial_name(path), existing)
+    }
+
+    /// The same for a file that is made from another: until it is complete it is called `NAME.new`, because
+    /// the other may be the `NAME.partial` that an interrupted run has left.
+    ///
+    /// # Errors
+    /// As for [`Place::reserve`].
+    pub fn reserve_derived(path: &Path, existing: Existing) -> Result<(Self, File), SinkError> {
+        Self::reserve_as(path, with_suffix(path, ".new"), existing)
+    }
+
+    fn reserve_as(
+        path: &Path,
+        partial: PathBuf,
+        existing: Existing,
+    ) -> Result<(Self, File), SinkError> {
         // A directory, a device, a pipe: a rename would put a file in its place.
         if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
             return Err(SinkError::Exists {
@@ -49,14 +68,13 @@ impl Place {
         if existing == Existing::Keep && path.symlink_metadata().is_ok() {
             return Err(SinkError::Exists {
                 path: path.to_owned(),
-                advice: "choose another name with -o, or replace it with --force",
+                advice: "choose another name, or replace it with --force",
             });
         }
         if let Some(directory) = path.parent() {
             fs::create_dir_all(directory)
                 .map_err(|e| io_error("create directory", directory, e))?;
         }
-        let partial = partial_name(path);
         let mut options = OpenOptions::new();
         options.write(true);
         match existing {
@@ -67,7 +85,7 @@ impl Place {
             if error.kind() == io::ErrorKind::AlreadyExists {
                 SinkError::Exists {
                     path: partial.clone(),
-                    advice: "an interrupted or running recording; move it away, or replace it with --force",
+                    advice: "something is writing it or was interrupted; move it away, or replace it with --force",
                 }
             } else {
                 io_error("create", &partial, error)
@@ -75,6 +93,7 @@ impl Place {
         })?;
         let place = Self {
             path: path.to_owned(),
+            partial,
             existing,
         };
         Ok((place, file))
@@ -89,7 +108,7 @@ impl Place {
     /// The name that it has until then.
     #[must_use]
     pub fn partial(&self) -> PathBuf {
-        partial_name(&self.path)
+        self.partial.clone()
     }
 
     /// Gives the complete file its name, after it has reached the disk.
@@ -148,8 +167,12 @@ impl Place {
 /// The name of a file that is not complete.
 #[must_use]
 pub fn partial_name(path: &Path) -> PathBuf {
+    with_suffix(path, ".partial")
+}
+
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
-    name.push(".partial");
+    name.push(suffix);
     path.with_file_name(name)
 }
 

@@ -175,6 +175,8 @@ impl FieldDifferences {
     }
 }
 
+/// The schema of one of our channels is not longer than this.
+const LARGEST_SCHEMA: usize = 1 << 20;
 /// The paths of all fields of a file's schema may take so many bytes together.
 const LARGEST_PATHS: usize = 1 << 16;
 
@@ -227,6 +229,10 @@ impl Decoder {
         schema_name: &str,
         schema: &[u8],
     ) -> Result<Self, DecodeError> {
+        if schema.len() > LARGEST_SCHEMA {
+            let reason = format!("it is longer than {LARGEST_SCHEMA} bytes");
+            return Err(DecodeError::Schema(reason));
+        }
         let found = Encoding::find(encoding);
         let (format, present) = match found {
             Some(Encoding::Json) => {

@@ -149,7 +149,12 @@ impl<'a> Survey<'a> {
                 return self.take_chunk(place);
             }
             op::MESSAGE_INDEX => self.places.remove(&place.offset),
-            op::DATA_END => self.data_end.replace(place.offset).map(|_| (0, 0)),
+            op::DATA_END => {
+                self.structure.unless(self.data_end.is_none(), || {
+                    format!("the data end a second time at {}", place.offset)
+                });
+                self.data_end.replace(place.offset).map(|_| (0, 0))
+            }
             op::FOOTER => self.footer.replace(place.clone()).map(|_| (0, 0)),
             _ => None,
         };
@@ -343,11 +348,22 @@ impl<'a> Survey<'a> {
 
     fn check_data(&mut self, place: &Place, crc: u32) {
         match self.source.checksum(0, place.offset) {
-            Ok(found) => self.checksums.unless(crc == 0 || crc == found, || {
-                format!("the checksum of the data is {found:08x}, not {crc:08x}")
-            }),
+            Ok(found) => {
+                self.checksums.unless(crc == 0 || crc == found, || {
+                    format!("the checksum of the data is {found:08x}, not {crc:08x}")
+                });
+                self.demand_checksum(crc, "data");
+            }
             Err(error) => self.checksums.add(|| error.to_string()),
         }
+    }
+
+    /// Recordings of toprise have a checksum where others may have none, which is a zero.
+    fn demand_checksum(&mut self, crc: u32, what: &str) {
+        let is_ours = self.recording.condition() != Condition::Foreign;
+        self.checksums.unless(crc != 0 || !is_ours, || {
+            format!("the {what} have no checksum")
+        });
     }
 
     /// What a file with a footer must have.
@@ -376,6 +392,10 @@ impl<'a> Survey<'a> {
         let right = found.summary_crc == 0 || found.summary_crc == sum;
         self.checksums
             .unless(right, || "the checksum of the summary is wrong".to_owned());
+        self.demand_checksum(found.summary_crc, "summary");
+        let is_last = footer.end() + mcap::MAGIC.len() as u64 == self.source.length();
+        self.structure
+            .unless(is_last, || "something stands behind the footer".to_owned());
         let points_well = [found.summary_start, found.summary_offset_start]
             .iter()
             .all(|at| *at == 0 || self.places.contains_key(at));

@@ -377,6 +377,13 @@ impl ViewCheck {
                 format!("{unexpected} follow from nothing, {missing} are missing")
             });
         }
+        if !is_all_there && unexpected > 0 && self.problems.count == 0 {
+            let finding = format!(
+                "{} follow from the data, {unexpected} from nothing that is there",
+                self.found - unexpected
+            );
+            return Check::new(group, "views", Verdict::Incomplete, finding);
+        }
         let finding = format!("all {} follow from the data", self.found - unexpected);
         Check::of(group, "views", &self.problems, finding)
     }

@@ -51,7 +51,9 @@ pub(super) struct Physics {
 
 /// What must be remembered of earlier instants.
 struct History {
+    /// Energy, work of friction and momenta when they were first recorded; NaN until then.
     energy: f64,
+    work: f64,
     vertical: f64,
     axial: f64,
     largest_energy: f64,
@@ -64,6 +66,7 @@ struct HistoryFields {
     kinetic: Number,
     potential: Number,
     energy: Number,
+    work: Number,
     vertical: Number,
     axial: Number,
     omega: Vector,
@@ -81,6 +84,7 @@ impl Physics {
                 kinetic: number("/top/energy", "kinetic"),
                 potential: number("/top/energy", "potential"),
                 energy: number("/top/energy", "total"),
+                work: number("/top/energy", "friction_work"),
                 vertical: number("/top/momentum", "vertical"),
                 axial: number("/top/momentum", "axial"),
                 omega: vector("/top/pose", "omega_world"),
@@ -103,6 +107,9 @@ impl Physics {
 
     /// Judges the instant whose messages have been taken.
     fn judge(&mut self) {
+        if self.rows.iter().all(Option::is_none) {
+            return;
+        }
         let instant = Instant {
             rows: &self.rows,
             time: self.time_ns as f64 / 1e9,
@@ -176,9 +183,10 @@ impl History {
     fn new(now: &Instant<'_>, fields: &HistoryFields, scenario: &Scenario) -> Self {
         let top = &scenario.model.top;
         let mut history = Self {
-            energy: now.number(fields.energy),
-            vertical: now.number(fields.vertical),
-            axial: now.number(fields.axial),
+            energy: f64::NAN,
+            work: f64::NAN,
+            vertical: f64::NAN,
+            axial: f64::NAN,
             largest_energy: 0.0,
             largest_momentum: 0.0,
             // A top that doesn't turn is a pendulum.
@@ -190,6 +198,15 @@ impl History {
     }
 
     fn take(&mut self, now: &Instant<'_>, fields: &HistoryFields) {
+        let remember = |first: &mut f64, field: Number| {
+            if first.is_nan() {
+                *first = now.number(field);
+            }
+        };
+        remember(&mut self.energy, fields.energy);
+        remember(&mut self.work, fields.work);
+        remember(&mut self.vertical, fields.vertical);
+        remember(&mut self.axial, fields.axial);
         let energy = now.number(fields.kinetic) + now.number(fields.potential).abs();
         // f64::max leaves out what is not a number, because it is not recorded.
         self.largest_energy = self.largest_energy.max(energy);
@@ -471,6 +488,7 @@ fn energy_balance() -> Law {
     law("energy balance", "J", move |now, history| {
         let change = now.number(energy) - history.energy;
         let allowed = 2.0 * history.accuracy(now) * history.largest_energy;
-        ((change - now.number(work)).abs(), allowed)
+        let work = now.number(work) - history.work;
+        ((change - work).abs(), allowed)
     })
 }

@@ -52,15 +52,6 @@ impl Reproduction {
             return;
         }
         self.simulate_past(recorded.time_ns);
-        // What is earlier and was not met is not recorded.
-        while self
-            .ahead
-            .front()
-            .is_some_and(|m| m.time_ns < recorded.time_ns)
-        {
-            self.ahead.pop_front();
-            self.missing += 1;
-        }
         let found = self.ahead.iter().position(|simulated| {
             simulated.channel == recorded.channel && simulated.sequence == recorded.sequence
         });
@@ -84,6 +75,16 @@ impl Reproduction {
             if !self.simulate_one() {
                 self.reached_ns = Some(u64::MAX);
             }
+            self.leave_behind(time_ns);
+        }
+        self.leave_behind(time_ns);
+    }
+
+    /// What is earlier than what is recorded next, and was not met, is not recorded.
+    fn leave_behind(&mut self, time_ns: u64) {
+        while self.ahead.front().is_some_and(|m| m.time_ns < time_ns) {
+            self.ahead.pop_front();
+            self.missing += 1;
         }
     }
 

@@ -370,6 +370,11 @@ fn recordings_are_verified_converted_and_recovered() {
     assert!(text.contains("equal, bit for bit"), "{text}");
     let whole = fs::read(directory.path().join("a.mcap")).unwrap();
     fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
+    fs::write(
+        directory.path().join("e.mcap.partial"),
+        &whole[..whole.len() / 2],
+    )
+    .unwrap();
     let mut flipped = whole.clone();
     flipped[whole.len() / 2] ^= 4;
     fs::write(directory.path().join("flipped.mcap"), flipped).unwrap();
@@ -399,11 +404,55 @@ fn recordings_are_verified_converted_and_recovered() {
                 0,
             ),
             (&["verify", "c.mcap"], 0),
+            // What an interrupted run has left becomes the file that it should have been.
+            (&["recover", "e.mcap.partial", "e.mcap"], 3),
+            (
+                &[
+                    "recover",
+                    "e.mcap.partial",
+                    "e.mcap",
+                    "--complete",
+                    "--force",
+                ],
+                0,
+            ),
+            (&["verify", "e.mcap"], 0),
+            (
+                &[
+                    "convert",
+                    "a.mcap",
+                    "a.mcap",
+                    "--encoding",
+                    "protobuf",
+                    "--force",
+                ],
+                0,
+            ),
+            (&["verify", "a.mcap"], 0),
+            (
+                &[
+                    "convert",
+                    "a.mcap",
+                    "a.mcap",
+                    "--encoding",
+                    "json",
+                    "--force",
+                ],
+                0,
+            ),
             (&["recover", "flipped.mcap", "d.mcap"], 3),
             (&["verify", "d.mcap"], 3),
         ],
     );
-    assert_eq!(fs::read(directory.path().join("c.mcap")).unwrap(), whole);
+    for same in ["c.mcap", "e.mcap", "a.mcap"] {
+        assert_eq!(
+            fs::read(directory.path().join(same)).unwrap(),
+            whole,
+            "{same}"
+        );
+    }
+    let partial = fs::read(directory.path().join("e.mcap.partial")).unwrap();
+    assert_eq!(partial, &whole[..whole.len() / 2]);
     let report = toprise(&directory)
         .args(["verify", "a.mcap", "flipped.mcap", "--format", "json"])
         .assert()
@@ -441,11 +490,13 @@ fn recordings_are_shown_again() {
             ),
             (&["view", "cut.mcap", "--rrd", "d.rrd"], 3),
             (&["view", "a.mcap", "cut.mcap", "--rrd", "both"], 3),
+            (&["view", "a.mcap", "./a.mcap", "--rrd", "twice"], 0),
         ],
     );
     let size = |name: &str| fs::metadata(directory.path().join(name)).unwrap().len();
     assert!(size("c.rrd") < size("b.rrd"));
     assert!(size("both/a.rrd") > 0 && size("both/cut.rrd") > 0);
+    assert!(size("twice/a.rrd") > 0 && size("twice/a-2.rrd") > 0);
     for (arguments, part) in [
         (
             &[
@@ -459,7 +510,7 @@ fn recordings_are_shown_again() {
         ),
         (&["view", "missing.mcap"], "missing.mcap"),
         (
-            &["view", "a.mcap", "--connect", "127.0.0.1:9"],
+            &["view", "a.mcap", "--connect=127.0.0.1:9"],
             "no Rerun viewer",
         ),
         (&["view", "a.mcap", "--spawn", "--serve"], "--serve"),

@@ -9,7 +9,7 @@ use toprise::recover::{RecoverError, complete, recover};
 use toprise::sink::mcap::Form;
 use toprise::sink::publish::Existing;
 use toprise::telemetry::encoding::Encoding;
-use toprise::verify::{Options, Verdict, verify};
+use toprise::verify::{Group, Options, Verdict, verify};
 
 const QUICK: Options = Options { reproduce: false };
 
@@ -202,6 +202,101 @@ fn the_rest_of_a_damaged_recording_is_saved_and_can_be_completed() {
     );
     assert!(matches!(error, Err(RecoverError::Whole)));
     assert!(!again.exists());
+}
+
+/// Saves a changed recording; gives what it says is lost, and whether it is the original again.
+fn saved(whole: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> (Option<String>, bool) {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let mut bytes = whole.to_vec();
+    change(&mut bytes);
+    fs::write(&path, bytes).unwrap();
+    assert!(is_noticed(&path));
+    let saved = directory.path().join("saved.mcap");
+    let recording = Recording::open(&path).unwrap();
+    let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
+    (recovered.lost, fs::read(&saved).unwrap() == whole)
+}
+
+#[test]
+fn damage_outside_of_chunks_costs_no_messages() {
+    let whole = recorded("0.5", &[], Form::default());
+    let all = Some("perhaps some of the metadata: the checksum of the data is wrong".to_owned());
+    // The times in the head of a chunk: it seems to stand at the wrong place.
+    for chunk in chunks(&whole) {
+        for byte in [9, 13, 17, 21] {
+            let (lost, _) = saved(&whole, |bytes| bytes[chunk.start + byte] ^= 0x10);
+            assert_eq!(lost, all, "chunk at {}, byte {byte}", chunk.start);
+        }
+    }
+    // A length that swallows what comes behind: of the header, and of the end of the data.
+    let (lost, _) = saved(&whole, |bytes| bytes[8 + 1] ^= 0x40);
+    assert_eq!(lost, None, "the header says nothing that is missed");
+    let summary = mcap::read::footer(&whole).unwrap().summary_start as usize;
+    let data_end = summary - 13;
+    assert_eq!(whole[data_end], mcap::records::op::DATA_END);
+    for (byte, mask) in [(1, 0x40), (2, 0x01), (2, 0x04)] {
+        let (lost, is_same) = saved(&whole, |bytes| bytes[data_end + byte] ^= mask);
+        assert_eq!(
+            (lost, is_same),
+            (None, true),
+            "byte {byte} of the end of the data"
+        );
+    }
+    // The summary.
+    for at in (summary + 9..whole.len() - 40).step_by(151) {
+        let (lost, is_same) = saved(&whole, |bytes| bytes[at] ^= 1);
+        assert_eq!((lost, is_same), (None, true), "byte {at}");
+    }
+}
+
+#[test]
+fn the_laws_are_judged_where_the_beginning_is_lost() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let mut bytes = recorded("0.5", &[], Form::default());
+    let first = chunks(&bytes)[0].clone();
+    bytes[usize::midpoint(first.start, first.end)] ^= 1;
+    fs::write(&path, bytes).unwrap();
+    let report = verify(
+        &Recording::open(&path).unwrap(),
+        Options::default(),
+        &|_| {},
+    );
+    for check in report
+        .checks
+        .iter()
+        .filter(|check| check.group == Group::Physics)
+    {
+        assert_eq!(
+            check.verdict,
+            Verdict::Passed,
+            "{}: {}",
+            check.name,
+            check.finding
+        );
+    }
+    let last = report.checks.last().unwrap();
+    assert_eq!(last.verdict, Verdict::Incomplete, "{}", last.finding);
+}
+
+#[test]
+fn what_stands_behind_the_footer_and_missing_checksums_are_noticed() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let whole = recorded("0.1", &[], Form::default());
+    let end = whole.len() - mcap::MAGIC.len();
+    let mut bytes = whole[..end].to_vec();
+    bytes.extend_from_slice(&[0x85, 5, 0, 0, 0, 0, 0, 0, 0]);
+    bytes.extend_from_slice(b"hello");
+    bytes.extend_from_slice(&whole[end..]);
+    fs::write(&path, bytes).unwrap();
+    assert!(is_noticed(&path));
+    let mut bytes = whole.clone();
+    let summary = mcap::read::footer(&whole).unwrap().summary_start as usize;
+    bytes[summary - 4..summary].fill(0);
+    fs::write(&path, bytes).unwrap();
+    assert!(is_noticed(&path));
 }
 
 #[test]

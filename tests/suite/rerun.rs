@@ -35,7 +35,7 @@ fn a_missing_viewer_is_a_warning_and_harms_nothing() {
         .current_dir(directory.path())
         .args(["run", "--set", "stop.duration=0.3", "-o", "a.mcap"])
         // Nothing listens on the discard port.
-        .args(["--connect", "rerun+http://127.0.0.1:9/proxy"])
+        .arg("--connect=rerun+http://127.0.0.1:9/proxy")
         .timeout(Duration::from_secs(60))
         .assert()
         .success();
