@@ -60,8 +60,9 @@ Examples:
   toprise convert a.mcap b.mcap --encoding protobuf
   toprise recover a.mcap.partial a.mcap    what an interrupted run left
 
-Exit codes: 0 done; 1 verification failed; 2 bad usage, unreadable input or failed output; 3 finished with losses
-(interrupted, parts of a file unreadable, or the motion could not be integrated to its end).";
+Exit codes: 0 done; 1 verification failed; 2 bad usage, unreadable input or failed output;
+3 finished with losses (interrupted, parts of a file unreadable, or the motion could not be
+integrated to its end).";
 
 #[derive(Debug, Subcommand, PartialEq)]
 enum Command {

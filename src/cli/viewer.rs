@@ -19,7 +19,7 @@ pub(super) struct ViewerArguments {
     #[arg(long, conflicts_with = "serve")]
     spawn: bool,
 
-    /// Serve the web viewer and show it there, until Ctrl-C.
+    /// Serve the web viewer and show it there, until Ctrl-C (in builds with the feature web-viewer).
     #[arg(long)]
     serve: bool,
 

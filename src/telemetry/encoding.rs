@@ -271,8 +271,8 @@ impl Decoder {
         }
     }
 
-    /// The same decoder for some of the numbers only, which is faster; others and texts stay as they are in
-    /// an empty row.
+    /// The same decoder for some of the numbers only, which is faster: others and texts stay as they are in an
+    /// empty row, and what stands behind the last of them in a message is not looked at.
     #[must_use]
     pub fn only(&self, numbers: &[usize]) -> Self {
         Self {

@@ -100,6 +100,8 @@ pub(super) struct JsonDecoder {
     expected: usize,
     /// Members that a message has beside them.
     unknown: usize,
+    /// Whether to look no further once everything expected is there.
+    is_partial: bool,
 }
 
 /// An object's members.
@@ -155,6 +157,7 @@ impl JsonDecoder {
                 .collect(),
             expected: matched + STAMP_PARTS,
             unknown: present.len() - matched,
+            is_partial: false,
         };
         Ok((decoder, present))
     }
@@ -165,6 +168,7 @@ impl JsonDecoder {
         decoder.message.skip_all_but(numbers);
         decoder.numbers.retain(|number| numbers.contains(number));
         decoder.expected = decoder.numbers.len() + STAMP_PARTS;
+        decoder.is_partial = true;
         decoder
     }
 
@@ -173,14 +177,25 @@ impl JsonDecoder {
             encoding: "json",
             reason: error.to_string(),
         };
-        let mut tally = Tally::default();
+        let mut tally = Tally {
+            enough: if self.is_partial {
+                self.expected
+            } else {
+                usize::MAX
+            },
+            ..Tally::default()
+        };
         let mut deserializer = serde_json::Deserializer::from_slice(data);
         let seed = Filling {
             object: &self.message,
             row,
             tally: &mut tally,
         };
-        seed.deserialize(&mut deserializer).map_err(malformed)?;
+        let filled = seed.deserialize(&mut deserializer);
+        if tally.found == tally.enough {
+            return Ok(());
+        }
+        filled.map_err(malformed)?;
         deserializer.end().map_err(malformed)?;
         if tally.found == self.expected && tally.unknown == self.unknown {
             return Ok(());
@@ -230,6 +245,8 @@ fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), DecodeE
 struct Tally {
     found: usize,
     unknown: usize,
+    /// When so many have been found, reading ends.
+    enough: usize,
 }
 
 /// Fills a row from a JSON object.
@@ -298,6 +315,10 @@ impl<'de> Visitor<'de> for Filling<'_> {
                 }
             }
             self.tally.found += 1;
+            if self.tally.found == self.tally.enough {
+                // The only way out of the parser; it is not taken for an error.
+                return Err(de::Error::custom("enough"));
+            }
         }
         Ok(())
     }
