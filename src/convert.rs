@@ -138,8 +138,9 @@ pub(crate) fn attachments(
 
 /// Which channels of the table a recording has.
 pub(crate) fn wanted(recording: &Recording) -> Vec<bool> {
-    let has = |table: usize| recording.channels().iter().any(|c| c.table == Some(table));
-    (0..channels().len()).map(has).collect()
+    (0..channels().len())
+        .map(|table| recording.has(table))
+        .collect()
 }
 
 /// The channels of a recording that are copied as they are.

@@ -32,10 +32,10 @@ use self::scan::HEAD;
 pub use self::series::{Columns, Series, SeriesError};
 use self::source::Source;
 use crate::scenario::{Scenario, ScenarioError};
+pub use crate::sink::mcap::Entries;
 use crate::sink::mcap::{END_RECORD, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT};
 use crate::telemetry::encoding::{DecodeError, Encoding, FieldDifferences};
 use mcap::records::Record;
-use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -119,9 +119,6 @@ impl Condition {
         }
     }
 }
-
-/// Entries of a metadata record.
-pub type Entries = BTreeMap<String, String>;
 
 /// An MCAP file, opened for reading.
 ///
@@ -246,6 +243,19 @@ impl Recording {
         let first = ours.next()?;
         ours.all(|channel| channel.encoding == first.encoding)
             .then(|| Encoding::find(&first.encoding))?
+    }
+
+    /// Whether it has the channel of the table with this index.
+    #[must_use]
+    pub fn has(&self, table: usize) -> bool {
+        self.channels().iter().any(|c| c.table == Some(table))
+    }
+
+    /// The topics of the table that it has, in the order of the file.
+    #[must_use]
+    pub fn topics(&self) -> Vec<String> {
+        let ours = self.channels().iter().filter(|c| c.table.is_some());
+        ours.map(|channel| channel.topic.clone()).collect()
     }
 
     /// The damage that opening it met.

@@ -4,13 +4,14 @@ use crate::convert::{Copier, attachments, raw, wanted};
 use crate::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
 use crate::simulation::Simulation;
 use crate::sink::mcap::{
-    Archived, END_RECORD, Ending, Form, McapSink, Opening, RECOVERY_RECORD, RUN_RECORD, run_entries,
+    Archived, COUNTS, END_RECORD, Ending, Form, McapSink, Opening, RECOVERY_RECORD, RUN_RECORD,
+    run_entries,
 };
 use crate::sink::publish::{Existing, Place};
 use crate::sink::{RecordError, Sink, SinkError, record};
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
-use crate::telemetry::{Telemetry, channels};
+use crate::telemetry::{Telemetry, channel_index, channels};
 use crate::verify::{Group, Options, Verdict, is_sound_container, verify};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -144,9 +145,7 @@ pub fn complete(
     if let Some(check) = different {
         return Err(RecoverError::Different(check.finding.clone()));
     }
-    let ours = recording.channels().iter().filter(|c| c.table.is_some());
-    let topics: Vec<_> = ours.map(|channel| channel.topic.clone()).collect();
-    let mut telemetry = match topics.as_slice() {
+    let mut telemetry = match recording.topics().as_slice() {
         [] => Telemetry::default(),
         topics => Telemetry::with_topics(topics).unwrap_or_default(),
     };
@@ -355,7 +354,7 @@ fn ending(recording: &Recording, saved: &Saved, lost: Option<&str>) -> Ending {
         };
     };
     let count = |topic: &str| {
-        let table = channels().iter().position(|channel| channel.topic == topic);
+        let table = channel_index(topic);
         table.map_or(0, |table| saved.counts[table]).to_string()
     };
     let original = recording.end().cloned();
@@ -372,11 +371,7 @@ fn ending(recording: &Recording, saved: &Saved, lost: Option<&str>) -> Ending {
             ),
         ])
     });
-    for (key, topic) in [
-        ("samples", "/top/state"),
-        ("events", "/events"),
-        ("nutations", "/top/nutation"),
-    ] {
+    for (key, topic) in COUNTS {
         end.insert(key.to_owned(), count(topic));
     }
     Ending {

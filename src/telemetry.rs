@@ -169,6 +169,12 @@ pub fn channels() -> &'static [ChannelInfo] {
     })
 }
 
+/// Where the channel with a topic stands in [`channels`].
+#[must_use]
+pub fn channel_index(topic: &str) -> Option<usize> {
+    channels().iter().position(|channel| channel.topic == topic)
+}
+
 /// Turns records into messages.
 #[derive(Debug)]
 pub struct Telemetry {
@@ -197,8 +203,7 @@ impl Telemetry {
         let mut telemetry = Self::default();
         telemetry.wanted.fill(false);
         for topic in topics {
-            let channel = channels().iter().position(|c| c.topic == topic);
-            let channel = channel.ok_or_else(|| TelemetryError::UnknownTopic {
+            let channel = channel_index(topic).ok_or_else(|| TelemetryError::UnknownTopic {
                 topic: topic.clone(),
                 allowed: channels()
                     .iter()

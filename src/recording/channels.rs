@@ -2,7 +2,7 @@
 
 use crate::telemetry::encoding::{DecodeError, Decoder};
 use crate::telemetry::views::view_channels;
-use crate::telemetry::{ChannelInfo, channels};
+use crate::telemetry::{ChannelInfo, channel_index, channels};
 use mcap::records::Record;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -110,7 +110,7 @@ impl Channels {
             }
             Record::Channel(record) => {
                 let schema = self.schemas.get(&record.schema_id).cloned();
-                let table = channels().iter().position(|c| c.topic == record.topic);
+                let table = channel_index(&record.topic);
                 let channel = FileChannel {
                     id: record.id,
                     topic: record.topic,

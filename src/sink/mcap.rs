@@ -611,6 +611,13 @@ pub fn run_entries(scenario: &Scenario) -> Entries {
     ])
 }
 
+/// What `toprise.end` counts, and the topic that has as many messages.
+pub const COUNTS: [(&str, &str); 3] = [
+    ("samples", "/top/state"),
+    ("events", "/events"),
+    ("nutations", "/top/nutation"),
+];
+
 /// The entries of `toprise.end`, but for the content digest.
 #[must_use]
 pub fn end_entries(outcome: &Outcome) -> Entries {

@@ -175,6 +175,45 @@ impl FieldDifferences {
     }
 }
 
+/// The members of a message or of an object in it, by their keys: names in JSON, numbers in protobuf.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Object<K>(pub(super) Vec<(K, Target<K>)>);
+
+/// Where a member goes.
+#[derive(Clone, Debug)]
+pub(super) enum Target<K> {
+    Seconds,
+    Nanoseconds,
+    Number(usize),
+    Text(usize),
+    Object(Object<K>),
+    /// Nowhere.
+    Skipped,
+}
+
+impl<K> Object<K> {
+    /// Skips the leaves that are not among `numbers`, but for the timestamp.
+    pub(super) fn skip_all_but(&mut self, numbers: &[usize]) {
+        for (_, target) in &mut self.0 {
+            match target {
+                Target::Object(object) => object.skip_all_but(numbers),
+                Target::Number(index) if numbers.contains(index) => {}
+                Target::Seconds | Target::Nanoseconds => {}
+                Target::Number(_) | Target::Text(_) | Target::Skipped => *target = Target::Skipped,
+            }
+        }
+    }
+
+    /// Where the member stands whose key `is` it; members mostly come in order, so at `next`.
+    #[inline]
+    pub(super) fn position(&self, next: usize, is: impl Fn(&K) -> bool) -> Option<usize> {
+        let is_at = |position: &usize| self.0.get(*position).is_some_and(|(key, _)| is(key));
+        Some(next)
+            .filter(is_at)
+            .or_else(|| (0..self.0.len()).find(is_at))
+    }
+}
+
 /// The schema of one of our channels is not longer than this.
 const LARGEST_SCHEMA: usize = 1 << 20;
 /// The paths of all fields of a file's schema may take so many bytes together.

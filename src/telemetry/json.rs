@@ -1,6 +1,6 @@
 //! Messages as JSON: `{"timestamp":{"sec":…,"nsec":…},"theta":…,…}`.
 
-use super::encoding::{DecodeError, Paths, Row};
+use super::encoding::{DecodeError, Object, Paths, Row, Target};
 use super::{ChannelInfo, Content, Message, channels};
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
@@ -93,7 +93,7 @@ impl Template {
 /// Reads the JSON messages of one channel.
 #[derive(Clone, Debug)]
 pub(super) struct JsonDecoder {
-    message: Object,
+    message: Object<String>,
     /// Numbers that the file has.
     numbers: Vec<usize>,
     /// Leaves and parts of the timestamp that a message must have.
@@ -102,22 +102,6 @@ pub(super) struct JsonDecoder {
     unknown: usize,
     /// Whether to look no further once everything expected is there.
     is_partial: bool,
-}
-
-/// An object's members.
-#[derive(Clone, Debug, Default)]
-struct Object(Vec<(String, Target)>);
-
-/// Where a member goes.
-#[derive(Clone, Debug)]
-enum Target {
-    Seconds,
-    Nanoseconds,
-    Number(usize),
-    Text(usize),
-    Object(Object),
-    /// Nowhere.
-    Skipped,
 }
 
 impl JsonDecoder {
@@ -208,20 +192,6 @@ impl JsonDecoder {
     }
 }
 
-impl Object {
-    /// Skips the leaves that are not among `numbers`.
-    fn skip_all_but(&mut self, numbers: &[usize]) {
-        for (_, target) in &mut self.0 {
-            match target {
-                Target::Object(object) => object.skip_all_but(numbers),
-                Target::Number(index) if numbers.contains(index) => {}
-                Target::Seconds | Target::Nanoseconds => {}
-                Target::Number(_) | Target::Text(_) | Target::Skipped => *target = Target::Skipped,
-            }
-        }
-    }
-}
-
 /// Finds the paths of all numbers and texts that a JSON Schema of ours describes, but for the timestamp.
 fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), DecodeError> {
     let properties = schema.get("properties").and_then(Value::as_object);
@@ -251,7 +221,7 @@ struct Tally {
 
 /// Fills a row from a JSON object.
 struct Filling<'a> {
-    object: &'a Object,
+    object: &'a Object<String>,
     row: &'a mut Row,
     tally: &'a mut Tally,
 }
@@ -281,16 +251,16 @@ impl<'de> Visitor<'de> for Filling<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(mut self, mut map: A) -> Result<(), A::Error> {
-        let members = &self.object.0;
+        let object = self.object;
         let mut next = 0;
-        while let Some(position) = map.next_key_seed(Name { members, next })? {
+        while let Some(position) = map.next_key_seed(Name { object, next })? {
             let Some(position) = position else {
                 self.tally.unknown += 1;
                 map.next_value::<IgnoredAny>()?;
                 continue;
             };
             next = position + 1;
-            match &members[position].1 {
+            match &object.0[position].1 {
                 Target::Number(at) => self.row.numbers[*at] = map.next_value()?,
                 Target::Text(at) => self.row.texts[*at] = map.next_value()?,
                 Target::Seconds => {
@@ -327,7 +297,7 @@ impl<'de> Visitor<'de> for Filling<'_> {
 /// Reads a member's name as its position; nothing for names that are not known.
 #[derive(Clone, Copy)]
 struct Name<'a> {
-    members: &'a [(String, Target)],
+    object: &'a Object<String>,
     /// Where it is, if the members come in order.
     next: usize,
 }
@@ -351,10 +321,6 @@ impl Visitor<'_> for Name<'_> {
     }
 
     fn visit_str<E: de::Error>(self, name: &str) -> Result<Self::Value, E> {
-        let is = |position: &usize| self.members[*position].0 == name;
-        let expected = Some(self.next).filter(|next| *next < self.members.len());
-        Ok(expected
-            .filter(is)
-            .or_else(|| (0..self.members.len()).find(is)))
+        Ok(self.object.position(self.next, |known| known == name))
     }
 }

@@ -4,8 +4,8 @@
 //!
 //! All numbers are doubles and are written even when they are zero, so that the sign of a zero stays.
 
-use super::encoding::{DecodeError, Paths, Row};
-use super::schema::with_unit;
+use super::encoding::{DecodeError, Object, Paths, Row, Target};
+use super::schema::described;
 use super::{ChannelInfo, Content, Member, Message, channels};
 use prost::Message as _;
 use prost::encoding::{
@@ -75,29 +75,21 @@ pub fn proto_file_name(channel: &ChannelInfo) -> String {
 
 /// What there is to say about a member: one line, or one for each number of a group of terms.
 fn comments(channel: &ChannelInfo, member: &Member<'_>) -> Vec<String> {
-    let describe = |meaning: &str, leaf: &super::Leaf| {
-        let frame = if leaf.frame.is_empty() {
-            String::new()
-        } else {
-            format!(", frame {}", leaf.frame)
-        };
-        format!("{}{frame}", with_unit(meaning, leaf))
-    };
     match &member.content {
         Content::Text(index) => vec![channel.texts[*index].meaning.to_owned()],
         Content::Number(index) => {
             let leaf = &channel.numbers[*index];
-            vec![describe(leaf.meaning, leaf)]
+            vec![described(leaf.meaning, leaf)]
         }
         Content::Object(leaves) if is_components(leaves) => {
             let leaf = &channel.numbers[leaves[0].1];
-            vec![describe(leaf.meaning, leaf)]
+            vec![described(leaf.meaning, leaf)]
         }
         Content::Object(leaves) => leaves
             .iter()
             .map(|(name, index)| {
                 let leaf = &channel.numbers[*index];
-                format!("{name}: {}", describe(leaf.meaning, leaf))
+                format!("{name}: {}", described(leaf.meaning, leaf))
             })
             .collect(),
     }
@@ -301,25 +293,9 @@ impl Template {
 /// Reads the protobuf messages of one channel.
 #[derive(Clone, Debug)]
 pub(super) struct ProtobufDecoder {
-    message: Object,
+    message: Object<u32>,
     /// Numbers that the file has; in proto3 a field that isn't there is zero.
     present: Vec<usize>,
-}
-
-/// A message type's fields by number.
-#[derive(Clone, Debug, Default)]
-struct Object(Vec<(u32, Target)>);
-
-/// Where a field goes.
-#[derive(Clone, Debug)]
-enum Target {
-    Seconds,
-    Nanoseconds,
-    Number(usize),
-    Text(usize),
-    Object(Object),
-    /// Nowhere.
-    Skipped,
 }
 
 impl ProtobufDecoder {
@@ -380,7 +356,7 @@ impl Builder<'_> {
         message: &DescriptorProto,
         prefix: &str,
         depth: usize,
-    ) -> Result<Object, DecodeError> {
+    ) -> Result<Object<u32>, DecodeError> {
         let mut fields = Vec::new();
         for field in &message.field {
             let number = u32::try_from(field.number()).unwrap_or(0);
@@ -394,7 +370,7 @@ impl Builder<'_> {
         field: &FieldDescriptorProto,
         prefix: &str,
         depth: usize,
-    ) -> Result<Target, DecodeError> {
+    ) -> Result<Target<u32>, DecodeError> {
         let path = format!("{prefix}{}", field.name());
         self.paths.count(&path)?;
         if field.label() == Label::Repeated {
@@ -456,19 +432,7 @@ fn find_message<'a>(set: &'a FileDescriptorSet, name: &str) -> Option<&'a Descri
     })
 }
 
-impl Object {
-    /// Skips the leaves that are not among `numbers`.
-    fn skip_all_but(&mut self, numbers: &[usize]) {
-        for (_, target) in &mut self.0 {
-            match target {
-                Target::Object(object) => object.skip_all_but(numbers),
-                Target::Number(index) if !numbers.contains(index) => *target = Target::Skipped,
-                Target::Text(_) => *target = Target::Skipped,
-                _ => {}
-            }
-        }
-    }
-
+impl Object<u32> {
     /// Reads the fields of a message, or says what is wrong with it.
     fn fill(&self, mut data: &[u8], row: &mut Row) -> Result<(), String> {
         let mut next = 0;
@@ -511,13 +475,10 @@ impl Object {
         Ok(())
     }
 
-    /// The target of a field; fields mostly come in order.
+    /// The target of a field.
     #[inline]
-    fn find(&self, number: u32, next: &mut usize) -> Option<&Target> {
-        let is = |position: &usize| self.0.get(*position).is_some_and(|(n, _)| *n == number);
-        let position = Some(*next)
-            .filter(is)
-            .or_else(|| (0..self.0.len()).find(is))?;
+    fn find(&self, number: u32, next: &mut usize) -> Option<&Target<u32>> {
+        let position = self.position(*next, |known| *known == number)?;
         *next = position + 1;
         Some(&self.0[position].1)
     }

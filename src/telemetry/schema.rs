@@ -1,6 +1,6 @@
 //! JSON Schemas, generated from the table.
 
-use super::{ChannelInfo, Leaf};
+use super::{ChannelInfo, Content, Leaf, Member};
 use serde_json::{Map, Value, json};
 
 /// The JSON Schema of a channel's messages, as the text that stands in recordings and in `schemas/`.
@@ -11,17 +11,19 @@ use serde_json::{Map, Value, json};
 pub fn json_schema(channel: &ChannelInfo) -> String {
     let mut properties = Map::new();
     properties.insert("timestamp".to_owned(), timestamp());
-    for text in &channel.texts {
-        properties.insert(text.path.clone(), leaf_schema("string", text, text.meaning));
-    }
-    for number in &channel.numbers {
-        match number.path.split_once('.') {
-            None => {
-                let schema = leaf_schema("number", number, number.meaning);
-                properties.insert(number.path.clone(), schema);
+    for Member { name, content } in channel.members() {
+        let schema = match content {
+            Content::Text(index) => {
+                let leaf = &channel.texts[index];
+                leaf_schema("string", leaf, leaf.meaning)
             }
-            Some((parent, name)) => add_component(&mut properties, parent, name, number),
-        }
+            Content::Number(index) => {
+                let leaf = &channel.numbers[index];
+                leaf_schema("number", leaf, leaf.meaning)
+            }
+            Content::Object(leaves) => group_schema(channel, name, &leaves),
+        };
+        properties.insert(name.to_owned(), schema);
     }
     let schema = object(
         Some(channel.schema),
@@ -37,28 +39,30 @@ pub fn file_name(channel: &ChannelInfo) -> String {
     format!("{}.json", channel.schema)
 }
 
-fn add_component(properties: &mut Map<String, Value>, parent: &str, name: &str, leaf: &Leaf) {
-    // A vector has one meaning; the members of other objects have their own.
-    let is_vector = !leaf.frame.is_empty() || name.len() == 1;
-    let (of_parent, of_member) = if is_vector {
-        (described(leaf.meaning, leaf), format!("{name} component"))
-    } else {
-        (format!("terms of {parent}"), leaf.meaning.to_owned())
-    };
-    let parent = properties
-        .entry(parent)
-        .or_insert_with(|| object(None, &of_parent, Map::new()));
-    parent["properties"][name] = leaf_schema("number", leaf, &of_member);
-    if let Some(required) = parent["required"].as_array_mut() {
-        required.push(json!(name));
+fn group_schema(channel: &ChannelInfo, parent: &str, leaves: &[(&str, usize)]) -> Value {
+    let mut description = format!("terms of {parent}");
+    let mut properties = Map::new();
+    for (name, index) in leaves {
+        let leaf = &channel.numbers[*index];
+        // A vector has one meaning; the members of other objects have their own.
+        let is_vector = !leaf.frame.is_empty() || name.len() == 1;
+        let meaning = if is_vector {
+            description = described(leaf.meaning, leaf);
+            format!("{name} component")
+        } else {
+            leaf.meaning.to_owned()
+        };
+        properties.insert((*name).to_owned(), leaf_schema("number", leaf, &meaning));
     }
+    object(None, &description, properties)
 }
 
 fn leaf_schema(kind: &str, leaf: &Leaf, meaning: &str) -> Value {
     json!({ "type": kind, "description": with_unit(meaning, leaf) })
 }
 
-fn described(meaning: &str, leaf: &Leaf) -> String {
+/// A meaning with its unit and frame.
+pub(super) fn described(meaning: &str, leaf: &Leaf) -> String {
     let meaning = with_unit(meaning, leaf);
     if leaf.frame.is_empty() {
         meaning
@@ -67,8 +71,7 @@ fn described(meaning: &str, leaf: &Leaf) -> String {
     }
 }
 
-/// A meaning with its unit in brackets.
-pub(super) fn with_unit(meaning: &str, leaf: &Leaf) -> String {
+fn with_unit(meaning: &str, leaf: &Leaf) -> String {
     if leaf.unit.is_empty() {
         meaning.to_owned()
     } else {

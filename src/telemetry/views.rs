@@ -13,7 +13,7 @@ mod cdr;
 mod urdf;
 
 use self::cdr::Cdr;
-use super::{Message, channels};
+use super::{Message, channel_index, channels};
 use crate::drawing::Proportions;
 use crate::scenario::Scenario;
 use crate::top::Top;
@@ -180,7 +180,7 @@ impl Views {
                 Kind::FrictionTorque => scales.torque.is_some(),
                 _ => true,
             };
-            let mut sources = view.sources.iter().map(|topic| channel_index(topic));
+            let mut sources = view.sources.iter().map(|topic| index_of(topic));
             let is_wanted = has_scale && sources.clone().all(&wants);
             sources.next_back().filter(|_| is_wanted)
         };
@@ -299,9 +299,8 @@ fn vector(numbers: &[f64], first: usize) -> [f64; 3] {
     [numbers[first], numbers[first + 1], numbers[first + 2]]
 }
 
-fn channel_index(topic: &str) -> usize {
-    let found = channels().iter().position(|channel| channel.topic == topic);
-    found.unwrap_or_else(|| unreachable!("the table has no {topic}"))
+fn index_of(topic: &str) -> usize {
+    channel_index(topic).unwrap_or_else(|| unreachable!("the table has no {topic}"))
 }
 
 /// Where the fields that are viewed stand in their messages.
@@ -323,16 +322,16 @@ struct Fields {
 impl Fields {
     fn new() -> Self {
         let number = |topic: &str, path: &str| {
-            let found = channels()[channel_index(topic)].number_index(path);
+            let found = channels()[index_of(topic)].number_index(path);
             found.unwrap_or_else(|| unreachable!("{topic} has no {path}"))
         };
         let text = |path: &str| {
-            let mut texts = channels()[channel_index(EVENTS)].texts.iter();
+            let mut texts = channels()[index_of(EVENTS)].texts.iter();
             let found = texts.position(|leaf| leaf.path == path);
             found.unwrap_or_else(|| unreachable!("events have no {path}"))
         };
         Self {
-            state: channel_index(STATE),
+            state: index_of(STATE),
             rates: ["theta", "theta_dot", "phi_dot", "psi_dot"].map(|path| number(STATE, path)),
             orientation: number(POSE, "orientation.x"),
             peg_position: number(POSE, "peg_position.x"),

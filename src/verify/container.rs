@@ -134,30 +134,28 @@ impl<'a> Survey<'a> {
     }
 
     fn take(&mut self, place: &Place) -> io::Result<()> {
-        // Nothing points to a message outside of chunks, and there may be many.
-        if place.opcode != op::MESSAGE {
-            let found = (place.opcode, place.length);
-            self.places.insert(place.offset, found);
-        }
         self.structure
             .unless((place.opcode == op::HEADER) == (self.records == 1), || {
                 format!("the record at {} is out of place", place.offset)
             });
         match place.opcode {
-            op::CHUNK => {
-                self.places.remove(&place.offset);
-                return self.take_chunk(place);
+            op::CHUNK => return self.take_chunk(place),
+            // No index points to them by their places, and there may be many.
+            op::MESSAGE | op::MESSAGE_INDEX => {}
+            opcode => {
+                let found = (opcode, place.length);
+                self.places.insert(place.offset, found);
             }
-            op::MESSAGE_INDEX => self.places.remove(&place.offset),
-            op::DATA_END => {
-                self.structure.unless(self.data_end.is_none(), || {
-                    format!("the data end a second time at {}", place.offset)
-                });
-                self.data_end.replace(place.offset).map(|_| (0, 0))
-            }
-            op::FOOTER => self.footer.replace(place.clone()).map(|_| (0, 0)),
-            _ => None,
-        };
+        }
+        if place.opcode == op::DATA_END {
+            self.structure.unless(self.data_end.is_none(), || {
+                format!("the data end a second time at {}", place.offset)
+            });
+            self.data_end = Some(place.offset);
+        }
+        if place.opcode == op::FOOTER {
+            self.footer = Some(place.clone());
+        }
         let mut bytes = Vec::new();
         self.source.read(place.offset, place.length, &mut bytes)?;
         let body = bytes.get(HEAD as usize..).unwrap_or_default();

@@ -5,10 +5,11 @@ use super::reproduction::Reproduction;
 use super::{Check, Group, Options, Problems, Verdict};
 use crate::recording::{Any, Condition, NoScenario, Recording, Selection, Undecoded};
 use crate::scenario::Scenario;
+use crate::sink::mcap::COUNTS;
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::views::{Views, view_channels};
-use crate::telemetry::{Message, channels};
+use crate::telemetry::{Message, channel_index, channels};
 use std::collections::VecDeque;
 
 /// Checks everything about the messages of a recording.
@@ -16,7 +17,7 @@ pub(super) fn check(recording: &Recording, options: Options, progress: &dyn Fn(u
     let scenario = recording.scenario();
     let mut checks = vec![attached(recording, &scenario)];
     let scenario = scenario.ok();
-    let mut content = Content::new(recording);
+    let mut content = Content::new(recording, scenario.as_ref());
     let mut physics = scenario.as_ref().map(Physics::new);
     let mut reproduction = match &scenario {
         Some(scenario) if options.reproduce => Some(Reproduction::new(recording, scenario)),
@@ -117,10 +118,10 @@ struct Count {
 }
 
 impl Content {
-    fn new(recording: &Recording) -> Self {
+    fn new(recording: &Recording, scenario: Option<&Scenario>) -> Self {
         let run = recording.run();
         let noted = run.and_then(|run| run.get("sample_period_ns")?.parse().ok());
-        let of_scenario = || recording.scenario().ok().map(|s| s.sample_period_ns);
+        let of_scenario = || scenario.map(|scenario| scenario.sample_period_ns);
         Self {
             messages: Problems::default(),
             times: Problems::default(),
@@ -268,13 +269,9 @@ impl Content {
             return vec![Check::new(group, "content digest", verdict, finding)];
         };
         let mut counts = Problems::default();
-        for (key, topic) in [
-            ("samples", "/top/state"),
-            ("events", "/events"),
-            ("nutations", "/top/nutation"),
-        ] {
-            let table = channels().iter().position(|channel| channel.topic == topic);
-            let is_recorded = recording.channels().iter().any(|c| c.topic == topic);
+        for (key, topic) in COUNTS {
+            let table = channel_index(topic);
+            let is_recorded = table.is_some_and(|table| recording.has(table));
             let found = table
                 .map_or(0, |table| self.counts[table].messages)
                 .to_string();
@@ -316,9 +313,8 @@ struct ViewCheck {
 
 impl ViewCheck {
     fn new(recording: &Recording, scenario: &Scenario) -> Self {
-        let has = |index: usize| recording.channels().iter().any(|c| c.table == Some(index));
         Self {
-            views: Views::new(scenario, has),
+            views: Views::new(scenario, |table| recording.has(table)),
             expected: VecDeque::new(),
             problems: Problems::default(),
             found: 0,

@@ -9,7 +9,7 @@ use super::{Check, Group, Verdict};
 use crate::friction::FrictionLaw;
 use crate::math;
 use crate::scenario::Scenario;
-use crate::telemetry::{Message, channels};
+use crate::telemetry::{Message, channel_index, channels};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 const EPS: f64 = f64::EPSILON;
@@ -239,12 +239,8 @@ struct Number(usize, usize);
 struct Vector(usize, usize);
 
 fn number(topic: &str, path: &str) -> Number {
-    let (at, channel) = channels()
-        .iter()
-        .enumerate()
-        .find(|(_, channel)| channel.topic == topic)
-        .unwrap_or_else(|| unreachable!("the table has no {topic}"));
-    let index = channel.number_index(path);
+    let at = channel_index(topic).unwrap_or_else(|| unreachable!("the table has no {topic}"));
+    let index = channels()[at].number_index(path);
     Number(
         at,
         index.unwrap_or_else(|| unreachable!("{topic} has no {path}")),

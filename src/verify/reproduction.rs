@@ -27,15 +27,10 @@ pub(super) struct Reproduction {
 
 impl Reproduction {
     pub(super) fn new(recording: &Recording, scenario: &Scenario) -> Self {
-        let ours = recording.channels().iter();
-        let topics: Vec<_> = ours
-            .filter(|channel| channel.table.is_some())
-            .map(|channel| channel.topic.clone())
-            .collect();
         let version = recording.run().and_then(|run| run.get("version"));
         Self {
             simulation: Simulation::new(scenario).map_err(|error| error.to_string()),
-            telemetry: Telemetry::with_topics(&topics).unwrap_or_default(),
+            telemetry: Telemetry::with_topics(&recording.topics()).unwrap_or_default(),
             ahead: VecDeque::new(),
             reached_ns: None,
             equal: 0,
