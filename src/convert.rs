@@ -1,7 +1,7 @@
 //! A recording in another encoding: the same content, metadata and attachments.
 
 use crate::recording::{
-    Any, Condition, FileChannel, MessageError, Recording, Selection, Undecoded,
+    Any, Condition, Entries, FileChannel, MessageError, Recording, Selection, Undecoded,
 };
 use crate::sink::mcap::{
     Archived, END_RECORD, Ending, McapSink, Opening, RECOVERY_RECORD, RawChannel, RawMessage,
@@ -101,19 +101,24 @@ fn check_condition(recording: &Recording) -> Result<(), ConvertError> {
 
 /// Everything that comes before the messages.
 fn opening(recording: &Recording, encoding: Encoding) -> Result<Opening, ConvertError> {
-    let before = |name: &str| name != END_RECORD && name != RECOVERY_RECORD;
-    let metadata = recording.all_metadata();
     let attachments = attachments(recording).collect::<Result<_, _>>()?;
     Ok(Opening {
-        metadata: metadata
-            .filter(|(name, _)| before(name))
-            .map(|(name, entries)| (name.to_owned(), entries.clone()))
-            .collect(),
+        metadata: metadata_but(recording, &[END_RECORD, RECOVERY_RECORD]).collect(),
         attachments,
         encoding,
         wanted: wanted(recording),
         raw: raw(recording),
     })
+}
+
+/// The metadata records of a recording, but for those with some names.
+pub(crate) fn metadata_but(
+    recording: &Recording,
+    names: &[&str],
+) -> impl Iterator<Item = (String, Entries)> {
+    let kept = recording.all_metadata();
+    let kept = kept.filter(move |(name, _)| !names.contains(name));
+    kept.map(|(name, entries)| (name.to_owned(), entries.clone()))
 }
 
 /// The attachments of a recording, or what is wrong with them.

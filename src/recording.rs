@@ -14,7 +14,7 @@
 //! ```
 
 mod channels;
-mod layout;
+pub(crate) mod layout;
 mod loss;
 mod overview;
 mod reader;

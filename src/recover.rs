@@ -1,6 +1,6 @@
 //! What can be saved of an interrupted or damaged recording.
 
-use crate::convert::{Copier, attachments, raw, wanted};
+use crate::convert::{Copier, attachments, metadata_but, raw, wanted};
 use crate::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
 use crate::simulation::Simulation;
 use crate::sink::mcap::{
@@ -168,9 +168,7 @@ pub fn complete(
 
 fn opening(recording: &Recording) -> Opening {
     let run = run_record(recording).map(|entries| (RUN_RECORD.to_owned(), entries));
-    let kept = |name: &str| ![RUN_RECORD, END_RECORD, RECOVERY_RECORD].contains(&name);
-    let others = recording.all_metadata().filter(|(name, _)| kept(name));
-    let others = others.map(|(name, entries)| (name.to_owned(), entries.clone()));
+    let others = metadata_but(recording, &[RUN_RECORD, END_RECORD, RECOVERY_RECORD]);
     let metadata = run.into_iter().chain(others).collect();
     Opening {
         metadata,

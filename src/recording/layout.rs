@@ -7,7 +7,7 @@ use super::section::{Buffers, Section, record_at};
 use super::source::Source;
 use super::{RecordingError, Span};
 use mcap::MAGIC;
-use mcap::records::{Metadata, Record, op};
+use mcap::records::{Footer, Metadata, Record, op};
 use std::io;
 
 /// A file that is damaged in more places than this is not looked through further.
@@ -185,16 +185,13 @@ impl Layout {
         let (Some(footer), Some(_)) = (&self.footer, self.data_end) else {
             return Ok(false);
         };
-        let mut bytes = Vec::new();
-        source.read(footer.offset, footer.length, &mut bytes)?;
-        let body = bytes.get(HEAD as usize..).unwrap_or_default();
-        let Ok(Record::Footer(found)) = mcap::parse_record(op::FOOTER, body) else {
+        let Some(found) = read_footer(footer, source)? else {
             return Ok(false);
         };
-        // Opcode, length, and the two offsets belong to what is summed.
-        let end = footer.offset + HEAD + 16;
-        Ok(found.summary_crc == 0
-            || source.checksum(found.summary_start, end)? == found.summary_crc)
+        Ok(
+            found.summary_crc == 0
+                || summary_checksum(footer, &found, source)? == found.summary_crc,
+        )
     }
 
     /// Finds the channels in the chunks: ours stand in the first, others' anywhere.
@@ -222,6 +219,23 @@ impl Layout {
             self.channels = in_summary;
         }
     }
+}
+
+/// What a footer says, if it can be read.
+pub(crate) fn read_footer(place: &Place, source: &Source) -> io::Result<Option<Footer>> {
+    let mut bytes = Vec::new();
+    source.read(place.offset, place.length, &mut bytes)?;
+    let body = bytes.get(HEAD as usize..).unwrap_or_default();
+    Ok(match parse(op::FOOTER, body) {
+        Ok(Record::Footer(footer)) => Some(footer),
+        _ => None,
+    })
+}
+
+/// The checksum that the summary before a footer has.
+pub(crate) fn summary_checksum(place: &Place, footer: &Footer, source: &Source) -> io::Result<u32> {
+    // Opcode, length, and the two offsets belong to what is summed.
+    source.checksum(footer.summary_start, place.offset + HEAD + 16)
 }
 
 fn attachment_name(place: &Place, source: &Source) -> io::Result<String> {

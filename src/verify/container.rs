@@ -1,6 +1,7 @@
 //! The file as an MCAP file: structure, checksums, indexes.
 
 use super::{Check, Group, Problems, Verdict};
+use crate::recording::layout::{read_footer, summary_checksum};
 use crate::recording::scan::{Found, HEAD, Place, Scanner, parse};
 use crate::recording::section::{Buffers, RawMessage, Section, record_at};
 use crate::recording::source::Source;
@@ -373,20 +374,14 @@ impl<'a> Survey<'a> {
             self.structure.add(|| "it has no footer".to_owned());
             return Ok(());
         };
-        let mut bytes = Vec::new();
-        self.source.read(footer.offset, footer.length, &mut bytes)?;
-        let Ok(Record::Footer(found)) =
-            parse(op::FOOTER, bytes.get(HEAD as usize..).unwrap_or_default())
-        else {
+        let Some(found) = read_footer(&footer, self.source)? else {
             return Ok(());
         };
         if found.summary_start == 0 {
             self.index.add(|| "it has no summary".to_owned());
             return Ok(());
         }
-        // Opcode, length, and the two offsets belong to what is summed.
-        let end = footer.offset + HEAD + 16;
-        let sum = self.source.checksum(found.summary_start, end)?;
+        let sum = summary_checksum(&footer, &found, self.source)?;
         let right = found.summary_crc == 0 || found.summary_crc == sum;
         self.checksums
             .unless(right, || "the checksum of the summary is wrong".to_owned());
