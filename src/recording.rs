@@ -16,6 +16,7 @@
 mod channels;
 pub(crate) mod layout;
 mod loss;
+mod numbers;
 mod overview;
 mod reader;
 pub(crate) mod scan;
@@ -26,6 +27,7 @@ pub(crate) mod source;
 pub use self::channels::{FileChannel, FileSchema};
 use self::layout::Layout;
 pub use self::loss::{Loss, Span};
+pub use self::numbers::{MAX_FIELDS, NumberDecoder, NumbersError};
 pub use self::overview::{ChannelOverview, EventOverview, Overview};
 pub use self::reader::{Any, Reader, Selection, Undecoded};
 use self::scan::HEAD;

@@ -1,0 +1,255 @@
+//! The fields that have been found in messages, and the tree by which they are found again.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::fmt;
+
+/// A channel has no more numeric fields than this; others are left out.
+pub const MAX_FIELDS: usize = 4096;
+/// The paths of all fields may take so many bytes together. It bounds the tree, too.
+const LARGEST_PATHS: usize = 1 << 18;
+
+/// A part of a path.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Segment<'a> {
+    /// The name of a member, or a text that is the key of a map.
+    Name(Cow<'a, str>),
+    /// The position of an element, or a number that is the key of a map.
+    Index(i128),
+}
+
+impl Segment<'_> {
+    fn to_owned(&self) -> Segment<'static> {
+        match self {
+            Self::Name(name) => Segment::Name(Cow::Owned(name.clone().into_owned())),
+            Self::Index(index) => Segment::Index(*index),
+        }
+    }
+}
+
+/// Where something stands in a message; nothing stands for the message itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    pub(super) parent: Option<&'a Place<'a>>,
+    pub(super) segment: &'a Segment<'a>,
+}
+
+impl fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(parent) = self.parent {
+            write!(f, "{parent}.")?;
+        }
+        match self.segment {
+            Segment::Name(name) => f.write_str(name),
+            Segment::Index(index) => index.fmt(f),
+        }
+    }
+}
+
+/// What is known of a value in the messages: whether it has been a number, and what has been in it.
+#[derive(Debug, Default)]
+pub(super) struct Node {
+    /// Which field it is.
+    slot: Option<usize>,
+    members: Vec<(Segment<'static>, Node)>,
+    positions: HashMap<Segment<'static>, usize>,
+    /// The last message that had it, counted from one.
+    met_in: u64,
+    /// How many elements that message has had in it, for lists that come in pieces.
+    pub(super) elements: usize,
+    /// Whether it stays known although it has led to no number yet.
+    is_kept: bool,
+    /// Whether it is zero where a message has what it stands in, but not it.
+    pub(super) is_implicit: bool,
+    /// Whether its implicit members have been made.
+    pub(super) is_unfolded: bool,
+}
+
+impl Node {
+    /// Visits a member. It stays known if anything is found in it.
+    ///
+    /// Members mostly come in the same order: `next` is where this one is then, and is moved on.
+    #[inline]
+    pub(super) fn member<T>(
+        &mut self,
+        segment: &Segment<'_>,
+        next: &mut usize,
+        visit: impl FnOnce(&mut Self) -> T,
+    ) -> T {
+        if let Some(position) = self.position(segment, *next) {
+            *next = position + 1;
+            return visit(&mut self.members[position].1);
+        }
+        let mut member = Self::default();
+        let result = visit(&mut member);
+        if !member.is_empty() {
+            self.positions
+                .insert(segment.to_owned(), self.members.len());
+            self.members.push((segment.to_owned(), member));
+            *next = self.members.len();
+        }
+        result
+    }
+
+    #[inline]
+    fn position(&self, segment: &Segment<'_>, next: usize) -> Option<usize> {
+        match self.members.get(next) {
+            Some((known, _)) if known == segment => Some(next),
+            _ => self.positions.get(segment).copied(),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.slot.is_none() && self.members.is_empty() && !self.is_kept
+    }
+}
+
+/// All fields that have been found.
+#[derive(Debug, Default)]
+pub(super) struct Tree {
+    paths: Vec<String>,
+    slots: HashMap<String, usize>,
+    /// What the paths take.
+    bytes: usize,
+    is_full: bool,
+    /// How many messages there have been.
+    messages: u64,
+    /// Numbers of this message that are left out.
+    missed: u64,
+    left_out: u64,
+}
+
+impl Tree {
+    pub(super) fn paths(&self) -> &[String] {
+        &self.paths
+    }
+
+    pub(super) fn left_out(&self) -> u64 {
+        self.left_out.max(self.missed)
+    }
+
+    /// The field at a place, a new one if there is none; nothing if there is no room for it.
+    fn slot(&mut self, place: Option<&Place<'_>>) -> Option<usize> {
+        // A field that is known is in the tree already, so there is no need to look.
+        if self.is_full {
+            return None;
+        }
+        let path = place.map_or_else(String::new, Place::to_string);
+        if let Some(slot) = self.slots.get(&path) {
+            return Some(*slot);
+        }
+        if self.paths.len() == MAX_FIELDS || !self.has_room(path.len()) {
+            self.is_full = true;
+            return None;
+        }
+        let slot = self.paths.len();
+        self.slots.insert(path.clone(), slot);
+        self.paths.push(path);
+        Some(slot)
+    }
+
+    fn has_room(&mut self, bytes: usize) -> bool {
+        self.bytes = self.bytes.saturating_add(bytes + 1);
+        self.bytes <= LARGEST_PATHS
+    }
+}
+
+/// A message that is being decoded.
+#[derive(Debug)]
+pub(super) struct Filling<'a> {
+    tree: &'a mut Tree,
+    values: &'a mut Vec<f64>,
+}
+
+impl<'a> Filling<'a> {
+    /// Begins a message.
+    pub(super) fn new(tree: &'a mut Tree, values: &'a mut Vec<f64>) -> Self {
+        tree.left_out = tree.left_out();
+        tree.missed = 0;
+        tree.messages += 1;
+        values.clear();
+        values.resize(tree.paths.len(), f64::NAN);
+        Self { tree, values }
+    }
+
+    /// Whether no more fields can be found.
+    pub(super) fn is_full(&self) -> bool {
+        self.tree.is_full
+    }
+
+    /// Notes that the message has what is at a node; false if it has been there already.
+    #[inline]
+    pub(super) fn meet(&mut self, node: &mut Node) -> bool {
+        let is_first = node.met_in != self.tree.messages;
+        if is_first {
+            node.met_in = self.tree.messages;
+            node.elements = 0;
+        }
+        is_first
+    }
+
+    /// Takes back all that the message has had at a node and within it.
+    #[inline]
+    pub(super) fn forget(&mut self, node: &mut Node) {
+        if node.met_in == self.tree.messages {
+            self.clear(node);
+        }
+    }
+
+    fn clear(&mut self, node: &mut Node) {
+        node.met_in = 0;
+        if let Some(slot) = node.slot {
+            self.values[slot] = f64::NAN;
+        }
+        for (_, member) in &mut node.members {
+            self.clear(member);
+        }
+    }
+
+    /// Makes the node a field if there is room for it.
+    #[inline]
+    pub(super) fn reserve(&mut self, node: &mut Node, place: Option<&Place<'_>>) -> Option<usize> {
+        if node.slot.is_none() {
+            node.slot = self.tree.slot(place);
+            self.values.resize(self.tree.paths.len(), f64::NAN);
+        }
+        node.slot
+    }
+
+    /// Gives the field at a node its value.
+    #[inline]
+    pub(super) fn put(&mut self, node: &mut Node, place: Option<&Place<'_>>, value: f64) {
+        match self.reserve(node, place) {
+            Some(slot) => self.values[slot] = value,
+            // It was counted with the message in which it stands.
+            None if node.is_implicit => {}
+            None => self.miss(1),
+        }
+    }
+
+    /// Sets the implicit members to zero, and says how many there are.
+    pub(super) fn zero_members(&mut self, node: &Node) -> usize {
+        let implicit = node.members.iter().filter(|(_, member)| member.is_implicit);
+        let slots = implicit.filter_map(|(_, member)| member.slot);
+        slots.map(|slot| self.values[slot] = 0.0).count()
+    }
+
+    /// Counts numbers that are left out.
+    pub(super) fn miss(&mut self, numbers: usize) {
+        self.tree.missed += numbers as u64;
+    }
+
+    /// Keeps a list known, if there is room, before it is known whether there are numbers in it: its
+    /// elements are counted there.
+    pub(super) fn keep(&mut self, list: &mut Node, place: &Place<'_>) {
+        if list.is_kept || self.tree.is_full {
+            return;
+        }
+        let length = match place.segment {
+            Segment::Name(name) => name.len(),
+            Segment::Index(_) => 0,
+        };
+        list.is_kept = self.tree.has_room(length);
+        self.tree.is_full = !list.is_kept;
+    }
+}
