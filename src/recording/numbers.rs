@@ -92,7 +92,8 @@ impl NumberDecoder {
     /// doesn't have.
     ///
     /// # Errors
-    /// [`NumbersError::Malformed`] if it can't be decoded; `values` then mean nothing.
+    /// [`NumbersError::Malformed`] if it can't be decoded. `values` then mean nothing, and fields
+    /// that were found in it stay.
     pub fn decode(&mut self, data: &[u8], values: &mut Vec<f64>) -> Result<(), NumbersError> {
         let filling = Filling::new(&mut self.tree, values);
         let (encoding, filled) = match &self.format {

@@ -12,6 +12,7 @@ mod damage;
 mod fuzz_corpus;
 mod golden;
 mod integrate;
+mod numbers;
 mod physics;
 mod properties;
 mod readers;

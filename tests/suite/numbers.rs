@@ -1,0 +1,776 @@
+//! The numbers in messages of channels that aren't ours.
+
+use proptest::prelude::*;
+use prost::Message as _;
+use prost::encoding::{WireType, encode_key, encode_varint};
+use prost_types::field_descriptor_proto::{Label, Type};
+use prost_types::{
+    DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet, MessageOptions,
+};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use toprise::recording::{
+    Condition, FileChannel, FileSchema, MAX_FIELDS, NumberDecoder, NumbersError, Recording,
+    Selection,
+};
+
+fn channel(encoding: &str, schema: Option<FileSchema>) -> FileChannel {
+    FileChannel {
+        id: 1,
+        topic: "/topic".to_owned(),
+        encoding: encoding.to_owned(),
+        schema: schema.map(Arc::new),
+        metadata: BTreeMap::new(),
+        table: None,
+    }
+}
+
+fn json() -> NumberDecoder {
+    NumberDecoder::new(&channel("json", None)).unwrap()
+}
+
+/// Decodes a message into fields and values; NaN is written as none.
+#[track_caller]
+fn decode(decoder: &mut NumberDecoder, data: impl AsRef<[u8]>) -> Vec<(String, Option<f64>)> {
+    let mut values = Vec::new();
+    decoder.decode(data.as_ref(), &mut values).unwrap();
+    assert_eq!(values.len(), decoder.fields().len());
+    let values = values.into_iter().map(|v| Some(v).filter(|v| !v.is_nan()));
+    decoder.fields().iter().cloned().zip(values).collect()
+}
+
+#[track_caller]
+fn assert_fields(found: &[(String, Option<f64>)], expected: &[(&str, Option<f64>)]) {
+    let found: Vec<_> = found.iter().map(|(path, v)| (path.as_str(), *v)).collect();
+    assert_eq!(found, expected);
+}
+
+fn reason(decoder: &mut NumberDecoder, data: impl AsRef<[u8]>) -> String {
+    let error = decoder.decode(data.as_ref(), &mut Vec::new()).unwrap_err();
+    error.to_string()
+}
+
+#[test]
+fn json_is_flattened() {
+    let text = r#"{"pose":{"position":{"x":1,"y":-2.5e-3}},"ok":true,"off":false,"name":"a",
+        "ranges":[1,[2,3],{"min":4}],"empty":{},"none":[],"é\n.":5}"#;
+    let found = decode(&mut json(), text);
+    assert_fields(
+        &found,
+        &[
+            ("pose.position.x", Some(1.0)),
+            ("pose.position.y", Some(-2.5e-3)),
+            ("ok", Some(1.0)),
+            ("off", Some(0.0)),
+            ("ranges.0", Some(1.0)),
+            ("ranges.1.0", Some(2.0)),
+            ("ranges.1.1", Some(3.0)),
+            ("ranges.2.min", Some(4.0)),
+            ("é\n.", Some(5.0)),
+        ],
+    );
+}
+
+#[test]
+fn a_json_message_need_not_be_an_object() {
+    assert_fields(&decode(&mut json(), "7"), &[("", Some(7.0))]);
+    assert_fields(&decode(&mut json(), "[7]"), &[("0", Some(7.0))]);
+    assert_fields(&decode(&mut json(), "\"text\""), &[]);
+    assert_fields(&decode(&mut json(), "null"), &[]);
+}
+
+#[test]
+fn fields_grow_and_stay() {
+    let mut decoder = json();
+    assert!(decoder.fields().is_empty());
+    let found = decode(&mut decoder, r#"{"a":1,"l":["x",2]}"#);
+    assert_fields(&found, &[("a", Some(1.0)), ("l.1", Some(2.0))]);
+    let found = decode(&mut decoder, r#"{"l":[3],"b":{"c":4}}"#);
+    let expected = [
+        ("a", None),
+        ("l.1", None),
+        ("l.0", Some(3.0)),
+        ("b.c", Some(4.0)),
+    ];
+    assert_fields(&found, &expected);
+    // What was a number may be an object, and the other way round.
+    let found = decode(&mut decoder, r#"{"b":5,"a":{"b":6},"l":[7,8]}"#);
+    let expected = [
+        ("a", None),
+        ("l.1", Some(8.0)),
+        ("l.0", Some(7.0)),
+        ("b.c", None),
+        ("b", Some(5.0)),
+        ("a.b", Some(6.0)),
+    ];
+    assert_fields(&found, &expected);
+}
+
+#[test]
+fn null_is_not_a_number() {
+    let mut decoder = json();
+    assert_fields(&decode(&mut decoder, r#"{"a":null}"#), &[]);
+    assert_fields(&decode(&mut decoder, r#"{"a":1}"#), &[("a", Some(1.0))]);
+    assert_fields(&decode(&mut decoder, r#"{"a":null}"#), &[("a", None)]);
+    assert_fields(&decode(&mut decoder, r#"{"a":"1"}"#), &[("a", None)]);
+    assert_fields(&decode(&mut decoder, "{}"), &[("a", None)]);
+}
+
+#[test]
+fn of_members_with_the_same_name_the_last_counts() {
+    let mut decoder = json();
+    for _ in 0..2 {
+        let found = decode(
+            &mut decoder,
+            r#"{"a":{"b":1,"c":2,"c":3},"a":{"b":4},"d":[5],"d":6}"#,
+        );
+        let expected = [
+            ("a.b", Some(4.0)),
+            ("a.c", None),
+            ("d.0", None),
+            ("d", Some(6.0)),
+        ];
+        assert_fields(&found, &expected);
+        let found = decode(&mut decoder, r#"{"a":{"b":1},"a":null,"d":7,"d":"x"}"#);
+        let gone = [("a.b", None), ("a.c", None), ("d.0", None), ("d", None)];
+        assert_fields(&found, &gone);
+    }
+    // Two ways to the same path are one field.
+    let found = decode(&mut json(), r#"{"a.b":1,"a":{"b":2}}"#);
+    assert_fields(&found, &[("a.b", Some(2.0))]);
+}
+
+#[test]
+fn huge_integers_become_the_nearest_number() {
+    let text = r#"[9007199254740993,18446744073709551615,-9223372036854775808,1e300,100000000000000000000,-0]"#;
+    let mut values = Vec::new();
+    json().decode(text.as_bytes(), &mut values).unwrap();
+    let expected: [f64; 6] = [
+        9007199254740992.0,
+        18446744073709551616.0,
+        -9223372036854775808.0,
+        1e300,
+        1e20,
+        -0.0,
+    ];
+    assert_eq!(values, expected);
+    assert!(values[5].is_sign_negative());
+}
+
+#[test]
+fn broken_json_is_an_error() {
+    let mut decoder = json();
+    for text in [
+        "",
+        "{",
+        "{\"a\":}",
+        "[1e999]",
+        "[NaN]",
+        "[Infinity]",
+        "[-]",
+        "{} {}",
+        "[1,]",
+        "\"\\ud800\"",
+        "\u{feff}{}",
+        "{1:2}",
+    ] {
+        let reason = reason(&mut decoder, text);
+        assert!(
+            reason.starts_with("not a json message: "),
+            "{text}: {reason}"
+        );
+    }
+    reason(&mut decoder, b"\"\xff\"");
+    let deep = "[".repeat(100_000);
+    assert!(reason(&mut decoder, deep).contains("recursion limit"));
+    // It is about one message; what was read before the fault stays a field.
+    let found = decode(&mut decoder, r#"{"a":1}"#);
+    assert_fields(&found, &[("0", None), ("a", Some(1.0))]);
+}
+
+#[test]
+fn fields_are_not_without_end() {
+    let mut decoder = json();
+    let mut values = Vec::new();
+    let long = format!("[{}0]", "0,".repeat(99_999));
+    decoder.decode(long.as_bytes(), &mut values).unwrap();
+    assert_eq!(decoder.fields().len(), MAX_FIELDS);
+    assert_eq!(decoder.left_out(), 100_000 - MAX_FIELDS as u64);
+    // Those that are known are still read, and others are not.
+    decoder.decode(br#"[1,2,{"a":3}]"#, &mut values).unwrap();
+    assert_eq!(values[..2], [1.0, 2.0]);
+    assert!(values[2..].iter().all(|value| value.is_nan()));
+    assert_eq!(decoder.left_out(), 100_000 - MAX_FIELDS as u64);
+    // One path that is too long ends it, too.
+    let mut decoder = json();
+    let long = format!(r#"{{"a":1,"{}":2,"b":3}}"#, "x".repeat(1 << 20));
+    assert_fields(&decode(&mut decoder, &long), &[("a", Some(1.0))]);
+    assert_eq!(decoder.left_out(), 2);
+}
+
+/// Objects and lists of numbers, nulls and texts.
+fn nested() -> impl Strategy<Value = Value> {
+    let leaf = prop_oneof![
+        8 => (-1e9..1e9f64).prop_map(Value::from),
+        2 => any::<i64>().prop_map(Value::from),
+        1 => any::<bool>().prop_map(Value::from),
+        1 => Just(Value::Null),
+        1 => "[a-z\"\\\\é]{0,4}".prop_map(Value::from),
+    ];
+    leaf.prop_recursive(5, 60, 6, |inner| {
+        let key = "[a-z\"\\\\é]{0,3}";
+        prop_oneof![
+            prop::collection::vec(inner.clone(), 0..6).prop_map(Value::from),
+            prop::collection::vec((key, inner), 0..6)
+                .prop_map(|members| Value::Object(members.into_iter().collect::<Map<_, _>>())),
+        ]
+    })
+}
+
+fn flatten(value: &Value, path: &str, numbers: &mut BTreeMap<String, f64>) {
+    let join = |name: &str| match path {
+        "" => name.to_owned(),
+        path => format!("{path}.{name}"),
+    };
+    match value {
+        Value::Object(members) => {
+            for (name, member) in members {
+                flatten(member, &join(name), numbers);
+            }
+        }
+        Value::Array(elements) => {
+            for (position, element) in elements.iter().enumerate() {
+                flatten(element, &join(&position.to_string()), numbers);
+            }
+        }
+        Value::Number(number) => {
+            numbers.insert(path.to_owned(), number.as_f64().unwrap());
+        }
+        Value::Bool(value) => {
+            numbers.insert(path.to_owned(), f64::from(u8::from(*value)));
+        }
+        Value::Null | Value::String(_) => {}
+    }
+}
+
+proptest! {
+    #[test]
+    fn json_gives_back_its_numbers(messages in prop::collection::vec(nested(), 1..6)) {
+        let mut decoder = json();
+        for message in messages {
+            // A member with an empty name would make paths that begin with a dot, or are equal.
+            let message = Value::Object([("m".to_owned(), message)].into_iter().collect());
+            let mut expected = BTreeMap::new();
+            flatten(&message, "", &mut expected);
+            let found = decode(&mut decoder, message.to_string());
+            let found: BTreeMap<_, _> = found.into_iter().filter_map(|(k, v)| Some((k, v?))).collect();
+            prop_assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn no_bytes_make_it_panic(
+        schema in prop::collection::vec(any::<u8>(), 0..40),
+        data in prop::collection::vec(any::<u8>(), 0..60),
+        flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..4),
+    ) {
+        let _ = json().decode(&data, &mut Vec::new());
+        let _ = protobuf_channel("M", schema);
+        let mut schema = shapes().encode_to_vec();
+        if let Ok(mut decoder) = protobuf_channel("t.Shapes", schema.clone()) {
+            let _ = decoder.decode(&data, &mut Vec::new());
+        }
+        for (at, byte) in flips {
+            *at.get_mut(&mut schema) = byte;
+        }
+        if let Ok(mut decoder) = protobuf_channel("t.Shapes", schema) {
+            let mut values = Vec::new();
+            for message in [&data[..], &message()] {
+                if decoder.decode(message, &mut values).is_ok() {
+                    assert_eq!(values.len(), decoder.fields().len());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn other_encodings_are_named() {
+    for encoding in ["cdr", "ros1", "cbor", ""] {
+        let error = NumberDecoder::new(&channel(encoding, None)).unwrap_err();
+        assert_eq!(error, NumbersError::Encoding(encoding.to_owned()));
+        assert!(error.to_string().contains("json and protobuf"), "{error}");
+    }
+}
+
+fn protobuf_channel(name: &str, data: Vec<u8>) -> Result<NumberDecoder, NumbersError> {
+    let schema = FileSchema {
+        name: name.to_owned(),
+        encoding: "protobuf".to_owned(),
+        data,
+    };
+    NumberDecoder::new(&channel("protobuf", Some(schema)))
+}
+
+fn field(name: &str, number: i32, kind: Type) -> FieldDescriptorProto {
+    FieldDescriptorProto {
+        name: Some(name.to_owned()),
+        number: Some(number),
+        label: Some(Label::Optional.into()),
+        r#type: Some(kind.into()),
+        ..FieldDescriptorProto::default()
+    }
+}
+
+fn of(type_name: &str, field: FieldDescriptorProto) -> FieldDescriptorProto {
+    FieldDescriptorProto {
+        type_name: Some(type_name.to_owned()),
+        ..field
+    }
+}
+
+fn repeated(field: FieldDescriptorProto) -> FieldDescriptorProto {
+    FieldDescriptorProto {
+        label: Some(Label::Repeated.into()),
+        ..field
+    }
+}
+
+fn optional(field: FieldDescriptorProto) -> FieldDescriptorProto {
+    FieldDescriptorProto {
+        proto3_optional: Some(true),
+        oneof_index: Some(0),
+        ..field
+    }
+}
+
+fn message_type(name: &str, field: Vec<FieldDescriptorProto>) -> DescriptorProto {
+    DescriptorProto {
+        name: Some(name.to_owned()),
+        field,
+        ..DescriptorProto::default()
+    }
+}
+
+fn map_entry(name: &str, key: Type, value: FieldDescriptorProto) -> DescriptorProto {
+    DescriptorProto {
+        options: Some(MessageOptions {
+            map_entry: Some(true),
+            ..MessageOptions::default()
+        }),
+        ..message_type(name, vec![field("key", 1, key), value])
+    }
+}
+
+fn set(syntax: &str, message_type: Vec<DescriptorProto>) -> FileDescriptorSet {
+    FileDescriptorSet {
+        file: vec![FileDescriptorProto {
+            name: Some("t.proto".to_owned()),
+            package: Some("t".to_owned()),
+            message_type,
+            syntax: Some(syntax.to_owned()),
+            ..FileDescriptorProto::default()
+        }],
+    }
+}
+
+/// A message type with all that there is.
+fn shapes() -> FileDescriptorSet {
+    let mut shapes = message_type(
+        "Shapes",
+        vec![
+            field("d", 1, Type::Double),
+            field("text", 2, Type::String),
+            of(".t.Shapes.Point", field("point", 3, Type::Message)),
+            repeated(field("list", 4, Type::Sint32)),
+            optional(field("maybe", 5, Type::Float)),
+            repeated(of(".t.Shapes.Point", field("points", 6, Type::Message))),
+            repeated(of(".t.Shapes.ByName", field("by_name", 7, Type::Message))),
+            repeated(of(".t.Shapes.ById", field("by_id", 8, Type::Message))),
+            of(".t.Shapes", field("inner", 9, Type::Message)),
+            of(".t.Color", field("color", 10, Type::Enum)),
+            repeated(field("fixed", 11, Type::Fixed64)),
+        ],
+    );
+    shapes.nested_type = vec![
+        message_type(
+            "Point",
+            vec![field("x", 1, Type::Int64), field("ok", 2, Type::Bool)],
+        ),
+        map_entry("ByName", Type::String, field("value", 2, Type::Uint32)),
+        map_entry(
+            "ById",
+            Type::Int32,
+            of(".t.Shapes.Point", field("value", 2, Type::Message)),
+        ),
+    ];
+    set("proto3", vec![shapes])
+}
+
+fn shapes_decoder() -> NumberDecoder {
+    protobuf_channel("t.Shapes", shapes().encode_to_vec()).unwrap()
+}
+
+fn varint(number: u32, value: u64) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    encode_key(number, WireType::Varint, &mut bytes);
+    encode_varint(value, &mut bytes);
+    bytes
+}
+
+fn double(number: u32, value: f64) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    encode_key(number, WireType::SixtyFourBit, &mut bytes);
+    bytes.extend(value.to_le_bytes());
+    bytes
+}
+
+fn delimited(number: u32, inner: impl AsRef<[u8]>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    encode_key(number, WireType::LengthDelimited, &mut bytes);
+    encode_varint(inner.as_ref().len() as u64, &mut bytes);
+    bytes.extend(inner.as_ref());
+    bytes
+}
+
+fn message() -> Vec<u8> {
+    [
+        double(1, 0.5),
+        delimited(2, "text"),
+        delimited(3, [varint(1, u64::MAX), varint(2, 1)].concat()),
+        delimited(4, [1, 2, 3]),
+        varint(4, 4),
+        delimited(6, varint(1, 7)),
+        delimited(6, []),
+        delimited(7, [delimited(1, "a"), varint(2, 8)].concat()),
+        delimited(7, []),
+        delimited(
+            8,
+            [varint(1, u64::MAX), delimited(2, varint(1, 9))].concat(),
+        ),
+        delimited(9, double(1, 10.0)),
+        varint(10, 3),
+        delimited(11, 11u64.to_le_bytes()),
+        // Not in the schema.
+        varint(99, 1),
+    ]
+    .concat()
+}
+
+#[test]
+fn protobuf_is_flattened() {
+    let mut decoder = shapes_decoder();
+    let foreseen = ["d", "point.x", "point.ok", "maybe", "color"];
+    assert_eq!(decoder.fields(), foreseen);
+    let found = decode(&mut decoder, message());
+    let expected = [
+        ("d", Some(0.5)),
+        ("point.x", Some(-1.0)),
+        ("point.ok", Some(1.0)),
+        ("maybe", None),
+        ("color", Some(3.0)),
+        ("list.0", Some(-1.0)),
+        ("list.1", Some(1.0)),
+        ("list.2", Some(-2.0)),
+        ("list.3", Some(2.0)),
+        ("points.0.x", Some(7.0)),
+        ("points.0.ok", Some(0.0)),
+        ("points.1.x", Some(0.0)),
+        ("points.1.ok", Some(0.0)),
+        ("by_name.a", Some(8.0)),
+        ("by_name.", Some(0.0)),
+        ("by_id.-1.x", Some(9.0)),
+        ("by_id.-1.ok", Some(0.0)),
+        ("inner.d", Some(10.0)),
+        ("inner.color", Some(0.0)),
+        ("fixed.0", Some(11.0)),
+    ];
+    assert_fields(&found, &expected);
+    assert_eq!(decode(&mut decoder, message()), found);
+    let others = decode(&mut decoder, []).into_iter();
+    let zeros: Vec<_> = others.filter(|(_, value)| value.is_some()).collect();
+    assert_fields(&zeros, &[("d", Some(0.0)), ("color", Some(0.0))]);
+    assert_eq!(decoder.left_out(), 0);
+}
+
+#[test]
+fn pieces_of_a_protobuf_message_are_put_together() {
+    let data = [
+        delimited(3, varint(1, 1)),
+        delimited(4, [2]),
+        delimited(7, [delimited(1, "a"), varint(2, 8)].concat()),
+        delimited(3, varint(2, 1)),
+        delimited(4, [4]),
+        delimited(7, [varint(2, 9), delimited(1, "a")].concat()),
+        varint(10, 1),
+        varint(10, 2),
+    ];
+    let mut decoder = shapes_decoder();
+    for _ in 0..2 {
+        let found = decode(&mut decoder, data.concat()).into_iter();
+        let there: Vec<_> = found.filter(|(_, value)| value.is_some()).collect();
+        let expected = [
+            ("d", Some(0.0)),
+            ("point.x", Some(1.0)),
+            ("point.ok", Some(1.0)),
+            ("color", Some(2.0)),
+            ("list.0", Some(1.0)),
+            ("by_name.a", Some(9.0)),
+            ("list.1", Some(2.0)),
+        ];
+        assert_fields(&there, &expected);
+    }
+}
+
+#[test]
+fn of_map_entries_with_the_same_key_the_last_counts() {
+    let entry = |value: Vec<u8>| delimited(8, [varint(1, 1), delimited(2, value)].concat());
+    let data = [entry(varint(1, 5)), entry(varint(2, 1))].concat();
+    let mut decoder = shapes_decoder();
+    for _ in 0..2 {
+        let found = decode(&mut decoder, &data);
+        let expected = [("by_id.1.x", Some(0.0)), ("by_id.1.ok", Some(1.0))];
+        assert_fields(&found[5..], &expected);
+    }
+}
+
+#[test]
+fn what_proto2_does_not_set_is_not_a_number() {
+    let mut outer = message_type(
+        "M",
+        vec![
+            field("a", 1, Type::Int32),
+            of(".t.M.G", field("g", 2, Type::Group)),
+        ],
+    );
+    outer.nested_type = vec![message_type("G", vec![field("b", 2, Type::Fixed32)])];
+    let mut decoder = protobuf_channel("t.M", set("proto2", vec![outer]).encode_to_vec()).unwrap();
+    let found = decode(&mut decoder, []);
+    assert_fields(&found, &[("a", None), ("g.b", None)]);
+    // A group: 2 << 3 | 3, its field, 2 << 3 | 4.
+    let group = [&[0x13, 0x15, 7, 0, 0, 0, 0x14][..], &varint(1, 1)].concat();
+    let found = decode(&mut decoder, group);
+    assert_fields(&found, &[("a", Some(1.0)), ("g.b", Some(7.0))]);
+}
+
+#[test]
+fn integers_are_read_as_their_types_say() {
+    let kinds = [
+        (Type::Int32, -5.0),
+        (Type::Int64, -5.0),
+        (Type::Uint32, 4294967291.0),
+        (Type::Uint64, 18446744073709551611.0),
+        (Type::Sint32, -2147483646.0),
+        (Type::Sint64, -9223372036854775806.0),
+        (Type::Bool, 1.0),
+        (Type::Enum, -5.0),
+    ];
+    for (kind, expected) in kinds {
+        let schema = set("proto3", vec![message_type("M", vec![field("a", 1, kind)])]);
+        let mut decoder = protobuf_channel("t.M", schema.encode_to_vec()).unwrap();
+        let found = decode(&mut decoder, varint(1, -5i64 as u64));
+        assert_fields(&found, &[("a", Some(expected))]);
+    }
+}
+
+#[test]
+fn a_schema_that_cannot_be_used_is_told() {
+    let reason = |name: &str, data: Vec<u8>| protobuf_channel(name, data).unwrap_err().to_string();
+    let schema = shapes().encode_to_vec();
+    assert!(reason("t.Other", schema.clone()).ends_with("it has no message t.Other"));
+    assert!(reason("t.Shapes", vec![1, 2, 3]).starts_with("its schema can't be used: "));
+    let missing = of(".u.Gone", field("a", 1, Type::Message));
+    let schema = set("proto3", vec![message_type("M", vec![missing])]);
+    assert!(reason("t.M", schema.encode_to_vec()).ends_with("it has no message u.Gone"));
+    let none = NumberDecoder::new(&channel("protobuf", None)).unwrap_err();
+    assert!(matches!(none, NumbersError::Schema(_)), "{none}");
+    // Each of the names begins with the package's.
+    let small = (0..100_000).map(|_| message_type("M", Vec::new()));
+    let mut schema = set("proto3", small.collect());
+    schema.file[0].package = Some("p".repeat(1 << 20));
+    assert!(reason("t.M", schema.encode_to_vec()).contains("names are longer"));
+}
+
+#[test]
+fn broken_protobuf_is_an_error() {
+    let mut decoder = shapes_decoder();
+    let whole = message();
+    let mut failures = 0;
+    for end in 0..whole.len() {
+        let found = decoder.decode(&whole[..end], &mut Vec::new());
+        failures += usize::from(found.is_err());
+    }
+    assert!(failures > 40, "{failures} failures");
+    assert!(reason(&mut decoder, varint(1, 1)).contains("d is not written as its type"));
+    assert!(reason(&mut decoder, [0x0c, 0x08]).contains("not a protobuf message"));
+    let mut deep = Vec::new();
+    for _ in 0..200 {
+        deep = delimited(9, deep);
+    }
+    assert!(reason(&mut decoder, deep).contains("nested more than 100 deep"));
+    // It is about one message.
+    let there = |decoder: &mut NumberDecoder| -> BTreeMap<_, _> {
+        let found = decode(decoder, &whole).into_iter();
+        found.filter_map(|(path, v)| Some((path, v?))).collect()
+    };
+    assert_eq!(there(&mut decoder), there(&mut shapes_decoder()));
+}
+
+#[test]
+fn types_within_types_do_not_unfold_without_end() {
+    // Each type has the next one ten times: ten to the power of twenty fields, or of none.
+    for leaf in [Type::Double, Type::String] {
+        let types = (0..20).map(|depth| {
+            let inner = format!(".t.M{}", depth + 1);
+            let fields = (1..=10).map(|n| of(&inner, field(&format!("f{n}"), n, Type::Message)));
+            message_type(&format!("M{depth}"), fields.collect())
+        });
+        let last = message_type("M20", vec![field("x", 1, leaf)]);
+        let schema = set("proto3", types.chain([last]).collect()).encode_to_vec();
+        let mut decoder = protobuf_channel("t.M0", schema).unwrap();
+        assert!(decoder.fields().len() <= 1024);
+        let data = (0..20).fold(Vec::new(), |inner, _| delimited(10, inner));
+        let found = decode(&mut decoder, data).into_iter();
+        let there: Vec<_> = found.filter(|(_, value)| value.is_some()).collect();
+        assert_eq!(there.len(), usize::from(leaf == Type::Double));
+    }
+}
+
+#[test]
+fn many_fields_and_many_messages_take_no_time() {
+    // Thirty thousand numbers that are zero in each of a hundred thousand messages.
+    let numbers = (1..=30_000).map(|n| field(&format!("n{n}"), n, Type::Int32));
+    let outer = message_type(
+        "M",
+        vec![repeated(of(".t.Many", field("m", 1, Type::Message)))],
+    );
+    let types = vec![outer, message_type("Many", numbers.collect())];
+    let schema = set("proto3", types).encode_to_vec();
+    let mut decoder = protobuf_channel("t.M", schema).unwrap();
+    let data = delimited(1, []).repeat(100_000);
+    let mut values = Vec::new();
+    for _ in 0..2 {
+        decoder.decode(&data, &mut values).unwrap();
+        assert_eq!(values, vec![0.0; MAX_FIELDS]);
+    }
+    assert_eq!(decoder.left_out(), 30_000 * 100_000 - MAX_FIELDS as u64);
+}
+
+/// A topic of a file of `tests/data/foreign`: for each field its values over time.
+#[track_caller]
+fn columns(file: &str, topic: &str) -> BTreeMap<String, BTreeMap<u64, f64>> {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/foreign");
+    let recording = Recording::open(&directory.join(file)).unwrap();
+    assert_eq!(recording.condition(), Condition::Foreign);
+    let mut channels = recording.channels().iter();
+    let channel = channels.find(|channel| channel.topic == topic).unwrap();
+    let mut decoder = NumberDecoder::new(channel).unwrap();
+    let mut reader = recording.reader(Selection {
+        topics: vec![topic.to_owned()],
+        ..Selection::default()
+    });
+    let mut columns: BTreeMap<String, BTreeMap<u64, f64>> = BTreeMap::new();
+    let mut values = Vec::new();
+    while let Some(message) = reader.next_undecoded() {
+        decoder.decode(message.data, &mut values).unwrap();
+        for (field, value) in decoder.fields().iter().zip(&values) {
+            if !value.is_nan() {
+                let column = columns.entry(field.clone()).or_default();
+                column.insert(message.log_time / 1_000_000, *value);
+            }
+        }
+    }
+    assert!(reader.losses().is_empty());
+    assert_eq!(decoder.left_out(), 0);
+    columns
+}
+
+/// Where two files differ in a topic: for each field how often, from when on, ms, and by how much at most.
+#[track_caller]
+fn differences(a: &str, b: &str, topic: &str) -> Vec<(String, usize, u64, f64)> {
+    let (a, b) = (columns(a, topic), columns(b, topic));
+    let mut differences = Vec::new();
+    for (field, values) in &a {
+        let others = b.get(field).unwrap_or_else(|| panic!("only a has {field}"));
+        let common = values
+            .iter()
+            .filter_map(|(t, v)| Some((*t, others.get(t)? - v)));
+        let found: Vec<_> = common.filter(|(_, by)| *by != 0.0).collect();
+        if let Some((start, _)) = found.first() {
+            let most = found
+                .iter()
+                .fold(0.0, |most: f64, (_, by)| most.max(by.abs()));
+            differences.push((field.clone(), found.len(), *start, most));
+        }
+    }
+    differences
+}
+
+#[track_caller]
+fn assert_differences(found: &[(String, usize, u64, f64)], expected: &[(&str, usize, u64, f64)]) {
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        assert_eq!(
+            (found.0.as_str(), found.1, found.2),
+            (expected.0, expected.1, expected.2)
+        );
+        assert!((found.3 - expected.3).abs() < 1e-12, "{found:?}");
+    }
+}
+
+#[test]
+fn val_json_files_of_others_differ_as_they_were_written() {
+    let imu = differences("json_a.mcap", "json_b.mcap", "/imu");
+    assert_differences(&imu, &[("angular_velocity.z", 100, 1000, 1e-3)]);
+    assert_eq!(columns("json_a.mcap", "/imu").len(), 8);
+    // Every 100 ms both have a message.
+    let odom = differences("json_a.mcap", "json_b.mcap", "/odom");
+    assert_differences(&odom, &[("x", 20, 0, 1e-4)]);
+    assert_differences(&differences("json_a.mcap", "json_b.mcap", "/nan"), &[]);
+    let counts = |file| {
+        columns(file, "/nan")
+            .into_values()
+            .map(|column| column.len())
+    };
+    assert!(counts("json_a.mcap").eq([17, 20]));
+    assert!(counts("json_b.mcap").eq([17, 19]));
+    assert!(columns("json_a.mcap", "/empty").is_empty());
+    let state = differences("schemaless_a.mcap", "schemaless_b.mcap", "/state");
+    assert_differences(&state, &[("theta", 1, 840, 0.25)]);
+    assert!(differences("json_a.mcap", "later.mcap", "/imu").is_empty());
+    assert_eq!(columns("no_common.mcap", "/elsewhere")["x"].len(), 100);
+}
+
+#[test]
+fn val_protobuf_files_of_others_differ_as_they_were_written() {
+    let robot = differences("protobuf_a.mcap", "protobuf_b.mcap", "/robot");
+    let expected = [
+        ("joints.1", 1, 1000, 0.5),
+        ("mode", 1, 400, 1.0),
+        ("position.y", 100, 0, 1e-6),
+        ("ticks", 25, 1500, 1.0),
+    ];
+    assert_differences(&robot, &expected);
+    let a = columns("protobuf_a.mcap", "/robot");
+    let lengths = ["quality", "target", "height", "angle", "offsets.bias"];
+    let lengths = lengths.map(|field| a[field].len());
+    assert_eq!(lengths, [97, 50, 50, 50, 100]);
+    assert!(!a.contains_key("contacts.1.id") && !a.contains_key("never.x"));
+    let b = columns("protobuf_b.mcap", "/robot");
+    assert_eq!(b["contacts.1.force"].len(), 10);
+    assert_differences(
+        &differences("protobuf_a.mcap", "protobuf_b.mcap", "/pose"),
+        &[],
+    );
+}
+
+#[test]
+fn val_the_encoding_makes_no_difference() {
+    for topic in ["/robot", "/pose"] {
+        let json = columns("protobuf_as_json.mcap", topic);
+        assert_eq!(columns("protobuf_a.mcap", topic), json);
+        assert!(json.len() > 2);
+    }
+}
