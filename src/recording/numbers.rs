@@ -65,12 +65,9 @@ impl NumberDecoder {
         let format = match channel.encoding.as_str() {
             "json" => Format::Json,
             "protobuf" => {
-                let data = channel
-                    .schema
-                    .as_ref()
-                    .map_or(&[][..], |schema| &schema.data);
-                let types =
-                    Types::new(channel.schema_name(), data).map_err(NumbersError::Schema)?;
+                let none = || NumbersError::Schema("there is none".to_owned());
+                let schema = channel.schema.as_ref().ok_or_else(none)?;
+                let types = Types::new(&schema.name, &schema.data).map_err(NumbersError::Schema)?;
                 types.foresee(&mut root, &mut tree);
                 Format::Protobuf(types)
             }

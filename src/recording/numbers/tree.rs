@@ -6,8 +6,10 @@ use std::fmt;
 
 /// A channel has no more numeric fields than this; others are left out.
 pub const MAX_FIELDS: usize = 4096;
-/// The paths of all fields may take so many bytes together. It bounds the tree, too.
-const LARGEST_PATHS: usize = 1 << 18;
+/// The paths of all fields may cost so much together: a byte costs one, and a part of a path what follows.
+const LARGEST_PATHS: usize = 1 << 19;
+/// Each part of a path can be a node of its own.
+const COST_OF_NODE: usize = 16;
 
 /// A part of a path.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -32,6 +34,13 @@ impl Segment<'_> {
 pub(super) struct Place<'a> {
     pub(super) parent: Option<&'a Place<'a>>,
     pub(super) segment: &'a Segment<'a>,
+}
+
+impl Place<'_> {
+    /// How many parts its path has.
+    fn depth(&self) -> usize {
+        1 + self.parent.map_or(0, Self::depth)
+    }
 }
 
 impl fmt::Display for Place<'_> {
@@ -109,8 +118,8 @@ impl Node {
 pub(super) struct Tree {
     paths: Vec<String>,
     slots: HashMap<String, usize>,
-    /// What the paths take.
-    bytes: usize,
+    /// What the paths cost.
+    cost: usize,
     is_full: bool,
     /// How many messages there have been.
     messages: u64,
@@ -130,7 +139,7 @@ impl Tree {
 
     /// The field at a place, a new one if there is none; nothing if there is no room for it.
     fn slot(&mut self, place: Option<&Place<'_>>) -> Option<usize> {
-        // A field that is known is in the tree already, so there is no need to look.
+        // The tree leads to the fields that are known, so there is no need to look.
         if self.is_full {
             return None;
         }
@@ -138,7 +147,8 @@ impl Tree {
         if let Some(slot) = self.slots.get(&path) {
             return Some(*slot);
         }
-        if self.paths.len() == MAX_FIELDS || !self.has_room(path.len()) {
+        let has_room = self.has_room(path.len(), place.map_or(0, Place::depth));
+        if self.paths.len() == MAX_FIELDS || !has_room {
             self.is_full = true;
             return None;
         }
@@ -148,9 +158,9 @@ impl Tree {
         Some(slot)
     }
 
-    fn has_room(&mut self, bytes: usize) -> bool {
-        self.bytes = self.bytes.saturating_add(bytes + 1);
-        self.bytes <= LARGEST_PATHS
+    fn has_room(&mut self, bytes: usize, nodes: usize) -> bool {
+        self.cost += bytes + COST_OF_NODE * nodes;
+        self.cost <= LARGEST_PATHS
     }
 }
 
@@ -188,7 +198,7 @@ impl<'a> Filling<'a> {
         is_first
     }
 
-    /// Takes back all that the message has had at a node and within it.
+    /// Takes back what the message has had at a node and within it.
     #[inline]
     pub(super) fn forget(&mut self, node: &mut Node) {
         if node.met_in == self.tree.messages {
@@ -202,7 +212,7 @@ impl<'a> Filling<'a> {
             self.values[slot] = f64::NAN;
         }
         for (_, member) in &mut node.members {
-            self.clear(member);
+            self.forget(member);
         }
     }
 
@@ -220,7 +230,10 @@ impl<'a> Filling<'a> {
     #[inline]
     pub(super) fn put(&mut self, node: &mut Node, place: Option<&Place<'_>>, value: f64) {
         match self.reserve(node, place) {
-            Some(slot) => self.values[slot] = value,
+            Some(slot) => {
+                node.met_in = self.tree.messages;
+                self.values[slot] = value;
+            }
             // It was counted with the message in which it stands.
             None if node.is_implicit => {}
             None => self.miss(1),
@@ -249,7 +262,7 @@ impl<'a> Filling<'a> {
             Segment::Name(name) => name.len(),
             Segment::Index(_) => 0,
         };
-        list.is_kept = self.tree.has_room(length);
+        list.is_kept = self.tree.has_room(length, 1);
         self.tree.is_full = !list.is_kept;
     }
 }
