@@ -1,6 +1,7 @@
 //! The command line: arguments, what is printed, exit codes.
 
 mod convert;
+mod diff;
 mod format;
 mod info;
 mod interrupt;
@@ -57,10 +58,12 @@ Examples:
   toprise info recordings/paper.mcap
   toprise view recordings/*.mcap           recordings again in the Rerun viewer
   toprise verify recordings/*.mcap         whether they can be trusted
+  toprise diff paper full-coulomb          what another friction model changes
+  toprise diff a.mcap b.mcap --rel 1e-9    whether two recordings agree
   toprise convert a.mcap b.mcap --encoding protobuf
   toprise recover a.mcap.partial a.mcap    what an interrupted run left
 
-Exit codes: 0 done; 1 verification failed; 2 bad usage, unreadable input or failed output;
+Exit codes: 0 done; 1 verification failed or runs differ; 2 bad usage, unreadable input or failed output;
 3 finished with losses (interrupted, parts of a file unreadable, or the motion could not be
 integrated to its end).";
 
@@ -87,6 +90,15 @@ enum Command {
     /// Exit codes: 0 verified, 1 failed, 2 unreadable, 3 all that is there is right, but something is
     /// missing (a recording that was cut off or recovered).
     Verify(verify::VerifyArguments),
+    /// Say what differs between runs: in the set-up, in what happened, in the averaged motion and point by
+    /// point.
+    ///
+    /// Each run is a recording, or a preset or scenario file that is simulated now. Any other MCAP files can be
+    /// compared too: the numbers of the topics that both have.
+    ///
+    /// Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 equal as
+    /// far as both could be read.
+    Diff(diff::DiffArguments),
     /// Write a recording in another encoding; content, metadata and attachments stay the same.
     Convert(convert::ConvertArguments),
     /// Save what can be read of an interrupted or damaged recording.
@@ -164,6 +176,7 @@ fn dispatch(command: Command) -> Result<Done, Error> {
         Command::Info { file, format } => info::info(&file, format),
         #[cfg(feature = "rerun")]
         Command::View(arguments) => view::view(&arguments),
+        Command::Diff(arguments) => diff::diff(&arguments),
         Command::Convert(arguments) => convert::convert(&arguments),
         Command::Recover(arguments) => recover::recover(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),

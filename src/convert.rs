@@ -4,7 +4,8 @@ use crate::recording::{
     Any, Condition, Entries, FileChannel, MessageError, Recording, Selection, Undecoded,
 };
 use crate::sink::mcap::{
-    Archived, END_RECORD, Ending, McapSink, Opening, RECOVERY_RECORD, RawChannel, RawMessage,
+    Archived, END_RECORD, Ending, LIBRARY, McapSink, Opening, RECOVERY_RECORD, RawChannel,
+    RawMessage,
 };
 use crate::sink::publish::{Existing, Place};
 use crate::sink::{Sink as _, SinkError};
@@ -103,6 +104,7 @@ fn check_condition(recording: &Recording) -> Result<(), ConvertError> {
 fn opening(recording: &Recording, encoding: Encoding) -> Result<Opening, ConvertError> {
     let attachments = attachments(recording).collect::<Result<_, _>>()?;
     Ok(Opening {
+        library: LIBRARY,
         metadata: metadata_but(recording, &[END_RECORD, RECOVERY_RECORD]).collect(),
         attachments,
         encoding,
@@ -170,10 +172,14 @@ fn raw_channel(channel: &FileChannel) -> RawChannel {
 
 fn ending(recording: &Recording) -> Ending {
     let end = recording.end().cloned().unwrap_or_default();
+    let recovery = recording.recovery().cloned();
     Ending {
-        recovery: recording.recovery().cloned(),
+        metadata: recovery
+            .map(|entries| (RECOVERY_RECORD.to_owned(), entries))
+            .into_iter()
+            .collect(),
         digest: end.get("content_digest").cloned(),
-        end,
+        end: Some(end),
     }
 }
 

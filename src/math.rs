@@ -30,6 +30,18 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
 }
 
+/// Natural logarithm.
+#[must_use]
+pub fn ln(x: f64) -> f64 {
+    libm::log(x)
+}
+
+/// `e` to the power of x.
+#[must_use]
+pub fn exp(x: f64) -> f64 {
+    libm::exp(x)
+}
+
 /// `sqrt(x² + y²)`, of numbers whose squares neither overflow nor underflow.
 ///
 /// Plain arithmetic and the exactly rounded square root: faster than a guarded `hypot`, and the

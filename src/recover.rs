@@ -4,8 +4,8 @@ use crate::convert::{Copier, attachments, metadata_but, raw, wanted};
 use crate::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
 use crate::simulation::Simulation;
 use crate::sink::mcap::{
-    Archived, COUNTS, END_RECORD, Ending, Form, McapSink, Opening, RECOVERY_RECORD, RUN_RECORD,
-    run_entries,
+    Archived, COUNTS, END_RECORD, Ending, Form, LIBRARY, McapSink, Opening, RECOVERY_RECORD,
+    RUN_RECORD, run_entries,
 };
 use crate::sink::publish::{Existing, Place};
 use crate::sink::{RecordError, Sink, SinkError, record};
@@ -171,6 +171,7 @@ fn opening(recording: &Recording) -> Opening {
     let others = metadata_but(recording, &[RUN_RECORD, END_RECORD, RECOVERY_RECORD]);
     let metadata = run.into_iter().chain(others).collect();
     Opening {
+        library: LIBRARY,
         metadata,
         attachments: attachments(recording).filter_map(Result::ok).collect(),
         encoding: recording.encoding().unwrap_or(Encoding::Json),
@@ -347,7 +348,7 @@ fn ending(recording: &Recording, saved: &Saved, lost: Option<&str>) -> Ending {
     let Some(lost) = lost else {
         let end = recording.end().cloned().unwrap_or_default();
         return Ending {
-            end,
+            end: Some(end),
             ..Ending::default()
         };
     };
@@ -373,8 +374,8 @@ fn ending(recording: &Recording, saved: &Saved, lost: Option<&str>) -> Ending {
         end.insert(key.to_owned(), count(topic));
     }
     Ending {
-        recovery: Some(recovery),
-        end,
+        metadata: vec![(RECOVERY_RECORD.to_owned(), recovery)],
+        end: Some(end),
         digest: None,
     }
 }

@@ -12,6 +12,35 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use thiserror::Error;
 
+/// Which of two runs that are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The first.
+    A,
+    /// The second.
+    B,
+}
+
+impl Side {
+    /// Its place: 0 or 1.
+    #[must_use]
+    pub fn index(self) -> usize {
+        match self {
+            Self::A => 0,
+            Self::B => 1,
+        }
+    }
+
+    /// What people call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::A => "A",
+            Self::B => "B",
+        }
+    }
+}
+
 /// Something that takes messages in the order of their times.
 pub trait Sink {
     /// Takes a message. It may still be buffered when this returns.

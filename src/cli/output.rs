@@ -7,6 +7,15 @@ pub(super) fn print(text: &str) -> io::Result<()> {
     print_bytes(format!("{}\n", text.trim_end()).as_bytes())
 }
 
+/// Prints a text with colours: on a terminal that shows them, unless `NO_COLOR` is set; else without.
+pub(super) fn print_styled(text: &str) -> io::Result<()> {
+    let choice = anstream::AutoStream::choice(&io::stdout());
+    if choice == anstream::ColorChoice::Never {
+        return print(&anstream::adapter::strip_str(text).to_string());
+    }
+    print(text)
+}
+
 /// Prints bytes as they are.
 pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
@@ -21,6 +30,12 @@ pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
 pub(super) fn error(text: &str) {
     // Where standard error is gone there is nobody to tell.
     let _ = writeln!(io::stderr(), "error: {text}");
+}
+
+/// Says on standard error what else was done, beside an answer on standard output.
+pub(super) fn note(text: &str) {
+    // Where standard error is gone there is nobody to tell.
+    let _ = writeln!(io::stderr(), "{text}");
 }
 
 /// Warns on standard error.

@@ -226,7 +226,7 @@ impl EventCounts {
 }
 
 /// The scenario that a word on the command line means, with some keys set otherwise.
-fn scenario(word: &str, overrides: &[(String, String)]) -> Result<Scenario, Error> {
+pub(super) fn scenario(word: &str, overrides: &[(String, String)]) -> Result<Scenario, Error> {
     let is_preset = PRESETS.iter().any(|preset| preset.name == word);
     let is_path =
         word.contains(['/', '\\']) || word.ends_with(".toml") || Path::new(word).is_file();
@@ -246,7 +246,7 @@ fn scenario(word: &str, overrides: &[(String, String)]) -> Result<Scenario, Erro
     Scenario::new(values).with_context(|| source)
 }
 
-fn parse_override(text: &str) -> Result<(String, String), String> {
+pub(super) fn parse_override(text: &str) -> Result<(String, String), String> {
     text.split_once('=')
         .map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned()))
         .ok_or_else(|| "must be KEY=VALUE, as in friction.k=0.02".to_owned())

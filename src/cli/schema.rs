@@ -54,9 +54,15 @@ fn write_all(directory: &Path) -> Result<(), Error> {
             (proto_file_name(channel), proto_file(channel)),
         ];
         for (name, text) in files {
-            let path = directory.join(name);
-            fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+            write(&directory.join(name), &text)?;
         }
     }
+    for (name, text) in crate::diff::schemas() {
+        write(&directory.join(name), &text)?;
+    }
     Ok(())
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Error> {
+    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }

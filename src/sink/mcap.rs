@@ -37,6 +37,9 @@ pub const RECOVERY_RECORD: &str = "toprise.recovery";
 /// Name of the attachment that holds the scenario.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
 
+/// What writes recordings, by its own words.
+pub const LIBRARY: &str = concat!("toprise/", env!("CARGO_PKG_VERSION"));
+
 /// What is lost at most when the process is killed, uncompressed.
 const CHUNK_SIZE: u64 = 256 * 1024;
 /// Encoded messages travel to the writing thread in batches of about this size.
@@ -71,6 +74,9 @@ pub type Entries = BTreeMap<String, String>;
 /// What a recording begins with.
 #[derive(Debug)]
 pub struct Opening {
+    /// What writes the file, by its own words; the name and version of the program that reads it as its own is
+    /// [`LIBRARY`].
+    pub library: &'static str,
     /// Metadata records: names and entries.
     pub metadata: Vec<(String, Entries)>,
     /// Attachments.
@@ -114,10 +120,10 @@ pub struct RawMessage<'a> {
 /// What a recording ends with.
 #[derive(Clone, Debug, Default)]
 pub struct Ending {
-    /// The entries of `toprise.recovery`, if the recording was recovered.
-    pub recovery: Option<Entries>,
-    /// The entries of `toprise.end`; the content digest is added.
-    pub end: Entries,
+    /// Metadata records before the last: names and entries.
+    pub metadata: Vec<(String, Entries)>,
+    /// The entries of `toprise.end`, the last; the content digest is added.
+    pub end: Option<Entries>,
     /// The content digest that must come out, if that is known.
     pub digest: Option<String>,
 }
@@ -215,6 +221,7 @@ impl McapSink {
             .views
             .then(|| Views::new(scenario, |channel| telemetry.wants(channel)));
         let opening = Opening {
+            library: LIBRARY,
             metadata: vec![(RUN_RECORD.to_owned(), run_entries(scenario))],
             attachments: vec![scenario_attachment(scenario.to_toml())],
             encoding: form.encoding,
@@ -260,7 +267,7 @@ impl McapSink {
     /// [`SinkError`] if anything could not be written; the partial file is kept.
     pub fn finish(self, outcome: &Outcome) -> Result<Archived, SinkError> {
         self.finish_with(Ending {
-            end: end_entries(outcome),
+            end: Some(end_entries(outcome)),
             ..Ending::default()
         })
     }
@@ -481,14 +488,13 @@ fn write_batch(
 }
 
 fn end(writer: &mut FileWriter, ending: Ending, digest: &str) -> Result<(), McapError> {
-    let Ending {
-        recovery, mut end, ..
-    } = ending;
-    if let Some(entries) = recovery {
-        writer.write_metadata(&metadata(RECOVERY_RECORD, entries))?;
+    for (name, entries) in ending.metadata {
+        writer.write_metadata(&metadata(&name, entries))?;
     }
-    end.insert("content_digest".to_owned(), digest.to_owned());
-    writer.write_metadata(&metadata(END_RECORD, end))?;
+    if let Some(mut end) = ending.end {
+        end.insert("content_digest".to_owned(), digest.to_owned());
+        writer.write_metadata(&metadata(END_RECORD, end))?;
+    }
     writer.finish().map(|_| ())
 }
 
@@ -533,7 +539,7 @@ fn start(file: File, opening: &Opening) -> Result<Started, McapError> {
         .chunk_size(Some(CHUNK_SIZE))
         .disable_seeking(true)
         .profile("")
-        .library(concat!("toprise/", env!("CARGO_PKG_VERSION")))
+        .library(opening.library)
         .create(file)?;
     for (name, entries) in &opening.metadata {
         writer.write_metadata(&metadata(name, entries.clone()))?;

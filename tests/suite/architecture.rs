@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const LAYERS: &[&[&str]] = &[
     &["cli"],
     &["recover"],
-    &["convert", "verify", "view"],
+    &["convert", "diff", "verify", "view"],
     &["sink", "recording"],
     &["telemetry"],
     &["simulation"],

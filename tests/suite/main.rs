@@ -9,6 +9,7 @@ mod command_line;
 #[cfg(unix)]
 mod crash;
 mod damage;
+mod diff;
 mod fuzz_corpus;
 mod golden;
 mod integrate;

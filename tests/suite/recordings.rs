@@ -295,7 +295,7 @@ impl Forgery {
             ("events", count("/events")),
             ("nutations", count("/top/nutation")),
         ];
-        let end = end.map(|(key, value)| (key.to_owned(), value)).into();
+        let end = Some(end.map(|(key, value)| (key.to_owned(), value)).into());
         let ending = toprise::sink::mcap::Ending {
             end,
             ..Default::default()

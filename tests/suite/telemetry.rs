@@ -59,8 +59,16 @@ fn regress_the_committed_schemas_are_those_of_the_table() {
             path.display()
         );
     }
+    let reports = toprise::diff::schemas();
+    for (name, schema) in &reports {
+        let committed = fs::read_to_string(directory.join(name)).unwrap_or_default();
+        assert_eq!(
+            &committed, schema,
+            "{name} is out of date: run `cargo run -- schema --write schemas`"
+        );
+    }
     let files = fs::read_dir(&directory).unwrap().count();
-    assert_eq!(files, 2 * channels().len());
+    assert_eq!(files, 2 * channels().len() + reports.len());
 }
 
 #[test]

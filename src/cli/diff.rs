@@ -1,0 +1,367 @@
+//! `toprise diff`.
+
+mod content;
+mod page;
+
+use super::progress::Progress;
+use super::run::{parse_override, scenario};
+use super::{Done, EncodingName, format, output};
+use crate::diff::{
+    Align, Archive, Matrix, Observer, Options, Report, Subject, Tolerance, Tolerances, Verdict,
+    compare_observed,
+};
+use crate::recording::Recording;
+use crate::scenario::{PRESETS, Scenario};
+use crate::sink::publish::Existing;
+use crate::sink::{Side, SinkError};
+use crate::telemetry::Message;
+use anyhow::{Context as _, Error, bail};
+use clap::{Args, ValueEnum};
+use content::Detail;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `toprise diff`.
+#[derive(Args, Debug, PartialEq)]
+pub(super) struct DiffArguments {
+    /// Two runs or more: recordings (any MCAP files), presets, scenario files.
+    #[arg(required = true, num_args = 2.., value_name = "RUN")]
+    runs: Vec<String>,
+
+    /// Set a key of every scenario that is simulated now, as in friction.k=0.02.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
+    overrides: Vec<(String, String)>,
+
+    /// Set a key of the first scenario.
+    #[arg(long = "set-a", value_name = "KEY=VALUE", value_parser = parse_override)]
+    overrides_a: Vec<(String, String)>,
+
+    /// Set a key of the second scenario.
+    #[arg(long = "set-b", value_name = "KEY=VALUE", value_parser = parse_override)]
+    overrides_b: Vec<(String, String)>,
+
+    /// What is compared with what: at equal times, at equal phases of the nutation, or at equal means of θ.
+    #[arg(long, value_enum, default_value_t = AlignName::Time)]
+    align: AlignName,
+
+    /// Largest difference that counts as none, in the unit of each field.
+    #[arg(long, value_name = "NUMBER", default_value_t = 0.0)]
+    abs: f64,
+
+    /// The same as a part of the larger magnitude.
+    #[arg(long, value_name = "NUMBER", default_value_t = 0.0)]
+    rel: f64,
+
+    /// The same as a number of doubles from one to the other.
+    #[arg(long, value_name = "COUNT", default_value_t = 0)]
+    ulp: u64,
+
+    /// Tolerance of some fields, as in '/top/state.theta=1e-9' or '/top/torque.*=rel:1e-6,ulp:4'.
+    #[arg(long, value_name = "PATTERN=VALUE")]
+    tol: Vec<String>,
+
+    /// A TOML file of tolerances: abs, rel, ulp, and a table [fields] of patterns.
+    #[arg(long, value_name = "FILE")]
+    tolerances: Option<PathBuf>,
+
+    /// Compare only these topics, separated by commas.
+    #[arg(long, value_name = "TOPICS", value_delimiter = ',')]
+    topics: Vec<String>,
+
+    /// Don't find the integrators' errors: the scenarios are not simulated again.
+    #[arg(long)]
+    no_floor: bool,
+
+    /// Show every field that differs, not only the one of each topic that differs most.
+    #[arg(long)]
+    all_fields: bool,
+
+    /// Write the differences into this MCAP file, as channels with the fields of the recordings.
+    #[arg(long, value_name = "FILE")]
+    mcap: Option<PathBuf>,
+
+    /// Encoding of that file's messages.
+    #[arg(long, value_enum, default_value_t = EncodingName::Protobuf, requires = "mcap")]
+    encoding: EncodingName,
+
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+
+    /// Form of the report.
+    #[arg(long, value_enum, default_value_t = ReportFormat::Text)]
+    format: ReportFormat,
+
+    /// The report as Markdown: the same as --format markdown.
+    #[arg(long, conflicts_with = "format")]
+    markdown: bool,
+}
+
+/// What is compared with what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum AlignName {
+    /// At equal times.
+    Time,
+    /// At equal phases of the nutation.
+    Nutation,
+    /// At equal means of θ over a nutation.
+    Theta,
+}
+
+impl From<AlignName> for Align {
+    fn from(name: AlignName) -> Self {
+        match name {
+            AlignName::Time => Self::Time,
+            AlignName::Nutation => Self::Nutation,
+            AlignName::Theta => Self::Theta,
+        }
+    }
+}
+
+/// The form of a report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ReportFormat {
+    /// For people.
+    Text,
+    /// For programs: schemas/toprise.DiffReport.json describes it.
+    Json,
+    /// For documents.
+    Markdown,
+}
+
+impl DiffArguments {
+    fn options(&self) -> Result<Options, Error> {
+        let mut tolerances = match &self.tolerances {
+            Some(path) => {
+                let context = || path.display().to_string();
+                let text = fs::read_to_string(path).with_context(context)?;
+                Tolerances::from_toml(&text).with_context(context)?
+            }
+            None => Tolerances::default(),
+        };
+        let general = Tolerance {
+            abs: self.abs,
+            rel: self.rel,
+            ulp: self.ulp,
+        };
+        if general != Tolerance::default() {
+            tolerances.general = general;
+        }
+        tolerances.check()?;
+        for tolerance in &self.tol {
+            tolerances.add(tolerance)?;
+        }
+        Ok(Options {
+            align: self.align.into(),
+            tolerances,
+            floor: !self.no_floor,
+            topics: self.topics.clone(),
+        })
+    }
+
+    /// The keys to set in the scenario of a run.
+    fn overrides_of(&self, at: usize) -> Vec<(String, String)> {
+        let own = match at {
+            0 => self.overrides_a.as_slice(),
+            1 => self.overrides_b.as_slice(),
+            _ => &[],
+        };
+        [self.overrides.as_slice(), own].concat()
+    }
+
+    /// The file of differences, if one is wanted.
+    fn archive(&self, subjects: [Subject<'_>; 2]) -> Result<Option<Archive>, Error> {
+        let Some(path) = &self.mcap else {
+            return Ok(None);
+        };
+        if !subjects.iter().all(|subject| subject.is_ours()) {
+            bail!("--mcap writes the fields of toprise's recordings; one of these is another file");
+        }
+        let existing = Existing::forced(self.force);
+        Ok(Some(Archive::create(
+            path,
+            existing,
+            self.encoding.into(),
+            subjects,
+        )?))
+    }
+
+    fn print(&self, report: &Report) -> Result<(), Error> {
+        let detail = if self.all_fields {
+            Detail::AllFields
+        } else {
+            Detail::Short
+        };
+        match self.format() {
+            ReportFormat::Text => output::print_styled(&content::page(report, detail).text())?,
+            ReportFormat::Markdown => output::print(&content::page(report, detail).markdown())?,
+            ReportFormat::Json => output::print(&serde_json::to_string_pretty(report)?)?,
+        }
+        Ok(())
+    }
+
+    fn format(&self) -> ReportFormat {
+        if self.markdown {
+            ReportFormat::Markdown
+        } else {
+            self.format
+        }
+    }
+}
+
+/// A run on the command line.
+enum Given {
+    Recording(Box<Recording>),
+    Scenario(Box<Scenario>),
+}
+
+impl Given {
+    fn subject(&self) -> Subject<'_> {
+        match self {
+            Self::Recording(recording) => Subject::Recording(recording),
+            Self::Scenario(scenario) => Subject::Scenario(scenario),
+        }
+    }
+
+    fn bytes(&self) -> u64 {
+        match self {
+            Self::Recording(recording) => recording.size(),
+            Self::Scenario(_) => 0,
+        }
+    }
+}
+
+/// Compares runs.
+pub(super) fn diff(arguments: &DiffArguments) -> Result<Done, Error> {
+    let options = arguments.options()?;
+    let runs = given(arguments)?;
+    if let [a, b] = runs.as_slice() {
+        return two(arguments, &options, a, b);
+    }
+    if arguments.mcap.is_some() {
+        bail!("--mcap is for two runs");
+    }
+    if !(arguments.overrides_a.is_empty() && arguments.overrides_b.is_empty()) {
+        bail!("--set-a and --set-b are for two runs; --set is for all");
+    }
+    several(arguments, &options, &runs)
+}
+
+fn given(arguments: &DiffArguments) -> Result<Vec<Given>, Error> {
+    let words = arguments.runs.iter().enumerate();
+    let runs = words.map(|(at, word)| open(word, &arguments.overrides_of(at)));
+    runs.collect::<Result<Vec<_>, _>>()
+}
+
+/// The run that a word means: a preset, a scenario file, or else a recording.
+fn open(word: &str, overrides: &[(String, String)]) -> Result<Given, Error> {
+    let is_preset = PRESETS.iter().any(|preset| preset.name == word);
+    let path = Path::new(word);
+    let is_path = path.exists() || word.contains(['/', '\\']) || word.contains(".mcap");
+    if is_preset || word.ends_with(".toml") || !is_path {
+        return Ok(Given::Scenario(Box::new(scenario(word, overrides)?)));
+    }
+    if let Some((key, _)) = overrides.first() {
+        bail!("{word} is a recording: {key} can only be set in a scenario that is simulated now");
+    }
+    let recording = Recording::open(path).with_context(|| word.to_owned())?;
+    Ok(Given::Recording(Box::new(recording)))
+}
+
+/// Everything that watches a comparison: the progress bar and what is written.
+struct Watching<'a> {
+    progress: &'a Progress,
+    archive: Option<Archive>,
+}
+
+impl Observer for Watching<'_> {
+    fn message(&mut self, side: Side, message: &Message<'_>) -> Result<(), SinkError> {
+        match &mut self.archive {
+            Some(archive) => archive.message(side, message),
+            None => Ok(()),
+        }
+    }
+
+    fn difference(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        match &mut self.archive {
+            Some(archive) => archive.difference(message),
+            None => Ok(()),
+        }
+    }
+
+    fn progress(&mut self, bytes: u64) {
+        self.progress.add(bytes);
+    }
+}
+
+fn two(arguments: &DiffArguments, options: &Options, a: &Given, b: &Given) -> Result<Done, Error> {
+    let subjects = [a, b].map(Given::subject);
+    let archive = arguments.archive(subjects)?;
+    let progress = Progress::of_bytes("comparing", a.bytes() + b.bytes());
+    let mut watching = Watching {
+        progress: &progress,
+        archive,
+    };
+    let compared = compare_observed(subjects[0], subjects[1], options, &mut watching);
+    progress.finish();
+    let report = match (compared, watching.archive) {
+        (Ok(report), archive) => {
+            let written = archive.map(|archive| archive.finish(&report)).transpose()?;
+            arguments.print(&report)?;
+            if let Some(written) = written {
+                let (path, bytes) = (written.path.display(), format::bytes(written.bytes));
+                output::note(&format!("wrote {path}  {bytes}"));
+            }
+            report
+        }
+        (Err(error), archive) => {
+            if let Some(archive) = archive {
+                archive.discard();
+            }
+            return Err(error.into());
+        }
+    };
+    Ok(done(std::iter::once(&report)))
+}
+
+fn several(arguments: &DiffArguments, options: &Options, runs: &[Given]) -> Result<Done, Error> {
+    let bytes: u64 = runs.iter().map(Given::bytes).sum();
+    // Each is read once for each of the others.
+    let progress = Progress::of_bytes("comparing", bytes * (runs.len() as u64 - 1));
+    let matrix = Matrix::new(runs.len(), |i, j| {
+        // The integrators' errors are only told of the pairs that are reported.
+        let options = Options {
+            floor: options.floor && i == 0,
+            ..options.clone()
+        };
+        let [a, b] = [&runs[i], &runs[j]].map(Given::subject);
+        let mut watching = Watching {
+            progress: &progress,
+            archive: None,
+        };
+        compare_observed(a, b, &options, &mut watching)
+            .with_context(|| format!("{} and {}", arguments.runs[i], arguments.runs[j]))
+    });
+    progress.finish();
+    let matrix = matrix?;
+    match arguments.format() {
+        ReportFormat::Text => output::print_styled(&content::matrix_page(&matrix).text())?,
+        ReportFormat::Markdown => output::print(&content::matrix_page(&matrix).markdown())?,
+        ReportFormat::Json => output::print(&serde_json::to_string_pretty(&matrix)?)?,
+    }
+    Ok(done(&matrix.against_first))
+}
+
+/// Different beats incomplete.
+fn done<'a>(reports: impl IntoIterator<Item = &'a Report>) -> Done {
+    let mut done = Done::Well;
+    for report in reports {
+        if report.verdict == Verdict::Different {
+            return Done::Differing;
+        }
+        if !report.is_complete {
+            done = Done::WithLosses;
+        }
+    }
+    done
+}

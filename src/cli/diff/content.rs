@@ -1,0 +1,815 @@
+//! What the report says, section by section.
+
+use super::page::{Page, Part, Section, Table, Tone};
+use crate::cli::format;
+use crate::diff::phrase::{duration, quantity, significant, symbol};
+use crate::diff::{
+    ChannelDifference, CourseReport, Deviation, EventKindDifference, EventMoment, FieldDifference,
+    Growth, GrowthLaw, Happened, KeyDifference, Matrix, Parting, Report, Residual, Run, Verdict,
+};
+
+/// Of long lists, so many entries are shown.
+const SHOWN: usize = 8;
+
+/// How much to show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Detail {
+    /// Of each topic the field that differs most.
+    Short,
+    /// Every field.
+    AllFields,
+}
+
+/// The page of a report.
+pub(super) fn page(report: &Report, detail: Detail) -> Page {
+    let (title, tone) = match report.verdict {
+        Verdict::Identical => ("Identical", Tone::Same),
+        Verdict::Equal => ("Equal", Tone::Same),
+        Verdict::Different => ("Different", Tone::Different),
+    };
+    let title = if report.is_complete {
+        title.to_owned()
+    } else {
+        format!("{title} as far as both can be read")
+    };
+    let mut sections = vec![setup(report), happened(report), averaged(report)];
+    sections.extend([
+        signals(report, detail),
+        models(report),
+        errors(report),
+        remarks(report),
+    ]);
+    sections.retain(|section| !section.parts.is_empty());
+    Page {
+        title,
+        tone,
+        runs: runs(report),
+        summary: report.summary.clone(),
+        sections,
+    }
+}
+
+fn runs(report: &Report) -> Table {
+    let row = |letter: &str, run: &Run| {
+        let what = match &run.condition {
+            None => "simulated now",
+            Some(condition)
+                if ["complete", "not a toprise recording"].contains(&condition.as_str()) =>
+            {
+                ""
+            }
+            Some(condition) => condition,
+        };
+        vec![
+            letter.to_owned(),
+            run.file.clone().unwrap_or_else(|| run.name.clone()),
+            what.to_owned(),
+            format!("{} messages", format::count(run.messages)),
+            format!("{:.3} s", run.last),
+        ]
+    };
+    Table {
+        header: Vec::new(),
+        rows: vec![row("A", &report.a), row("B", &report.b)],
+        left: 3,
+    }
+}
+
+fn cells<const N: usize>(cells: [&str; N]) -> Vec<String> {
+    cells.map(str::to_owned).to_vec()
+}
+
+fn setup(report: &Report) -> Section {
+    let found = &report.setup;
+    let mut section = Section::new("Set-up", String::new());
+    let value = |value: &Option<String>, unit: &str| match value {
+        Some(value) if unit.is_empty() => clipped(value, 32),
+        Some(value) => clipped(&format!("{value} {unit}"), 32),
+        None => "–".to_owned(),
+    };
+    let row = |key: &KeyDifference| {
+        vec![
+            clipped(&key.key, 32),
+            value(&key.a, &key.unit),
+            value(&key.b, &key.unit),
+        ]
+    };
+    // Of counts and digests, which follow from the rest, the sections below say more.
+    let is_setup = |key: &&KeyDifference| {
+        !key.key.starts_with("toprise.end: ") && key.key != "toprise.run: scenario_digest"
+    };
+    let told = found.files.iter().filter(is_setup);
+    section.table(Table {
+        header: cells(["", "A", "B"]),
+        rows: found.scenario.iter().chain(told).map(row).collect(),
+        left: 3,
+    });
+    if found.equal_keys > 0 && !section.parts.is_empty() {
+        section.line(format!(
+            "{} other keys of the scenarios are equal",
+            found.equal_keys
+        ));
+    }
+    for (what, list) in [
+        ("topics only in A", &found.topics_only_in_a),
+        ("topics only in B", &found.topics_only_in_b),
+        ("fields only in A", &found.fields_only_in_a),
+        ("fields only in B", &found.fields_only_in_b),
+        ("schemas", &found.schemas),
+    ] {
+        if !list.is_empty() {
+            section.line(format!("{what}: {}", shortened(list)));
+        }
+    }
+    section
+}
+
+fn clipped(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
+    }
+    text.chars().take(width - 1).chain(['…']).collect()
+}
+
+fn shortened(list: &[String]) -> String {
+    let shown = list
+        .iter()
+        .take(SHOWN)
+        .cloned()
+        .collect::<Vec<_>>()
+        .join(", ");
+    match list.len().saturating_sub(SHOWN) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
+fn happened(report: &Report) -> Section {
+    let mut section = Section::new("What happened", String::new());
+    let (Some(found), Some(a), Some(b)) = (&report.happened, &report.a.course, &report.b.course)
+    else {
+        return section;
+    };
+    section.table(Table {
+        header: cells(["", "A", "B", "B − A"]),
+        rows: [happening_rows(found), budget_rows(a, b)].concat(),
+        left: 1,
+    });
+    if let Part::Table(table) = &mut section.parts[0] {
+        table.rows.splice(0..0, first_rows(a, b, found));
+    }
+    section.table(Table {
+        header: cells([
+            "events",
+            "in A",
+            "in B",
+            "matched",
+            "mean shift",
+            "largest shift",
+        ]),
+        rows: found
+            .kinds
+            .iter()
+            .filter(|kind| kind.name != "start")
+            .map(kind_row)
+            .collect(),
+        left: 1,
+    });
+    for (name, only) in [("A", &found.only_in_a), ("B", &found.only_in_b)] {
+        let told: Vec<&EventMoment> = only
+            .iter()
+            .filter(|event| !event.name.starts_with("nutation_"))
+            .collect();
+        if !told.is_empty() {
+            let moment = |event: &&EventMoment| format!("{} at {:.4} s", event.name, event.time);
+            let told: Vec<String> = told.iter().map(moment).collect();
+            section.line(format!("only in {name}: {}", shortened(&told)));
+        }
+    }
+    section
+}
+
+fn shift(a: Option<f64>, b: Option<f64>) -> String {
+    let Some((a, b)) = a.zip(b) else {
+        return String::new();
+    };
+    signed_duration(b - a)
+}
+
+fn signed_duration(seconds: f64) -> String {
+    match seconds {
+        0.0 => "0".to_owned(),
+        _ if seconds > 0.0 => format!("+{}", duration(seconds)),
+        _ => format!("−{}", duration(seconds)),
+    }
+}
+
+fn signed(value: f64) -> String {
+    let text = significant(value, 3);
+    if value > 0.0 {
+        format!("+{text}")
+    } else {
+        text
+    }
+}
+
+fn time_cell(time: Option<f64>) -> String {
+    time.map_or("–".to_owned(), |time| format!("{time:.6}"))
+}
+
+fn first_rows(a: &CourseReport, b: &CourseReport, found: &Happened) -> Vec<Vec<String>> {
+    let reason =
+        |course: &CourseReport| course.stop_reason.clone().unwrap_or("not known".to_owned());
+    let mut rows = vec![
+        vec!["end".to_owned(), reason(a), reason(b), String::new()],
+        vec![
+            "  at [s]".to_owned(),
+            time_cell(a.stop_time),
+            time_cell(b.stop_time),
+            shift(a.stop_time, b.stop_time),
+        ],
+    ];
+    if a.rise_time.is_some() || b.rise_time.is_some() {
+        let uncertainty = found
+            .rise_shift_uncertainty
+            .map_or(String::new(), |uncertainty| {
+                format!(" ± {}", duration(uncertainty))
+            });
+        rows.push(vec![
+            "rise [s]".to_owned(),
+            time_cell(a.rise_time),
+            time_cell(b.rise_time),
+            shift(a.rise_time, b.rise_time) + &uncertainty,
+        ]);
+    }
+    rows
+}
+
+fn happening_rows(found: &Happened) -> Vec<Vec<String>> {
+    let Some(level) = found.averaged_level else {
+        return Vec::new();
+    };
+    let (a, b) = (found.averaged_crossing_a, found.averaged_crossing_b);
+    vec![vec![
+        format!("mean θ at {} rad [s]", significant(level, 4)),
+        time_cell(a),
+        time_cell(b),
+        shift(a, b),
+    ]]
+}
+
+fn budget_rows(a: &CourseReport, b: &CourseReport) -> Vec<Vec<String>> {
+    let count = |count: Option<u64>| count.map(|count| count as f64);
+    let lost = |course: &CourseReport| Some(course.energy_first? - course.energy_last?);
+    let work =
+        |course: &CourseReport, axis: usize| course.friction_work_node.map(|work| work[axis]);
+    let quantities = [
+        ("nutation cycles", count(a.nutations), count(b.nutations)),
+        ("energy lost [J]", lost(a), lost(b)),
+        ("work of friction [J]", a.friction_work, b.friction_work),
+        ("  against the nutation", work(a, 0), work(b, 0)),
+        ("  on the precession", work(a, 1), work(b, 1)),
+        ("  against the spin", work(a, 2), work(b, 2)),
+        ("path slipped [m]", a.slip_path, b.slip_path),
+        (
+            "precession at the end [rad/s]",
+            a.precession_rate_last,
+            b.precession_rate_last,
+        ),
+        (
+            "spin at the end [rad/s]",
+            a.spin_rate_last,
+            b.spin_rate_last,
+        ),
+        (
+            "drift of L_z, relative",
+            a.vertical_momentum_drift,
+            b.vertical_momentum_drift,
+        ),
+        (
+            "energy unaccounted for [J]",
+            a.energy_imbalance,
+            b.energy_imbalance,
+        ),
+    ];
+    let known = quantities
+        .into_iter()
+        .filter(|(_, a, b)| a.is_some() || b.is_some());
+    known
+        .map(|(name, a, b)| {
+            let is_count = name == "nutation cycles";
+            let cell = |value: Option<f64>| match value {
+                None => "–".to_owned(),
+                Some(value) if is_count => format!("{value}"),
+                Some(value) => significant(value, 6),
+            };
+            let difference = a.zip(b).map_or(String::new(), |(a, b)| match b - a {
+                0.0 => "0".to_owned(),
+                difference if is_count => format!("{difference:+}").replace('-', "−"),
+                difference => signed(difference),
+            });
+            vec![name.to_owned(), cell(a), cell(b), difference]
+        })
+        .collect()
+}
+
+fn kind_row(kind: &EventKindDifference) -> Vec<String> {
+    vec![
+        kind.name.replace('_', " "),
+        kind.count_a.to_string(),
+        kind.count_b.to_string(),
+        kind.matched.to_string(),
+        kind.mean_shift.map_or("–".to_owned(), signed_duration),
+        kind.largest_shift.map_or("–".to_owned(), signed_duration),
+    ]
+}
+
+fn averaged(report: &Report) -> Section {
+    let Some(found) = &report.averaged else {
+        return Section::new("Averaged motion", String::new());
+    };
+    let note = format!(
+        "over {} nutations, from {:.3} s to {:.3} s",
+        found.cycles, found.from, found.to
+    );
+    let mut section = Section::new("Averaged motion", note);
+    let row = |deviation: &Deviation| {
+        vec![
+            readable(&deviation.quantity),
+            quantity(deviation.largest, 3, &deviation.unit),
+            format!("{:.3} s", deviation.at),
+            significant(deviation.rms, 3),
+            significant(deviation.scale, 3),
+        ]
+    };
+    let phase = &found.phase;
+    let all = found
+        .means
+        .iter()
+        .chain(&found.envelopes)
+        .chain([&found.frequency, phase]);
+    section.table(Table {
+        header: cells(["", "largest B − A", "at", "RMS", "of"]),
+        rows: all.map(row).collect(),
+        left: 1,
+    });
+    if let (Some(first), Some(last)) = (found.amplitude_ratio_first, found.amplitude_ratio_last) {
+        section.line(format!(
+            "amplitude of the nutation, B over A: {} at first, {} at the end",
+            significant(first, 4),
+            significant(last, 4)
+        ));
+    }
+    let ahead = found.phase_last;
+    let order = if ahead < 0.0 { "behind" } else { "ahead" };
+    let mut line = format!(
+        "phase: B is {} nutations {order} at the end",
+        significant(ahead.abs(), 3)
+    );
+    if let Some(time) = found.decorrelated {
+        line += &format!("; a quarter and more from {time:.3} s on");
+    }
+    section.line(line);
+    section
+}
+
+/// The name of a quantity for people.
+fn readable(name: &str) -> String {
+    for (ending, word) in [
+        ("_mean", "mean "),
+        ("_min", "least "),
+        ("_max", "greatest "),
+    ] {
+        if let Some(base) = name.strip_suffix(ending) {
+            return format!("{word}{}", symbol(base));
+        }
+    }
+    name.replace('_', " ")
+}
+
+fn signals(report: &Report, detail: Detail) -> Section {
+    let found = &report.signals;
+    let note = format!(
+        "{:.3} s to {:.3} s: {}",
+        found.from, found.to, found.alignment
+    );
+    let mut section = Section::new("Signals", String::new());
+    if report.verdict == Verdict::Identical {
+        return section;
+    }
+    section.line(note);
+    let mut rows = Vec::new();
+    for channel in found
+        .channels
+        .iter()
+        .filter(|channel| is_by_itself(channel))
+    {
+        rows.extend(channel_rows(channel, detail));
+    }
+    section.table(Table {
+        header: cells([
+            "topic and field",
+            "largest B − A",
+            "at",
+            "RMS",
+            "relative",
+            "first at",
+            "beyond",
+        ]),
+        rows,
+        left: 1,
+    });
+    for line in unmatched(&found.channels) {
+        section.line(line);
+    }
+    if let Some(line) = parted(&found.parted) {
+        section.line(line);
+    }
+    let growths: Vec<String> = found.growth.iter().map(growth).collect();
+    if !growths.is_empty() {
+        section.line(format!("growth: {}", growths.join("; ")));
+    }
+    if let Some(error) = interpolation(&found.channels) {
+        section.line(error);
+    }
+    section
+}
+
+fn channel_rows(channel: &ChannelDifference, detail: Detail) -> Vec<Vec<String>> {
+    let differs = |field: &&FieldDifference| field.first_different.is_some();
+    let differing = channel
+        .fields
+        .iter()
+        .filter(|field| !field.is_derived)
+        .filter(differs);
+    let differing = differing.count();
+    if differing == 0 {
+        let what = match channel.pairs {
+            0 if channel.is_empty() => "no messages",
+            0 => "no common times",
+            _ => "equal",
+        };
+        return vec![vec![channel.topic.clone(), what.to_owned()]];
+    }
+    let fields: Vec<&FieldDifference> = match detail {
+        Detail::AllFields => channel.fields.iter().filter(differs).collect(),
+        Detail::Short => {
+            let of_field = channel.fields.iter().filter(|field| !field.is_derived);
+            let worst = of_field.max_by(|x, y| importance(x).total_cmp(&importance(y)));
+            let derived = channel
+                .fields
+                .iter()
+                .filter(|field| field.is_derived)
+                .filter(differs);
+            worst.into_iter().chain(derived).collect()
+        }
+    };
+    let mut rows = Vec::new();
+    let heading = format!(
+        "{}  ({differing} of {} fields)",
+        channel.topic,
+        channel.fields.iter().filter(|f| !f.is_derived).count()
+    );
+    rows.push(vec![heading]);
+    rows.extend(fields.into_iter().map(field_row));
+    rows
+}
+
+/// What differs most for its size; what is not a number above all.
+fn importance(field: &FieldDifference) -> f64 {
+    if field.not_numbers > 0 {
+        f64::INFINITY
+    } else {
+        field.relative
+    }
+}
+
+fn field_row(field: &FieldDifference) -> Vec<String> {
+    let mark = if field.is_below_floor { " ≈" } else { "" };
+    let name = clipped(&field.field, 30);
+    let first = field
+        .first_different
+        .map_or(String::new(), |time| format!("{time:.3} s"));
+    let at = if field.largest == 0.0 {
+        first.clone()
+    } else {
+        format!("{:.3} s", field.at)
+    };
+    let largest = if field.not_numbers > 0 && field.largest == 0.0 {
+        format!("{} in one only", format::count(field.not_numbers))
+    } else {
+        quantity(field.largest, 3, &field.unit) + mark
+    };
+    let relative = match field.ulp {
+        _ if field.is_derived => String::new(),
+        Some(ulp) if ulp > 0 && field.relative < 1e-12 => format!("{ulp} ulp"),
+        _ => significant(field.relative, 2),
+    };
+    vec![
+        format!("  {name}"),
+        largest,
+        at,
+        significant(field.rms, 2),
+        relative,
+        first,
+        if field.is_derived {
+            String::new()
+        } else {
+            format::count(field.beyond)
+        },
+    ]
+}
+
+/// Whether its messages can be compared in their order; events that came in another order are matched above.
+fn is_by_itself(channel: &ChannelDifference) -> bool {
+    !(channel.fields.is_empty() && channel.texts.is_some())
+}
+
+/// Messages without a counterpart, topics with as many of them together.
+fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
+    let mut lines: Vec<(String, Vec<String>)> = Vec::new();
+    let mut add =
+        |what: String, topic: &str| match lines.iter_mut().find(|(known, _)| *known == what) {
+            Some((_, topics)) => topics.push(topic.to_owned()),
+            None => lines.push((what, vec![topic.to_owned()])),
+        };
+    for channel in channels.iter().filter(|channel| is_by_itself(channel)) {
+        for (name, within, beyond) in [
+            ("A", channel.only_in_a, channel.beyond_in_a),
+            ("B", channel.only_in_b, channel.beyond_in_b),
+        ] {
+            if within > 0 {
+                add(
+                    format!("only in {name}: {} messages", format::count(within)),
+                    &channel.topic,
+                );
+            }
+            if beyond > 0 && channel.pairs > 0 {
+                add(
+                    format!("{name} goes on for {} messages", format::count(beyond)),
+                    &channel.topic,
+                );
+            }
+        }
+        if channel.out_of_order > 0 {
+            let count = format::count(channel.out_of_order);
+            add(
+                format!("{count} messages came too late to be compared"),
+                &channel.topic,
+            );
+        }
+        if let Some(text) = &channel.texts
+            && channel
+                .fields
+                .iter()
+                .all(|field| field.first_different.is_none())
+        {
+            let (a, b) = (&text.a, &text.b);
+            let first = format!("first at {} s: {a:?} in A, {b:?} in B", text.time);
+            add(
+                format!("{} texts differ, {first}", text.count),
+                &channel.topic,
+            );
+        }
+    }
+    lines
+        .into_iter()
+        .map(|(what, topics)| format!("{what} ({})", topics.join(", ")))
+        .collect()
+}
+
+/// The first field of each kind that parted.
+fn parted(partings: &[Parting]) -> Option<String> {
+    let mut first: Vec<&Parting> = Vec::new();
+    for parting in partings.iter().filter(|parting| parting.kind != "other") {
+        if !first.iter().any(|known| known.kind == parting.kind) {
+            first.push(parting);
+        }
+    }
+    let told: Vec<String> = first
+        .iter()
+        .map(|parting| format!("{} ({} at {} s)", parting.kind, parting.field, parting.time))
+        .collect();
+    (!told.is_empty()).then(|| format!("parted in this order: {}", told.join(", ")))
+}
+
+fn growth(growth: &Growth) -> String {
+    let field = growth.field.rsplit('.').next().unwrap_or_default();
+    let name = symbol_of_angle(field);
+    let law = match growth.law {
+        GrowthLaw::Bounded => "bounded".to_owned(),
+        GrowthLaw::Power => format!("as t^{:.2}", growth.parameter),
+        GrowthLaw::Exponential => format!("as e^({} t)", significant(growth.parameter, 3)),
+    };
+    format!("{name} {law} (R² {:.3})", growth.quality)
+}
+
+fn symbol_of_angle(field: &str) -> &str {
+    match field {
+        "phi" => "φ",
+        "psi" => "ψ",
+        other => symbol(other),
+    }
+}
+
+fn interpolation(channels: &[ChannelDifference]) -> Option<String> {
+    let fields = channels.iter().flat_map(|channel| {
+        channel
+            .fields
+            .iter()
+            .map(move |field| (&channel.topic, field))
+    });
+    let known = fields.filter_map(|(topic, field)| {
+        let error = field.interpolation_error? / field.scale;
+        error.is_finite().then_some((topic, field, error))
+    });
+    let (topic, field, error) = known.max_by(|x, y| x.2.total_cmp(&y.2))?;
+    Some(format!(
+        "interpolated to at most {} of a field's size ({topic}.{})",
+        significant(error, 2),
+        field.field
+    ))
+}
+
+fn models(report: &Report) -> Section {
+    let Some(found) = &report.discrepancy else {
+        return Section::new("Models", String::new());
+    };
+    let note = format!(
+        "B's less A's, at the {} states that A goes through",
+        format::count(found.states)
+    );
+    let mut section = Section::new("Models", note);
+    let row = |residual: &Residual| {
+        vec![
+            residual.quantity.clone(),
+            quantity(residual.largest, 3, &residual.unit),
+            format!("{:.3} s", residual.at),
+            significant(residual.rms, 3),
+            significant(residual.rms_a, 3),
+        ]
+    };
+    let differing = found
+        .quantities
+        .iter()
+        .filter(|residual| residual.largest > 0.0);
+    section.table(Table {
+        header: cells(["", "largest", "at", "RMS", "RMS of A's own"]),
+        rows: differing.map(row).collect(),
+        left: 1,
+    });
+    if section.parts.is_empty() && report.verdict != Verdict::Identical {
+        section.line("both do the same there".to_owned());
+    }
+    section
+}
+
+fn errors(report: &Report) -> Section {
+    let Some(found) = &report.floor else {
+        return Section::new("Integrator errors", String::new());
+    };
+    let mut section = Section::new(
+        "Integrator errors",
+        "each run against itself with tighter tolerances".to_owned(),
+    );
+    let theta = |fields: &[(String, f64)], name: &str| {
+        let field = fields.iter().find(|(field, _)| field == name);
+        field.map_or(String::new(), |(_, error)| significant(*error, 2))
+    };
+    let row = |letter: &str, error: &crate::diff::IntegratorError| {
+        vec![
+            letter.to_owned(),
+            format!("{:e} → {:e}", error.relative_tolerance, error.compared_with),
+            theta(&error.fields, "/top/state.theta"),
+            theta(&error.fields, "/top/state.phi_dot"),
+            theta(&error.fields, "/top/state.psi"),
+            duration(error.event_shift),
+        ]
+    };
+    section.table(Table {
+        header: cells(["", "tolerance", "θ [rad]", "φ̇ [rad/s]", "ψ [rad]", "events"]),
+        rows: vec![row("A", &found.a), row("B", &found.b)],
+        left: 2,
+    });
+    let fields = || {
+        report
+            .signals
+            .channels
+            .iter()
+            .flat_map(|channel| &channel.fields)
+    };
+    let below = fields().filter(|field| field.is_below_floor).count();
+    if below > 0 {
+        let differing = fields()
+            .filter(|field| field.largest != 0.0 && field.floor.is_some())
+            .count();
+        section.line(format!(
+            "{below} of {differing} fields differ by no more than that (marked ≈)"
+        ));
+    }
+    section
+}
+
+fn remarks(report: &Report) -> Section {
+    let mut section = Section::new("Remarks", String::new());
+    for (name, run) in [("A", &report.a), ("B", &report.b)] {
+        for loss in run.losses.iter().take(SHOWN) {
+            section.line(format!("{name}: lost {loss}"));
+        }
+        if run.losses.len() > SHOWN {
+            section.line(format!("{name}: {} more losses", run.losses.len() - SHOWN));
+        }
+    }
+    for note in &report.notes {
+        section.line(note.clone());
+    }
+    section
+}
+
+/// The page of three or more runs.
+pub(super) fn matrix_page(matrix: &Matrix) -> Page {
+    let letters: Vec<String> = (0..matrix.runs.len()).map(letter).collect();
+    let mut runs = Section::new("Runs", String::new());
+    runs.table(Table {
+        header: cells(["", "run", "end", "rise [s]", "energy lost [J]", "nutations"]),
+        rows: matrix
+            .runs
+            .iter()
+            .zip(&letters)
+            .map(|(run, letter)| {
+                vec![
+                    letter.clone(),
+                    clipped(&run.name, 40),
+                    run.stop_reason.clone().unwrap_or("–".to_owned()),
+                    time_cell(run.rise_time),
+                    run.energy_lost
+                        .map_or("–".to_owned(), |lost| significant(lost, 6)),
+                    run.nutations
+                        .map_or("–".to_owned(), |count| count.to_string()),
+                ]
+            })
+            .collect(),
+        left: 3,
+    });
+    let mut distances = Section::new(
+        "Averaged distance",
+        "root mean square difference of the mean θ [rad]".to_owned(),
+    );
+    let cell = |distance: &Option<f64>| distance.map_or("–".to_owned(), |d| significant(d, 3));
+    distances.table(Table {
+        header: std::iter::once(String::new())
+            .chain(letters.iter().cloned())
+            .collect(),
+        rows: matrix
+            .theta_distance
+            .iter()
+            .zip(&letters)
+            .map(|(row, letter)| {
+                std::iter::once(letter.clone())
+                    .chain(row.iter().map(cell))
+                    .collect()
+            })
+            .collect(),
+        left: 1,
+    });
+    let mut against = Section::new("Each against A", String::new());
+    for (report, letter) in matrix.against_first.iter().zip(&letters[1..]) {
+        let summary = report
+            .summary
+            .join(" ")
+            .replace("B's", &format!("{letter}'s"));
+        let summary = summary
+            .replace("B ", &format!("{letter} "))
+            .replace("B:", &format!("{letter}:"));
+        against.line(format!("{letter}  {summary}"));
+    }
+    let verdicts = || matrix.against_first.iter().map(|report| report.verdict);
+    let all_same = verdicts().all(|verdict| verdict != Verdict::Different);
+    Page {
+        title: if all_same { "Equal" } else { "Different" }.to_owned(),
+        tone: if all_same {
+            Tone::Same
+        } else {
+            Tone::Different
+        },
+        runs: Table::default(),
+        summary: vec![format!(
+            "{} of {} runs are equal to the first.",
+            verdicts()
+                .filter(|verdict| *verdict != Verdict::Different)
+                .count(),
+            verdicts().count()
+        )],
+        sections: vec![runs, distances, against],
+    }
+}
+
+/// A, B, …, Z, AA, AB, …
+fn letter(at: usize) -> String {
+    let of = |at: usize| char::from(b'A' + (at % 26) as u8);
+    if at < 26 {
+        of(at).to_string()
+    } else {
+        format!("{}{}", letter(at / 26 - 1), of(at))
+    }
+}

@@ -1,0 +1,299 @@
+//! The messages of a run as they come: out of a file, or out of a simulation.
+//!
+//! Each run is read by a thread of its own, which hands over batches.
+
+use super::Subject;
+use crate::recording::{Entries, FileChannel, NumberDecoder, Reader, Recording, Selection};
+use crate::scenario::Scenario;
+use crate::simulation::Simulation;
+use crate::sink::mcap::end_entries;
+use crate::sink::memory::Owned;
+use crate::telemetry::{Telemetry, TelemetryError, channels};
+use std::sync::mpsc::SyncSender;
+
+/// Messages in a batch.
+const BATCH: usize = 1024;
+
+/// Messages of one run.
+#[derive(Debug, Default)]
+pub(super) struct Batch {
+    /// The messages; their channels are positions in the list of topics.
+    pub(super) messages: Vec<Owned>,
+    /// Fields that came up with them: a topic, and the fields behind those known so far.
+    pub(super) fields: Vec<(usize, Vec<String>)>,
+    /// How many more bytes of the file have been read.
+    pub(super) bytes: u64,
+}
+
+/// What there is to say about a run once it has been read.
+#[derive(Debug, Default)]
+pub(super) struct Ended {
+    /// The entries of its end record.
+    pub(super) end: Option<Entries>,
+    /// What could not be read.
+    pub(super) losses: Vec<String>,
+}
+
+/// What comes out of a run.
+#[derive(Debug)]
+pub(super) enum Parcel {
+    Batch(Batch),
+    End(Ended),
+}
+
+/// Reads a run to its end. It ends early when nobody takes its batches any more.
+///
+/// `topics` are the topics to read of a file that is not ours; ours are read as the table has them.
+pub(super) fn read(subject: Subject<'_>, topics: Option<&[String]>, out: &SyncSender<Parcel>) {
+    let mut posting = Posting {
+        out,
+        batch: Batch::default(),
+        is_open: true,
+    };
+    let ended = match (subject, topics) {
+        (Subject::Scenario(scenario), _) => simulate(scenario, &mut posting),
+        (Subject::Recording(recording), None) => read_table(recording, &mut posting),
+        (Subject::Recording(recording), Some(topics)) => {
+            read_numbers(recording, topics, &mut posting)
+        }
+    };
+    posting.send();
+    let _ = out.send(Parcel::End(ended));
+}
+
+/// Collects messages into batches.
+struct Posting<'a> {
+    out: &'a SyncSender<Parcel>,
+    batch: Batch,
+    is_open: bool,
+}
+
+impl Posting<'_> {
+    /// Takes a message, and tells whether anybody wants another.
+    fn push(&mut self, message: Owned, bytes: u64) -> bool {
+        self.batch.messages.push(message);
+        self.batch.bytes += bytes;
+        if self.batch.messages.len() >= BATCH {
+            self.send();
+        }
+        self.is_open
+    }
+
+    fn send(&mut self) {
+        let batch = std::mem::take(&mut self.batch);
+        self.is_open = self.out.send(Parcel::Batch(batch)).is_ok();
+    }
+}
+
+/// A message or the end of the run that it was asked for.
+enum Stopped {
+    Telemetry(TelemetryError),
+    Unwanted,
+}
+
+impl From<TelemetryError> for Stopped {
+    fn from(error: TelemetryError) -> Self {
+        Self::Telemetry(error)
+    }
+}
+
+fn simulate(scenario: &Scenario, posting: &mut Posting<'_>) -> Ended {
+    let mut simulation = match Simulation::new(scenario) {
+        Ok(simulation) => simulation,
+        Err(error) => return lost(error.to_string()),
+    };
+    let mut telemetry = Telemetry::default();
+    let mut losses = Vec::new();
+    for record in simulation.by_ref() {
+        let record = match record {
+            Ok(record) => record,
+            Err(error) => {
+                losses.push(error.to_string());
+                break;
+            }
+        };
+        let sent = telemetry.messages(&record, |message| {
+            if posting.push(Owned::from(message), 0) {
+                Ok(())
+            } else {
+                Err(Stopped::Unwanted)
+            }
+        });
+        match sent {
+            Ok(()) => {}
+            Err(Stopped::Unwanted) => break,
+            Err(Stopped::Telemetry(error)) => {
+                losses.push(error.to_string());
+                break;
+            }
+        }
+    }
+    Ended {
+        end: Some(end_entries(&simulation.outcome())),
+        losses,
+    }
+}
+
+fn lost(reason: String) -> Ended {
+    Ended {
+        end: None,
+        losses: vec![reason],
+    }
+}
+
+/// Messages that can't be decoded: the first, and how many.
+#[derive(Default)]
+struct Undecodable(Option<(String, u64)>);
+
+impl Undecodable {
+    fn add(&mut self, error: impl ToString) {
+        match &mut self.0 {
+            Some((_, count)) => *count += 1,
+            none => *none = Some((error.to_string(), 1)),
+        }
+    }
+
+    fn losses(self, reader: &Reader<'_>) -> Vec<String> {
+        let mut losses: Vec<_> = reader.losses().iter().map(ToString::to_string).collect();
+        losses.extend(self.0.map(|(first, count)| match count {
+            1 => first,
+            _ => format!("{first} (the first of {count} messages that can't be decoded)"),
+        }));
+        losses
+    }
+}
+
+fn read_table(recording: &Recording, posting: &mut Posting<'_>) -> Ended {
+    let selection = Selection {
+        topics: recording.topics(),
+        ..Selection::default()
+    };
+    let mut undecodable = Undecodable::default();
+    let mut reader = recording.reader(selection).in_order_of_time();
+    while let Some(message) = reader.next() {
+        match message {
+            Ok(message) => {
+                let owned = Owned::from(&message);
+                let bytes = reader.progress();
+                if !posting.push(owned, bytes) {
+                    break;
+                }
+            }
+            Err(error) => undecodable.add(error),
+        }
+    }
+    Ended {
+        end: recording.end().cloned(),
+        losses: undecodable.losses(&reader),
+    }
+}
+
+/// A channel of a file that is not ours.
+struct Source {
+    /// Its topic's position.
+    topic: usize,
+    decoder: NumberDecoder,
+    /// Where its fields stand among the topic's.
+    places: Vec<usize>,
+}
+
+fn read_numbers(recording: &Recording, topics: &[String], posting: &mut Posting<'_>) -> Ended {
+    let mut undecodable = Undecodable::default();
+    let mut sources: Vec<_> = recording
+        .channels()
+        .iter()
+        .map(|channel| source(channel, topics, &mut undecodable))
+        .collect();
+    let mut fields: Vec<Vec<String>> = vec![Vec::new(); topics.len()];
+    let mut values = Vec::new();
+    let selection = Selection {
+        topics: topics.to_vec(),
+        ..Selection::default()
+    };
+    let mut reader = recording.reader(selection).in_order_of_time();
+    while let Some(message) = reader.next_undecoded() {
+        let Some(source) = &mut sources[message.position] else {
+            continue;
+        };
+        if let Err(error) = source.decoder.decode(message.data, &mut values) {
+            undecodable.add(format!("{}: {error}", message.channel.topic));
+            continue;
+        }
+        let known = &mut fields[source.topic];
+        let before = known.len();
+        source.place(known);
+        if known.len() > before {
+            posting
+                .batch
+                .fields
+                .push((source.topic, known[before..].to_vec()));
+        }
+        let mut numbers = vec![f64::NAN; known.len()];
+        for (place, value) in source.places.iter().zip(&values) {
+            numbers[*place] = *value;
+        }
+        let owned = Owned {
+            channel: source.topic,
+            sequence: message.sequence,
+            time_ns: message.log_time,
+            numbers,
+            texts: Vec::new(),
+        };
+        let bytes = reader.progress();
+        if !posting.push(owned, bytes) {
+            break;
+        }
+    }
+    let left_out = sources
+        .iter()
+        .flatten()
+        .map(|source| source.decoder.left_out());
+    let left_out: u64 = left_out.sum();
+    let mut losses = undecodable.losses(&reader);
+    if left_out > 0 {
+        losses.push(format!(
+            "{left_out} numbers of messages with too many fields"
+        ));
+    }
+    Ended { end: None, losses }
+}
+
+fn source(
+    channel: &FileChannel,
+    topics: &[String],
+    undecodable: &mut Undecodable,
+) -> Option<Source> {
+    let topic = topics.iter().position(|topic| *topic == channel.topic)?;
+    match NumberDecoder::new(channel) {
+        Ok(decoder) => Some(Source {
+            topic,
+            decoder,
+            places: Vec::new(),
+        }),
+        Err(error) => {
+            undecodable.add(format!("{}: {error}", channel.topic));
+            None
+        }
+    }
+}
+
+impl Source {
+    /// Finds the places of fields that have come up, among those of the topic.
+    fn place(&mut self, known: &mut Vec<String>) {
+        for field in &self.decoder.fields()[self.places.len()..] {
+            let place = known.iter().position(|name| name == field);
+            self.places.push(place.unwrap_or_else(|| {
+                known.push(field.clone());
+                known.len() - 1
+            }));
+        }
+    }
+}
+
+/// The names of the table's topics, in its order: what the channels of messages stand for.
+pub(super) fn table_topics() -> Vec<String> {
+    channels()
+        .iter()
+        .map(|channel| channel.topic.to_owned())
+        .collect()
+}

@@ -1,0 +1,1043 @@
+//! Comparing two runs.
+
+use crate::support::{archive, assert_near, scenario};
+use proptest::prelude::*;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::tempdir;
+use toprise::diff::{
+    Align, ChannelDifference, DiffError, FieldDifference, GrowthLaw, Matrix, Options, Report,
+    Residual, Tolerance, Verdict, compare,
+};
+use toprise::recording::Recording;
+use toprise::scenario::Scenario;
+use toprise::sink::mcap::Form;
+use toprise::telemetry::encoding::Encoding;
+
+fn quick() -> Options {
+    Options {
+        floor: false,
+        ..Options::default()
+    }
+}
+
+fn short(overrides: &[(&str, &str)]) -> Scenario {
+    let mut all = vec![("stop.duration", "2.0")];
+    all.extend_from_slice(overrides);
+    scenario("paper", &all)
+}
+
+fn channel<'r>(report: &'r Report, topic: &str) -> &'r ChannelDifference {
+    let found = report
+        .signals
+        .channels
+        .iter()
+        .find(|channel| channel.topic == topic);
+    found.unwrap_or_else(|| panic!("no {topic}"))
+}
+
+fn field<'r>(report: &'r Report, topic: &str, name: &str) -> &'r FieldDifference {
+    let found = channel(report, topic)
+        .fields
+        .iter()
+        .find(|field| field.field == name);
+    found.unwrap_or_else(|| panic!("no {topic}.{name}"))
+}
+
+fn recorded(path: &Path, scenario: &Scenario, encoding: Encoding) -> Recording {
+    let form = Form {
+        encoding,
+        ..Form::default()
+    };
+    archive(path, scenario, &[], form).unwrap();
+    Recording::open(path).unwrap()
+}
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data")
+        .join(name)
+}
+
+fn foreign(name: &str) -> Recording {
+    Recording::open(&data(&format!("foreign/{name}.mcap"))).unwrap()
+}
+
+// Against numbers that were computed without this project.
+
+fn truth() -> Value {
+    let text = fs::read_to_string(data("two_runs.json")).unwrap();
+    serde_json::from_str::<Value>(&text).unwrap()["values"].clone()
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// The integrator's error in φ̇ and ψ̇ reaches 1e-7 rad/s where θ is 0.02 rad: 1e-12 of the tolerance times the
+/// number of steps, divided by sin θ. That of θ and θ̇ is a hundred times smaller, accelerations have ω ≈ 140/s
+/// more.
+const RATE_ERROR: f64 = 2e-7;
+
+/// Maximum and RMS of a quantity: `largest` is checked with its sign if the truth has one.
+#[track_caller]
+fn assert_deviation(what: &str, (largest, rms): (f64, f64), truth: &Value, tolerance: f64) {
+    assert_near(what, largest.abs(), number(&truth["max_abs"]), tolerance);
+    assert_near(what, rms, number(&truth["rms"]), tolerance);
+    if number(&truth["gap"]) > tolerance {
+        assert_eq!(
+            largest < 0.0,
+            number(&truth["signed"]) < 0.0,
+            "{what}: sign"
+        );
+    }
+}
+
+fn val_pair(pair: &str, run_b: &str, b: &Scenario) {
+    let a = scenario("paper", &[]);
+    let report = compare(&a, b, &Options::default()).unwrap();
+    let truth = truth();
+    let (runs, expected) = (&truth["runs"], &truth["pairs"][pair]);
+    val_happened(&report, runs, run_b, expected);
+    val_averaged(&report, expected);
+    val_signals(&report, expected);
+    val_discrepancy(&report, expected);
+    val_floor(&report);
+}
+
+fn val_happened(report: &Report, runs: &Value, run_b: &str, expected: &Value) {
+    let happened = report.happened.as_ref().unwrap();
+    let shift = number(&expected["rise_shift"]);
+    // The rise's own error is 1e-10 s (tests/suite/reference.rs).
+    assert_near("rise shift", happened.rise_shift.unwrap(), shift, 1e-9);
+    let crossing = &expected["averaged_crossing"];
+    assert_near(
+        "level",
+        happened.averaged_level.unwrap(),
+        number(&crossing["level"]),
+        1e-10,
+    );
+    // The averages fall by 0.02 rad/s, and have the error of θ.
+    let [a, b] = [happened.averaged_crossing_a, happened.averaged_crossing_b].map(Option::unwrap);
+    assert_near("crossing of A", a, number(&crossing["time_A"]), 1e-8);
+    assert_near("crossing of B", b, number(&crossing["time_B"]), 1e-8);
+    for (run, name) in [(&report.a, "A"), (&report.b, run_b)] {
+        let (course, expected) = (run.course.as_ref().unwrap(), &runs[name]);
+        assert_eq!(
+            course.nutations.unwrap(),
+            expected["nutation"]["cycles"].as_u64().unwrap()
+        );
+        assert_near(
+            "rise",
+            course.rise_time.unwrap(),
+            number(&expected["rise"]["time"]),
+            1e-9,
+        );
+        let rates = (
+            course.precession_rate_last.unwrap(),
+            course.spin_rate_last.unwrap(),
+        );
+        assert_near(
+            "φ̇",
+            rates.0,
+            number(&expected["rise"]["phi_dot"]),
+            RATE_ERROR,
+        );
+        assert_near(
+            "ψ̇",
+            rates.1,
+            number(&expected["rise"]["psi_dot"]),
+            RATE_ERROR,
+        );
+        // Summed from samples, with an error of h⁴ · 19/720 of the third derivatives at both ends: the power
+        // changes by at most 1e-3 W with ω = 140/s.
+        let work = course.friction_work_node.unwrap();
+        for (work, axis) in work.into_iter().zip(["e_N", "e_2", "n"]) {
+            let expected = number(&expected["energy"]["friction_work_at_last_sample"][axis]);
+            assert_near(
+                axis,
+                work,
+                expected,
+                1e-12 * 19.0 / 360.0 * 1e-3 * 140_f64.powi(3),
+            );
+        }
+    }
+    for (name, key) in [
+        ("nutation_maximum", "theta_maxima"),
+        ("nutation_minimum", "theta_minima"),
+    ] {
+        let kind = happened
+            .kinds
+            .iter()
+            .find(|kind| kind.name == name)
+            .unwrap();
+        let count = |run: &str| runs[run]["events"][key].as_u64().unwrap();
+        assert_eq!(
+            (kind.count_a, kind.count_b),
+            (count("A"), count(run_b)),
+            "{name}"
+        );
+    }
+    let loops = happened
+        .kinds
+        .iter()
+        .find(|kind| kind.name == "looping_begins")
+        .unwrap();
+    match runs[run_b]["events"]["looping_begins"].as_f64() {
+        None => {
+            assert_eq!(loops.count_b, 0);
+            let first = happened
+                .only_in_a
+                .iter()
+                .find(|event| event.name == "looping_begins")
+                .unwrap();
+            let expected = number(&runs["A"]["events"]["looping_begins"]);
+            assert_near("looping", first.time, expected, 1e-8);
+        }
+        Some(expected) => {
+            let first = happened
+                .matched
+                .iter()
+                .find(|event| event.name == "looping_begins")
+                .unwrap();
+            assert_near("looping", first.time_b, expected, 1e-8);
+        }
+    }
+}
+
+fn val_averaged(report: &Report, expected: &Value) {
+    let averaged = report.averaged.as_ref().unwrap();
+    let truth = &expected["averaged"];
+    assert_eq!(averaged.cycles, truth["points"].as_u64().unwrap());
+    for quantity in ["theta", "theta_dot", "phi_dot", "psi_dot"] {
+        let of = |deviations: &[toprise::diff::Deviation], ending: &str| {
+            let name = format!("{quantity}_{ending}");
+            let found = deviations
+                .iter()
+                .find(|deviation| deviation.quantity == name)
+                .unwrap();
+            (found.largest, found.rms)
+        };
+        // Averages have the integrator's error; extremes between samples are those of a cubic, whose error is
+        // (ω h)⁴/384 = 1e-6 of the amplitude, which is at most 5.4 rad/s, in either run.
+        let tolerance = if quantity.starts_with("theta") {
+            1e-9
+        } else {
+            RATE_ERROR
+        };
+        let between = if quantity == "theta" { 1e-9 } else { 1.1e-5 };
+        assert_deviation(
+            quantity,
+            of(&averaged.means, "mean"),
+            &truth["mean"][quantity],
+            tolerance,
+        );
+        assert_deviation(
+            quantity,
+            of(&averaged.envelopes, "min"),
+            &truth["lower"][quantity],
+            between,
+        );
+        assert_deviation(
+            quantity,
+            of(&averaged.envelopes, "max"),
+            &truth["upper"][quantity],
+            between,
+        );
+    }
+    let frequency = (averaged.frequency.largest, averaged.frequency.rms);
+    assert_deviation("frequency", frequency, &truth["frequency"], 1e-6);
+    let phase = &expected["phase"];
+    assert_deviation(
+        "phase",
+        (averaged.phase.largest, averaged.phase.rms),
+        phase,
+        1e-7,
+    );
+    assert_near(
+        "phase at last",
+        averaged.phase_last,
+        number(&phase["at_last"]),
+        1e-7,
+    );
+    match phase["quarter_at_boundary"].as_f64() {
+        Some(time) => assert_near("decorrelated", averaged.decorrelated.unwrap(), time, 1e-7),
+        None => assert_eq!(averaged.decorrelated, None),
+    }
+    let ratio = &expected["amplitude_ratio"];
+    assert_near(
+        "first ratio",
+        averaged.amplitude_ratio_first.unwrap(),
+        number(&ratio["first"]),
+        4e-6,
+    );
+    assert_near(
+        "last ratio",
+        averaged.amplitude_ratio_last.unwrap(),
+        number(&ratio["last"]),
+        4e-6,
+    );
+}
+
+fn val_signals(report: &Report, expected: &Value) {
+    let truth = &expected["signals"];
+    for (name, tolerance) in [
+        ("theta", 1e-10),
+        ("phi", 1e-8),
+        ("psi", 1e-8),
+        ("theta_dot", 1e-8),
+        ("phi_dot", RATE_ERROR),
+        ("psi_dot", RATE_ERROR),
+        ("theta_ddot", 1e-6),
+        ("phi_ddot", 200.0 * RATE_ERROR),
+        ("psi_ddot", 200.0 * RATE_ERROR),
+    ] {
+        let found = field(report, "/top/state", name);
+        assert_eq!(found.count, truth["samples"].as_u64().unwrap());
+        assert_deviation(name, (found.largest, found.rms), &truth[name], tolerance);
+        assert_near(name, found.at, number(&truth[name]["time"]), 1e-12);
+    }
+}
+
+fn val_discrepancy(report: &Report, expected: &Value) {
+    let truth = &expected["discrepancy"];
+    let found = report.discrepancy.as_ref().unwrap();
+    assert_eq!(found.states, truth["samples"].as_u64().unwrap());
+    let of = |name: &str| -> &Residual {
+        found
+            .quantities
+            .iter()
+            .find(|residual| residual.quantity == name)
+            .unwrap()
+    };
+    let torque = of("friction torque");
+    // Torques of 1e-4 N m along a motion whose rates are known to 1e-9.
+    assert_near(
+        "torque",
+        torque.largest,
+        number(&truth["torque"]["max_abs"]),
+        1e-12,
+    );
+    assert_near("torque", torque.rms, number(&truth["torque"]["rms"]), 1e-12);
+    assert_near(
+        "torque of A",
+        torque.rms_a,
+        number(&truth["torque"]["rms_of_A"]),
+        1e-12,
+    );
+    for (name, key) in [
+        ("about the line of nodes", "e_N"),
+        ("about n × e_N", "e_2"),
+        ("about the symmetry axis", "n"),
+    ] {
+        let truth = &truth["torque_components"][key];
+        assert_near(name, of(name).largest, number(&truth["max_abs"]), 1e-12);
+        assert_near(name, of(name).rms, number(&truth["rms"]), 1e-12);
+    }
+    for axis in ["theta_ddot", "phi_ddot", "psi_ddot"] {
+        let (truth, name) = (&truth["acceleration"][axis], format!("frictional {axis}"));
+        assert_near(
+            axis,
+            of(&name).largest,
+            number(&truth["max_abs"]),
+            RATE_ERROR,
+        );
+        assert_near(axis, of(&name).rms, number(&truth["rms"]), RATE_ERROR);
+    }
+}
+
+/// The errors that the report tells bound the true ones, to within a factor of ten, and are no larger than
+/// what the tolerances above allow.
+fn val_floor(report: &Report) {
+    let floor = report.floor.as_ref().unwrap();
+    for error in [&floor.a, &floor.b] {
+        let of = |name: &str| {
+            error
+                .fields
+                .iter()
+                .find(|(field, _)| field == name)
+                .unwrap()
+                .1
+        };
+        assert!(of("/top/state.phi_dot") < RATE_ERROR && of("/top/state.phi_dot") > 1e-12);
+        assert!(of("/top/state.theta") < 1e-10);
+        assert!(error.event_shift < 1e-8 && error.theta_mean < 1e-10);
+    }
+}
+
+#[test]
+fn val_the_whole_friction_torque_against_the_paper_s() {
+    val_pair("A_B1", "B1", &scenario("full-coulomb", &[]));
+}
+
+#[test]
+fn val_one_percent_more_friction() {
+    val_pair(
+        "A_B2",
+        "B2",
+        &scenario("paper", &[("friction.k", "0.0303")]),
+    );
+}
+
+#[test]
+fn the_summary_states_what_was_found() {
+    let report = compare(
+        &scenario("paper", &[]),
+        &scenario("full-coulomb", &[]),
+        &Options::default(),
+    );
+    let summary = report.unwrap().summary.join(" ");
+    for finding in [
+        "friction.dissipation (A: without-nutation-part, B: full)",
+        "B rises 11.6 ms later (24.7309 s, not 24.7194 s)",
+        "on average B passes 0.0216 rad 218 µs earlier",
+        "agree to 4.7e-6 rad in θ",
+        "3.9 times weaker at the end",
+        "A loops from 24.2703 s on, B never does.",
+        "friction torques differ by up to 7.1e-6 N m, 3.1 % of A's",
+    ] {
+        assert!(summary.contains(finding), "{finding} is not in: {summary}");
+    }
+}
+
+// Runs that are the same.
+
+#[test]
+fn a_run_is_identical_to_itself_in_any_encoding_and_on_the_fly() {
+    let directory = tempdir().unwrap();
+    let scenario = short(&[]);
+    let json = recorded(&directory.path().join("a.mcap"), &scenario, Encoding::Json);
+    let protobuf = recorded(
+        &directory.path().join("b.mcap"),
+        &scenario,
+        Encoding::Protobuf,
+    );
+    let reports = [
+        compare(&json, &protobuf, &quick()),
+        compare(&json, &json, &quick()),
+        compare(&scenario, &protobuf, &quick()),
+        compare(&scenario, &scenario, &Options::default()),
+    ];
+    for report in reports.map(Result::unwrap) {
+        assert_eq!(report.verdict, Verdict::Identical);
+        assert!(report.is_complete);
+        assert!(
+            report.summary[0].starts_with("Identical, bit for bit"),
+            "{:?}",
+            report.summary
+        );
+        assert!(report.signals.parted.is_empty());
+    }
+    let same = compare(&json, &json, &quick()).unwrap();
+    assert_eq!(same.notes, ["A and B are the same file."]);
+}
+
+#[test]
+fn a_finer_run_agrees_at_the_times_that_both_have() {
+    let coarse = short(&[("sampling.period", "0.004")]);
+    let report = compare(&coarse, &short(&[]), &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Equal, "{:?}", report.summary);
+    let theta = field(&report, "/top/state", "theta");
+    assert_eq!((theta.count, theta.largest), (501, 0.0));
+}
+
+#[test]
+fn val_interpolation_is_as_exact_as_it_says() {
+    // 0.7 and 1 ms have few times in common. The truth is the same run at the times of the coarser one.
+    let (a, b) = (short(&[]), short(&[("sampling.period", "0.0007")]));
+    let report = compare(&a, &b, &quick()).unwrap();
+    // B's last sample is at 1.9999 s.
+    let state = channel(&report, "/top/state");
+    assert_eq!((state.pairs, state.beyond_in_a), (2000, 1));
+    for (topic, fields) in [
+        (
+            "/top/state",
+            &["theta", "phi", "psi", "theta_dot", "phi_dot", "theta_ddot"][..],
+        ),
+        ("/top/torque", &["friction_node.y", "total_body.x"][..]),
+    ] {
+        for name in fields {
+            let found = field(&report, topic, name);
+            let estimate = found.interpolation_error.unwrap();
+            assert!(estimate > 0.0 && found.relative < 1e-4, "{name}: {found:?}");
+            // The estimate is made in the middle, at every eighth message.
+            assert!(
+                found.largest.abs() <= 2.0 * estimate + 1e-13 * found.scale,
+                "{name}: {found:?}"
+            );
+        }
+    }
+    // Angles with two derivatives are worth more than their values alone.
+    assert!(field(&report, "/top/state", "theta").relative < 1e-10);
+}
+
+// What was put in comes out.
+
+/// A recording of A with its messages changed: times, sequences, numbers.
+fn rewritten(
+    path: &Path,
+    scenario: &Scenario,
+    mut change: impl FnMut(&mut toprise::sink::memory::Owned),
+) -> Recording {
+    use toprise::sink::Sink as _;
+    use toprise::telemetry::Telemetry;
+    let telemetry = Telemetry::default();
+    let existing = toprise::sink::publish::Existing::Replace;
+    let mut sink = toprise::sink::mcap::McapSink::create(
+        path,
+        existing,
+        scenario,
+        &telemetry,
+        Form::default(),
+    )
+    .unwrap();
+    let original = messages(scenario);
+    for mut message in original.0 {
+        change(&mut message);
+        sink.write(&message.as_message()).unwrap();
+    }
+    sink.finish(&original.1).unwrap();
+    Recording::open(path).unwrap()
+}
+
+fn messages(
+    scenario: &Scenario,
+) -> (
+    Vec<toprise::sink::memory::Owned>,
+    toprise::simulation::Outcome,
+) {
+    use std::ops::ControlFlow;
+    use toprise::sink::{Sink, memory::MemorySink, record};
+    let mut sink = MemorySink::default();
+    let mut simulation = toprise::simulation::Simulation::new(scenario).unwrap();
+    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+    let mut telemetry = toprise::telemetry::Telemetry::default();
+    let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    (sink.messages, outcome)
+}
+
+fn at(topic: &str, name: &str) -> (usize, usize) {
+    let channel = toprise::telemetry::channel_index(topic).unwrap();
+    let info = &toprise::telemetry::channels()[channel];
+    (channel, info.number_index(name).unwrap())
+}
+
+#[test]
+fn one_ulp_in_one_number_is_named() {
+    let directory = tempdir().unwrap();
+    let scenario = short(&[]);
+    let a = recorded(&directory.path().join("a.mcap"), &scenario, Encoding::Json);
+    let (channel, number) = at("/top/torque", "friction_body.y");
+    let b = rewritten(&directory.path().join("b.mcap"), &scenario, |message| {
+        if message.channel == channel && message.time_ns == 123_000_000 {
+            message.numbers[number] = message.numbers[number].next_up();
+        }
+    });
+    let report = compare(&a, &b, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
+    let sentence = &report.summary[0];
+    assert!(
+        sentence.contains("/top/torque.friction_body.y"),
+        "{sentence}"
+    );
+    assert!(
+        sentence.contains("0.123 s") && sentence.contains("1 ulp"),
+        "{sentence}"
+    );
+    assert!(sentence.contains("no other field differs"), "{sentence}");
+    let found = field(&report, "/top/torque", "friction_body.y");
+    assert_eq!(
+        (found.ulp, found.beyond, found.first_beyond),
+        (Some(1), 1, Some(0.123))
+    );
+    let mut tolerant = quick();
+    tolerant.tolerances.general = Tolerance {
+        ulp: 1,
+        ..Tolerance::default()
+    };
+    assert_eq!(compare(&a, &b, &tolerant).unwrap().verdict, Verdict::Equal);
+    let mut elsewhere = quick();
+    elsewhere.tolerances.add("/top/state=ulp:1").unwrap();
+    assert_eq!(
+        compare(&a, &b, &elsewhere).unwrap().verdict,
+        Verdict::Different
+    );
+}
+
+#[test]
+fn a_changed_event_is_different_whatever_the_tolerance() {
+    let directory = tempdir().unwrap();
+    let scenario = short(&[]);
+    let events = toprise::telemetry::channel_index("/events").unwrap();
+    let a = recorded(&directory.path().join("a.mcap"), &scenario, Encoding::Json);
+    let changed = |text: usize, name: &str| {
+        rewritten(&directory.path().join(name), &scenario, |message| {
+            if message.channel == events && message.sequence == 3 {
+                message.texts[text] = "other".to_owned();
+            }
+        })
+    };
+    let mut tolerant = quick();
+    tolerant.tolerances.general.abs = 1e9;
+    let kind = compare(&a, &changed(0, "kind.mcap"), &tolerant).unwrap();
+    assert_eq!(kind.verdict, Verdict::Different);
+    // Descriptions repeat the numbers for people: other words are no difference, but not the same bits.
+    let description = changed(1, "description.mcap");
+    assert_eq!(
+        compare(&a, &description, &quick()).unwrap().verdict,
+        Verdict::Equal
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Offset, scale and growth of a signal come back.
+    #[test]
+    fn known_changes_come_back(
+        offset in -1.0..1.0_f64,
+        scale in 0.5..2.0_f64,
+        rate in 0.1..2.0_f64,
+        power in 0.5..3.0_f64,
+    ) {
+        let directory = tempdir().unwrap();
+        let scenario = short(&[("stop.duration", "1.0")]);
+        let a = recorded(&directory.path().join("a.mcap"), &scenario, Encoding::Protobuf);
+        let (state, theta) = at("/top/state", "theta");
+        let (_, phi) = at("/top/state", "phi");
+        let (_, psi) = at("/top/state", "psi");
+        let (_, spin) = at("/top/state", "psi_dot");
+        let b = rewritten(&directory.path().join("b.mcap"), &scenario, |message| {
+            if message.channel == state {
+                let t = message.time_ns as f64 / 1e9;
+                message.numbers[theta] += offset;
+                message.numbers[spin] *= scale;
+                message.numbers[phi] += 1e-3 * (rate * t).exp();
+                message.numbers[psi] += t.powf(power);
+            }
+        });
+        let report = compare(&a, &b, &quick()).unwrap();
+        let theta = field(&report, "/top/state", "theta");
+        prop_assert!((theta.mean - offset).abs() < 1e-12 && (theta.rms - offset.abs()).abs() < 1e-12);
+        let spin = field(&report, "/top/state", "psi_dot");
+        let expected = (scale - 1.0).abs() / scale.max(1.0);
+        prop_assert!((spin.relative - expected).abs() < 1e-3, "{spin:?} {expected}");
+        let growth = |name: &str| report.signals.growth.iter().find(|g| g.field == name).unwrap();
+        prop_assert_eq!(growth("/top/state.theta").law, GrowthLaw::Bounded);
+        let phi = growth("/top/state.phi");
+        // Too slow to be told from no growth at all.
+        if rate > 0.8 {
+            prop_assert_eq!(phi.law, GrowthLaw::Exponential);
+            prop_assert!((phi.parameter - rate).abs() < 1e-3 && phi.quality > 0.999);
+        }
+        let psi = growth("/top/state.psi");
+        prop_assert_eq!(psi.law, GrowthLaw::Power);
+        prop_assert!((psi.parameter - power).abs() < 1e-6 && psi.quality > 0.999_999);
+    }
+
+    /// A shift of all cycles and events comes back as a phase, and as shifts.
+    #[test]
+    fn known_shifts_come_back(cycles in 0.01..0.4_f64) {
+        let directory = tempdir().unwrap();
+        let scenario = short(&[("stop.duration", "1.0")]);
+        let a = recorded(&directory.path().join("a.mcap"), &scenario, Encoding::Protobuf);
+        let (nutation, start) = at("/top/nutation", "start");
+        let (events, time) = at("/events", "time");
+        let delay = 0.04398 * cycles;
+        let b = rewritten(&directory.path().join("b.mcap"), &scenario, |message| {
+            if message.channel == nutation {
+                message.numbers[start] += delay;
+            }
+            if message.channel == events && message.texts[0] != "start" {
+                message.numbers[time] += delay;
+            }
+        });
+        let report = compare(&a, &b, &quick()).unwrap();
+        let averaged = report.averaged.as_ref().unwrap();
+        // The period grows from 43.98 to 44.4 ms.
+        prop_assert!((averaged.phase_last + cycles).abs() < 1e-2 * cycles, "{averaged:?}");
+        prop_assert!(averaged.decorrelated.is_none() || cycles > 0.249);
+        prop_assert!(averaged.decorrelated.is_some() || cycles < 0.253);
+        for kind in report.happened.unwrap().kinds.iter().filter(|kind| kind.name != "start") {
+            prop_assert_eq!(kind.matched, kind.count_a);
+            prop_assert!((kind.mean_shift.unwrap() - delay).abs() < 1e-12);
+        }
+        // What was delayed is the same again at equal phases.
+        let aligned = compare(&a, &b, &Options { align: Align::Nutation, ..quick() });
+        prop_assert!(aligned.is_ok());
+    }
+}
+
+#[test]
+fn val_phase_and_average_undo_a_delay() {
+    // The same top, started later on its way: B is A from 0.5 s on.
+    let a = short(&[("stop.duration", "3.0")]);
+    let run = crate::support::Run::of(&a);
+    let later = run.at(0.5);
+    let value = |x: f64| format!("{x:?}");
+    let (angles, rates) = (later.angles, later.tilt.rates);
+    let b = short(&[
+        ("initial.theta", &value(angles.theta)),
+        ("initial.theta_dot", &value(rates.theta)),
+        ("initial.phi_dot", &value(rates.phi)),
+        ("initial.psi_dot", &value(rates.psi)),
+        ("stop.duration", "2.5"),
+    ]);
+    let at_equal_times = compare(&a, &b, &quick()).unwrap();
+    let by_average = compare(
+        &a,
+        &b,
+        &Options {
+            align: Align::Theta,
+            ..quick()
+        },
+    )
+    .unwrap();
+    let spin = |report: &Report| field(report, "/top/state", "psi_dot").rms;
+    assert!(spin(&at_equal_times) > 0.02);
+    // B's cycles are A's: at equal averages it is at the same point of its motion. The averages are known at
+    // the middles of cycles; between them the cubic is off by a part of the ripple of the averages, which is
+    // 1e-9 of θ, over the drift of 0.0163 rad/s.
+    assert!(spin(&by_average) < 1e-5, "{}", spin(&by_average));
+    let angle = channel(&by_average, "/top/state")
+        .fields
+        .iter()
+        .find(|f| f.field == "theta")
+        .unwrap();
+    assert!(angle.largest.abs() < 1e-6, "{angle:?}");
+    assert!(by_average.signals.alignment.contains("averaged"));
+}
+
+#[test]
+fn swapping_the_runs_mirrors_the_report() {
+    let (a, b) = (short(&[]), short(&[("friction.dissipation", "full")]));
+    let there = compare(&a, &b, &quick()).unwrap();
+    let back = compare(&b, &a, &quick()).unwrap();
+    for (x, y) in there.signals.channels.iter().zip(&back.signals.channels) {
+        assert_eq!(
+            (x.pairs, x.identical, x.only_in_a),
+            (y.pairs, y.identical, y.only_in_b)
+        );
+        for (f, g) in x.fields.iter().zip(&y.fields) {
+            if f.is_derived {
+                // The product of two quaternions in the other order is rounded otherwise.
+                assert_near(&f.field, f.largest.abs(), g.largest.abs(), 1e-15);
+                assert_near(&f.field, f.rms, g.rms, 1e-15);
+                continue;
+            }
+            let mirrored = (-g.largest, g.rms, g.ulp);
+            assert_eq!((f.largest, f.rms, f.ulp), mirrored, "{}", f.field);
+            assert_eq!(f.beyond, g.beyond);
+            // Cycles and events are told by A's times.
+            if !["/top/nutation", "/events"].contains(&x.topic.as_str()) {
+                assert_eq!(f.first_different, g.first_different);
+            }
+        }
+    }
+    assert_eq!(there.signals.growth, back.signals.growth);
+    let shifts = |report: &Report| -> Vec<(u64, Option<f64>)> {
+        let happened = report.happened.as_ref().unwrap();
+        happened
+            .kinds
+            .iter()
+            .map(|kind| (kind.matched, kind.largest_shift.map(f64::abs)))
+            .collect()
+    };
+    assert_eq!(shifts(&there), shifts(&back));
+    let [x, y] = [&there, &back].map(|report| report.averaged.as_ref().unwrap().phase_last);
+    // The boundaries at which it is taken are A's, a little before or after B's.
+    assert!((x + y).abs() < 1e-3 * x.abs(), "{x} {y}");
+}
+
+#[test]
+fn differences_below_the_integrators_errors_are_marked() {
+    // Two ways of integrating the same motion.
+    let report = compare(
+        &short(&[]),
+        &short(&[("formulation", "body")]),
+        &Options::default(),
+    )
+    .unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
+    let summary = report.summary.join(" ");
+    let floor = report.floor.as_ref().unwrap();
+    assert!(floor.a.compared_with < floor.a.relative_tolerance);
+    let theta = field(&report, "/top/state", "theta");
+    assert!(
+        theta.largest != 0.0 && theta.largest.abs() < 1e-11,
+        "{theta:?}"
+    );
+    assert!(theta.floor.unwrap() > 0.0);
+    let below = report
+        .signals
+        .channels
+        .iter()
+        .flat_map(|c| &c.fields)
+        .filter(|f| f.is_below_floor);
+    assert!(below.count() > 20, "{summary}");
+}
+
+#[test]
+fn causes_part_before_effects() {
+    let report = compare(&short(&[]), &short(&[("friction.k", "0.0303")]), &quick()).unwrap();
+    let first = |kind: &str| {
+        let parted = report.signals.parted.iter();
+        parted
+            .filter(|parting| parting.kind == kind)
+            .map(|parting| parting.time)
+            .next()
+            .unwrap()
+    };
+    assert_eq!(first("torque"), 0.0);
+    assert!(first("acceleration") <= first("rate") && first("rate") <= first("angle"));
+    assert!(first("angle") > 0.0);
+}
+
+// Files of others.
+
+#[test]
+fn json_of_others_is_compared() {
+    for (a, b) in [("json_a", "json_b"), ("schemaless_a", "schemaless_b")] {
+        let report = compare(&foreign(a), &foreign(b), &Options::default()).unwrap();
+        assert_eq!(report.verdict, Verdict::Different);
+        assert!(report.happened.is_none() && report.averaged.is_none() && report.floor.is_none());
+    }
+    let report = compare(&foreign("json_a"), &foreign("json_b"), &quick()).unwrap();
+    let z = field(&report, "/imu", "angular_velocity.z");
+    assert_eq!((z.count, z.beyond, z.first_beyond), (200, 100, Some(1.0)));
+    assert!((z.largest - 1e-3).abs() < 1e-15);
+    let others = channel(&report, "/imu")
+        .fields
+        .iter()
+        .filter(|field| field.field != z.field);
+    assert!(
+        others.clone().count() == 7 && others.clone().all(|field| field.first_different.is_none())
+    );
+    // Different rates: B's times, A on straight lines, which it is.
+    let x = field(&report, "/odom", "x");
+    assert_eq!(x.count, 40);
+    assert!((x.largest - 1e-4).abs() < 1e-15 && (x.rms - 1e-4).abs() < 1e-15);
+    assert!(x.interpolation_error.is_some());
+    let (one, both) = (
+        field(&report, "/nan", "one"),
+        field(&report, "/nan", "both"),
+    );
+    assert_eq!(
+        (one.not_numbers, one.beyond, one.first_different),
+        (1, 1, Some(0.7))
+    );
+    assert_eq!((both.not_numbers, both.first_different), (0, None));
+    assert!(channel(&report, "/empty").is_empty());
+    assert_eq!(report.setup.topics_only_in_a, ["/only_a"]);
+    assert_eq!(report.setup.topics_only_in_b, ["/only_b"]);
+    let theta = compare(&foreign("schemaless_a"), &foreign("schemaless_b"), &quick()).unwrap();
+    let theta = field(&theta, "/state", "theta");
+    assert_eq!((theta.largest, theta.at, theta.beyond), (0.25, 0.84, 1));
+}
+
+#[test]
+fn protobuf_of_others_is_compared() {
+    let (a, b) = (foreign("protobuf_a"), foreign("protobuf_b"));
+    let report = compare(&a, &b, &quick()).unwrap();
+    for (name, largest, first, beyond) in [
+        ("position.y", 1e-6, 0.0, 100),
+        ("joints.1", 0.5, 1.0, 1),
+        ("mode", 1.0, 0.4, 1),
+        ("ticks", 1.0, 1.5, 25),
+    ] {
+        let found = field(&report, "/robot", name);
+        assert!((found.largest - largest).abs() < 1e-12, "{found:?}");
+        assert_eq!(
+            (found.first_different, found.beyond),
+            (Some(first), beyond),
+            "{name}"
+        );
+    }
+    assert_eq!(
+        report.setup.fields_only_in_b,
+        ["/robot.contacts.1.id", "/robot.contacts.1.force"]
+    );
+    assert_eq!(channel(&report, "/pose").identical, 20);
+    let as_json = compare(&a, &foreign("protobuf_as_json"), &quick()).unwrap();
+    assert_eq!(as_json.verdict, Verdict::Identical, "{:?}", as_json.summary);
+}
+
+#[test]
+fn what_can_t_be_compared_is_refused() {
+    let a = foreign("json_a");
+    let refused = |b: &Recording, options: &Options| compare(&a, b, options).unwrap_err();
+    let error = refused(&foreign("no_common"), &quick());
+    assert!(matches!(error, DiffError::NoCommonTopics { .. }), "{error}");
+    assert!(error.to_string().contains("/imu") && error.to_string().contains("/elsewhere"));
+    let error = refused(&foreign("later"), &quick());
+    assert!(matches!(error, DiffError::NoOverlap { .. }), "{error}");
+    assert!(error.to_string().contains("1000"), "{error}");
+    let b = foreign("json_b");
+    let by_phase = Options {
+        align: Align::Nutation,
+        ..quick()
+    };
+    assert!(matches!(refused(&b, &by_phase), DiffError::Align { .. }));
+    let mut patterned = quick();
+    patterned
+        .tolerances
+        .add("/imu.angular_velocity.x=1")
+        .unwrap();
+    assert!(compare(&a, &b, &patterned).is_ok());
+    patterned
+        .tolerances
+        .add("/imu.angular_velocty.z=1")
+        .unwrap();
+    let error = refused(&b, &patterned).to_string();
+    assert!(error.contains("/imu.angular_velocity.z"), "{error}");
+    let topics = Options {
+        topics: vec!["/imux".to_owned()],
+        ..quick()
+    };
+    assert!(matches!(
+        refused(&b, &topics),
+        DiffError::UnknownTopic { .. }
+    ));
+    // No nutation within 0.05 s.
+    let tiny = short(&[("stop.duration", "0.05")]);
+    let error = compare(&tiny, &tiny, &by_phase).unwrap_err();
+    assert!(error.to_string().contains("at least 4"), "{error}");
+}
+
+#[test]
+fn only_the_topics_that_are_asked_for_count() {
+    let (a, b) = (foreign("json_a"), foreign("json_b"));
+    let options = Options {
+        topics: vec!["/empty".to_owned(), "/odom".to_owned()],
+        tolerances: {
+            let mut tolerances = toprise::diff::Tolerances::default();
+            tolerances.add("*=1.1e-4").unwrap();
+            tolerances
+        },
+        ..quick()
+    };
+    let report = compare(&a, &b, &options).unwrap();
+    assert_eq!(report.verdict, Verdict::Equal, "{:?}", report.summary);
+    assert_eq!(report.signals.channels.len(), 2);
+}
+
+// What can't be read as a whole.
+
+#[test]
+fn a_cut_recording_is_equal_so_far() {
+    let directory = tempdir().unwrap();
+    let scenario = short(&[]);
+    let path = directory.path().join("a.mcap");
+    let whole = recorded(&path, &scenario, Encoding::Json);
+    let bytes = fs::read(&path).unwrap();
+    let cut_path = directory.path().join("cut.mcap");
+    fs::write(&cut_path, &bytes[..bytes.len() * 2 / 3]).unwrap();
+    let cut = Recording::open(&cut_path).unwrap();
+    for (a, b) in [(&whole, &cut), (&cut, &whole)] {
+        let report = compare(a, b, &quick()).unwrap();
+        assert!(!report.is_complete);
+        assert_eq!(report.verdict, Verdict::Identical, "{:?}", report.summary);
+        assert!(
+            report
+                .summary
+                .iter()
+                .any(|sentence| sentence.contains("as a whole"))
+        );
+    }
+    // Without an excuse, a shorter run is another one.
+    let shorter = short(&[("stop.duration", "1.0")]);
+    let report = compare(&whole, &shorter, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
+    assert!(report.is_complete);
+    assert_eq!(channel(&report, "/top/state").beyond_in_a, 1000);
+}
+
+#[test]
+fn a_flipped_bit_costs_a_chunk_and_no_more() {
+    let directory = tempdir().unwrap();
+    let scenario = short(&[]);
+    let path = directory.path().join("a.mcap");
+    let whole = recorded(&path, &scenario, Encoding::Json);
+    let mut bytes = fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    let broken_path = directory.path().join("b.mcap");
+    fs::write(&broken_path, &bytes).unwrap();
+    let report = compare(&whole, &Recording::open(&broken_path).unwrap(), &quick()).unwrap();
+    assert!(
+        !report.is_complete && report.verdict != Verdict::Different,
+        "{:?}",
+        report.summary
+    );
+    assert!(channel(&report, "/top/state").only_in_a > 0);
+    assert_eq!(report.b.losses.len(), 1);
+}
+
+// Several runs, and the form of the report.
+
+#[test]
+fn three_runs_make_a_matrix() {
+    let scenarios = ["0.02", "0.03", "0.04"].map(|k| short(&[("friction.k", k)]));
+    let matrix = Matrix::new(3, |i, j| compare(&scenarios[i], &scenarios[j], &quick())).unwrap();
+    assert_eq!(matrix.runs.len(), 3);
+    assert_eq!(matrix.against_first.len(), 2);
+    let distance = |i: usize, j: usize| matrix.theta_distance[i][j].unwrap();
+    assert_eq!(distance(1, 1), 0.0);
+    assert_eq!(distance(0, 2), distance(2, 0));
+    // θ falls in proportion to k.
+    let ratio = distance(0, 2) / distance(0, 1);
+    assert!((ratio - 2.0).abs() < 0.05, "{ratio}");
+}
+
+#[test]
+fn reports_have_no_gaps_in_json() {
+    let report = compare(
+        &short(&[]),
+        &short(&[("friction.k", "0.04")]),
+        &Options::default(),
+    )
+    .unwrap();
+    let value = serde_json::to_value(&report).unwrap();
+    fn numbers_are_there(path: &str, value: &Value, schema: &Value, root: &Value) {
+        let reference = schema.get("$ref").and_then(Value::as_str);
+        let schema = reference.map_or(schema, |name| root.pointer(&name[1..]).unwrap());
+        let options = schema.get("anyOf").and_then(Value::as_array);
+        if let Some(some) = options.and_then(|options| options.first()) {
+            if !value.is_null() {
+                numbers_are_there(path, value, some, root);
+            }
+            return;
+        }
+        match value {
+            Value::Object(members) => {
+                for (name, member) in members {
+                    let inner = &schema["properties"][name];
+                    assert!(!inner.is_null(), "{path}.{name} is not in the schema");
+                    numbers_are_there(&format!("{path}.{name}"), member, inner, root);
+                }
+            }
+            Value::Array(items) => {
+                for item in items {
+                    if let Some(inner) = schema.get("items") {
+                        numbers_are_there(path, item, inner, root);
+                    }
+                }
+            }
+            // What is infinite or not a number becomes null: only where nothing may be there.
+            Value::Null => {
+                let kinds = schema["type"].as_array();
+                assert!(
+                    kinds.is_some_and(|kinds| kinds.contains(&"null".into())),
+                    "{path} is null"
+                );
+            }
+            _ => {}
+        }
+    }
+    let schemas = toprise::diff::schemas();
+    let schema: Value = serde_json::from_str(&schemas[0].1).unwrap();
+    numbers_are_there("", &value, &schema, &schema);
+}
