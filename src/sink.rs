@@ -12,6 +12,26 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use thiserror::Error;
 
+/// Which of two runs that are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The first, which the other is compared with.
+    A,
+    /// The second.
+    B,
+}
+
+impl Side {
+    /// Its letter, as it stands in names.
+    #[must_use]
+    pub fn letter(self) -> &'static str {
+        match self {
+            Self::A => "a",
+            Self::B => "b",
+        }
+    }
+}
+
 /// Something that takes messages in the order of their times.
 pub trait Sink {
     /// Takes a message. It may still be buffered when this returns.
