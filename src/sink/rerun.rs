@@ -7,6 +7,8 @@
 //!
 //! In a paced run, [`Sink::flush`] sends the rows of the last moments to the viewer; the file gets
 //! them in full chunks all the same, so pacing doesn't change it.
+//!
+//! [`PairSink`] puts two runs into one recording, which are compared.
 
 mod arrow;
 mod blueprint;
@@ -193,23 +195,15 @@ impl RerunSink {
         self.run.complete(&mut self.outlet)?;
         self.outlet.finish()
     }
-
-    fn take(&mut self, message: &Message<'_>) -> Result<(), RerunError> {
-        self.run.write(message, &mut self.outlet)
-    }
-
-    fn show(&mut self) -> Result<(), RerunError> {
-        self.run.show(&mut self.outlet)
-    }
 }
 
 impl Sink for RerunSink {
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        Ok(self.take(message)?)
+        Ok(self.run.write(message, &mut self.outlet)?)
     }
 
     fn flush(&mut self) -> Result<(), SinkError> {
-        Ok(self.show()?)
+        Ok(self.run.show(&mut self.outlet)?)
     }
 }
 

@@ -72,7 +72,7 @@ impl Look {
         }
     }
 
-    /// How thick the arrows are, of what they are in a recording of one run.
+    /// The factor by which arrows are thicker than in a recording of one run.
     pub(super) fn thickness(&self) -> f64 {
         match self {
             Self::Compared(Side::B, _) => 0.7,
@@ -80,17 +80,18 @@ impl Look {
         }
     }
 
-    /// How far the names of arrows are moved up so that those of two runs don't hide each other, of the
-    /// height of the top.
+    /// How far the names of arrows are moved up, in heights of the top: those of two runs would hide each
+    /// other.
     pub(super) fn lift(&self) -> f64 {
         match self {
-            Self::Compared(Side::A, _) => 0.08,
-            Self::Compared(Side::B, _) => -0.08,
+            Self::Compared(Side::A, _) => 0.11,
+            Self::Compared(Side::B, _) => -0.11,
             _ => 0.0,
         }
     }
 
-    /// How large the top is drawn. Where both tops stand alike, that of run B is a veil around the other.
+    /// The factor by which the top is drawn larger. Where both tops stand alike, that of run B is a veil
+    /// around the other.
     pub(super) fn size(&self) -> f64 {
         match self {
             Self::Compared(Side::B, _) => 1.015,

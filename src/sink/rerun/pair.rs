@@ -106,7 +106,7 @@ impl PairIdentity {
     /// Which run is which, in Markdown.
     fn key(&self) -> String {
         format!(
-            "**A** is *{}*: blue, the solid top. **B** is *{}*: orange, the translucent top. \
+            "**A** is `{}`: blue, the solid top. **B** is `{}`: orange, the translucent top. \
              Differences are B − A.\n\n",
             self.a.name, self.b.name
         )
@@ -153,7 +153,7 @@ impl PairSink {
             key: identity.key(),
             outlet,
         };
-        // Until there is more to say.
+        // Until the comparison has ended there is only the key to the colours.
         sink.summarize("")?;
         Ok(sink)
     }

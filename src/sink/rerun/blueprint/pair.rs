@@ -95,7 +95,7 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, Reru
             identity.name_of(Side::A),
             identity.name_of(Side::B)
         );
-        let runs = looks(identity, &[POSE]);
+        let runs = looks(identity, POSE);
         let contents = runs.iter().map(|run| run.entity("scene/**"));
         let contents: Vec<_> = contents.chain([format!("{STAGE}/**")]).collect();
         rows.push(scene(layout, &name, &contents, &runs, &proportions)?);
@@ -103,7 +103,7 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, Reru
     }
     rows.push(words(layout, identity)?);
     shares.push(25.0);
-    let runs = looks(identity, &[EVENTS]);
+    let runs = looks(identity, EVENTS);
     if !runs.is_empty() {
         let contents: Vec<_> = runs.iter().map(|run| run.entity(EVENTS)).collect();
         let kinds = [
@@ -116,13 +116,10 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, Reru
     layout.container(ContainerKind::Vertical, &rows, &shares)
 }
 
-/// The looks of the runs that have one of these topics.
-fn looks(identity: &PairIdentity, topics: &[&str]) -> Vec<Look> {
-    let has = |side: &Side| {
-        let run = identity.run(*side);
-        topics.iter().any(|topic| run.has_topic(topic))
-    };
-    let sides = [Side::A, Side::B].into_iter().filter(has);
+/// The looks of the runs that have a topic.
+fn looks(identity: &PairIdentity, topic: &str) -> Vec<Look> {
+    let sides = [Side::A, Side::B].into_iter();
+    let sides = sides.filter(|side| identity.run(*side).has_topic(topic));
     sides.map(|side| identity.look(side)).collect()
 }
 
