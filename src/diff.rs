@@ -82,14 +82,17 @@ impl<'a> From<&'a Scenario> for Subject<'a> {
 
 impl Subject<'_> {
     /// Its scenario, if it has one that this version can read.
-    fn scenario(self) -> Option<Scenario> {
+    #[must_use]
+    pub fn scenario(self) -> Option<Scenario> {
         match self {
             Self::Scenario(scenario) => Some(scenario.clone()),
             Self::Recording(recording) => recording.scenario().ok(),
         }
     }
 
-    fn name(self) -> String {
+    /// What it is called: its scenario's name, or its file's.
+    #[must_use]
+    pub fn name(self) -> String {
         match self {
             Self::Scenario(scenario) => scenario.name().to_owned(),
             Self::Recording(recording) => {
@@ -99,7 +102,9 @@ impl Subject<'_> {
         }
     }
 
-    fn has_topic(self, topic: &str) -> bool {
+    /// Whether it has a channel.
+    #[must_use]
+    pub fn has_topic(self, topic: &str) -> bool {
         match self {
             Self::Scenario(_) => channel_index(topic).is_some(),
             Self::Recording(recording) => recording.channels().iter().any(|c| c.topic == topic),

@@ -33,6 +33,18 @@ impl Proportions {
         }
     }
 
+    /// The same top, larger or smaller by a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            peg: factor * self.peg,
+            disc_height: factor * self.disc_height,
+            disc_radius: factor * self.disc_radius,
+            stem_radius: factor * self.stem_radius,
+            tip: factor * self.tip,
+        }
+    }
+
     /// Thickness of the disc.
     #[must_use]
     pub fn thickness(&self) -> f64 {

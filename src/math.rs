@@ -42,6 +42,12 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
+/// Decimal logarithm; minus infinity for 0.
+#[must_use]
+pub fn log10(x: f64) -> f64 {
+    libm::log10(x)
+}
+
 /// `sqrt(x² + y²)`, of numbers whose squares neither overflow nor underflow.
 ///
 /// Plain arithmetic and the exactly rounded square root: faster than a guarded `hypot`, and the

@@ -15,7 +15,7 @@ use thiserror::Error;
 /// Which of two runs that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// The first.
+    /// The first, which the other is compared with.
     A,
     /// The second.
     B,
@@ -37,6 +37,15 @@ impl Side {
         match self {
             Self::A => "A",
             Self::B => "B",
+        }
+    }
+
+    /// Its letter, as it stands in names.
+    #[must_use]
+    pub fn letter(self) -> &'static str {
+        match self {
+            Self::A => "a",
+            Self::B => "b",
         }
     }
 }

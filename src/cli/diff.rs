@@ -2,6 +2,8 @@
 
 mod content;
 mod page;
+#[cfg(feature = "rerun")]
+mod viewer;
 
 use super::progress::Progress;
 use super::run::{parse_override, scenario};
@@ -83,6 +85,10 @@ pub(super) struct DiffArguments {
     /// Encoding of that file's messages.
     #[arg(long, value_enum, default_value_t = EncodingName::Protobuf, requires = "mcap")]
     encoding: EncodingName,
+
+    #[cfg(feature = "rerun")]
+    #[command(flatten)]
+    show: viewer::ShowArguments,
 
     /// Replace files that exist.
     #[arg(long)]
@@ -238,6 +244,10 @@ pub(super) fn diff(arguments: &DiffArguments) -> Result<Done, Error> {
     if let [a, b] = runs.as_slice() {
         return two(arguments, &options, a, b);
     }
+    #[cfg(feature = "rerun")]
+    if arguments.show.is_asked() {
+        bail!("Rerun shows two runs: name two");
+    }
     if arguments.mcap.is_some() {
         bail!("--mcap is for two runs");
     }
@@ -272,21 +282,83 @@ fn open(word: &str, overrides: &[(String, String)]) -> Result<Given, Error> {
 struct Watching<'a> {
     progress: &'a Progress,
     archive: Option<Archive>,
+    #[cfg(feature = "rerun")]
+    viewer: Option<viewer::Viewer>,
+}
+
+impl<'a> Watching<'a> {
+    /// Only the progress bar.
+    fn alone(progress: &'a Progress) -> Self {
+        Self {
+            progress,
+            archive: None,
+            #[cfg(feature = "rerun")]
+            viewer: None,
+        }
+    }
+
+    /// Those who take the messages.
+    fn takers(&mut self) -> impl Iterator<Item = &mut dyn Observer> {
+        let archive = self
+            .archive
+            .as_mut()
+            .map(|archive| archive as &mut dyn Observer);
+        #[cfg(feature = "rerun")]
+        let viewer = self
+            .viewer
+            .as_mut()
+            .map(|viewer| viewer as &mut dyn Observer);
+        #[cfg(not(feature = "rerun"))]
+        let viewer = None;
+        archive.into_iter().chain(viewer)
+    }
+
+    /// Completes what is written, and tells of it.
+    fn finish(self, report: &Report) -> Result<(), Error> {
+        let told = |path: &Path, bytes| {
+            output::note(&format!(
+                "wrote {}  {}",
+                path.display(),
+                format::bytes(bytes)
+            ));
+        };
+        if let Some(archive) = self.archive {
+            let written = archive.finish(report)?;
+            told(&written.path, written.bytes);
+        }
+        #[cfg(feature = "rerun")]
+        if let Some(viewer) = self.viewer {
+            let page = content::page(report, Detail::Short);
+            let (target, written) = viewer.finish(&page.markdown())?;
+            if let Some((path, bytes)) = written {
+                told(&path, bytes);
+            }
+            viewer::serve(target)?;
+        }
+        Ok(())
+    }
+
+    /// Gives up what was to be written.
+    fn discard(self) {
+        if let Some(archive) = self.archive {
+            archive.discard();
+        }
+        #[cfg(feature = "rerun")]
+        if let Some(viewer) = self.viewer {
+            viewer.discard();
+        }
+    }
 }
 
 impl Observer for Watching<'_> {
     fn message(&mut self, side: Side, message: &Message<'_>) -> Result<(), SinkError> {
-        match &mut self.archive {
-            Some(archive) => archive.message(side, message),
-            None => Ok(()),
-        }
+        self.takers()
+            .try_for_each(|taker| taker.message(side, message))
     }
 
     fn difference(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        match &mut self.archive {
-            Some(archive) => archive.difference(message),
-            None => Ok(()),
-        }
+        self.takers()
+            .try_for_each(|taker| taker.difference(message))
     }
 
     fn progress(&mut self, bytes: u64) {
@@ -296,32 +368,33 @@ impl Observer for Watching<'_> {
 
 fn two(arguments: &DiffArguments, options: &Options, a: &Given, b: &Given) -> Result<Done, Error> {
     let subjects = [a, b].map(Given::subject);
-    let archive = arguments.archive(subjects)?;
     let progress = Progress::of_bytes("comparing", a.bytes() + b.bytes());
-    let mut watching = Watching {
-        progress: &progress,
-        archive,
-    };
+    let mut watching = Watching::alone(&progress);
+    watching.archive = arguments.archive(subjects)?;
+    #[cfg(feature = "rerun")]
+    match arguments
+        .show
+        .open(subjects, Existing::forced(arguments.force))
+    {
+        Ok(viewer) => watching.viewer = viewer,
+        Err(error) => {
+            watching.discard();
+            return Err(error);
+        }
+    }
     let compared = compare_observed(subjects[0], subjects[1], options, &mut watching);
     progress.finish();
-    let report = match (compared, watching.archive) {
-        (Ok(report), archive) => {
-            let written = archive.map(|archive| archive.finish(&report)).transpose()?;
+    match compared {
+        Ok(report) => {
             arguments.print(&report)?;
-            if let Some(written) = written {
-                let (path, bytes) = (written.path.display(), format::bytes(written.bytes));
-                output::note(&format!("wrote {path}  {bytes}"));
-            }
-            report
+            watching.finish(&report)?;
+            Ok(done(std::iter::once(&report)))
         }
-        (Err(error), archive) => {
-            if let Some(archive) = archive {
-                archive.discard();
-            }
-            return Err(error.into());
+        Err(error) => {
+            watching.discard();
+            Err(error.into())
         }
-    };
-    Ok(done(std::iter::once(&report)))
+    }
 }
 
 fn several(arguments: &DiffArguments, options: &Options, runs: &[Given]) -> Result<Done, Error> {
@@ -335,11 +408,7 @@ fn several(arguments: &DiffArguments, options: &Options, runs: &[Given]) -> Resu
             ..options.clone()
         };
         let [a, b] = [&runs[i], &runs[j]].map(Given::subject);
-        let mut watching = Watching {
-            progress: &progress,
-            archive: None,
-        };
-        compare_observed(a, b, &options, &mut watching)
+        compare_observed(a, b, &options, &mut Watching::alone(&progress))
             .with_context(|| format!("{} and {}", arguments.runs[i], arguments.runs[j]))
     });
     progress.finish();

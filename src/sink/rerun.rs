@@ -7,10 +7,15 @@
 //!
 //! In a paced run, [`Sink::flush`] sends the rows of the last moments to the viewer; the file gets
 //! them in full chunks all the same, so pacing doesn't change it.
+//!
+//! [`PairSink`] puts two runs into one recording, which are compared.
 
 mod arrow;
 mod blueprint;
 mod destination;
+mod entities;
+mod look;
+mod pair;
 mod scene;
 #[cfg(feature = "web-viewer")]
 mod serve;
@@ -22,22 +27,23 @@ mod viewer;
 use std::fs::File;
 
 use rerun::external::re_log_encoding::rrd::EncodeError;
-use rerun::external::re_log_types::StoreKind;
+use rerun::external::re_log_types::{LogMsg, StoreKind};
 use rerun::external::re_sdk_types::SerializationError;
 use rerun::log::ChunkError;
-use rerun::{EntityPath, RecordingInfo, StoreId, TextDocument};
+use rerun::{EntityPath, RecordingInfo, StoreId};
 
 pub use self::destination::Destinations;
 use self::destination::Outlet;
-use self::scene::Scene;
+use self::entities::Entities;
+use self::look::Look;
+pub use self::pair::{PairIdentity, PairSink};
 #[cfg(feature = "web-viewer")]
 pub use self::serve::WebViewer;
-use self::track::{Numbers, Texts, Track};
 pub use self::viewer::{Live, MISSING_VIEWER};
 use super::{Sink, SinkError};
 use crate::drawing::Proportions;
 use crate::scenario::Scenario;
-use crate::telemetry::{ChannelInfo, Leaf, Message, channels};
+use crate::telemetry::Message;
 use crate::top::Top;
 
 /// The application that all recordings belong to.
@@ -147,9 +153,7 @@ impl Identity {
 /// Writes messages into a Rerun recording.
 pub struct RerunSink {
     outlet: Outlet,
-    plots: Vec<Vec<PlotTrack>>,
-    events: Option<EventTrack>,
-    scene: Option<Scene>,
+    run: Entities,
 }
 
 impl RerunSink {
@@ -160,23 +164,12 @@ impl RerunSink {
     /// # Errors
     /// If the file cannot be written.
     pub fn new(identity: &Identity, destinations: Destinations) -> Result<Self, RerunError> {
-        let id = identity.recording_id.as_str();
-        let store = StoreId::new(StoreKind::Recording, APPLICATION, id);
-        let mut outlet = Outlet::open(store, destinations)?;
         let proportions = Proportions::new(&identity.geometry.top);
-        for message in blueprint::messages(identity, &proportions)? {
-            outlet.send(&message)?;
-        }
-        introduce(identity, &mut outlet)?;
-        let with_scene = identity.has_topic(scene::POSE);
-        Ok(Self {
-            plots: plot_tracks(identity, &mut outlet)?,
-            events: EventTrack::find(channels()),
-            scene: with_scene
-                .then(|| Scene::new(identity, channels(), &mut outlet))
-                .transpose()?,
-            outlet,
-        })
+        let layout = blueprint::messages(identity, &proportions)?;
+        let (id, name) = (&identity.recording_id, &identity.name);
+        let mut outlet = open(id, name, destinations, &layout)?;
+        let run = Entities::new(identity, &Look::Alone, &mut outlet)?;
+        Ok(Self { outlet, run })
     }
 
     /// Whether a viewer is being fed, as far as is known.
@@ -199,168 +192,43 @@ impl RerunSink {
     /// # Errors
     /// If the file cannot be written.
     pub fn finish(mut self) -> Result<(Option<File>, Vec<String>), RerunError> {
-        for plot in self.plots.iter_mut().flatten() {
-            plot.track.complete(&mut self.outlet)?;
-        }
-        if let Some(events) = &mut self.events {
-            events.complete(&mut self.outlet)?;
-        }
-        if let Some(scene) = &mut self.scene {
-            scene.complete(&mut self.outlet)?;
-        }
+        self.run.complete(&mut self.outlet)?;
         self.outlet.finish()
-    }
-
-    fn take(&mut self, message: &Message<'_>) -> Result<(), RerunError> {
-        for plot in self.plots.get_mut(message.channel).into_iter().flatten() {
-            let row = plot.leaves.iter().map(|leaf| message.numbers[*leaf]);
-            plot.track
-                .push(&mut self.outlet, message.time_ns, |rows| rows.extend(row))?;
-        }
-        if let Some(events) = &mut self.events {
-            events.write(message, &mut self.outlet)?;
-        }
-        if let Some(scene) = &mut self.scene {
-            scene.write(message, &mut self.outlet)?;
-        }
-        Ok(())
-    }
-
-    fn show(&mut self) -> Result<(), RerunError> {
-        for plot in self.plots.iter_mut().flatten() {
-            plot.track.show(&mut self.outlet)?;
-        }
-        if let Some(events) = &mut self.events {
-            events.show(&mut self.outlet)?;
-        }
-        if let Some(scene) = &mut self.scene {
-            scene.show(&mut self.outlet)?;
-        }
-        Ok(())
     }
 }
 
 impl Sink for RerunSink {
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        Ok(self.take(message)?)
+        Ok(self.run.write(message, &mut self.outlet)?)
     }
 
     fn flush(&mut self) -> Result<(), SinkError> {
-        Ok(self.show()?)
+        Ok(self.run.show(&mut self.outlet)?)
     }
 }
 
-/// Sends the recording's name and what there is to say about the run.
-fn introduce(identity: &Identity, outlet: &mut Outlet) -> Result<(), RerunError> {
-    let name = RecordingInfo::update_fields().with_name(identity.name.as_str());
+/// Opens the destinations of a recording, and sends its layout and its name.
+fn open(
+    recording_id: &str,
+    name: &str,
+    destinations: Destinations,
+    layout: &[LogMsg],
+) -> Result<Outlet, RerunError> {
+    let store = StoreId::new(StoreKind::Recording, APPLICATION, recording_id);
+    let mut outlet = Outlet::open(store, destinations)?;
+    for message in layout {
+        outlet.send(message)?;
+    }
+    let name = RecordingInfo::update_fields().with_name(name);
     outlet.send_static(EntityPath::properties(), &name)?;
-    let mut text = identity.description.clone();
-    if identity.has_topic(scene::POSE) {
-        text += &arrow::explanation(identity);
-    }
-    let about = TextDocument::from_markdown(text);
-    outlet.send_static(blueprint::ABOUT, &about)
-}
-
-/// One plot of a channel.
-struct PlotTrack {
-    leaves: Vec<usize>,
-    track: Track<Numbers>,
-}
-
-/// The plots of all channels, in table order, with their names and colours sent.
-fn plot_tracks(
-    identity: &Identity,
-    outlet: &mut Outlet,
-) -> Result<Vec<Vec<PlotTrack>>, RerunError> {
-    let mut all = Vec::new();
-    for channel in channels() {
-        let mut tracks = Vec::new();
-        if identity.has_topic(channel.topic) {
-            for (plot, leaves) in grouped(channel) {
-                let entity = format!("{}/{plot}", channel.topic);
-                let chosen: Vec<&Leaf> = leaves.iter().map(|at| &channel.numbers[*at]).collect();
-                outlet.send_static(entity.as_str(), &*style::of_plot(channel.topic, &chosen))?;
-                let track = Track::new(entity.as_str(), Numbers::new(leaves.len()));
-                tracks.push(PlotTrack { leaves, track });
-            }
-        }
-        all.push(tracks);
-    }
-    Ok(all)
-}
-
-/// The plots of a channel with their leaves, both in table order.
-fn grouped(channel: &ChannelInfo) -> Vec<(&'static str, Vec<usize>)> {
-    let mut plots: Vec<(&'static str, Vec<usize>)> = Vec::new();
-    for (index, leaf) in channel.numbers.iter().enumerate() {
-        match plots.iter_mut().find(|(plot, _)| *plot == leaf.plot) {
-            Some((_, leaves)) => leaves.push(index),
-            None => plots.push((leaf.plot, vec![index])),
-        }
-    }
-    plots
-}
-
-/// The events, as sentences. Nutation extremes, hundreds of them, are an entity of their own: they would
-/// bury the others in a log.
-struct EventTrack {
-    channel: usize,
-    name: usize,
-    description: usize,
-    track: Track<Texts>,
-    nutation: Track<Texts>,
-}
-
-impl EventTrack {
-    fn find(channels: &[ChannelInfo]) -> Option<Self> {
-        let topic = blueprint::EVENTS;
-        let channel = channels.iter().position(|channel| channel.topic == topic)?;
-        let text = |path| {
-            channels[channel]
-                .texts
-                .iter()
-                .position(|leaf| leaf.path == path)
-        };
-        Some(Self {
-            channel,
-            name: text("name")?,
-            description: text("description")?,
-            track: Track::new(topic, Texts::default()),
-            nutation: Track::new(blueprint::NUTATION_EVENTS, Texts::default()),
-        })
-    }
-
-    fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) -> Result<(), RerunError> {
-        if message.channel != self.channel {
-            return Ok(());
-        }
-        let (name, description) = (&message.texts[self.name], &message.texts[self.description]);
-        let track = if name.starts_with("nutation") {
-            &mut self.nutation
-        } else {
-            &mut self.track
-        };
-        track.push(outlet, message.time_ns, |rows| {
-            rows.push(description.clone());
-        })
-    }
-
-    fn complete(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
-        self.track.complete(outlet)?;
-        self.nutation.complete(outlet)
-    }
-
-    fn show(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
-        self.track.show(outlet)?;
-        self.nutation.show(outlet)
-    }
+    Ok(outlet)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scenario::Preset;
+    use crate::telemetry::channels;
 
     fn identity(topics: Vec<String>) -> Identity {
         Identity {

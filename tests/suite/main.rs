@@ -21,6 +21,8 @@ mod recordings;
 mod reference;
 #[cfg(feature = "rerun")]
 mod rerun;
+#[cfg(feature = "rerun")]
+mod rerun_pair;
 mod scenarios;
 #[cfg(all(feature = "web-viewer", unix))]
 mod serve;

@@ -4,6 +4,7 @@ use rerun::archetypes::{Arrows3D, Points3D};
 use rerun::{Color, Radius, SerializedComponentColumn};
 
 use super::destination::Outlet;
+use super::look::Look;
 use super::scene::{Vector, single};
 use super::track::{Rows, Track};
 use super::{Geometry, Identity, RerunError, style};
@@ -33,6 +34,8 @@ pub(super) struct ArrowKind {
     length: f64,
     scale: fn(&Geometry) -> Option<f64>,
     unit: &'static str,
+    /// Whether it is drawn where two runs are compared; all arrows of both would hide the tops.
+    is_compared: bool,
 }
 
 /// All arrows. Friction's are left out when there is no friction.
@@ -48,6 +51,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         length: 1.5,
         scale: |geometry| Some(geometry.slip_scale),
         unit: "m/s",
+        is_compared: false,
     },
     ArrowKind {
         entity: "scene/friction_force",
@@ -60,6 +64,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         length: 1.4,
         scale: |geometry| Some(geometry.force_scale),
         unit: "N",
+        is_compared: true,
     },
     ArrowKind {
         entity: "scene/gravity_torque",
@@ -72,6 +77,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         length: 2.6,
         scale: |geometry| Some(geometry.top.gravity_moment().abs()),
         unit: "N m",
+        is_compared: false,
     },
     ArrowKind {
         entity: "scene/friction_torque",
@@ -84,6 +90,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         length: 1.5,
         scale: |geometry| Some(geometry.force_scale * geometry.top.peg_radius),
         unit: "N m",
+        is_compared: false,
     },
     ArrowKind {
         entity: "scene/angular_momentum",
@@ -96,32 +103,36 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         length: 1.45,
         scale: |_| None,
         unit: "kg m²/s",
+        is_compared: false,
     },
 ];
 
 impl ArrowKind {
     /// Whether there is anything to draw: without friction its arrows have no length.
-    fn exists(&self, identity: &Identity) -> bool {
+    fn exists(&self, identity: &Identity, look: &Look) -> bool {
         let scale = (self.scale)(&identity.geometry);
-        identity.has_topic(self.topic) && scale.is_none_or(|scale| scale > 0.0)
+        identity.has_topic(self.topic)
+            && scale.is_none_or(|scale| scale > 0.0)
+            && (look.is_alone() || self.is_compared)
     }
 
     /// How far the label is moved up: what begins at the peg's centre gets its name above the
     /// tip, what lies on the table below.
-    fn lift(&self, proportions: &Proportions) -> f64 {
-        match self.from {
-            From::PegCenter => 0.13 * proportions.tip,
+    fn lift(&self, look: &Look, proportions: &Proportions) -> f64 {
+        let lift = match self.from {
+            From::PegCenter => 0.13,
             From::ContactPoint => 0.0,
-        }
+        };
+        (lift + look.lift()) * proportions.tip
     }
 }
 
 /// What the arrows mean and how long they are, in Markdown.
-pub(super) fn explanation(identity: &Identity) -> String {
+pub(super) fn explanation(identity: &Identity, look: &Look) -> String {
     let geometry = &identity.geometry;
     let height = Proportions::new(&geometry.top).tip;
     let mut text = "\n\n## Arrows\n\n| arrow | length |\n| --- | --- |\n".to_owned();
-    for kind in ARROWS.iter().filter(|kind| kind.exists(identity)) {
+    for kind in ARROWS.iter().filter(|kind| kind.exists(identity, look)) {
         let size = match (kind.scale)(geometry) {
             Some(scale) => format!("{scale:.3e} {}", kind.unit),
             None => "its size at first".to_owned(),
@@ -135,6 +146,7 @@ pub(super) fn explanation(identity: &Identity) -> String {
 /// One arrow: which numbers it draws, and its rows.
 pub(super) struct Arrow {
     kind: &'static ArrowKind,
+    look: Look,
     channel: usize,
     vector: Vector,
     contact_point: Option<Vector>,
@@ -152,17 +164,20 @@ impl Arrow {
         kind: &'static ArrowKind,
         channels: &[ChannelInfo],
         identity: &Identity,
+        look: &Look,
         proportions: &Proportions,
     ) -> Option<Self> {
         let channel = channels
             .iter()
             .position(|channel| channel.topic == kind.topic)?;
-        if !kind.exists(identity) {
+        if !kind.exists(identity, look) {
             return None;
         }
         let length = kind.length * proportions.tip;
+        let entity = look.entity(kind.entity);
         Some(Self {
             kind,
+            look: look.clone(),
             channel,
             vector: Vector::find(&channels[channel], kind.vector)?,
             contact_point: match kind.from {
@@ -171,25 +186,30 @@ impl Arrow {
             },
             length,
             scale: (kind.scale)(&identity.geometry).map(|scale| length / scale),
-            radius: 0.017 * proportions.tip,
-            track: Track::new(kind.entity, Arrows::default()),
-            label: Label::new(kind.entity, 0.15 * proportions.tip, kind.lift(proportions)),
+            radius: 0.017 * proportions.tip * look.thickness(),
+            track: Track::new(entity.as_str(), Arrows::default()),
+            label: Label::new(
+                &entity,
+                0.15 * proportions.tip,
+                kind.lift(look, proportions),
+            ),
         })
     }
 
     /// Sends colours, thickness and label.
     pub(super) fn dress(&self, outlet: &mut Outlet) -> Result<(), RerunError> {
-        let color = Color::from_u32(self.kind.color);
+        let entity = self.look.entity(self.kind.entity);
+        let color = Color::from_u32(self.look.color(self.kind.color, 0));
         let arrow = Arrows3D::update_fields()
             .with_colors([color])
             .with_radii([Radius::new_scene_units(self.radius as f32)]);
         let label = Points3D::update_fields()
             .with_colors([color])
             .with_radii([Radius::new_ui_points(0.0)])
-            .with_labels([self.kind.label])
+            .with_labels([self.look.name(self.kind.label)])
             .with_show_labels(true);
-        outlet.send_static(self.kind.entity, &arrow)?;
-        outlet.send_static(label_entity(self.kind.entity), &label)
+        outlet.send_static(entity.as_str(), &arrow)?;
+        outlet.send_static(label_entity(&entity), &label)
     }
 
     /// The channel whose messages move the arrow.

@@ -4,6 +4,8 @@
 //! The chunks of the blueprint's store are written here one by one: the SDK's builder has no
 //! camera, no axis ranges and no visible time ranges, and draws its identifiers by lot.
 
+pub(super) mod pair;
+
 use rerun::blueprint::components::{
     BackgroundKind, ContainerKind, Corner2D, PanelState, PlayState, TextLogColumn, TimelineColumn,
     VisibleTimeRange,
@@ -18,10 +20,13 @@ use rerun::external::re_sdk_types::blueprint::components;
 use rerun::{AsComponents, StoreId, TimePoint, Timeline};
 
 use super::destination::{Ids, TIMELINE, opening, single_row};
+use super::look::Look;
 use super::scene::POSE;
 use super::{APPLICATION, Identity, Playback, RerunError, shape};
 use crate::drawing::Proportions;
 
+/// The scene, or the part of it that two runs share.
+pub(super) const STAGE: &str = "/scene";
 /// The axis' path on a sphere, and its projection onto the table.
 pub(super) const TRAIL_ABOVE: &str = "scene/trail/above";
 pub(super) const TRAIL_BELOW: &str = "scene/trail/below";
@@ -160,12 +165,8 @@ pub(super) fn messages(
         Some(right) => layout.container(ContainerKind::Horizontal, &[left, right], &shares)?,
         None => left,
     };
-    let viewport = parts::ViewportBlueprint::new()
-        .with_root_container(components::RootContainer(root.id))
-        .with_auto_layout(false)
-        .with_auto_views(false);
-    layout.log("viewport", &viewport)?;
-    panels(&mut layout, identity)?;
+    layout.fill(&root)?;
+    panels(&mut layout, identity.is_alone, identity.playback)?;
     Ok(layout.finish())
 }
 
@@ -178,18 +179,27 @@ fn left_side(
     let about = layout.view("TextDocument", "About this run", ABOUT, &["$origin"])?;
     let mut tabs = vec![about];
     if identity.has_topic(EVENTS) {
-        tabs.insert(0, events(layout)?);
+        let kinds = [blueprint_data::TextLogColumnKind::Body];
+        tabs.insert(0, events(layout, &["$origin".to_owned()], &kinds)?);
     }
     let words = layout.container(ContainerKind::Tabs, &tabs, &[])?;
     if !identity.has_topic(POSE) {
         return Ok(words);
     }
-    let scene = scene(layout, proportions)?;
+    let whole = ["$origin/**".to_owned()];
+    let scene = scene(layout, "The top", &whole, &[Look::Alone], proportions)?;
     layout.container(ContainerKind::Vertical, &[scene, words], &[76.0, 24.0])
 }
 
-fn scene(layout: &mut Layout, proportions: &Proportions) -> Result<Child, RerunError> {
-    let view = layout.view("3D", "The top", "/scene", &["$origin/**"])?;
+/// The scene of these entities, with the trails of the runs that look so.
+fn scene(
+    layout: &mut Layout,
+    name: &str,
+    contents: &[String],
+    runs: &[Look],
+    proportions: &Proportions,
+) -> Result<Child, RerunError> {
+    let view = layout.view("3D", name, STAGE, contents)?;
     let camera = parts::EyeControls3D::new()
         .with_position(shape::camera(proportions))
         .with_look_target(shape::focus(proportions))
@@ -200,9 +210,11 @@ fn scene(layout: &mut Layout, proportions: &Proportions) -> Result<Child, RerunE
     layout.property(&view, "EyeControls3D", &camera)?;
     layout.property(&view, "Background", &background)?;
     layout.property(&view, "LineGrid3D", &grid)?;
-    for trail in [TRAIL_ABOVE, TRAIL_BELOW] {
-        let path = format!("ViewContents/overrides/{trail}/visualizers");
-        layout.property(&view, &path, &parts::VisibleTimeRanges::new([past()]))?;
+    for run in runs {
+        for trail in [TRAIL_ABOVE, TRAIL_BELOW] {
+            let path = format!("ViewContents/overrides{}/visualizers", run.entity(trail));
+            layout.property(&view, &path, &parts::VisibleTimeRanges::new([past()]))?;
+        }
     }
     Ok(view)
 }
@@ -218,17 +230,25 @@ fn past() -> VisibleTimeRange {
     })
 }
 
-fn events(layout: &mut Layout) -> Result<Child, RerunError> {
-    let view = layout.view("TextLog", "Events", EVENTS, &["$origin"])?;
+/// The events of these entities, with these columns beside the time.
+fn events(
+    layout: &mut Layout,
+    contents: &[String],
+    kinds: &[blueprint_data::TextLogColumnKind],
+) -> Result<Child, RerunError> {
+    let view = layout.view("TextLog", "Events", EVENTS, contents)?;
+    let column = |kind: &blueprint_data::TextLogColumnKind| {
+        TextLogColumn(blueprint_data::TextLogColumn {
+            visible: true.into(),
+            kind: *kind,
+        })
+    };
     let columns = parts::TextLogColumns::new()
         .with_timeline_columns([TimelineColumn(blueprint_data::TimelineColumn {
             visible: true.into(),
             timeline: TIMELINE.into(),
         })])
-        .with_text_log_columns([TextLogColumn(blueprint_data::TextLogColumn {
-            visible: true.into(),
-            kind: blueprint_data::TextLogColumnKind::Body,
-        })]);
+        .with_text_log_columns(kinds.iter().map(column));
     layout.property(&view, "TextLogColumns", &columns)?;
     Ok(view)
 }
@@ -239,7 +259,8 @@ fn right_side(layout: &mut Layout, identity: &Identity) -> Result<Option<Child>,
     for (name, plots) in [("How it rises", &RISE), ("More", &MORE)] {
         let mut views = Vec::new();
         for plot in plots.iter().filter(|plot| identity.has_some(plot.contents)) {
-            views.push(time_series(layout, plot)?);
+            let legend = parts::PlotLegend::new().with_corner(plot.legend);
+            views.push(time_series(layout, plot.name, plot.contents, &legend)?);
         }
         if !views.is_empty() {
             let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
@@ -254,17 +275,21 @@ fn right_side(layout: &mut Layout, identity: &Identity) -> Result<Option<Child>,
     layout.container(ContainerKind::Tabs, &pages, &[]).map(Some)
 }
 
-fn time_series(layout: &mut Layout, plot: &Plot) -> Result<Child, RerunError> {
-    let view = layout.view("TimeSeries", plot.name, "/", plot.contents)?;
-    let legend = parts::PlotLegend::new().with_corner(plot.legend);
-    layout.property(&view, "PlotLegend", &legend)?;
+fn time_series(
+    layout: &mut Layout,
+    name: &str,
+    contents: &[impl AsRef<str>],
+    legend: &parts::PlotLegend,
+) -> Result<Child, RerunError> {
+    let view = layout.view("TimeSeries", name, "/", contents)?;
+    layout.property(&view, "PlotLegend", legend)?;
     Ok(view)
 }
 
-fn panels(layout: &mut Layout, identity: &Identity) -> Result<(), RerunError> {
+fn panels(layout: &mut Layout, is_alone: bool, playback: Playback) -> Result<(), RerunError> {
     let hidden = parts::PanelBlueprint::new().with_state(PanelState::Hidden);
     // Between several recordings one chooses in this panel.
-    let recordings = if identity.is_alone {
+    let recordings = if is_alone {
         hidden.clone()
     } else {
         parts::PanelBlueprint::new().with_state(PanelState::Expanded)
@@ -275,7 +300,7 @@ fn panels(layout: &mut Layout, identity: &Identity) -> Result<(), RerunError> {
         .with_state(PanelState::Collapsed)
         .with_timeline(TIMELINE)
         .with_playback_speed(SPEED)
-        .with_play_state(match identity.playback {
+        .with_play_state(match playback {
             Playback::PausedAtStart => PlayState::Paused,
             Playback::Following => PlayState::Following,
         });
@@ -334,7 +359,7 @@ impl Layout {
         class: &str,
         name: &str,
         origin: &str,
-        contents: &[&str],
+        contents: &[impl AsRef<str>],
     ) -> Result<Child, RerunError> {
         let view = self.child("view");
         let blueprint = parts::ViewBlueprint::new(class)
@@ -342,7 +367,7 @@ impl Layout {
             .with_space_origin(origin);
         let query = contents
             .iter()
-            .map(|entity| components::QueryExpression(format!("+ {entity}").into()));
+            .map(|entity| components::QueryExpression(format!("+ {}", entity.as_ref()).into()));
         self.log(&view.path, &blueprint)?;
         self.property(&view, "ViewContents", &parts::ViewContents::new(query))?;
         Ok(view)
@@ -391,6 +416,15 @@ impl Layout {
         };
         self.log(&child.path, &container)?;
         Ok(child)
+    }
+
+    /// Fills the window.
+    fn fill(&mut self, root: &Child) -> Result<(), RerunError> {
+        let viewport = parts::ViewportBlueprint::new()
+            .with_root_container(components::RootContainer(root.id))
+            .with_auto_layout(false)
+            .with_auto_views(false);
+        self.log("viewport", &viewport)
     }
 
     fn finish(mut self) -> Vec<LogMsg> {

@@ -3,11 +3,13 @@
 //! World frame: z up, the table at z = 0, metres.
 
 use rerun::archetypes::{LineStrips3D, Transform3D};
+use rerun::datatypes::Rgba32;
 use rerun::{Color, Radius, SerializedComponentColumn, ViewCoordinates};
 
 use super::arrow::{ARROWS, Arrow};
-use super::blueprint::{TRAIL_ABOVE, TRAIL_BELOW};
+use super::blueprint::{STAGE, TRAIL_ABOVE, TRAIL_BELOW};
 use super::destination::Outlet;
+use super::look::Look;
 use super::shape;
 use super::track::{Rows, Track};
 use super::{Geometry, Identity, RerunError, style};
@@ -62,6 +64,7 @@ impl Scene {
     /// Looks up what the table of channels offers and sends everything that does not move.
     pub(super) fn new(
         identity: &Identity,
+        look: &Look,
         channels: &[ChannelInfo],
         outlet: &mut Outlet,
     ) -> Result<Self, RerunError> {
@@ -70,16 +73,19 @@ impl Scene {
         let place = |topic: &str| channels.iter().position(|channel| channel.topic == topic);
         let arrows = ARROWS
             .iter()
-            .filter_map(|kind| Arrow::find(kind, channels, identity, &proportions))
+            .filter_map(|kind| Arrow::find(kind, channels, identity, look, &proportions))
             .collect();
-        let pose = place(POSE).and_then(|at| Pose::find(at, &channels[at], &proportions));
+        let pose = place(POSE).and_then(|at| Pose::find(at, &channels[at], look, &proportions));
         let scene = Self {
             pose,
             arrows,
             orientation: None,
             peg: [0.0, 0.0, geometry.top.peg_radius],
         };
-        furnish(geometry, &proportions, outlet)?;
+        if look.is_alone() {
+            furnish(geometry, &proportions, outlet)?;
+        }
+        dress(look, &proportions, outlet)?;
         scene
             .arrows
             .iter()
@@ -131,26 +137,35 @@ impl Scene {
     }
 }
 
-/// Sends what stands still: the table, the vertical, the body of the top in its own axes.
-fn furnish(
+/// Sends what stands still: the table and the vertical. Two runs that are compared share them.
+pub(super) fn furnish(
     geometry: &Geometry,
     proportions: &Proportions,
     outlet: &mut Outlet,
 ) -> Result<(), RerunError> {
     let radius = 2.1 * proportions.tip;
     let height = geometry.top.peg_radius + 1.5 * proportions.tip;
-    outlet.send_static("scene", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    outlet.send_static(STAGE, &ViewCoordinates::RIGHT_HAND_Z_UP())?;
     outlet.send_static("scene/table", &shape::table(radius))?;
     outlet.send_static("scene/table/marks", &shape::table_marks(radius))?;
-    outlet.send_static("scene/vertical", &shape::vertical(height))?;
-    outlet.send_static("scene/top/body", &shape::top(proportions))?;
-    outlet.send_static(TRAIL_ABOVE, &trail_style(1.3))?;
-    outlet.send_static(TRAIL_BELOW, &trail_style(1.0))
+    outlet.send_static("scene/vertical", &shape::vertical(height))
 }
 
-fn trail_style(width: f32) -> LineStrips3D {
+/// Sends the body of the top in its own axes, and how its trails are drawn.
+fn dress(look: &Look, proportions: &Proportions, outlet: &mut Outlet) -> Result<(), RerunError> {
+    let body = shape::top(&proportions.scaled(look.size()));
+    let body = match look.albedo() {
+        Some(albedo) => body.with_albedo_factor(Rgba32::from_u32(albedo)),
+        None => body,
+    };
+    outlet.send_static(look.entity("scene/top/body"), &body)?;
+    outlet.send_static(look.entity(TRAIL_ABOVE), &trail_style(look, 1.3))?;
+    outlet.send_static(look.entity(TRAIL_BELOW), &trail_style(look, 1.0))
+}
+
+fn trail_style(look: &Look, width: f32) -> LineStrips3D {
     LineStrips3D::update_fields()
-        .with_colors([Color::from_u32(style::PURPLE)])
+        .with_colors([Color::from_u32(look.color(style::PURPLE, 0))])
         .with_radii([Radius::new_ui_points(width)])
 }
 
@@ -165,7 +180,12 @@ struct Pose {
 }
 
 impl Pose {
-    fn find(channel: usize, info: &ChannelInfo, proportions: &Proportions) -> Option<Self> {
+    fn find(
+        channel: usize,
+        info: &ChannelInfo,
+        look: &Look,
+        proportions: &Proportions,
+    ) -> Option<Self> {
         let component = |name| leaf(info, "orientation", name);
         let orientation = [
             component("x")?,
@@ -178,8 +198,8 @@ impl Pose {
             orientation,
             axis: Vector::find(info, "axis")?,
             position: Vector::find(info, "peg_position")?,
-            track: Track::new("scene/top", Poses::default()),
-            trail: Trail::new(1.13 * proportions.tip),
+            track: Track::new(look.entity("scene/top"), Poses::default()),
+            trail: Trail::new(look, 1.13 * proportions.tip),
         })
     }
 
@@ -246,11 +266,12 @@ struct Trail {
 }
 
 impl Trail {
-    fn new(radius: f64) -> Self {
+    fn new(look: &Look, radius: f64) -> Self {
+        let track = |path| Track::new(look.entity(path), Pieces::default());
         Self {
             radius,
-            above: Track::new(TRAIL_ABOVE, Pieces::default()),
-            below: Track::new(TRAIL_BELOW, Pieces::default()),
+            above: track(TRAIL_ABOVE),
+            below: track(TRAIL_BELOW),
             piece: Vec::new(),
             next_point_ns: 0,
             next_piece_ns: PIECE_NS,

@@ -5,6 +5,7 @@
 use rerun::{AsComponents, SeriesLines, SeriesPoints};
 use rerun::{Color, components::MarkerShape};
 
+use super::look::Look;
 use crate::telemetry::Leaf;
 
 pub(super) const ORANGE: u32 = 0xE69F_00FF;
@@ -17,6 +18,9 @@ pub(super) const BLUE: u32 = 0x4C8F_D6FF;
 pub(super) const VERMILLION: u32 = 0xE863_1AFF;
 pub(super) const PURPLE: u32 = 0xCC79_A7FF;
 pub(super) const GREY: u32 = 0xB4BA_C4FF;
+
+/// The topic of the means over a nutation.
+const MEANS: &str = "/top/nutation";
 
 /// For leaves that no rule names, in their order within a plot.
 const PALETTE: [u32; 7] = [SKY, ORANGE, GREEN, PURPLE, YELLOW, VERMILLION, BLUE];
@@ -83,19 +87,19 @@ const STORY: [(&str, &str, Series); 42] = [
 /// Names, colours and widths of the numbers of one plot of a channel.
 ///
 /// Means over a nutation are dots: dots lie above lines, whatever the order of the entities.
-pub(super) fn of_plot(topic: &str, leaves: &[&Leaf]) -> Box<dyn AsComponents> {
+pub(super) fn of_plot(topic: &str, leaves: &[&Leaf], look: &Look) -> Box<dyn AsComponents> {
     let styles = || {
         leaves
             .iter()
             .enumerate()
-            .map(|(place, leaf)| of_leaf(topic, leaf, place))
+            .map(|(place, leaf)| of_leaf(topic, leaf, place, look))
     };
     let names: Vec<String> = styles().map(|(name, ..)| name).collect();
     let colors: Vec<Color> = styles()
         .map(|(_, color, _)| Color::from_u32(color))
         .collect();
     let widths: Vec<f32> = styles().map(|(.., width)| width).collect();
-    if topic == "/top/nutation" {
+    if topic == MEANS {
         let points = SeriesPoints::new().with_names(names).with_colors(colors);
         let markers = widths.iter().map(|_| MarkerShape::Circle);
         Box::new(points.with_markers(markers).with_marker_sizes(widths))
@@ -105,17 +109,24 @@ pub(super) fn of_plot(topic: &str, leaves: &[&Leaf]) -> Box<dyn AsComponents> {
     }
 }
 
-fn of_leaf(topic: &str, leaf: &Leaf, place: usize) -> (String, u32, f32) {
+fn of_leaf(topic: &str, leaf: &Leaf, place: usize, look: &Look) -> (String, u32, f32) {
     let told = STORY
         .iter()
         .find(|(t, path, _)| *t == topic && *path == leaf.path);
-    match told {
+    let (name, color, width) = match told {
         Some((.., series)) => (series.name.to_owned(), series.color, series.width),
         None => {
             let name = leaf.path.rsplit('.').next().unwrap_or(&leaf.path);
             (name.replace('_', " "), PALETTE[place % PALETTE.len()], 1.2)
         }
-    }
+    };
+    // The means of two runs and of their difference are lighter than the ripple that they lie on.
+    let shade = if topic == MEANS { 1 } else { place };
+    (
+        look.name(&name),
+        look.color(color, shade),
+        look.width(width),
+    )
 }
 
 #[cfg(test)]

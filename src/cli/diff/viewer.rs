@@ -1,0 +1,147 @@
+//! Both runs, and their differences, in Rerun.
+
+use super::super::interrupt::Interrupt;
+use super::super::output;
+use super::super::viewer::{Target, ViewerArguments};
+use crate::diff::{Observer, Subject};
+use crate::sink::publish::{Existing, Place};
+use crate::sink::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
+use crate::sink::{Side, SinkError};
+use crate::telemetry::{Message, channels};
+use anyhow::{Context as _, Error, bail};
+use clap::Args;
+use std::fs::File;
+use std::path::PathBuf;
+
+/// Where the comparison is shown.
+#[derive(Args, Debug, PartialEq)]
+pub(super) struct ShowArguments {
+    /// Write a Rerun recording of both runs and their differences into this file.
+    #[arg(long, value_name = "FILE")]
+    rrd: Option<PathBuf>,
+
+    #[command(flatten)]
+    viewer: ViewerArguments,
+}
+
+/// A viewer, or a file for one, that is fed with a comparison.
+pub(super) struct Viewer {
+    sink: PairSink,
+    place: Option<Place>,
+    target: Target,
+}
+
+impl ShowArguments {
+    /// Opens what was asked for; nothing if nothing was.
+    pub(super) fn open(
+        &self,
+        subjects: [Subject<'_>; 2],
+        existing: Existing,
+    ) -> Result<Option<Viewer>, Error> {
+        let target = self.viewer.target()?;
+        if self.rrd.is_none() && matches!(target, Target::None) {
+            return Ok(None);
+        }
+        if !subjects.iter().all(|subject| subject.is_ours()) {
+            bail!("Rerun shows recordings of toprise here; one of these is another file");
+        }
+        let identity = identity(subjects)?;
+        let reserved = self
+            .rrd
+            .as_ref()
+            .map(|rrd| Place::reserve_derived(rrd, existing));
+        let (place, file) = reserved.transpose()?.unzip();
+        let destinations = Destinations {
+            file,
+            live: target.live(),
+        };
+        let mut sink = PairSink::new(&identity, destinations).map_err(SinkError::from)?;
+        output::warn_all(sink.take_warnings());
+        Ok(Some(Viewer {
+            sink,
+            place,
+            target,
+        }))
+    }
+
+    /// Whether anything is to be shown.
+    pub(super) fn is_asked(&self) -> bool {
+        self.rrd.is_some() || self.viewer.is_asked()
+    }
+}
+
+fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
+    let of = |subject: Subject<'_>, letter: &str| {
+        let scenario = subject.scenario().with_context(|| {
+            format!("{letter} can't be drawn: it has no scenario that this version reads")
+        })?;
+        let topics = channels().iter().map(|channel| channel.topic);
+        let topics = topics
+            .filter(|topic| subject.has_topic(topic))
+            .map(str::to_owned);
+        let name = subject.name();
+        Ok::<_, Error>(Identity::of(
+            &name,
+            &scenario,
+            topics.collect(),
+            Playback::PausedAtStart,
+        ))
+    };
+    let (a, b) = (of(a, "A")?, of(b, "B")?);
+    Ok(PairIdentity {
+        recording_id: format!("{}-against-{}", b.recording_id, a.recording_id),
+        name: format!("{} against {}", b.name, a.name),
+        a,
+        b,
+        playback: Playback::PausedAtStart,
+    })
+}
+
+impl Viewer {
+    /// Shows the report too, and completes the file; gives its path and size.
+    pub(super) fn finish(
+        mut self,
+        markdown: &str,
+    ) -> Result<(Target, Option<(PathBuf, u64)>), Error> {
+        self.sink.summarize(markdown).map_err(SinkError::from)?;
+        let (file, warnings) = self.sink.finish().map_err(SinkError::from)?;
+        output::warn_all(warnings);
+        let written = self
+            .place
+            .zip(file)
+            .map(|(place, file)| publish(&place, &file));
+        Ok((self.target, written.transpose()?))
+    }
+
+    /// Gives up the file.
+    pub(super) fn discard(self) {
+        drop(self.sink);
+        if let Some(place) = self.place {
+            place.withdraw();
+        }
+    }
+}
+
+fn publish(place: &Place, file: &File) -> Result<(PathBuf, u64), Error> {
+    let bytes = file.metadata().map_or(0, |metadata| metadata.len());
+    place.publish(file)?;
+    Ok((place.path().to_owned(), bytes))
+}
+
+impl Observer for Viewer {
+    fn message(&mut self, side: Side, message: &Message<'_>) -> Result<(), SinkError> {
+        Ok(self.sink.write(side, message)?)
+    }
+
+    fn difference(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        Ok(self.sink.difference(message)?)
+    }
+}
+
+/// Goes on serving, if that was asked for.
+pub(super) fn serve(target: Target) -> Result<(), Error> {
+    if !matches!(target, Target::None | Target::Live(_)) {
+        target.serve_until(&Interrupt::watch()?);
+    }
+    Ok(())
+}

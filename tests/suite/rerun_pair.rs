@@ -1,0 +1,328 @@
+//! Two runs in one Rerun recording, as far as it can be tested without a viewer.
+
+use crate::support::scenario;
+use rerun::external::re_log_encoding::DecoderApp;
+use rerun::external::re_log_types::LogMsg;
+use rerun::log::Chunk;
+use std::collections::{BTreeMap, HashMap};
+use std::fs::{self, File};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::LazyLock;
+use tempfile::tempdir;
+use toprise::math::log10;
+use toprise::scenario::Scenario;
+use toprise::simulation::Simulation;
+use toprise::sink::memory::{MemorySink, Owned};
+use toprise::sink::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
+use toprise::sink::{Side, record};
+use toprise::telemetry::{Message, Telemetry, channels};
+
+const DURATION: (&str, &str) = ("stop.duration", "0.3");
+
+/// A run with all its messages.
+struct Run {
+    name: &'static str,
+    scenario: Scenario,
+    messages: Vec<Owned>,
+}
+
+impl Run {
+    fn of(preset: &'static str) -> Self {
+        let scenario = scenario(preset, &[DURATION]);
+        let mut sink = MemorySink::default();
+        let mut simulation = Simulation::new(&scenario).unwrap();
+        let (mut telemetry, carry_on) = (Telemetry::default(), ControlFlow::Continue(()));
+        record(&mut simulation, &mut telemetry, &mut [&mut sink], |_, _| {
+            Ok(carry_on)
+        })
+        .unwrap();
+        Self {
+            name: preset,
+            scenario,
+            messages: sink.messages,
+        }
+    }
+
+    fn identity(&self, topics: &[&str]) -> Identity {
+        let topics = topics.iter().map(|topic| (*topic).to_owned()).collect();
+        Identity::of(self.name, &self.scenario, topics, Playback::PausedAtStart)
+    }
+
+    /// The messages of these topics.
+    fn messages(&self, topics: &[&str]) -> impl Iterator<Item = &Owned> {
+        let topics = topics.to_vec();
+        let wanted = move |message: &&Owned| topics.contains(&channels()[message.channel].topic);
+        self.messages.iter().filter(wanted)
+    }
+}
+
+static PAPER: LazyLock<Run> = LazyLock::new(|| Run::of("paper"));
+static FULL: LazyLock<Run> = LazyLock::new(|| Run::of("full-coulomb"));
+
+fn all_topics() -> Vec<&'static str> {
+    channels().iter().map(|channel| channel.topic).collect()
+}
+
+/// The differences of the messages that both runs have.
+fn differences(a: &[&Owned], b: &[&Owned]) -> Vec<Owned> {
+    let key = |message: &Owned| (message.channel, message.sequence);
+    let of_b: HashMap<_, _> = b.iter().map(|message| (key(message), message)).collect();
+    let difference = |a: &&Owned| {
+        let b = of_b.get(&key(a))?;
+        let numbers = a.numbers.iter().zip(&b.numbers).map(|(a, b)| b - a);
+        Some(Owned {
+            numbers: numbers.collect(),
+            texts: Vec::new(),
+            ..(*a).clone()
+        })
+    };
+    a.iter().filter_map(difference).collect()
+}
+
+/// Writes both runs with these topics.
+fn write(path: &Path, (a, topics_a): (&Run, &[&str]), (b, topics_b): (&Run, &[&str])) {
+    let identity = PairIdentity {
+        recording_id: "pair".to_owned(),
+        name: "a pair".to_owned(),
+        a: a.identity(topics_a),
+        b: b.identity(topics_b),
+        playback: Playback::PausedAtStart,
+    };
+    let destinations = Destinations {
+        file: Some(File::create(path).unwrap()),
+        live: None,
+    };
+    let mut sink = PairSink::new(&identity, destinations).unwrap();
+    let of_a: Vec<_> = a.messages(topics_a).collect();
+    let of_b: Vec<_> = b.messages(topics_b).collect();
+    for message in &of_a {
+        sink.write(Side::A, &message.as_message()).unwrap();
+    }
+    for message in &of_b {
+        sink.write(Side::B, &message.as_message()).unwrap();
+    }
+    for message in differences(&of_a, &of_b) {
+        let message = Message {
+            texts: &[],
+            ..message.as_message()
+        };
+        sink.difference(&message).unwrap();
+    }
+    sink.summarize("They differ.").unwrap();
+    assert!(!sink.is_live());
+    assert_eq!(sink.finish().unwrap().1, [""; 0]);
+}
+
+/// What there is in a file.
+#[derive(Default)]
+struct Content {
+    data: Vec<Chunk>,
+    blueprint: Vec<Chunk>,
+}
+
+impl Content {
+    fn read(path: &Path) -> Self {
+        let mut content = Self::default();
+        let file = std::io::BufReader::new(File::open(path).unwrap());
+        for message in DecoderApp::decode_eager(file).unwrap() {
+            if let LogMsg::ArrowMsg(store, message) = message.unwrap() {
+                let chunk = Chunk::from_arrow_msg(&message).unwrap();
+                let chunks = if store.is_recording() {
+                    &mut content.data
+                } else {
+                    &mut content.blueprint
+                };
+                chunks.push(chunk);
+            }
+        }
+        content
+    }
+
+    /// The entities with the number of their rows, static ones not counted.
+    fn rows(&self) -> BTreeMap<String, usize> {
+        let mut rows = BTreeMap::new();
+        for chunk in &self.data {
+            let count = if chunk.is_static() {
+                0
+            } else {
+                chunk.num_rows()
+            };
+            *rows.entry(chunk.entity_path().to_string()).or_default() += count;
+        }
+        rows
+    }
+
+    /// The numbers of an entity, in order.
+    fn numbers(&self, entity: &str) -> Vec<Vec<f64>> {
+        let chunks = self.data.iter();
+        let chunks = chunks.filter(|chunk| chunk.entity_path().to_string() == entity);
+        chunks
+            .flat_map(|chunk| chunk.iter_slices::<f64>("Scalars:scalars".into()))
+            .map(<[f64]>::to_vec)
+            .collect()
+    }
+
+    /// What a text document says at last.
+    fn text(&self, entity: &str) -> String {
+        let chunks = self.data.iter();
+        let chunks = chunks.filter(|chunk| chunk.entity_path().to_string() == entity);
+        let texts = chunks.flat_map(|chunk| texts(chunk, "TextDocument:text"));
+        texts.last().unwrap()
+    }
+
+    /// The entities that the views show, by the names of the views' parts of the blueprint.
+    fn shown(&self) -> Vec<String> {
+        let mut origins = HashMap::new();
+        for chunk in &self.blueprint {
+            let path = chunk.entity_path().to_string();
+            for origin in texts(chunk, "ViewBlueprint:space_origin") {
+                origins.insert(path.clone(), origin);
+            }
+        }
+        let mut shown = Vec::new();
+        for chunk in &self.blueprint {
+            let path = chunk.entity_path().to_string();
+            for query in texts(chunk, "ViewContents:query") {
+                let origin = &origins[path.trim_end_matches("/ViewContents")];
+                shown.extend(query.lines().map(|line| {
+                    let entity = line.trim_start_matches("+ ").replace("$origin", origin);
+                    format!("/{}", entity.trim_start_matches('/'))
+                }));
+            }
+        }
+        shown
+    }
+}
+
+fn texts(chunk: &Chunk, component: &'static str) -> Vec<String> {
+    chunk
+        .iter_slices::<String>(component.into())
+        .flatten()
+        .map(|text| text.to_string())
+        .collect()
+}
+
+/// Asserts that each view has something to show.
+fn assert_nothing_is_empty(content: &Content) {
+    let rows = content.rows();
+    let shown = content.shown();
+    assert!(!shown.is_empty());
+    for entity in shown {
+        let full = match entity.strip_suffix("/**") {
+            Some(parent) => rows.keys().any(|entity| entity.starts_with(parent)),
+            None if entity == "/summary" || entity.ends_with("/about") => {
+                !content.text(&entity).is_empty()
+            }
+            None => rows.get(&entity).is_some_and(|rows| *rows > 0),
+        };
+        assert!(full, "nothing in {entity}");
+    }
+}
+
+#[test]
+fn a_pair_holds_both_runs_and_their_difference() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("pair.rrd");
+    let topics = all_topics();
+    write(&path, (&PAPER, &topics), (&FULL, &topics));
+    let content = Content::read(&path);
+    assert_nothing_is_empty(&content);
+    let rows = content.rows();
+    for channel in channels().iter().filter(|channel| channel.is_sampled) {
+        for leaf in &channel.numbers {
+            let entity = format!("{}/{}", channel.topic, leaf.plot);
+            let count = rows[&format!("/a{entity}")];
+            assert!(count > 0, "{entity}");
+            assert_eq!(rows[&format!("/b{entity}")], count, "{entity}");
+            assert_eq!(rows[&format!("/diff{entity}")], count, "{entity}");
+        }
+    }
+    for entity in [
+        "/a/events",
+        "/b/events",
+        "/a/scene/top",
+        "/b/scene/top",
+        "/a/scene/trail/above",
+        "/b/scene/friction_force",
+        "/diff/top/nutation/theta_mean",
+        "/diff_log10/top/nutation/theta_mean",
+    ] {
+        assert!(rows[entity] > 0, "{entity}");
+    }
+    assert!(rows.contains_key("/scene/table"));
+    assert!(content.text("/summary").ends_with("They differ."));
+
+    let [a, b, difference, logarithm] = ["a", "b", "diff", "diff_log10"]
+        .map(|run| content.numbers(&format!("/{run}/top/state/theta")));
+    let expected: Vec<_> = a.iter().zip(&b).map(|(a, b)| b[0] - a[0]).collect();
+    assert_eq!(difference.concat(), expected);
+    // Zero has no logarithm.
+    let sizes = expected.iter().map(|number| number.abs());
+    let expected = sizes.filter(|size| *size > 0.0).map(log10);
+    assert_eq!(logarithm.concat(), expected.collect::<Vec<_>>());
+    assert!(logarithm.len() < difference.len());
+    assert_eq!(difference[0], [0.0]);
+    assert!(difference.last().unwrap()[0] != 0.0);
+}
+
+#[test]
+fn topics_that_are_missing_leave_no_empty_views() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("pair.rrd");
+    let all = all_topics();
+    for topic in &all {
+        let one = [*topic];
+        for (a, b) in [
+            (&all[..], &one[..]),
+            (&one, &all),
+            (&one, &one),
+            (&one, &[]),
+        ] {
+            write(&path, (&PAPER, a), (&FULL, b));
+            assert_nothing_is_empty(&Content::read(&path));
+        }
+    }
+}
+
+#[test]
+fn the_same_pair_is_the_same_bytes() {
+    let directory = tempdir().unwrap();
+    let topics = all_topics();
+    let [first, second] = ["first.rrd", "second.rrd"].map(|name| {
+        let path = directory.path().join(name);
+        write(&path, (&PAPER, &topics), (&FULL, &topics));
+        fs::read(path).unwrap()
+    });
+    let data = data_section(&first);
+    assert!(data.len() > 100_000);
+    assert!(data == data_section(&second));
+}
+
+/// A file without its footer, in which the SDK sorts columns by their hashes. The last 32 bytes begin with
+/// the place of the footer, before which stands a header of 16 bytes.
+fn data_section(bytes: &[u8]) -> &[u8] {
+    let (_, end) = bytes.split_last_chunk::<32>().unwrap();
+    let (place, _) = end.split_first_chunk::<8>().unwrap();
+    &bytes[..usize::try_from(u64::from_le_bytes(*place)).unwrap() - 16]
+}
+
+#[test]
+fn runs_with_the_same_name_are_told_apart_by_letters() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("pair.rrd");
+    let topics = all_topics();
+    for (b, names) in [
+        (&PAPER, ["A θ", "B θ"]),
+        (&FULL, ["paper θ", "full-coulomb θ"]),
+    ] {
+        write(&path, (&PAPER, &topics), (b, &topics));
+        let content = Content::read(&path);
+        for (run, name) in ["a", "b"].iter().zip(names) {
+            let entity = format!("/{run}/top/state/theta");
+            let chunks = content.data.iter();
+            let mut chunks = chunks.filter(|chunk| chunk.entity_path().to_string() == entity);
+            assert!(chunks.any(|chunk| texts(chunk, "SeriesLines:names") == [name]));
+        }
+    }
+}
