@@ -165,14 +165,13 @@ impl DiffArguments {
         })
     }
 
-    /// The keys to set in the scenario of a run.
-    fn overrides_of(&self, at: usize) -> Vec<(String, String)> {
-        let own = match at {
-            0 => self.overrides_a.as_slice(),
-            1 => self.overrides_b.as_slice(),
+    /// The keys to set in the scenario of this run alone.
+    fn overrides_of(&self, at: usize) -> &[(String, String)] {
+        match at {
+            0 => &self.overrides_a,
+            1 => &self.overrides_b,
             _ => &[],
-        };
-        [self.overrides.as_slice(), own].concat()
+        }
     }
 
     /// The file of differences, if one is wanted.
@@ -214,6 +213,9 @@ impl DiffArguments {
         }
     }
 }
+
+/// A key of a scenario and its new value.
+type Override = (String, String);
 
 /// A run on the command line.
 enum Given {
@@ -259,19 +261,25 @@ pub(super) fn diff(arguments: &DiffArguments) -> Result<Done, Error> {
 
 fn given(arguments: &DiffArguments) -> Result<Vec<Given>, Error> {
     let words = arguments.runs.iter().enumerate();
-    let runs = words.map(|(at, word)| open(word, &arguments.overrides_of(at)));
-    runs.collect::<Result<Vec<_>, _>>()
+    let runs = words.map(|(at, word)| open(word, &arguments.overrides, arguments.overrides_of(at)));
+    let runs = runs.collect::<Result<Vec<_>, _>>()?;
+    let is_simulated = |run: &Given| matches!(run, Given::Scenario(_));
+    if !arguments.overrides.is_empty() && !runs.iter().any(is_simulated) {
+        bail!("--set has nothing to set: all runs are recordings");
+    }
+    Ok(runs)
 }
 
 /// The run that a word means: a preset, a scenario file, or else a recording.
-fn open(word: &str, overrides: &[(String, String)]) -> Result<Given, Error> {
+fn open(word: &str, common: &[Override], own: &[Override]) -> Result<Given, Error> {
     let is_preset = PRESETS.iter().any(|preset| preset.name == word);
     let path = Path::new(word);
     let is_path = path.exists() || word.contains(['/', '\\']) || word.contains(".mcap");
     if is_preset || word.ends_with(".toml") || !is_path {
-        return Ok(Given::Scenario(Box::new(scenario(word, overrides)?)));
+        let scenario = scenario(word, &[common, own].concat())?;
+        return Ok(Given::Scenario(Box::new(scenario)));
     }
-    if let Some((key, _)) = overrides.first() {
+    if let Some((key, _)) = own.first() {
         bail!("{word} is a recording: {key} can only be set in a scenario that is simulated now");
     }
     let recording = Recording::open(path).with_context(|| word.to_owned())?;

@@ -88,7 +88,10 @@ impl Page {
         };
         let title = colour.on_default().effects(Effects::BOLD);
         let mut text = self.runs.text();
-        let _ = writeln!(text, "\n{title}{}{title:#}", self.title);
+        if !text.is_empty() {
+            text.push('\n');
+        }
+        let _ = writeln!(text, "{title}{}{title:#}", self.title);
         for line in wrapped(&self.summary.join(" "), WIDTH) {
             let _ = writeln!(text, "{line}");
         }
@@ -115,8 +118,10 @@ impl Page {
 
     /// For documents.
     pub(super) fn markdown(&self) -> String {
-        let mut text = format!("# {}\n\n{}\n", self.title, self.runs.markdown());
-        let _ = writeln!(text, "{}", self.summary.join(" "));
+        let mut text = format!("# {}\n\n{}\n", self.title, self.summary.join(" "));
+        if !self.runs.rows.is_empty() {
+            let _ = write!(text, "\n{}", self.runs.markdown());
+        }
         for section in &self.sections {
             let _ = writeln!(text, "\n## {}\n", section.title);
             if !section.note.is_empty() {
@@ -138,7 +143,9 @@ impl Table {
         let lines = || std::iter::once(&self.header).chain(&self.rows);
         let columns = lines().map(Vec::len).max().unwrap_or(0);
         let width = |column: usize| {
-            let cells = lines().filter_map(|row| row.get(column));
+            // A cell alone in its row is a heading: it may stand over the next columns.
+            let cells = lines().filter(|row| row.len() > 1);
+            let cells = cells.filter_map(|row| row.get(column));
             cells.map(|cell| cell.width()).max().unwrap_or(0)
         };
         let widths: Vec<usize> = (0..columns).map(width).collect();
