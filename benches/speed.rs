@@ -8,6 +8,7 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::path::Path;
 use toprise::convert::convert;
+use toprise::diff;
 use toprise::integrate::{Direction, Dop853, System, Tolerances};
 use toprise::recording::{Recording, Selection};
 use toprise::scenario::{Preset, Scenario};
@@ -153,17 +154,58 @@ fn runs(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Reading the paper's run back, in both encodings.
-fn recordings(criterion: &mut Criterion) {
-    let scenario = Preset::find("paper")
+/// A preset's run, recorded in both encodings.
+fn recorded(preset: &str, directory: &Path) -> [Recording; 2] {
+    let scenario = Preset::find(preset)
         .and_then(Preset::scenario)
         .expect("the preset is sound");
+    archive(&scenario, &[], directory);
+    let [json, protobuf] = ["json", "protobuf"].map(|encoding| {
+        let name = format!("{preset}-{encoding}.mcap");
+        directory.join(name)
+    });
+    std::fs::rename(directory.join("bench.mcap"), &json).expect("it was written");
+    let json = Recording::open(&json).expect("it is a recording");
+    convert(
+        &json,
+        &protobuf,
+        Existing::Keep,
+        Encoding::Protobuf,
+        &|_| {},
+    )
+    .expect("it is whole");
+    let protobuf = Recording::open(&protobuf).expect("it is a recording");
+    [json, protobuf]
+}
+
+/// Comparing the paper's run with that of the whole friction torque.
+fn diffs(criterion: &mut Criterion) {
     let directory = tempfile::tempdir().expect("there is a temporary directory");
-    archive(&scenario, &[], directory.path());
-    let json = Recording::open(&directory.path().join("bench.mcap")).expect("it is a recording");
-    let path = directory.path().join("protobuf.mcap");
-    convert(&json, &path, Existing::Keep, Encoding::Protobuf, &|_| {}).expect("it is whole");
-    let protobuf = Recording::open(&path).expect("it is a recording");
+    let [json_a, protobuf_a] = recorded("paper", directory.path());
+    let [json_b, protobuf_b] = recorded("full-coulomb", directory.path());
+    let mut group = criterion.benchmark_group("diff: paper and full-coulomb, 24.7 s at 1 kHz");
+    group.sample_size(10);
+    for (name, a, b) in [
+        ("JSON", &json_a, &json_b),
+        ("protobuf", &protobuf_a, &protobuf_b),
+    ] {
+        for (what, floor) in [("", false), (" with the integrators' errors", true)] {
+            let options = diff::Options {
+                floor,
+                ..diff::Options::default()
+            };
+            group.bench_function(format!("{name}{what}"), |bencher| {
+                bencher.iter(|| black_box(diff::compare(a, b, &options).expect("they are sound")));
+            });
+        }
+    }
+    group.finish();
+}
+
+/// Reading the paper's run back, in both encodings.
+fn recordings(criterion: &mut Criterion) {
+    let directory = tempfile::tempdir().expect("there is a temporary directory");
+    let [json, protobuf] = recorded("paper", directory.path());
     for (name, recording) in [("JSON", &json), ("protobuf", &protobuf)] {
         let mut group = criterion.benchmark_group(format!("recording: paper in {name}"));
         group.sample_size(10);
@@ -193,5 +235,5 @@ fn recordings(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, integrator, runs, recordings);
+criterion_group!(benches, integrator, runs, recordings, diffs);
 criterion_main!(benches);

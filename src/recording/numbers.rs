@@ -36,7 +36,8 @@ pub enum NumbersError {
 /// A field is named by its path: `pose.position.x`, `ranges.0`. In JSON each number has one; where two
 /// have the same, as in `{"a.b":1,"a":{"b":2}}`, the last counts. Booleans count as 0 and 1, enums as
 /// their numbers; texts and bytes are left out, also texts that spell numbers. Integers beyond 2⁵³ become
-/// the nearest number. A JSON message that is nothing but a number has a field with an empty name.
+/// the nearest number. `null` is no number, and neither are `NaN` and `Infinity`, which JSON doesn't have but
+/// Python writes. A JSON message that is nothing but a number has a field with an empty name.
 ///
 /// In protobuf a number that is not in a message is zero, as proto3 has it. It is NaN if the message type can
 /// tell that it was not set: if it is optional, of a `oneof`, of proto2 or editions, or within a message
@@ -97,6 +98,15 @@ impl NumberDecoder {
             Format::Json => ("json", json::fill(data, &mut self.root, filling)),
             Format::Protobuf(types) => ("protobuf", types.fill(data, &mut self.root, filling)),
         };
+        let filled = filled.or_else(|reason| match &self.format {
+            // Rare enough to be tried only where plain JSON fails.
+            Format::Json => {
+                let data = json::without_literals(data).ok_or(reason)?;
+                let filling = Filling::new(&mut self.tree, values);
+                json::fill(&data, &mut self.root, filling)
+            }
+            Format::Protobuf(_) => Err(reason),
+        });
         filled.map_err(|reason| NumbersError::Malformed { encoding, reason })
     }
 

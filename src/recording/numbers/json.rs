@@ -19,6 +19,32 @@ pub(super) fn fill(data: &[u8], root: &mut Node, mut filling: Filling<'_>) -> Re
     ended.map_err(|error| error.to_string())
 }
 
+/// The message with null in place of NaN and infinities, which JSON doesn't have but Python and others
+/// write; none if there are none in it.
+pub(super) fn without_literals(data: &[u8]) -> Option<Vec<u8>> {
+    let mut replaced = Vec::with_capacity(data.len());
+    let mut rest = data;
+    let (mut in_text, mut is_escaped, mut is_found) = (false, false, false);
+    while let Some((byte, behind)) = rest.split_first() {
+        let literal = LITERALS
+            .iter()
+            .find(|literal| !in_text && rest.starts_with(literal));
+        if let Some(literal) = literal {
+            replaced.extend_from_slice(b"null");
+            rest = &rest[literal.len()..];
+            is_found = true;
+            continue;
+        }
+        in_text ^= *byte == b'"' && !is_escaped;
+        is_escaped = in_text && *byte == b'\\' && !is_escaped;
+        replaced.push(*byte);
+        rest = behind;
+    }
+    is_found.then_some(replaced)
+}
+
+const LITERALS: [&[u8]; 3] = [b"NaN", b"-Infinity", b"Infinity"];
+
 /// A value that is read into the field at a node, or into those within it.
 struct Value<'a, 'f> {
     node: &'a mut Node,
