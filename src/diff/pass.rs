@@ -6,7 +6,7 @@ use super::pairing::{Frontier, Given, Lane, Lonely, Rule};
 use super::plan::Plan;
 use super::report::{ChannelDifference, Floor, Report, Setup, Signals, Verdict};
 use super::signals::{Channel, Field, KINDS};
-use super::stream::{Batch, Ended, Parcel, read};
+use super::stream::{Batch, Ended, Parcel, Wanted, read};
 use super::timing::TimeMap;
 use super::tolerance::Tolerances;
 use super::{DiffError, Observer, Subject, averages, happened, run as about_run, setup};
@@ -50,11 +50,15 @@ pub(super) fn run(
     if plan.is_ours {
         pass.prepare_table([a, b])?;
     }
-    let topics = (!plan.is_ours).then_some(plan.topics.as_slice());
+    let wanted = if plan.is_ours {
+        Wanted::Table(&plan.read)
+    } else {
+        Wanted::Numbers(&plan.topics)
+    };
     thread::scope(|scope| {
         let incoming = [a, b].map(|subject| {
             let (out, incoming) = sync_channel(WAITING);
-            scope.spawn(move || read(subject, topics, &out));
+            scope.spawn(move || read(subject, wanted, &out));
             incoming
         });
         pass.take_all(&incoming)

@@ -16,6 +16,9 @@ const TIMES: usize = 4096;
 /// A run with so many more messages is finer, not complete where the other isn't.
 const FINER: f64 = 1.5;
 
+/// The topics that tell what happened and how the motion was on average: small ones.
+const STORY: [&str; 2] = ["/top/nutation", "/events"];
+
 /// What is compared, and how.
 #[derive(Debug)]
 pub(super) struct Plan {
@@ -28,6 +31,8 @@ pub(super) struct Plan {
     pub(super) map: TimeMap,
     /// In a sentence, what is compared with what.
     pub(super) alignment: String,
+    /// What to read: these, and what tells the story of a run.
+    pub(super) read: Vec<String>,
     /// Topics that only A and only B has, but for those that are derived for viewers.
     pub(super) alone: [Vec<String>; 2],
 }
@@ -74,7 +79,7 @@ impl Plan {
         };
         let alone = [alone(&in_a, &in_b), alone(&in_b, &in_a)];
         let mut plan = if is_ours {
-            Self::of_table(a, b, options.align, &wanted)?
+            Self::of_table(a, b, options, &wanted)?
         } else {
             Self::of_numbers(a, b, options.align, wanted)?
         };
@@ -85,9 +90,11 @@ impl Plan {
     fn of_table(
         a: Subject<'_>,
         b: Subject<'_>,
-        align: Align,
+        Options { align, topics, .. }: &Options,
         wanted: &[String],
     ) -> Result<Self, DiffError> {
+        let (align, is_everything) = (*align, topics.is_empty());
+        let story = STORY.map(str::to_owned);
         let map = time_map(a, b, align)?;
         let periods = [a, b].map(period);
         let sampled = sampled_rule(&map, periods);
@@ -118,6 +125,11 @@ impl Plan {
             topics,
             alignment: describe(align, &sampled, periods),
             map,
+            read: if is_everything {
+                table_topics()
+            } else {
+                [wanted, &story].concat()
+            },
             alone: [Vec::new(), Vec::new()],
         })
     }
@@ -158,6 +170,7 @@ impl Plan {
             rules,
             map: TimeMap::Same,
             alignment,
+            read: Vec::new(),
             alone: [Vec::new(), Vec::new()],
         })
     }

@@ -41,19 +41,28 @@ pub(super) enum Parcel {
     End(Ended),
 }
 
+/// What to read of a run.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Wanted<'a> {
+    /// These topics of the table, as the table has them.
+    Table(&'a [String]),
+    /// The numbers of these topics, whatever they are.
+    Numbers(&'a [String]),
+}
+
 /// Reads a run to its end. It ends early when nobody takes its batches any more.
-///
-/// `topics` are the topics to read of a file that is not ours; ours are read as the table has them.
-pub(super) fn read(subject: Subject<'_>, topics: Option<&[String]>, out: &SyncSender<Parcel>) {
+pub(super) fn read(subject: Subject<'_>, wanted: Wanted<'_>, out: &SyncSender<Parcel>) {
     let mut posting = Posting {
         out,
         batch: Batch::default(),
         is_open: true,
     };
-    let ended = match (subject, topics) {
-        (Subject::Scenario(scenario), _) => simulate(scenario, &mut posting),
-        (Subject::Recording(recording), None) => read_table(recording, &mut posting),
-        (Subject::Recording(recording), Some(topics)) => {
+    let ended = match (subject, wanted) {
+        (Subject::Scenario(scenario), wanted) => simulate(scenario, wanted, &mut posting),
+        (Subject::Recording(recording), Wanted::Table(topics)) => {
+            read_table(recording, topics, &mut posting)
+        }
+        (Subject::Recording(recording), Wanted::Numbers(topics)) => {
             read_numbers(recording, topics, &mut posting)
         }
     };
@@ -69,6 +78,16 @@ struct Posting<'a> {
 }
 
 impl Posting<'_> {
+    /// Tells the fields of topics of the table, to those who don't know the table.
+    fn announce(&mut self, topics: &[String]) {
+        for (at, topic) in topics.iter().enumerate() {
+            let info = channels().iter().find(|info| info.topic == topic);
+            let numbers = info.map_or(&[][..], |info| &info.numbers);
+            let names = numbers.iter().map(|leaf| leaf.path.clone()).collect();
+            self.batch.fields.push((at, names));
+        }
+    }
+
     /// Takes a message, and tells whether anybody wants another.
     fn push(&mut self, message: Owned, bytes: u64) -> bool {
         self.batch.messages.push(message);
@@ -97,12 +116,22 @@ impl From<TelemetryError> for Stopped {
     }
 }
 
-fn simulate(scenario: &Scenario, posting: &mut Posting<'_>) -> Ended {
+fn simulate(scenario: &Scenario, wanted: Wanted<'_>, posting: &mut Posting<'_>) -> Ended {
+    let topics = match wanted {
+        Wanted::Table(topics) => topics,
+        Wanted::Numbers(topics) => {
+            posting.announce(topics);
+            topics
+        }
+    };
     let mut simulation = match Simulation::new(scenario) {
         Ok(simulation) => simulation,
         Err(error) => return lost(error.to_string()),
     };
-    let mut telemetry = Telemetry::default();
+    let mut telemetry = match Telemetry::with_topics(topics) {
+        Ok(telemetry) => telemetry,
+        Err(error) => return lost(error.to_string()),
+    };
     let mut losses = Vec::new();
     for record in simulation.by_ref() {
         let record = match record {
@@ -113,7 +142,13 @@ fn simulate(scenario: &Scenario, posting: &mut Posting<'_>) -> Ended {
             }
         };
         let sent = telemetry.messages(&record, |message| {
-            if posting.push(Owned::from(message), 0) {
+            let mut owned = Owned::from(message);
+            if let Wanted::Numbers(topics) = wanted {
+                // The channels of other files are numbered as they come.
+                let topic = channels()[owned.channel].topic;
+                owned.channel = topics.iter().position(|t| t == topic).unwrap_or_default();
+            }
+            if posting.push(owned, 0) {
                 Ok(())
             } else {
                 Err(Stopped::Unwanted)
@@ -163,9 +198,9 @@ impl Undecodable {
     }
 }
 
-fn read_table(recording: &Recording, posting: &mut Posting<'_>) -> Ended {
+fn read_table(recording: &Recording, topics: &[String], posting: &mut Posting<'_>) -> Ended {
     let selection = Selection {
-        topics: recording.topics(),
+        topics: topics.to_vec(),
         ..Selection::default()
     };
     let mut undecodable = Undecodable::default();

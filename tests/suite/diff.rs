@@ -867,6 +867,38 @@ fn protobuf_of_others_is_compared() {
 }
 
 #[test]
+fn a_file_that_lost_its_origin_is_compared_with_a_scenario() {
+    // As another tool would write it: the same messages, without a word about toprise.
+    let directory = tempdir().unwrap();
+    let scenario = short(&[("stop.duration", "0.5")]);
+    let path = directory.path().join("a.mcap");
+    recorded(&path, &scenario, Encoding::Json);
+    let other = directory.path().join("b.mcap");
+    let bytes = fs::read(&path).unwrap();
+    let mut writer = mcap::WriteOptions::new()
+        .library("other")
+        .create(std::io::BufWriter::new(fs::File::create(&other).unwrap()))
+        .unwrap();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        writer.write(&message.unwrap()).unwrap();
+    }
+    writer.finish().unwrap();
+    let other = Recording::open(&other).unwrap();
+    let report = compare(&other, &scenario, &quick()).unwrap();
+    assert_eq!(report.happened, None);
+    assert_eq!(channel(&report, "/top/state").identical, 501);
+    // What only the file has are the numbers of the timestamps, and the view channels.
+    assert!(
+        report
+            .setup
+            .fields_only_in_a
+            .iter()
+            .all(|name| name.contains(".timestamp."))
+    );
+    assert!(report.setup.fields_only_in_b.is_empty());
+}
+
+#[test]
 fn what_can_t_be_compared_is_refused() {
     let a = foreign("json_a");
     let refused = |b: &Recording, options: &Options| compare(&a, b, options).unwrap_err();
