@@ -201,23 +201,20 @@ fn average_rise(happened: &Happened) -> String {
 
 fn averaged(averaged: &Averaged) -> Option<String> {
     let of = |name: &str| averaged.means.iter().find(|mean| mean.quantity == name);
-    let told: Vec<String> = ["theta_mean", "phi_dot_mean", "psi_dot_mean"]
+    let means: Vec<&Deviation> = ["theta_mean", "phi_dot_mean", "psi_dot_mean"]
         .iter()
         .filter_map(|name| of(name))
-        .map(|mean| {
-            format!(
-                "{} in {}",
-                quantity(mean.largest.abs(), 2, &mean.unit),
-                symbol(&mean.quantity)
-            )
-        })
         .collect();
-    let all_equal = averaged.means.iter().all(|mean| mean.largest == 0.0);
-    if all_equal {
+    if means.iter().all(|mean| mean.largest == 0.0) {
         return Some("The averaged motions are the same.".to_owned());
     }
-    let is_alike = |mean: &Deviation| mean.largest.abs() <= ALIKE * mean.scale;
-    let verb = if averaged.means.iter().all(is_alike) {
+    let told = |mean: &&Deviation| {
+        let size = quantity(mean.largest.abs(), 2, &mean.unit);
+        format!("{size} in {}", symbol(&mean.quantity))
+    };
+    let told: Vec<String> = means.iter().map(told).collect();
+    let is_alike = |mean: &&Deviation| mean.largest.abs() <= ALIKE * mean.scale;
+    let verb = if means.iter().all(is_alike) {
         "agree to"
     } else {
         "differ by up to"

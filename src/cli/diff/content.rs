@@ -455,7 +455,8 @@ fn channel_rows(channel: &ChannelDifference, detail: Detail) -> Vec<Vec<String>>
         Detail::AllFields => channel.fields.iter().filter(differs).collect(),
         Detail::Short => {
             let of_field = channel.fields.iter().filter(|field| !field.is_derived);
-            let worst = of_field.max_by(|x, y| importance(x).total_cmp(&importance(y)));
+            let worst =
+                of_field.max_by(|x, y| importance(x, channel).total_cmp(&importance(y, channel)));
             let derived = channel
                 .fields
                 .iter()
@@ -475,13 +476,21 @@ fn channel_rows(channel: &ChannelDifference, detail: Detail) -> Vec<Vec<String>>
     rows
 }
 
-/// What differs most for its size; what is not a number above all.
-fn importance(field: &FieldDifference) -> f64 {
+/// What differs most for the size of the fields with the same unit; what is not a number above all.
+fn importance(field: &FieldDifference, channel: &ChannelDifference) -> f64 {
     if field.not_numbers > 0 {
-        f64::INFINITY
-    } else {
-        field.relative
+        return f64::INFINITY;
     }
+    if field.unit.is_empty() {
+        return field.relative;
+    }
+    // What is nearly zero throughout differs by a large part of itself, which means nothing.
+    let alike = channel
+        .fields
+        .iter()
+        .filter(|other| other.unit == field.unit);
+    let scale = alike.map(|other| other.scale).fold(0.0, f64::max);
+    field.largest.abs() / scale
 }
 
 fn field_row(field: &FieldDifference) -> Vec<String> {
