@@ -2,10 +2,12 @@
 
 mod convert;
 mod diff;
+mod explain;
 mod format;
 mod info;
 mod interrupt;
 mod output;
+mod page;
 mod presets;
 mod progress;
 mod recover;
@@ -99,6 +101,9 @@ enum Command {
     /// Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 equal as
     /// far as both could be read.
     Diff(diff::DiffArguments),
+    /// Tell the story of a run: what friction did to the precession, why the axis rose or fell, where the energy
+    /// went.
+    Explain(explain::ExplainArguments),
     /// Write a recording in another encoding; content, metadata and attachments stay the same.
     Convert(convert::ConvertArguments),
     /// Save what can be read of an interrupted or damaged recording.
@@ -177,6 +182,7 @@ fn dispatch(command: Command) -> Result<Done, Error> {
         #[cfg(feature = "rerun")]
         Command::View(arguments) => view::view(&arguments),
         Command::Diff(arguments) => diff::diff(&arguments),
+        Command::Explain(arguments) => explain::explain(&arguments),
         Command::Convert(arguments) => convert::convert(&arguments),
         Command::Recover(arguments) => recover::recover(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),

@@ -27,8 +27,6 @@
 
 mod archive;
 mod averages;
-mod course;
-mod curve;
 mod discrepancy;
 mod floor;
 mod growth;
@@ -36,7 +34,6 @@ mod happened;
 mod matrix;
 mod pairing;
 mod pass;
-pub(crate) mod phrase;
 mod plan;
 mod report;
 mod setup;
@@ -50,86 +47,15 @@ pub use self::archive::{Archive, DIFF_RECORD};
 pub use self::matrix::{Matrix, MatrixRow};
 pub use self::report::*;
 pub use self::tolerance::{Tolerance, Tolerances, full_name};
-use crate::recording::{Condition, Recording};
-use crate::scenario::Scenario;
+pub use crate::course::CourseReport;
+use crate::recording::Condition;
 use crate::sink::mcap::LIBRARY;
 use crate::sink::{Side, SinkError};
-use crate::telemetry::{Message, channel_index};
+pub use crate::subject::Subject;
+use crate::telemetry::Message;
 use pass::Passed;
 use plan::Plan;
 use thiserror::Error;
-
-/// A run that is to be compared.
-#[derive(Clone, Copy, Debug)]
-pub enum Subject<'a> {
-    /// One that was recorded, or any MCAP file.
-    Recording(&'a Recording),
-    /// One that is simulated now.
-    Scenario(&'a Scenario),
-}
-
-impl<'a> From<&'a Recording> for Subject<'a> {
-    fn from(recording: &'a Recording) -> Self {
-        Self::Recording(recording)
-    }
-}
-
-impl<'a> From<&'a Scenario> for Subject<'a> {
-    fn from(scenario: &'a Scenario) -> Self {
-        Self::Scenario(scenario)
-    }
-}
-
-impl Subject<'_> {
-    /// Its scenario, if it has one that this version can read.
-    #[must_use]
-    pub fn scenario(self) -> Option<Scenario> {
-        match self {
-            Self::Scenario(scenario) => Some(scenario.clone()),
-            Self::Recording(recording) => recording.scenario().ok(),
-        }
-    }
-
-    /// What it is called: its scenario's name, or its file's.
-    #[must_use]
-    pub fn name(self) -> String {
-        match self {
-            Self::Scenario(scenario) => scenario.name().to_owned(),
-            Self::Recording(recording) => {
-                let stem = recording.path().file_stem().unwrap_or_default();
-                stem.to_string_lossy().into_owned()
-            }
-        }
-    }
-
-    /// Whether it has a channel.
-    #[must_use]
-    pub fn has_topic(self, topic: &str) -> bool {
-        match self {
-            Self::Scenario(_) => channel_index(topic).is_some(),
-            Self::Recording(recording) => recording.channels().iter().any(|c| c.topic == topic),
-        }
-    }
-
-    /// Whether it is of toprise: other files have but numbers.
-    #[must_use]
-    pub fn is_ours(self) -> bool {
-        match self {
-            Self::Scenario(_) => true,
-            Self::Recording(recording) => recording.condition() != Condition::Foreign,
-        }
-    }
-
-    /// Whether it is known not to be there as a whole.
-    fn is_cut(self) -> bool {
-        match self {
-            Self::Scenario(_) => false,
-            Self::Recording(recording) => {
-                !matches!(recording.condition(), Condition::Whole | Condition::Foreign)
-            }
-        }
-    }
-}
 
 /// What of B is compared with what of A.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

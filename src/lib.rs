@@ -27,18 +27,22 @@
 
 pub mod cli;
 pub mod convert;
+pub mod course;
 pub mod diff;
 pub mod drawing;
 pub mod dynamics;
+pub mod explain;
 pub mod friction;
 pub mod integrate;
 pub mod kinematics;
 pub mod math;
+pub(crate) mod phrase;
 pub mod recording;
 pub mod recover;
 pub mod scenario;
 pub mod simulation;
 pub mod sink;
+pub mod subject;
 pub mod telemetry;
 pub mod top;
 pub mod verify;

@@ -1,7 +1,6 @@
 //! `toprise diff`.
 
 mod content;
-mod page;
 #[cfg(feature = "rerun")]
 mod viewer;
 
@@ -218,7 +217,7 @@ impl DiffArguments {
 type Override = (String, String);
 
 /// A run on the command line.
-enum Given {
+pub(super) enum Given {
     Recording(Box<Recording>),
     Scenario(Box<Scenario>),
 }
@@ -271,7 +270,7 @@ fn given(arguments: &DiffArguments) -> Result<Vec<Given>, Error> {
 }
 
 /// The run that a word means: a preset, a scenario file, or else a recording.
-fn open(word: &str, common: &[Override], own: &[Override]) -> Result<Given, Error> {
+pub(super) fn open(word: &str, common: &[Override], own: &[Override]) -> Result<Given, Error> {
     let is_preset = PRESETS.iter().any(|preset| preset.name == word);
     let path = Path::new(word);
     let is_path = path.exists() || word.contains(['/', '\\']) || word.contains(".mcap");

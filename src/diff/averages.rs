@@ -1,8 +1,8 @@
 //! The averaged motions of two runs: means, envelopes, frequency, phase and amplitude of the nutation.
 
-use super::course::{Course, Cycle};
-use super::curve::Curve;
 use super::report::{Averaged, Deviation};
+use crate::course::curve::Curve;
+use crate::course::{Course, Cycle};
 
 /// The quantities of cycles: names, units.
 const QUANTITIES: [(&str, &str); 4] = [

@@ -1,7 +1,7 @@
 //! What happened in one run and in the other: events matched one to one, and when the average rose.
 
-use super::course::{Course, Cycle, Event};
 use super::report::{EventKindDifference, EventMoment, EventPair, Happened};
+use crate::course::{Course, Cycle, Event};
 
 /// Events of these kinds come with each nutation: they are counted, not listed.
 const OF_NUTATION: &str = "nutation_";

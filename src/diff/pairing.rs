@@ -1,7 +1,7 @@
 //! Which message of one run belongs to which of the other.
 
-use super::curve::{hermite3, hermite5, lagrange};
 use super::timing::{Instant, TimeMap};
+use crate::course::curve::{hermite3, hermite5, lagrange};
 use crate::sink::Side;
 use crate::sink::memory::Owned;
 use std::collections::VecDeque;

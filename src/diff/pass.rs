@@ -1,16 +1,17 @@
 //! Reading two runs side by side.
 
-use super::course::Course;
 use super::discrepancy::Residuals;
 use super::pairing::{Frontier, Given, Lane, Lonely, Rule};
 use super::plan::Plan;
 use super::report::{ChannelDifference, Floor, Report, Setup, Signals, Verdict};
 use super::signals::{Channel, Field, KINDS};
-use super::stream::{Batch, Ended, Parcel, Wanted, read};
+use super::stream::{Batch, Parcel, Wanted, read};
 use super::timing::TimeMap;
 use super::tolerance::Tolerances;
 use super::{DiffError, Observer, Subject, averages, happened, run as about_run, setup};
+use crate::course::Course;
 use crate::sink::{Side, SinkError};
+use crate::subject::Ended;
 use crate::telemetry::{Message, channels};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
@@ -207,11 +208,12 @@ impl<'p> Pass<'p> {
             self.frontiers[at].time_ns = time_ns.saturating_sub(disorder);
             if self.plan.is_ours {
                 let course = &mut self.passed.courses[at];
-                course.take(&message);
-                self.observer.message(side, &message.as_message())?;
+                let seen = message.as_message();
+                course.take(&seen);
+                self.observer.message(side, &seen)?;
                 if side == Side::A
                     && let Some(residuals) = &mut self.passed.residuals
-                    && let Some(tilt) = course.new_tilt(&message)
+                    && let Some(tilt) = course.new_tilt(&seen)
                 {
                     residuals.add(time_ns, tilt);
                 }

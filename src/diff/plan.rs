@@ -1,15 +1,14 @@
 //! What is read of two runs, and how it is to be paired.
 
-use super::course::{Course, Cycle};
 use super::pairing::{Method, Rule};
 use super::stream::table_topics;
 use super::timing::TimeMap;
 use super::{Align, DiffError, Options, Subject};
+use crate::course::{Course, Cycle};
 use crate::recording::{Recording, Selection};
-use crate::simulation::{Record, Simulation};
 use crate::sink::Side;
-use crate::sink::memory::Owned;
-use crate::telemetry::{Telemetry, channels};
+use crate::telemetry::channels;
+use std::ops::ControlFlow;
 
 /// So many times at the beginning of a topic tell whether two files have the same times.
 const TIMES: usize = 4096;
@@ -311,37 +310,10 @@ fn time_map(a: Subject<'_>, b: Subject<'_>, align: Align) -> Result<TimeMap, Dif
 /// The nutation cycles of a run, and nothing else.
 fn cycles(subject: Subject<'_>) -> Course {
     let mut course = Course::default();
-    match subject {
-        Subject::Recording(recording) => {
-            let mut reader = recording.reader(Selection {
-                topics: vec!["/top/nutation".to_owned()],
-                ..Selection::default()
-            });
-            while let Some(message) = reader.next() {
-                if let Ok(message) = message {
-                    course.take(&Owned::from(&message));
-                }
-            }
-        }
-        Subject::Scenario(scenario) => {
-            let Ok(simulation) = Simulation::new(scenario) else {
-                return course;
-            };
-            let mut telemetry = Telemetry::default();
-            let cycles = simulation
-                .map_while(Result::ok)
-                .filter(|record| matches!(record, Record::Nutation(_)));
-            for record in cycles {
-                let taken = telemetry.messages(&record, |message| {
-                    course.take(&Owned::from(message));
-                    Ok::<(), crate::telemetry::TelemetryError>(())
-                });
-                if taken.is_err() {
-                    break;
-                }
-            }
-        }
-    }
+    subject.read(&["/top/nutation".to_owned()], &mut |message, _| {
+        course.take(message);
+        ControlFlow::Continue(())
+    });
     course
 }
 

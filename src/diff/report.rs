@@ -4,6 +4,7 @@
 //! otherwise. Quantities that one of the runs doesn't have are absent.
 
 use super::tolerance::Tolerance;
+use crate::course::CourseReport;
 use crate::recording::Entries;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -106,38 +107,6 @@ pub struct KeyDifference {
     pub a: Option<String>,
     /// B's value; absent if it has none.
     pub b: Option<String>,
-}
-
-/// What happened in one run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
-pub struct CourseReport {
-    /// Why it ended.
-    pub stop_reason: Option<String>,
-    /// When, s.
-    pub stop_time: Option<f64>,
-    /// When the top had risen, s: θ first at the scenario's limit.
-    pub rise_time: Option<f64>,
-    /// Number of whole nutation cycles.
-    pub nutations: Option<u64>,
-    /// Mechanical energy at the first sample, J.
-    pub energy_first: Option<f64>,
-    /// Mechanical energy at the last sample, J.
-    pub energy_last: Option<f64>,
-    /// Work of friction up to the last sample, J, as the integrator summed it.
-    pub friction_work: Option<f64>,
-    /// The same about the line of nodes (against the nutation), the perpendicular n × e_N (against the
-    /// precession) and the symmetry axis (against the spin), summed from the samples.
-    pub friction_work_node: Option<[f64; 3]>,
-    /// Length of the path that the contact point slipped, m.
-    pub slip_path: Option<f64>,
-    /// Spin rate ψ̇ at the end, rad/s.
-    pub spin_rate_last: Option<f64>,
-    /// Precession rate φ̇ at the end, rad/s.
-    pub precession_rate_last: Option<f64>,
-    /// Largest change of the angular momentum about the vertical, as a part of it.
-    pub vertical_momentum_drift: Option<f64>,
-    /// Largest difference between the energy and what friction left of it, J.
-    pub energy_imbalance: Option<f64>,
 }
 
 /// Section b: what happened.

@@ -3,12 +3,11 @@
 //! Each run is read by a thread of its own, which hands over batches.
 
 use super::Subject;
-use crate::recording::{Entries, FileChannel, NumberDecoder, Reader, Recording, Selection};
-use crate::scenario::Scenario;
-use crate::simulation::Simulation;
-use crate::sink::mcap::end_entries;
+use crate::recording::{FileChannel, NumberDecoder, Recording, Selection};
 use crate::sink::memory::Owned;
-use crate::telemetry::{Telemetry, TelemetryError, channels};
+use crate::subject::{Ended, Undecodable};
+use crate::telemetry::channels;
+use std::ops::ControlFlow;
 use std::sync::mpsc::SyncSender;
 
 /// Messages in a batch.
@@ -23,15 +22,6 @@ pub(super) struct Batch {
     pub(super) fields: Vec<(usize, Vec<String>)>,
     /// How many more bytes of the file have been read.
     pub(super) bytes: u64,
-}
-
-/// What there is to say about a run once it has been read.
-#[derive(Debug, Default)]
-pub(super) struct Ended {
-    /// The entries of its end record.
-    pub(super) end: Option<Entries>,
-    /// What could not be read.
-    pub(super) losses: Vec<String>,
 }
 
 /// What comes out of a run.
@@ -58,12 +48,24 @@ pub(super) fn read(subject: Subject<'_>, wanted: Wanted<'_>, out: &SyncSender<Pa
         is_open: true,
     };
     let ended = match (subject, wanted) {
-        (Subject::Scenario(scenario), wanted) => simulate(scenario, wanted, &mut posting),
-        (Subject::Recording(recording), Wanted::Table(topics)) => {
-            read_table(recording, topics, &mut posting)
-        }
+        (subject, Wanted::Table(topics)) => subject.read(topics, &mut |message, bytes| {
+            posting.push(Owned::from(message), bytes)
+        }),
         (Subject::Recording(recording), Wanted::Numbers(topics)) => {
             read_numbers(recording, topics, &mut posting)
+        }
+        (Subject::Scenario(_), Wanted::Numbers(topics)) => {
+            posting.announce(topics);
+            subject.read(topics, &mut |message, bytes| {
+                // The channels of other files are numbered as they come.
+                let topic = channels()[message.channel].topic;
+                let position = topics.iter().position(|t| t == topic);
+                let owned = Owned {
+                    channel: position.unwrap_or_default(),
+                    ..Owned::from(message)
+                };
+                posting.push(owned, bytes)
+            })
         }
     };
     posting.send();
@@ -89,137 +91,22 @@ impl Posting<'_> {
     }
 
     /// Takes a message, and tells whether anybody wants another.
-    fn push(&mut self, message: Owned, bytes: u64) -> bool {
+    fn push(&mut self, message: Owned, bytes: u64) -> ControlFlow<()> {
         self.batch.messages.push(message);
         self.batch.bytes += bytes;
         if self.batch.messages.len() >= BATCH {
             self.send();
         }
-        self.is_open
+        if self.is_open {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
     }
 
     fn send(&mut self) {
         let batch = std::mem::take(&mut self.batch);
         self.is_open = self.out.send(Parcel::Batch(batch)).is_ok();
-    }
-}
-
-/// A message or the end of the run that it was asked for.
-enum Stopped {
-    Telemetry(TelemetryError),
-    Unwanted,
-}
-
-impl From<TelemetryError> for Stopped {
-    fn from(error: TelemetryError) -> Self {
-        Self::Telemetry(error)
-    }
-}
-
-fn simulate(scenario: &Scenario, wanted: Wanted<'_>, posting: &mut Posting<'_>) -> Ended {
-    let topics = match wanted {
-        Wanted::Table(topics) => topics,
-        Wanted::Numbers(topics) => {
-            posting.announce(topics);
-            topics
-        }
-    };
-    let mut simulation = match Simulation::new(scenario) {
-        Ok(simulation) => simulation,
-        Err(error) => return lost(error.to_string()),
-    };
-    let mut telemetry = match Telemetry::with_topics(topics) {
-        Ok(telemetry) => telemetry,
-        Err(error) => return lost(error.to_string()),
-    };
-    let mut losses = Vec::new();
-    for record in simulation.by_ref() {
-        let record = match record {
-            Ok(record) => record,
-            Err(error) => {
-                losses.push(error.to_string());
-                break;
-            }
-        };
-        let sent = telemetry.messages(&record, |message| {
-            let mut owned = Owned::from(message);
-            if let Wanted::Numbers(topics) = wanted {
-                // The channels of other files are numbered as they come.
-                let topic = channels()[owned.channel].topic;
-                owned.channel = topics.iter().position(|t| t == topic).unwrap_or_default();
-            }
-            if posting.push(owned, 0) {
-                Ok(())
-            } else {
-                Err(Stopped::Unwanted)
-            }
-        });
-        match sent {
-            Ok(()) => {}
-            Err(Stopped::Unwanted) => break,
-            Err(Stopped::Telemetry(error)) => {
-                losses.push(error.to_string());
-                break;
-            }
-        }
-    }
-    Ended {
-        end: Some(end_entries(&simulation.outcome())),
-        losses,
-    }
-}
-
-fn lost(reason: String) -> Ended {
-    Ended {
-        end: None,
-        losses: vec![reason],
-    }
-}
-
-/// Messages that can't be decoded: the first, and how many.
-#[derive(Default)]
-struct Undecodable(Option<(String, u64)>);
-
-impl Undecodable {
-    fn add(&mut self, error: impl ToString) {
-        match &mut self.0 {
-            Some((_, count)) => *count += 1,
-            none => *none = Some((error.to_string(), 1)),
-        }
-    }
-
-    fn losses(self, reader: &Reader<'_>) -> Vec<String> {
-        let mut losses: Vec<_> = reader.losses().iter().map(ToString::to_string).collect();
-        losses.extend(self.0.map(|(first, count)| match count {
-            1 => first,
-            _ => format!("{first} (the first of {count} messages that can't be decoded)"),
-        }));
-        losses
-    }
-}
-
-fn read_table(recording: &Recording, topics: &[String], posting: &mut Posting<'_>) -> Ended {
-    let selection = Selection {
-        topics: topics.to_vec(),
-        ..Selection::default()
-    };
-    let mut undecodable = Undecodable::default();
-    let mut reader = recording.reader(selection).in_order_of_time();
-    while let Some(message) = reader.next() {
-        match message {
-            Ok(message) => {
-                let owned = Owned::from(&message);
-                let bytes = reader.progress();
-                if !posting.push(owned, bytes) {
-                    break;
-                }
-            }
-            Err(error) => undecodable.add(error),
-        }
-    }
-    Ended {
-        end: recording.end().cloned(),
-        losses: undecodable.losses(&reader),
     }
 }
 
@@ -275,7 +162,7 @@ fn read_numbers(recording: &Recording, topics: &[String], posting: &mut Posting<
             texts: Vec::new(),
         };
         let bytes = reader.progress();
-        if !posting.push(owned, bytes) {
+        if posting.push(owned, bytes).is_break() {
             break;
         }
     }

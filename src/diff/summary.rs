@@ -1,7 +1,8 @@
 //! The findings of a comparison in a few sentences, from its numbers.
 
-use super::phrase::{duration, list, moment, quantity, significant, symbol};
 use super::report::{Averaged, Deviation, Floor, Happened, KeyDifference, Report, Verdict};
+use crate::course::CourseReport;
+use crate::phrase::{duration, list, moment, quantity, significant, symbol};
 
 /// Keys of a scenario that don't change the run.
 const NAMES: [&str; 2] = ["name", "description"];
@@ -143,10 +144,7 @@ fn told(key: &KeyDifference) -> String {
 fn rise(report: &Report) -> Option<String> {
     let (a, b) = (report.a.course.as_ref()?, report.b.course.as_ref()?);
     let happened = report.happened.as_ref()?;
-    let end = |name: &str, course: &super::report::CourseReport| match (
-        &course.stop_reason,
-        course.stop_time,
-    ) {
+    let end = |name: &str, course: &CourseReport| match (&course.stop_reason, course.stop_time) {
         (Some(reason), Some(time)) => {
             let reason = reason.replace('_', " ");
             format!("{name} doesn't rise ({reason} at {})", moment(time))

@@ -1,6 +1,6 @@
 //! Which time of B is compared with a time of A.
 
-use super::curve::Curve;
+use crate::course::curve::Curve;
 
 /// A time in ns, finer than whole ones.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 const LAYERS: &[&[&str]] = &[
     &["cli"],
     &["recover"],
-    &["convert", "diff", "verify", "view"],
+    &["convert", "diff", "explain", "verify", "view"],
+    &["course", "subject"],
     &["sink", "recording"],
     &["telemetry"],
     &["simulation"],
@@ -16,7 +17,7 @@ const LAYERS: &[&[&str]] = &[
     &["friction", "drawing"],
     &["top"],
     &["integrate", "kinematics"],
-    &["math"],
+    &["math", "phrase"],
 ];
 
 /// Reading uses the names that writing defines.

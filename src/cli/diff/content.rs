@@ -1,12 +1,12 @@
 //! What the report says, section by section.
 
-use super::page::{Page, Part, Section, Table, Tone};
 use crate::cli::format;
-use crate::diff::phrase::{duration, quantity, significant, symbol};
+use crate::cli::page::{Page, Part, Section, Table, Tone};
 use crate::diff::{
     ChannelDifference, CourseReport, Deviation, EventKindDifference, EventMoment, FieldDifference,
     Growth, GrowthLaw, Happened, KeyDifference, Matrix, Parting, Report, Residual, Run, Verdict,
 };
+use crate::phrase::{duration, quantity, significant, symbol};
 
 /// Of long lists, so many entries are shown.
 const SHOWN: usize = 8;

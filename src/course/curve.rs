@@ -2,7 +2,7 @@
 
 /// A curve through points, in between a polynomial of third degree through the four nearest.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Curve {
+pub(crate) struct Curve {
     /// Strictly increasing.
     x: Vec<f64>,
     y: Vec<f64>,
@@ -10,7 +10,7 @@ pub(super) struct Curve {
 
 impl Curve {
     /// A curve through points in the order of x; those that don't increase x are left out.
-    pub(super) fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+    pub(crate) fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut curve = Self::default();
         for (x, y) in points {
             if curve.x.last().is_none_or(|last| *last < x) {
@@ -22,12 +22,12 @@ impl Curve {
     }
 
     /// The first and the last x.
-    pub(super) fn domain(&self) -> Option<(f64, f64)> {
+    pub(crate) fn domain(&self) -> Option<(f64, f64)> {
         Some((*self.x.first()?, *self.x.last()?))
     }
 
     /// The value at x; none outside of the points.
-    pub(super) fn at(&self, x: f64) -> Option<f64> {
+    pub(crate) fn at(&self, x: f64) -> Option<f64> {
         let (first, last) = self.domain()?;
         if !(first <= x && x <= last) {
             return None;
@@ -49,7 +49,7 @@ impl Curve {
     }
 
     /// The longest beginning on which y goes one way, with x and y exchanged.
-    pub(super) fn inverse(&self) -> Self {
+    pub(crate) fn inverse(&self) -> Self {
         let sign = match self.y.as_slice() {
             [first, second, ..] if second < first => -1.0,
             _ => 1.0,
@@ -71,7 +71,7 @@ impl Curve {
     }
 
     /// Where y first reaches a level, going from one side of it to the other.
-    pub(super) fn first_reaches(&self, level: f64) -> Option<f64> {
+    pub(crate) fn first_reaches(&self, level: f64) -> Option<f64> {
         let crosses = |pair: &[f64]| (pair[0] > level) != (pair[1] > level);
         let at = self.y.windows(2).position(crosses)?;
         let (mut low, mut high) = (self.x[at], self.x[at + 1]);
@@ -90,7 +90,7 @@ impl Curve {
 }
 
 /// Lagrange's weights of points for the value at x.
-pub(super) fn lagrange(points: &[f64], x: f64) -> impl Iterator<Item = f64> + '_ {
+pub(crate) fn lagrange(points: &[f64], x: f64) -> impl Iterator<Item = f64> + '_ {
     let weight = move |i: usize| {
         let others = points.iter().enumerate().filter(move |(j, _)| *j != i);
         others
@@ -101,13 +101,13 @@ pub(super) fn lagrange(points: &[f64], x: f64) -> impl Iterator<Item = f64> + '_
 }
 
 /// The cubic through two points with their slopes, at the part `s` of the way between; `h` apart.
-pub(super) fn hermite3([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64, s: f64) -> f64 {
+pub(crate) fn hermite3([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64, s: f64) -> f64 {
     let r = 1.0 - s;
     y0 + s * s * (3.0 - 2.0 * s) * (y1 - y0) + h * s * r * (r * d0 - s * d1)
 }
 
 /// The polynomial of fifth degree through two points with their first and second derivatives.
-pub(super) fn hermite5([y0, d0, c0]: [f64; 3], [y1, d1, c1]: [f64; 3], h: f64, s: f64) -> f64 {
+pub(crate) fn hermite5([y0, d0, c0]: [f64; 3], [y1, d1, c1]: [f64; 3], h: f64, s: f64) -> f64 {
     let r = 1.0 - s;
     let step = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
     y0 + step * (y1 - y0)
@@ -116,7 +116,7 @@ pub(super) fn hermite5([y0, d0, c0]: [f64; 3], [y1, d1, c1]: [f64; 3], h: f64, s
 }
 
 /// The extreme of the cubic through two points with their slopes, if it has one in between.
-pub(super) fn extreme([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64) -> Option<f64> {
+pub(crate) fn extreme([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64) -> Option<f64> {
     let changes_sign = d0 * d1 < 0.0;
     if !changes_sign {
         return None;
@@ -139,7 +139,7 @@ pub(super) fn extreme([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64) -> Option<
 
 /// An integral over equally spaced samples, as they come: Gregory's rule, of fourth order.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Integral {
+pub(crate) struct Integral {
     count: u64,
     sum: f64,
     /// The first three and the last three.
@@ -148,7 +148,7 @@ pub(super) struct Integral {
 }
 
 impl Integral {
-    pub(super) fn add(&mut self, value: f64) {
+    pub(crate) fn add(&mut self, value: f64) {
         if let Ok(index) = usize::try_from(self.count)
             && index < 3
         {
@@ -160,7 +160,7 @@ impl Integral {
     }
 
     /// The integral over the samples, `step` apart.
-    pub(super) fn over(&self, step: f64) -> f64 {
+    pub(crate) fn over(&self, step: f64) -> f64 {
         let [a, b, c] = self.first;
         let [x, y, z] = self.last;
         match self.count {

@@ -1,22 +1,56 @@
 //! What happened in one run: its events, its nutation cycles, its budget.
 
-use super::curve::{Curve, Integral, extreme};
-use super::report::CourseReport;
+pub(crate) mod curve;
+
+use self::curve::{Curve, Integral, extreme};
 use crate::kinematics::{Euler, Tilt};
 use crate::recording::Entries;
-use crate::sink::memory::Owned;
-use crate::telemetry::{channel_index, channels};
+use crate::telemetry::{Message, channel_index, channels};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// What happened in one run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct CourseReport {
+    /// Why it ended.
+    pub stop_reason: Option<String>,
+    /// When, s.
+    pub stop_time: Option<f64>,
+    /// When the top had risen, s: θ first at the scenario's limit.
+    pub rise_time: Option<f64>,
+    /// Number of whole nutation cycles.
+    pub nutations: Option<u64>,
+    /// Mechanical energy at the first sample, J.
+    pub energy_first: Option<f64>,
+    /// Mechanical energy at the last sample, J.
+    pub energy_last: Option<f64>,
+    /// Work of friction up to the last sample, J, as the integrator summed it.
+    pub friction_work: Option<f64>,
+    /// The same about the line of nodes (against the nutation), the perpendicular n × e_N (against the
+    /// precession) and the symmetry axis (against the spin), summed from the samples.
+    pub friction_work_node: Option<[f64; 3]>,
+    /// Length of the path that the contact point slipped, m.
+    pub slip_path: Option<f64>,
+    /// Spin rate ψ̇ at the end, rad/s.
+    pub spin_rate_last: Option<f64>,
+    /// Precession rate φ̇ at the end, rad/s.
+    pub precession_rate_last: Option<f64>,
+    /// Largest change of the angular momentum about the vertical, as a part of it.
+    pub vertical_momentum_drift: Option<f64>,
+    /// Largest difference between the energy and what friction left of it, J.
+    pub energy_imbalance: Option<f64>,
+}
 
 /// A field of the table: its channel and its place in the numbers.
 #[derive(Clone, Copy, Debug)]
-struct Place {
-    channel: usize,
+pub(crate) struct Place {
+    pub(crate) channel: usize,
     number: usize,
 }
 
 impl Place {
     /// A field that the table has.
-    fn find(topic: &str, field: &str) -> Self {
+    pub(crate) fn find(topic: &str, field: &str) -> Self {
         let channel = channel_index(topic).unwrap_or(usize::MAX);
         let info = channels().get(channel);
         let number = info.and_then(|info| info.number_index(field));
@@ -27,26 +61,26 @@ impl Place {
     }
 
     /// Its value in a message of its channel; none in a recording of another version that lacks it.
-    fn of(self, message: &Owned) -> Option<f64> {
+    pub(crate) fn of(self, message: &Message<'_>) -> Option<f64> {
         let value = *message.numbers.get(self.number)?;
         (!value.is_nan()).then_some(value)
     }
 }
 
 /// Several fields of a channel, in the order in which they are asked for.
-fn places<const N: usize>(topic: &str, fields: [&str; N]) -> [Place; N] {
+pub(crate) fn places<const N: usize>(topic: &str, fields: [&str; N]) -> [Place; N] {
     fields.map(|field| Place::find(topic, field))
 }
 
 /// An event.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Event {
-    pub(super) name: String,
-    pub(super) description: String,
+pub(crate) struct Event {
+    pub(crate) name: String,
+    pub(crate) description: String,
     /// s.
-    pub(super) time: f64,
+    pub(crate) time: f64,
     /// rad.
-    pub(super) theta: f64,
+    pub(crate) theta: f64,
     /// φ̇ and ψ̇, rad/s.
     rates: [f64; 2],
 }
@@ -64,23 +98,23 @@ const THETA_DOT: usize = 1;
 
 /// A nutation cycle.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Cycle {
-    pub(super) number: f64,
-    pub(super) start: f64,
-    pub(super) period: f64,
+pub(crate) struct Cycle {
+    pub(crate) number: f64,
+    pub(crate) start: f64,
+    pub(crate) period: f64,
     /// Means of θ, θ̇, φ̇, ψ̇.
-    pub(super) means: [f64; 4],
+    pub(crate) means: [f64; 4],
     /// Least and greatest values of the same; NaN where they are not known.
-    pub(super) ranges: [[f64; 2]; 4],
+    pub(crate) ranges: [[f64; 2]; 4],
 }
 
 impl Cycle {
-    pub(super) fn middle(&self) -> f64 {
+    pub(crate) fn middle(&self) -> f64 {
         self.start + 0.5 * self.period
     }
 
     /// Half the range of θ̇, rad/s: free of the drift, unlike that of θ.
-    pub(super) fn amplitude(&self) -> f64 {
+    pub(crate) fn amplitude(&self) -> f64 {
         let [least, greatest] = self.ranges[THETA_DOT];
         0.5 * (greatest - least)
     }
@@ -109,7 +143,7 @@ impl Ranges {
     }
 
     /// Takes in a state. Gives the extremes between the last one and this one, for the cycle that ended there.
-    fn state(&mut self, message: &Owned, has_cycles: bool) -> [[f64; 2]; 4] {
+    fn state(&mut self, message: &Message<'_>, has_cycles: bool) -> [[f64; 2]; 4] {
         let time = message.time_ns as f64 / 1e9;
         let value = |place: Place| place.of(message).unwrap_or(f64::NAN);
         let now = self.fields.map(|pair| pair.map(value));
@@ -188,7 +222,7 @@ impl NodeWork {
         }
     }
 
-    fn add(&mut self, message: &Owned, tilt: &Tilt) {
+    fn add(&mut self, message: &Message<'_>, tilt: &Tilt) {
         let omega = tilt.omega_node();
         let rates = [omega.x, omega.y, omega.z];
         for ((place, rate), integral) in self.torque.iter().zip(rates).zip(&mut self.integrals) {
@@ -217,13 +251,13 @@ impl NodeWork {
 
 /// What happened in a run, taken in message by message.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
-    pub(super) events: Vec<Event>,
-    pub(super) cycles: Vec<Cycle>,
-    pub(super) messages: u64,
-    pub(super) last_ns: u64,
+pub(crate) struct Course {
+    pub(crate) events: Vec<Event>,
+    pub(crate) cycles: Vec<Cycle>,
+    pub(crate) messages: u64,
+    pub(crate) last_ns: u64,
     /// Entries of the end record.
-    pub(super) end: Option<Entries>,
+    pub(crate) end: Option<Entries>,
     ranges: Ranges,
     has_just_closed: bool,
     /// The last state: its time, ns, and what it is.
@@ -298,7 +332,7 @@ impl Default for Course {
 
 impl Course {
     /// Takes a message of the table.
-    pub(super) fn take(&mut self, message: &Owned) {
+    pub(crate) fn take(&mut self, message: &Message<'_>) {
         self.messages += 1;
         self.last_ns = self.last_ns.max(message.time_ns);
         let fields = self.fields;
@@ -326,7 +360,7 @@ impl Course {
         }
     }
 
-    fn state(&mut self, message: &Owned) {
+    fn state(&mut self, message: &Message<'_>) {
         let between = self.ranges.state(message, !self.cycles.is_empty());
         if std::mem::take(&mut self.has_just_closed)
             && let Some(cycle) = self.cycles.last_mut()
@@ -350,13 +384,13 @@ impl Course {
     }
 
     /// The state that a message has just told.
-    pub(super) fn new_tilt(&self, message: &Owned) -> Option<&Tilt> {
+    pub(crate) fn new_tilt(&self, message: &Message<'_>) -> Option<&Tilt> {
         let is_state = message.channel == self.fields.state[0].channel;
         let (time_ns, tilt) = self.tilt.as_ref()?;
         (is_state && *time_ns == message.time_ns).then_some(tilt)
     }
 
-    fn energy(&mut self, message: &Owned) {
+    fn energy(&mut self, message: &Message<'_>) {
         let [Some(total), Some(work)] = self.fields.energy.map(|place| place.of(message)) else {
             return;
         };
@@ -366,7 +400,7 @@ impl Course {
         self.imbalance = self.imbalance.max((total - first - work).abs());
     }
 
-    fn cycle(&mut self, message: &Owned) {
+    fn cycle(&mut self, message: &Message<'_>) {
         let values = self
             .fields
             .nutation
@@ -395,7 +429,7 @@ impl Course {
         self.has_just_closed = true;
     }
 
-    fn event(&mut self, message: &Owned) {
+    fn event(&mut self, message: &Message<'_>) {
         let [time, theta, phi, psi] = self
             .fields
             .event
@@ -412,7 +446,7 @@ impl Course {
     }
 
     /// The boundaries of the nutation cycles: their times (s) and how many nutations there have been.
-    pub(super) fn phase(&self) -> Curve {
+    pub(crate) fn phase(&self) -> Curve {
         let starts = self.cycles.iter().map(|cycle| (cycle.start, cycle.number));
         let end = self
             .cycles
@@ -422,7 +456,7 @@ impl Course {
     }
 
     /// A quantity of the cycles over their middles (s).
-    pub(super) fn of_cycles(&self, quantity: impl Fn(&Cycle) -> f64) -> Curve {
+    pub(crate) fn of_cycles(&self, quantity: impl Fn(&Cycle) -> f64) -> Curve {
         let points = self
             .cycles
             .iter()
@@ -431,11 +465,11 @@ impl Course {
     }
 
     /// The first event of a kind.
-    pub(super) fn first(&self, name: &str) -> Option<&Event> {
+    pub(crate) fn first(&self, name: &str) -> Option<&Event> {
         self.events.iter().find(|event| event.name == name)
     }
 
-    pub(super) fn report(&self) -> CourseReport {
+    pub(crate) fn report(&self) -> CourseReport {
         let entry = |key: &str| self.end.as_ref()?.get(key);
         let last = self.events.last();
         let has_ended = self.end.is_some();

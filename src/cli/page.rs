@@ -92,8 +92,10 @@ impl Page {
             text.push('\n');
         }
         let _ = writeln!(text, "{title}{}{title:#}", self.title);
-        for line in wrapped(&self.summary.join(" "), WIDTH) {
-            let _ = writeln!(text, "{line}");
+        if !self.summary.is_empty() {
+            for line in wrapped(&self.summary.join(" "), WIDTH) {
+                let _ = writeln!(text, "{line}");
+            }
         }
         for section in &self.sections {
             let _ = write!(text, "\n{HEADING}{}{HEADING:#}", section.title);

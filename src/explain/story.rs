@@ -1,0 +1,393 @@
+//! The sentences.
+
+use super::stages::{Stage, Total};
+use super::{Chapter, Facts, Story};
+use crate::course::CourseReport;
+use crate::friction::Dissipation;
+use crate::phrase::{duration, list, moment, quantity, significant};
+use crate::scenario::{Scenario, Values};
+use crate::simulation::Simulation;
+use std::f64::consts::{PI, TAU};
+
+/// Rows of the table of stages.
+const STAGES: usize = 6;
+/// Events that are told.
+const EVENTS: usize = 10;
+/// A smaller change of the averaged θ is none, rad.
+const STEADY: f64 = 1e-3;
+/// A mean difference to the slow root that is a smaller part of it is none.
+const BALANCED: f64 = 1e-7;
+/// Works that are a smaller part of the energy are none.
+const NO_WORK: f64 = 1e-12;
+/// Works that differ by a larger part of themselves are not the same.
+const SAME_WORK: f64 = 0.01;
+
+pub(super) fn tell(facts: &Facts) -> Story {
+    let course = facts.course.report();
+    let chapters = [
+        beginning(&facts.scenario),
+        precession(facts),
+        motion(facts),
+        energy(facts, &course),
+        dropped(facts, &course),
+        events(facts),
+    ];
+    Story {
+        title: title(facts, &course),
+        chapters: chapters.into_iter().flatten().collect(),
+        losses: facts.losses.clone(),
+    }
+}
+
+fn title(facts: &Facts, course: &CourseReport) -> String {
+    let name = facts.scenario.name();
+    let whole = facts.stages.whole();
+    let end = seconds(whole.to);
+    match (course.rise_time, course.stop_reason.as_deref()) {
+        (Some(time), _) => format!("{name}: the top rises in {}", moment(time)),
+        (None, Some("fallen")) => {
+            let time = course.stop_time.unwrap_or(end);
+            format!("{name}: the top falls, at {}", moment(time))
+        }
+        (None, _) if facts.is_cut => {
+            format!("{name}: what is there of the run, up to {}", moment(end))
+        }
+        (None, _) => format!("{name}: {} of a top's life", duration(end)),
+    }
+}
+
+fn seconds(time_ns: u64) -> f64 {
+    time_ns as f64 / 1e9
+}
+
+fn chapter(heading: &'static str, sentences: Vec<String>) -> Option<Chapter> {
+    (!sentences.is_empty()).then(|| Chapter {
+        heading,
+        sentences,
+        table: None,
+    })
+}
+
+fn beginning(scenario: &Scenario) -> Option<Chapter> {
+    let (top, theta, rates) = (&scenario.model.top, scenario.angles.theta, &scenario.rates);
+    let mut sentences = vec![
+        format!(
+            "A top of {} leans by θ = {} ({}°), spins at ψ̇ = {} ({} turns a minute) and precesses at φ̇ = {}.",
+            quantity(top.mass, 3, "kg"),
+            quantity(theta, 3, "rad"),
+            significant(theta * 180.0 / PI, 3),
+            quantity(rates.psi, 4, "rad/s"),
+            significant(rates.psi.abs() * 60.0 / TAU, 3),
+            quantity(rates.phi, 3, "rad/s"),
+        ),
+        format!(
+            "It stands on a ball with a radius of {}, whose lowest point slips over the table at {}.",
+            quantity(1e3 * top.peg_radius, 2, "mm"),
+            quantity(scenario.slip_speed_at_start(), 3, "m/s"),
+        ),
+    ];
+    let force = scenario.model.friction.law.force_scale(top.weight());
+    if force > 0.0 {
+        sentences.push(format!(
+            "Friction pulls at that point with up to {}, {} % of the weight.",
+            quantity(force, 3, "N"),
+            significant(100.0 * force / top.weight(), 2)
+        ));
+    } else {
+        sentences.push("Nothing resists the slip.".to_owned());
+    }
+    chapter("The top", sentences)
+}
+
+/// What friction did to φ̇, and what became of it.
+fn precession(facts: &Facts) -> Option<Chapter> {
+    let stages = &facts.stages;
+    let friction = stages.total(Total::PrecessionFrictional)?;
+    let gyroscopic = stages.total(Total::PrecessionGyroscopic)?;
+    let coriolis = stages.total(Total::PrecessionCoriolis)?;
+    let spin = stages.total(Total::SpinFrictional)?;
+    let whole = stages.whole();
+    let mut sentences = Vec::new();
+    if friction == 0.0 {
+        sentences.push("There is no friction in the equation of the precession.".to_owned());
+    } else {
+        let verb = if friction > 0.0 {
+            "quickened"
+        } else {
+            "slowed"
+        };
+        sentences.push(format!(
+            "By itself, friction would have {verb} the precession by {} in {}: that is the integral of its term in \
+             φ̈. The other terms, above all the gyroscopic one, answered with {}, so that φ̇ changed by {} only. \
+             They can answer only while θ changes: pushed in the sense of its precession, a spinning top gives \
+             way at right angles.",
+            quantity(friction.abs(), 3, "rad/s"),
+            duration(seconds(whole.to - whole.from)),
+            quantity(gyroscopic + coriolis, 4, "rad/s"),
+            quantity(friction + gyroscopic + coriolis, 3, "rad/s"),
+        ));
+    }
+    if spin != 0.0 {
+        sentences.push(format!(
+            "Friction's term in ψ̈ amounts to {}.",
+            quantity(spin, 3, "rad/s")
+        ));
+    }
+    chapter("What friction does to the precession", sentences)
+}
+
+/// How φ̇ stood to the slow root, and what θ did.
+fn motion(facts: &Facts) -> Option<Chapter> {
+    let stages = facts.stages.in_stages(STAGES);
+    let (first, last) = (stages.first()?, stages.last()?);
+    let mut sentences = roots(facts);
+    let start = facts.scenario.rates.theta;
+    let (begun, ended) = (first.theta_dot(), last.theta_dot());
+    if (last.theta() - first.theta()).abs() < STEADY {
+        sentences.push(format!(
+            "The axis neither rose nor sank: averaged over nutations it stayed at θ = {}.",
+            quantity(first.theta(), 4, "rad")
+        ));
+    } else {
+        let way = if last.theta() < first.theta() {
+            "rose"
+        } else {
+            "sank"
+        };
+        let sign = |change: f64| if change < 0.0 { "negative" } else { "positive" };
+        sentences.push(format!(
+            "Averaged over nutations the axis {way}, from {} in the first part of the table to {} in the last. θ̈ was \
+             {} on average at first, which brought θ̇ from {} to {}; then it was {} on average and θ̇ came to {}.",
+            quantity(first.theta(), 3, "rad"),
+            quantity(last.theta(), 3, "rad"),
+            sign(begun - start),
+            quantity(start, 3, "rad/s"),
+            quantity(begun, 3, "rad/s"),
+            sign(ended - begun),
+            quantity(ended, 3, "rad/s"),
+        ));
+    }
+    sentences.extend(cancelling(&facts.stages.whole()));
+    Some(Chapter {
+        heading: "Why the axis moves",
+        sentences,
+        table: Some((header(), stages.iter().map(row).collect())),
+    })
+}
+
+/// The θ̇ that friction demands, and the θ̇ that there was.
+fn cancelling(whole: &Stage) -> Option<String> {
+    let demanded = whole.cancelling().filter(|rate| *rate != 0.0)?;
+    Some(format!(
+        "For the gyroscopic and Coriolis terms of φ̈ to cancel friction's, θ̇ has to be {} on average; it was {}.",
+        quantity(demanded, 4, "rad/s"),
+        quantity(whole.theta_dot(), 4, "rad/s"),
+    ))
+}
+
+/// How φ̇ stood to the rates of regular precession.
+fn roots(facts: &Facts) -> Vec<String> {
+    let whole = facts.stages.whole();
+    let (Some([slow, excess]), Some([_, fast])) = (whole.roots(), facts.stages.fast_roots) else {
+        return vec![
+            "There was no real rate of regular precession: the top is too weak.".to_owned(),
+        ];
+    };
+    let mut sentences = vec![format!(
+        "At two rates a top precesses regularly, without nodding. The slow one was {} on average, the fast one never \
+         less than {}. Between them θ̈ is negative and the axis rises; below the slow one θ̈ is positive and it \
+         sinks.",
+        quantity(slow, 4, "rad/s"),
+        quantity(fast, 3, "rad/s"),
+    )];
+    sentences.push(format!(
+        "Averaged over nutations φ̇ kept to the slow rate, {}: the axis moves as soon as φ̇ leaves it, and takes the slow \
+         rate along.",
+        if excess.abs() < BALANCED * slow.abs() {
+            "exactly".to_owned()
+        } else {
+            format!("to {}", quantity(excess.abs(), 2, "rad/s"))
+        }
+    ));
+    sentences.push(format!(
+        "At single instants the nodding hides this: φ̇ was above the slow rate for {} % of the time, and θ̈ negative for \
+         {} %.",
+        significant(100.0 * whole.above(), 3),
+        significant(100.0 * whole.sinking(), 3),
+    ));
+    sentences
+}
+
+fn header() -> Vec<String> {
+    [
+        "time [s]",
+        "θ [rad]",
+        "θ̇ [rad/s]",
+        "θ̇ demanded",
+        "φ̇ [rad/s]",
+        "slow root",
+        "ψ̇ [rad/s]",
+    ]
+    .map(str::to_owned)
+    .to_vec()
+}
+
+fn row(stage: &Stage) -> Vec<String> {
+    let roots = stage.roots();
+    let root =
+        |at: usize, digits| roots.map_or("–".to_owned(), |roots| significant(roots[at], digits));
+    vec![
+        format!("{:.2} to {:.2}", seconds(stage.from), seconds(stage.to)),
+        significant(stage.theta(), 4),
+        significant(stage.theta_dot(), 3),
+        stage
+            .cancelling()
+            .map_or("–".to_owned(), |rate| significant(rate, 3)),
+        significant(stage.phi_dot(), 5),
+        root(0, 5),
+        significant(stage.psi_dot(), 5),
+    ]
+}
+
+fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
+    let (first, last) = (course.energy_first?, course.energy_last?);
+    let mut sentences = Vec::new();
+    let change = last - first;
+    if facts.scenario.is_frictionless() || change == 0.0 {
+        sentences.push(format!(
+            "The energy stayed at {}, to {}.",
+            quantity(first, 6, "J"),
+            quantity(course.energy_imbalance?, 2, "J")
+        ));
+    } else {
+        let verb = if change < 0.0 { "fell" } else { "grew" };
+        sentences.push(format!(
+            "The mechanical energy {verb} from {} to {}; what friction did accounts for all of it but {}.",
+            quantity(first, 4, "J"),
+            quantity(last, 4, "J"),
+            quantity(course.energy_imbalance?, 2, "J"),
+        ));
+        if let Some([nutation, precession, spin]) = course.friction_work_node {
+            let told = |work: f64, what: &str| {
+                let verb = if work < 0.0 { "took" } else { "gave" };
+                let way = if work < 0.0 { "from" } else { "to" };
+                format!("{verb} {} {way} {what}", quantity(work.abs(), 3, "J"))
+            };
+            let works = [
+                (spin, "the spin"),
+                (precession, "the precession"),
+                (nutation, "the nutation"),
+            ];
+            let some = works
+                .into_iter()
+                .filter(|(work, _)| work.abs() > NO_WORK * first.abs());
+            let some: Vec<String> = some.map(|(work, what)| told(work, what)).collect();
+            sentences.push(format!(
+                "About the axes of the node frame, friction {}.",
+                list(&some)
+            ));
+        }
+        if let Some(path) = course.slip_path {
+            sentences.push(format!(
+                "The point of contact slipped {} in all.",
+                quantity(path, 3, "m")
+            ));
+        }
+    }
+    if let Some(drift) = course.vertical_momentum_drift {
+        sentences.push(if drift < 1e-6 {
+            format!(
+                "The angular momentum about the vertical stayed as it was, to {} of itself: a horizontal force at a \
+                 point below the peg's centre has no torque about the vertical.",
+                significant(drift, 2)
+            )
+        } else {
+            format!(
+                "The angular momentum about the vertical changed by up to {} % of itself.",
+                significant(100.0 * drift, 2)
+            )
+        });
+    }
+    chapter("Where the energy goes", sentences)
+}
+
+/// For models that leave something out: what that changed.
+fn dropped(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
+    let dissipation = facts.scenario.model.friction.dissipation;
+    if dissipation == Dissipation::Full || facts.scenario.is_frictionless() {
+        return None;
+    }
+    let mut sentences = Vec::new();
+    if dissipation.drops_euler_terms() {
+        sentences.push(
+            "This model drops a term of the equations in Euler angles. That is not dropping a torque: no torque \
+             changes φ̈ alone or ψ̈ alone, because the axes of φ and ψ are not at right angles."
+                .to_owned(),
+        );
+    } else {
+        sentences.push("This model leaves out a part of the torque of friction.".to_owned());
+    }
+    if let (Some(force), Some(work)) =
+        (facts.stages.total(Total::ContactWork), course.friction_work)
+    {
+        let is_same = (work - force).abs() <= SAME_WORK * force.abs();
+        if is_same {
+            sentences.push(format!(
+                "What acts is still a torque of a force at the point of contact: its work, {}, is that of the force \
+                 along the path that the point slipped.",
+                quantity(work, 4, "J")
+            ));
+        } else {
+            let verdict = if work > 0.0 {
+                "a force against the slip can only take energy, and here the top gained some: the model pumps it in"
+            } else {
+                "it is not the work of any force at the point of contact"
+            };
+            sentences.push(format!(
+                "The energy tells: along this motion the force of the law would have done {}, but what the model \
+                 applied did {}; {verdict}.",
+                quantity(force, 4, "J"),
+                quantity(work, 4, "J"),
+            ));
+        }
+    }
+    sentences.extend(with_all_parts(&facts.scenario));
+    chapter("What the model leaves out", sentences)
+}
+
+/// How the same top ends when nothing is left out.
+fn with_all_parts(scenario: &Scenario) -> Option<String> {
+    let mut values = Values::from_toml(&scenario.to_toml()).ok()?;
+    values.set("friction.dissipation", "full").ok()?;
+    let mut simulation = Simulation::new(&Scenario::new(values).ok()?).ok()?;
+    simulation.by_ref().take_while(Result::is_ok).for_each(drop);
+    let outcome = simulation.outcome();
+    Some(format!(
+        "With the whole torque the same top ends so: {}, at {}, with ψ̇ = {}.",
+        outcome.stop.sentence(),
+        moment(outcome.time),
+        quantity(outcome.motion.tilt.rates.psi, 4, "rad/s"),
+    ))
+}
+
+fn events(facts: &Facts) -> Option<Chapter> {
+    let told = facts.course.events.iter();
+    let told: Vec<_> = told
+        .filter(|event| !event.name.starts_with("nutation_"))
+        .collect();
+    let mut sentences: Vec<String> = told
+        .iter()
+        .take(EVENTS)
+        .map(|event| format!("{}  {}", moment(event.time), event.description))
+        .collect();
+    if told.len() > EVENTS {
+        let last = told.last()?;
+        sentences.push(format!(
+            "… and {} more, the last: {}  {}",
+            told.len() - EVENTS,
+            moment(last.time),
+            last.description
+        ));
+    }
+    chapter("What happened", sentences)
+}
