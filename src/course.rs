@@ -18,6 +18,8 @@ pub struct CourseReport {
     pub stop_time: Option<f64>,
     /// When the top had risen, s: θ first at the scenario's limit.
     pub rise_time: Option<f64>,
+    /// When the last sample was taken, s: sums over the run go to it.
+    pub last_sample: Option<f64>,
     /// Number of whole nutation cycles.
     pub nutations: Option<u64>,
     /// Mechanical energy at the first sample, J.
@@ -31,9 +33,9 @@ pub struct CourseReport {
     pub friction_work_node: Option<[f64; 3]>,
     /// Length of the path that the contact point slipped, m.
     pub slip_path: Option<f64>,
-    /// Spin rate ψ̇ at the end, rad/s.
+    /// Spin rate ψ̇ when the run stopped, rad/s.
     pub spin_rate_last: Option<f64>,
-    /// Precession rate φ̇ at the end, rad/s.
+    /// Precession rate φ̇ when the run stopped, rad/s.
     pub precession_rate_last: Option<f64>,
     /// Largest change of the angular momentum about the vertical, as a part of it.
     pub vertical_momentum_drift: Option<f64>,
@@ -232,8 +234,8 @@ impl NodeWork {
         if self.first.is_none() {
             self.first = Some(time_ns);
         } else {
-            let step = time_ns - self.last;
-            self.is_even &= self.step == 0 || self.step == step;
+            let step = time_ns.saturating_sub(self.last);
+            self.is_even &= step > 0 && (self.step == 0 || self.step == step);
             self.step = step;
         }
         self.last = time_ns;
@@ -469,29 +471,38 @@ impl Course {
         self.events.iter().find(|event| event.name == name)
     }
 
+    /// A rate of the last sample, if that is when the run stopped.
+    fn rate_at(&self, stop_time: Option<f64>, rate: impl Fn(&Euler) -> f64) -> Option<f64> {
+        let (time_ns, tilt) = self.tilt.as_ref()?;
+        let is_end = (stop_time? - *time_ns as f64 / 1e9).abs() < 1e-9;
+        is_end.then(|| rate(&tilt.rates))
+    }
+
     pub(crate) fn report(&self) -> CourseReport {
         let entry = |key: &str| self.end.as_ref()?.get(key);
-        let last = self.events.last();
-        let has_ended = self.end.is_some();
-        let rates = |at: usize| match (&self.tilt, last) {
-            (_, Some(event)) if has_ended && event.time * 1e9 >= self.last_ns as f64 - 1.0 => {
-                Some(event.rates[at])
-            }
-            (Some((_, tilt)), _) => Some([tilt.rates.phi, tilt.rates.psi][at]),
-            _ => None,
-        };
+        let stop_time = entry("stop_time").and_then(|time| time.parse::<f64>().ok());
+        // The last event is the end of the run, unless its duration was over.
+        let last = self
+            .events
+            .last()
+            .filter(|event| Some(event.time) == stop_time);
+        let is_rise = entry("stop_reason").is_some_and(|reason| reason == "risen");
+        let risen = self.first("risen").map(|event| event.time);
         CourseReport {
             stop_reason: entry("stop_reason").cloned(),
-            stop_time: entry("stop_time").and_then(|time| time.parse().ok()),
-            rise_time: self.first("risen").map(|event| event.time),
+            stop_time,
+            rise_time: risen.or(stop_time.filter(|_| is_rise)),
             nutations: (!self.cycles.is_empty()).then_some(self.cycles.len() as u64),
             energy_first: self.energy.map(|energy| energy[0]),
             energy_last: self.energy.map(|energy| energy[1]),
             friction_work: self.friction_work,
             friction_work_node: self.work.work(),
             slip_path: self.slip_path,
-            spin_rate_last: rates(1),
-            precession_rate_last: rates(0),
+            spin_rate_last: last
+                .map_or_else(|| self.rate_at(stop_time, |r| r.psi), |e| Some(e.rates[1])),
+            precession_rate_last: last
+                .map_or_else(|| self.rate_at(stop_time, |r| r.phi), |e| Some(e.rates[0])),
+            last_sample: self.tilt.as_ref().map(|(time_ns, _)| *time_ns as f64 / 1e9),
             vertical_momentum_drift: self.momentum.map(|(first, drift)| drift / first.abs()),
             energy_imbalance: self.energy.map(|_| self.imbalance),
         }

@@ -106,7 +106,8 @@ pub enum DiffError {
         reason: String,
     },
     /// A pattern for which there is no field.
-    #[error("no field that both have is meant by {pattern:?}; the nearest: {near}")]
+    #[error("no field is meant by {pattern:?}; {}",
+            if near.is_empty() { "there are none".to_owned() } else { format!("the nearest: {near}") })]
     UnknownField {
         /// The pattern.
         pattern: String,
@@ -114,7 +115,7 @@ pub enum DiffError {
         near: String,
     },
     /// A topic was asked for that not both have.
-    #[error("not both have the topic {topic}; common topics: {common}")]
+    #[error("the topic {topic} can't be compared; those that can: {common}")]
     UnknownTopic {
         /// The topic.
         topic: String,
@@ -138,13 +139,19 @@ pub enum DiffError {
         /// The times of B's first and last message, ns.
         b: (u64, u64),
     },
+    /// There are no two messages that could be compared.
+    #[error("they have no common times, and none that lie between two of the other")]
+    NoCommonTimes,
     /// One of them is empty.
-    #[error("{side} has no messages in the topics that both have: {topics}")]
+    #[error("{side} has no messages that can be read in the topics that both have: {topics}{}",
+            if losses.is_empty() { String::new() } else { format!(" ({losses})") })]
     NoMessages {
         /// Which.
         side: &'static str,
         /// The topics.
         topics: String,
+        /// What could not be read.
+        losses: String,
     },
     /// The alignment that was asked for is not possible.
     #[error("can't align by {by}: {reason}")]
@@ -211,13 +218,13 @@ pub fn compare_observed<'a>(
     let (a, b) = (a.into(), b.into());
     let plan = Plan::new(a, b, options)?;
     let passed = pass::run(a, b, &plan, &options.tolerances, observer)?;
-    let floor = if options.floor && plan.is_ours {
-        floor::compute(a, b)
-    } else {
-        None
+    let last = passed.spans.iter().flatten().map(|(_, last)| *last).min();
+    let floor = match last {
+        Some(last) if options.floor && plan.is_ours => floor::compute(a, b, last as f64 / 1e9),
+        _ => None,
     };
     let mut report = passed.report(a, b, &plan, floor);
-    report.summary = summary::sentences(&report);
+    report.summary = report.sentences(["A", "B"]);
     Ok(report)
 }
 

@@ -149,8 +149,16 @@ impl DiffArguments {
             rel: self.rel,
             ulp: self.ulp,
         };
-        if general != Tolerance::default() {
-            tolerances.general = general;
+        // What is not given here stays as the file has it.
+        let whole = &mut tolerances.general;
+        if general.abs != 0.0 {
+            whole.abs = general.abs;
+        }
+        if general.rel != 0.0 {
+            whole.rel = general.rel;
+        }
+        if general.ulp != 0 {
+            whole.ulp = general.ulp;
         }
         tolerances.check()?;
         for tolerance in &self.tol {
@@ -162,6 +170,15 @@ impl DiffArguments {
             floor: !self.no_floor,
             topics: self.topics.clone(),
         })
+    }
+
+    /// The files to write.
+    fn outputs(&self) -> impl Iterator<Item = &PathBuf> {
+        #[cfg(feature = "rerun")]
+        let rrd = self.show.rrd();
+        #[cfg(not(feature = "rerun"))]
+        let rrd = None;
+        self.mcap.iter().chain(rrd)
     }
 
     /// The keys to set in the scenario of this run alone.
@@ -213,6 +230,22 @@ impl DiffArguments {
     }
 }
 
+/// What is written must neither be a run that is read nor the other file.
+fn refuse_outputs(arguments: &DiffArguments) -> Result<(), Error> {
+    let mut taken: Vec<PathBuf> = arguments.runs.iter().map(PathBuf::from).collect();
+    for output in arguments.outputs() {
+        let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        if taken.iter().any(|path| whole(path) == whole(output)) {
+            bail!(
+                "{} is read or written already: write to another file",
+                output.display()
+            );
+        }
+        taken.push(output.clone());
+    }
+    Ok(())
+}
+
 /// A key of a scenario and its new value.
 type Override = (String, String);
 
@@ -241,6 +274,7 @@ impl Given {
 /// Compares runs.
 pub(super) fn diff(arguments: &DiffArguments) -> Result<Done, Error> {
     let options = arguments.options()?;
+    refuse_outputs(arguments)?;
     let runs = given(arguments)?;
     if let [a, b] = runs.as_slice() {
         return two(arguments, &options, a, b);

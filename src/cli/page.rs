@@ -1,6 +1,7 @@
 //! A report as sections with tables and sentences, and that as text for a terminal or as Markdown.
 
 use anstyle::{AnsiColor, Effects, Style};
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use unicode_width::UnicodeWidthStr as _;
 
@@ -158,6 +159,7 @@ impl Table {
             }
             let mut line = String::new();
             for (column, cell) in row.iter().enumerate() {
+                let cell = harmless(cell);
                 let padding = " ".repeat(widths[column].saturating_sub(cell.width()));
                 let _ = if column < self.left {
                     write!(line, "  {cell}{padding}")
@@ -186,7 +188,7 @@ impl Table {
             let cell = |at: usize| {
                 cells
                     .get(at)
-                    .map_or(String::new(), |cell| cell.replace('|', "\\|"))
+                    .map_or(String::new(), |cell| harmless(cell).replace('|', "\\|"))
             };
             let cells: Vec<String> = (0..columns).map(cell).collect();
             format!("| {} |\n", cells.join(" | "))
@@ -201,10 +203,19 @@ impl Table {
     }
 }
 
+/// A cell without what would break its table or its terminal.
+fn harmless(cell: &str) -> Cow<'_, str> {
+    if cell.contains(char::is_control) {
+        Cow::Owned(cell.replace(char::is_control, "\u{fffd}"))
+    } else {
+        Cow::Borrowed(cell)
+    }
+}
+
 /// A text broken between words into lines that are not wider.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
-    for word in text.split(' ') {
+    for word in harmless(text).split(' ') {
         let Some(line) = lines.last_mut() else {
             continue;
         };

@@ -12,9 +12,9 @@ const TIGHTER: f64 = 0.01;
 const TIGHTEST_RELATIVE: f64 = 1e-14;
 const TIGHTEST_ABSOLUTE: f64 = 1e-18;
 
-/// Finds the errors of both integrators, if both scenarios are known.
-pub(super) fn compute(a: Subject<'_>, b: Subject<'_>) -> Option<Floor> {
-    let (a, b) = (a.scenario()?, b.scenario()?);
+/// Finds the errors of both integrators up to a time (s), if both scenarios are known.
+pub(super) fn compute(a: Subject<'_>, b: Subject<'_>, to: f64) -> Option<Floor> {
+    let (a, b) = (until(&a.scenario()?, to)?, until(&b.scenario()?, to)?);
     if a.digest() == b.digest() {
         let error = error(&a)?;
         return Some(Floor {
@@ -36,7 +36,7 @@ fn error(scenario: &Scenario) -> Option<IntegratorError> {
     let plan = Plan::new(a, b, &options).ok()?;
     let passed = pass::run(a, b, &plan, &Tolerances::default(), &mut ()).ok()?;
     let [first, second] = &passed.courses;
-    let happened = happened::compare(first, second);
+    let happened = happened::compare(first, second, true);
     let shifts = happened.kinds.iter().filter_map(|kind| kind.largest_shift);
     let means = averages::compare(first, second).map(|averaged| averaged.means);
     let theta = means.and_then(|means| means.first().map(|mean| mean.largest.abs()));
@@ -52,6 +52,20 @@ fn error(scenario: &Scenario) -> Option<IntegratorError> {
         event_shift: shifts.map(f64::abs).fold(0.0, f64::max),
         theta_mean: theta.unwrap_or_default(),
     })
+}
+
+/// The scenario up to a time, s: its beginning, to the last bit.
+fn until(scenario: &Scenario, time: f64) -> Option<Scenario> {
+    if scenario
+        .stop
+        .duration
+        .is_some_and(|duration| duration <= time)
+    {
+        return Some(scenario.clone());
+    }
+    let mut values = Values::from_toml(&scenario.to_toml()).ok()?;
+    values.set("stop.duration", &format!("{time:?}")).ok()?;
+    Scenario::new(values).ok()
 }
 
 /// The scenario with a hundredth of its tolerances, as far as that goes.

@@ -6,10 +6,13 @@ use crate::course::{Course, Cycle, Event};
 /// Events of these kinds come with each nutation: they are counted, not listed.
 const OF_NUTATION: &str = "nutation_";
 
-/// Compares what happened.
-pub(super) fn compare(a: &Course, b: &Course) -> Happened {
+/// Shifts that are smaller by this factor speak against the order of events.
+const SMALLER: f64 = 0.25;
+
+/// Compares what happened; events only if both have recorded them.
+pub(super) fn compare(a: &Course, b: &Course, both_have_events: bool) -> Happened {
     let mut happened = Happened::default();
-    for name in names(a, b) {
+    for name in names(a, b).into_iter().filter(|_| both_have_events) {
         let of_kind = |course: &'_ Course| -> Vec<Event> {
             let events = course.events.iter().filter(|event| event.name == name);
             events.cloned().collect()
@@ -21,8 +24,8 @@ pub(super) fn compare(a: &Course, b: &Course) -> Happened {
     for alone in [&mut happened.only_in_a, &mut happened.only_in_b] {
         alone.sort_by(|x, y| time(&x.time, &y.time));
     }
-    if let (Some(x), Some(y)) = (a.first("risen"), b.first("risen")) {
-        happened.rise_shift = Some(y.time - x.time);
+    if let (Some(x), Some(y)) = (a.report().rise_time, b.report().rise_time) {
+        happened.rise_shift = Some(y - x);
         happened.rise_shift_uncertainty = uncertainty(a).zip(uncertainty(b)).map(|(x, y)| x.max(y));
     }
     cross_averaged(a, b, &mut happened);
@@ -88,16 +91,23 @@ fn compare_kind(name: &str, a: &[Event], b: &[Event], happened: &mut Happened) {
 
 /// Matches events of one kind in their order: positions in A and B.
 ///
-/// Where there are as many in both, the first belongs to the first and so on. Otherwise the shift is
-/// followed from one to the next, beginning with none or with that of the first two, whichever matches more.
+/// Where there are as many in both, the first belongs to the first and so on, unless following the shift from
+/// one to the next gives much smaller shifts. Where there are not, it is followed, beginning with none or with
+/// that of the first two, whichever matches more.
 pub(super) fn match_times(a: &[f64], b: &[f64]) -> Vec<(usize, usize)> {
-    if a.len() == b.len() {
-        return (0..a.len()).map(|at| (at, at)).collect();
-    }
     let (Some(first_a), Some(first_b)) = (a.first(), b.first()) else {
         return Vec::new();
     };
     let in_place = follow(a, b, 0.0);
+    if a.len() == b.len() {
+        let in_order: Vec<_> = (0..a.len()).map(|at| (at, at)).collect();
+        let mean = |matches: &[(usize, usize)]| {
+            let shifts = matches.iter().map(|(i, j)| (b[*j] - a[*i]).abs());
+            shifts.sum::<f64>() / matches.len() as f64
+        };
+        let is_better = 2 * in_place.len() > a.len() && mean(&in_place) < SMALLER * mean(&in_order);
+        return if is_better { in_place } else { in_order };
+    }
     let from_first = follow(a, b, first_b - first_a);
     if from_first.len() > in_place.len() {
         from_first
@@ -204,6 +214,14 @@ mod tests {
                 .zip(&matches)
                 .all(|((j, i), m)| (*i, *j) == *m)
         );
+    }
+
+    #[test]
+    fn one_missing_at_either_end_is_noticed_though_there_are_as_many() {
+        let all: Vec<f64> = (0..40).map(f64::from).collect();
+        let matches = match_times(&all[1..], &all[..39]);
+        assert_eq!(matches.len(), 38);
+        assert!(matches.iter().all(|(i, j)| i + 1 == *j));
     }
 
     #[test]

@@ -32,10 +32,11 @@ pub struct MatrixRow {
 }
 
 impl Matrix {
-    /// Puts the reports of all pairs together: `pairs(i, j)` for i < j.
+    /// Puts the reports of all pairs together: `pairs(i, j)` for i < j. Two that can't be compared have no
+    /// distance, but each must be comparable with the first.
     ///
     /// # Errors
-    /// The first error of `pairs`.
+    /// The first error of `pairs` with the first run.
     pub fn new<E>(
         count: usize,
         mut pairs: impl FnMut(usize, usize) -> Result<Report, E>,
@@ -47,7 +48,11 @@ impl Matrix {
             row[at] = Some(0.0);
         }
         for (i, j) in (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j))) {
-            let report = pairs(i, j)?;
+            let report = match pairs(i, j) {
+                Ok(report) => report,
+                Err(error) if i == 0 => return Err(error),
+                Err(_) => continue,
+            };
             let averaged = report.averaged.as_ref();
             let distance = averaged.and_then(|a| a.means.first()).map(|mean| mean.rms);
             theta_distance[i][j] = distance;

@@ -9,8 +9,11 @@ use std::collections::VecDeque;
 /// How the messages of a topic are paired.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Rule {
-    /// Those with the same time. Messages of a finer run in between, on whose side that is, are passed over.
-    SameTime { finer: Option<Side> },
+    /// Those with the same time.
+    SameTime {
+        /// The run with more messages, those in between, which are passed over.
+        finer: Option<Finer>,
+    },
     /// Those with the same sequence number: the same cycle.
     SameSequence,
     /// Each of one run with what the other has at its time, by interpolation.
@@ -21,7 +24,17 @@ pub(super) enum Rule {
         methods: Vec<Method>,
         /// No interpolation over more than this, ns.
         widest: u64,
+        /// More than this between two messages of the grid is a gap, ns.
+        gap: u64,
     },
+}
+
+/// A run with more messages than the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Finer {
+    pub(super) side: Side,
+    /// More than this between two messages of the other is a gap, ns.
+    pub(super) gap: u64,
 }
 
 /// How a field is interpolated.
@@ -104,6 +117,11 @@ impl Frontier {
     fn is_past(&self, time_ns: u64) -> bool {
         self.is_ended || self.time_ns > time_ns
     }
+
+    /// Whether nothing before this time can come any more.
+    fn has_reached(&self, time_ns: u64) -> bool {
+        self.is_ended || self.time_ns >= time_ns
+    }
 }
 
 /// Messages without a counterpart.
@@ -111,12 +129,18 @@ impl Frontier {
 pub(super) struct Lonely {
     /// Their number.
     pub(super) count: u64,
-    /// Times of the first and the last, ns.
-    pub(super) span: Option<(u64, u64)>,
     /// How many came before the first pair.
     pub(super) before: u64,
     /// How many have come since the last pair.
     pub(super) since: u64,
+}
+
+/// Messages that were passed over since the last pair: whether that is right, the next one tells.
+#[derive(Clone, Copy, Debug, Default)]
+struct Passed {
+    count: u64,
+    /// Times of the first and the last, ns.
+    span: Option<(u64, u64)>,
 }
 
 /// The messages of one topic of both runs, on their way to being paired.
@@ -124,10 +148,14 @@ pub(super) struct Lonely {
 pub(super) struct Lane {
     pub(super) rule: Rule,
     waiting: [VecDeque<Owned>; 2],
-    last: [Option<u64>; 2],
+    /// The time of the last message that has left.
+    left: [Option<u64>; 2],
+    /// How many there have been.
+    pub(super) counts: [u64; 2],
     pub(super) lonely: [Lonely; 2],
     pub(super) out_of_order: u64,
-    has_paired: bool,
+    passed: Passed,
+    last_pair: Option<u64>,
     /// What the other run has at a time, when it is interpolated.
     values: Vec<f64>,
     dropped: u64,
@@ -138,10 +166,12 @@ impl Lane {
         Self {
             rule,
             waiting: [VecDeque::new(), VecDeque::new()],
-            last: [None, None],
+            left: [None, None],
+            counts: [0; 2],
             lonely: [Lonely::default(); 2],
             out_of_order: 0,
-            has_paired: false,
+            passed: Passed::default(),
+            last_pair: None,
             values: Vec::new(),
             dropped: 0,
         }
@@ -150,12 +180,25 @@ impl Lane {
     /// Takes a message of one run.
     pub(super) fn push(&mut self, side: Side, message: Owned) {
         let side = side.index();
-        if self.last[side].is_some_and(|last| message.time_ns < last) {
+        self.counts[side] += 1;
+        if self.left[side].is_some_and(|left| message.time_ns < left) {
             self.out_of_order += 1;
             return;
         }
-        self.last[side] = Some(message.time_ns);
-        self.waiting[side].push_back(message);
+        let waiting = &mut self.waiting[side];
+        let place = match waiting.back() {
+            Some(last) if last.time_ns > message.time_ns => {
+                waiting.partition_point(|other| other.time_ns <= message.time_ns)
+            }
+            _ => waiting.len(),
+        };
+        waiting.insert(place, message);
+    }
+
+    fn pop(&mut self, side: usize) -> Option<Owned> {
+        let message = self.waiting[side].pop_front()?;
+        self.left[side] = Some(message.time_ns);
+        Some(message)
     }
 
     /// Gives all pairs that are certain.
@@ -168,73 +211,151 @@ impl Lane {
         match &self.rule {
             Rule::SameTime { finer } => {
                 let finer = *finer;
-                self.drain_equal(frontiers, finer, |m| m.time_ns, Frontier::is_past, give);
+                self.drain_same_time(frontiers, finer, give);
             }
-            Rule::SameSequence => {
-                let is_past = |frontier: &Frontier, _| frontier.is_ended;
-                self.drain_equal(frontiers, None, |m| u64::from(m.sequence), is_past, give);
-            }
+            Rule::SameSequence => self.drain_same_sequence(frontiers, give),
             Rule::Interpolated { grid, widest, .. } => {
                 let (grid, widest) = (*grid, *widest);
                 while self
                     .interpolate_next(grid, widest, frontiers, map, give)
                     .is_some()
                 {}
+                self.forget(grid, frontiers, map);
             }
         }
     }
 
-    fn drain_equal(
+    fn drain_same_time(
         &mut self,
         frontiers: [Frontier; 2],
-        finer: Option<Side>,
-        key: impl Fn(&Owned) -> u64,
-        is_past: impl Fn(&Frontier, u64) -> bool,
+        finer: Option<Finer>,
         give: &mut impl FnMut(Given<'_>),
     ) {
         loop {
             let [a, b] = &self.waiting;
+            let is_past = |side: usize, message: &Owned| frontiers[side].is_past(message.time_ns);
             let alone = match (a.front(), b.front()) {
-                (Some(x), Some(y)) if key(x) == key(y) => {
-                    self.has_paired = true;
-                    give(Given::Pair(Pair {
-                        time_ns: x.time_ns,
-                        sequence: x.sequence,
-                        a: &x.numbers,
-                        b: &y.numbers,
-                        texts: Some((&x.texts, &y.texts)),
-                    }));
-                    for side in 0..2 {
-                        self.waiting[side].pop_front();
-                        self.lonely[side].since = 0;
+                (Some(x), Some(y)) if x.time_ns == y.time_ns => {
+                    if !frontiers
+                        .iter()
+                        .all(|frontier| frontier.has_reached(x.time_ns))
+                    {
+                        break;
                     }
+                    self.pair_fronts(give);
                     continue;
                 }
-                (Some(x), Some(y)) if key(x) < key(y) => Side::A,
-                (Some(_), Some(_)) => Side::B,
-                (Some(x), None) if is_past(&frontiers[1], key(x)) => Side::A,
-                (None, Some(y)) if is_past(&frontiers[0], key(y)) => Side::B,
+                (Some(x), Some(y)) if x.time_ns < y.time_ns && is_past(1, x) => Side::A,
+                (Some(x), Some(y)) if x.time_ns > y.time_ns && is_past(0, y) => Side::B,
+                (Some(x), None) if is_past(1, x) => Side::A,
+                (None, Some(y)) if is_past(0, y) => Side::B,
                 _ => break,
             };
-            let message = self.waiting[alone.index()].pop_front();
-            if finer != Some(alone) {
-                self.note_lonely(alone, message.map(|m| m.time_ns));
+            let Some(message) = self.pop(alone.index()) else {
+                break;
+            };
+            if finer.is_some_and(|finer| finer.side == alone) {
+                self.pass_over(message.time_ns);
+            } else {
+                self.note_lonely(alone);
             }
         }
     }
 
-    fn note_lonely(&mut self, side: Side, time_ns: Option<u64>) {
-        let Some(time_ns) = time_ns else {
+    fn drain_same_sequence(&mut self, frontiers: [Frontier; 2], give: &mut impl FnMut(Given<'_>)) {
+        loop {
+            let [a, b] = &self.waiting;
+            let alone = match (a.front(), b.front()) {
+                (Some(x), Some(y)) if x.sequence == y.sequence => {
+                    self.pair_fronts(give);
+                    continue;
+                }
+                (Some(x), Some(y)) if x.sequence < y.sequence => Side::A,
+                (Some(_), Some(_)) => Side::B,
+                (Some(_), None) if frontiers[1].is_ended => Side::A,
+                (None, Some(_)) if frontiers[0].is_ended => Side::B,
+                _ => break,
+            };
+            self.pop(alone.index());
+            self.note_lonely(alone);
+        }
+    }
+
+    fn pair_fronts(&mut self, give: &mut impl FnMut(Given<'_>)) {
+        let (Some(a), Some(b)) = (self.pop(0), self.pop(1)) else {
             return;
         };
+        self.settle(a.time_ns);
+        give(Given::Pair(Pair {
+            time_ns: a.time_ns,
+            sequence: a.sequence,
+            a: &a.numbers,
+            b: &b.numbers,
+            texts: Some((&a.texts, &b.texts)),
+        }));
+    }
+
+    fn note_lonely(&mut self, side: Side) {
         let lonely = &mut self.lonely[side.index()];
         lonely.count += 1;
         lonely.since += 1;
-        if !self.has_paired {
+        if self.last_pair.is_none() {
             lonely.before += 1;
         }
-        let first = lonely.span.map_or(time_ns, |(first, _)| first);
-        lonely.span = Some((first, time_ns));
+    }
+
+    fn pass_over(&mut self, time_ns: u64) {
+        self.passed.count += 1;
+        let first = self.passed.span.map_or(time_ns, |(first, _)| first);
+        self.passed.span = Some((first, time_ns));
+    }
+
+    /// The run that has messages between those of the other, and what is a gap in the other.
+    fn finer(&self) -> Option<Finer> {
+        match &self.rule {
+            Rule::SameTime { finer } => *finer,
+            Rule::SameSequence => None,
+            Rule::Interpolated { grid, gap, .. } => Some(Finer {
+                side: grid.other(),
+                gap: *gap,
+            }),
+        }
+    }
+
+    /// There is a pair: what was passed over before it was in between, or in a gap of the coarser run.
+    fn settle(&mut self, time_ns: u64) {
+        let passed = std::mem::take(&mut self.passed);
+        let last = self.last_pair.replace(time_ns);
+        for lonely in &mut self.lonely {
+            lonely.since = 0;
+        }
+        let (Some(finer), Some((first, _))) = (self.finer(), passed.span) else {
+            return;
+        };
+        let is_gap = time_ns.saturating_sub(last.unwrap_or(first)) > finer.gap;
+        if is_gap {
+            let lonely = &mut self.lonely[finer.side.index()];
+            lonely.count += passed.count;
+            if last.is_none() {
+                lonely.before += passed.count;
+            }
+        }
+    }
+
+    /// Both runs have ended: what was passed over since the last pair was beyond the end of the coarser run.
+    pub(super) fn finish(&mut self) {
+        let passed = std::mem::take(&mut self.passed);
+        let (Some(finer), Some((_, last))) = (self.finer(), passed.span) else {
+            return;
+        };
+        let is_beyond = self
+            .last_pair
+            .is_none_or(|pair| last.saturating_sub(pair) > finer.gap);
+        if is_beyond {
+            let lonely = &mut self.lonely[finer.side.index()];
+            lonely.count += passed.count;
+            lonely.since += passed.count;
+        }
     }
 
     /// Pairs the next message of the grid, if that is certain.
@@ -246,21 +367,17 @@ impl Lane {
         map: &TimeMap,
         give: &mut impl FnMut(Given<'_>),
     ) -> Option<()> {
-        let (mine, others) = (grid.index(), 1 - grid.index());
+        let (mine, others) = (grid.index(), grid.other().index());
         let time_ns = self.waiting[mine].front()?.time_ns;
+        if !frontiers[mine].has_reached(time_ns) {
+            return None;
+        }
         let Some(at) = map.target(time_ns) else {
-            self.waiting[mine].pop_front();
-            self.note_lonely(grid, Some(time_ns));
+            self.pop(mine);
+            self.note_lonely(grid);
             return Some(());
         };
-        // Two messages before it and two behind it are needed; what is earlier is not.
-        while self.waiting[others]
-            .get(2)
-            .is_some_and(|third| third.time_ns <= at.ns)
-        {
-            self.estimate(others, give);
-            self.waiting[others].pop_front();
-        }
+        self.drop_before(others, at.ns, give);
         let rows = &self.waiting[others];
         let before = rows
             .iter()
@@ -269,18 +386,25 @@ impl Lane {
             .count();
         let last = before.checked_sub(1).map(|last| rows[last].time_ns);
         let is_there = at.rest == 0.0 && last == Some(at.ns);
-        let is_certain = frontiers[others].is_past(at.ns.saturating_add(2 * widest));
-        if !is_there && rows.len() < before + 2 && !is_certain {
+        let behind = rows.get(before + 1).map(|row| row.time_ns);
+        let has_enough = is_there || behind.is_some_and(|time| frontiers[others].has_reached(time));
+        let limit = at.ns.saturating_add(widest.saturating_mul(2));
+        if !has_enough && !frontiers[others].is_past(limit) {
             return None;
         }
         let found = self.evaluate(others, at, widest);
-        let row = self.waiting[mine].pop_front()?;
+        let is_inside = before > 0 && self.waiting[others].len() > before;
+        let is_near = |row: &Owned| row.time_ns.abs_diff(at.ns) <= widest;
+        let is_edge = !is_inside && self.waiting[others].iter().take(2).any(is_near);
+        let row = self.pop(mine)?;
         if found.is_none() {
-            self.note_lonely(grid, Some(time_ns));
+            // Less than one message beyond the other's end is not beyond it.
+            if !is_edge {
+                self.note_lonely(grid);
+            }
             return Some(());
         }
-        self.has_paired = true;
-        self.lonely[mine].since = 0;
+        self.settle(time_ns);
         let (a, b) = match grid {
             Side::A => (row.numbers.as_slice(), self.values.as_slice()),
             Side::B => (self.values.as_slice(), row.numbers.as_slice()),
@@ -293,6 +417,32 @@ impl Lane {
             texts: None,
         }));
         Some(())
+    }
+
+    /// Lets go of what is not needed for a time: two messages before it are, and all behind it.
+    fn drop_before(&mut self, side: usize, time_ns: u64, give: &mut impl FnMut(Given<'_>)) {
+        let is_early = |row: &Owned| row.time_ns <= time_ns;
+        while self.waiting[side].get(2).is_some_and(is_early) {
+            self.estimate(side, give);
+            if let Some(row) = self.pop(side) {
+                self.pass_over(row.time_ns);
+            }
+        }
+    }
+
+    /// Lets go of what no message of the grid will ask for.
+    fn forget(&mut self, grid: Side, frontiers: [Frontier; 2], map: &TimeMap) {
+        let (mine, others) = (grid.index(), grid.other().index());
+        if !self.waiting[mine].is_empty() {
+            return;
+        }
+        if frontiers[mine].is_ended {
+            while let Some(row) = self.pop(others) {
+                self.pass_over(row.time_ns);
+            }
+        } else if let Some(at) = map.target(frontiers[mine].time_ns) {
+            self.drop_before(others, at.ns, &mut |_| {});
+        }
     }
 
     /// What a run has at a time: as it was recorded, or between two messages.

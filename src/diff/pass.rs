@@ -18,9 +18,6 @@ use std::thread;
 
 /// Batches that may wait on each side.
 const WAITING: usize = 4;
-/// Files of others have their messages only roughly in the order of time: by so many ns.
-const DISORDER_NS: u64 = 1_000_000_000;
-
 /// What was found in reading two runs.
 pub(super) struct Passed {
     pub(super) courses: [Course; 2],
@@ -74,6 +71,8 @@ struct Pass<'p> {
     observer: &'p mut dyn Observer,
     passed: Passed,
     frontiers: [Frontier; 2],
+    /// The latest time of each run, ns.
+    latest: [u64; 2],
     /// The names of the fields of each topic of A and B, where they come up as the files are read.
     names: [Vec<Vec<String>>; 2],
     /// Which of them have ever been numbers.
@@ -104,6 +103,7 @@ impl<'p> Pass<'p> {
                 alone: [Vec::new(), Vec::new()],
             },
             frontiers: [Frontier::default(); 2],
+            latest: [0; 2],
             names: [(); 2].map(|()| vec![Vec::new(); plan.topics.len()]),
             seen: [(); 2].map(|()| vec![Vec::new(); plan.topics.len()]),
             difference: Vec::new(),
@@ -128,7 +128,7 @@ impl<'p> Pass<'p> {
                         Field {
                             name: leaf.path.clone(),
                             unit: leaf.unit,
-                            places: [place; 2],
+                            places: [Some(place); 2],
                         },
                         self.tolerances,
                     ),
@@ -174,12 +174,10 @@ impl<'p> Pass<'p> {
     /// The run of which less has been read.
     fn behind(&self) -> Side {
         let [a, b] = self.frontiers;
-        let in_b = self
-            .plan
-            .map
-            .target(a.time_ns)
-            .map_or(a.time_ns, |at| at.ns);
-        if b.is_ended || (!a.is_ended && in_b <= b.time_ns) {
+        // Where B has nothing to compare with, nothing of B is needed.
+        let in_b = self.plan.map.target(a.time_ns).map_or(0, |at| at.ns);
+        let [read_a, read_b] = self.passed.messages;
+        if b.is_ended || (!a.is_ended && (in_b, read_a) <= (b.time_ns, read_b)) {
             Side::A
         } else {
             Side::B
@@ -199,13 +197,12 @@ impl<'p> Pass<'p> {
             self.learn(side, topic, names);
         }
         let at = side.index();
-        let disorder = if self.plan.is_ours { 0 } else { DISORDER_NS };
         for message in batch.messages {
             let time_ns = message.time_ns;
             self.passed.messages[at] += 1;
             let (first, last) = self.passed.spans[at].unwrap_or((time_ns, time_ns));
             self.passed.spans[at] = Some((first.min(time_ns), last.max(time_ns)));
-            self.frontiers[at].time_ns = time_ns.saturating_sub(disorder);
+            self.latest[at] = self.latest[at].max(time_ns);
             if self.plan.is_ours {
                 let course = &mut self.passed.courses[at];
                 let seen = message.as_message();
@@ -228,34 +225,19 @@ impl<'p> Pass<'p> {
                 lane.push(side, message);
             }
         }
+        let disorder = self.plan.disorder[at];
+        self.frontiers[at].time_ns = self.latest[at].saturating_sub(disorder);
         Ok(())
     }
 
     /// Takes in fields that have come up in a topic of one run.
     fn learn(&mut self, side: Side, topic: usize, names: Vec<String>) {
+        let known = &mut self.names[side.index()][topic];
         for name in names {
-            let mine = &mut self.names[side.index()][topic];
-            mine.push(name);
-            let place = mine.len() - 1;
-            let name = mine[place].clone();
-            let others = &self.names[1 - side.index()][topic];
-            let Some(other) = others.iter().position(|other| *other == name) else {
-                continue;
-            };
-            let places = match side {
-                Side::A => [place, other],
-                Side::B => [other, place],
-            };
             if let Some(channel) = &mut self.passed.channels[topic] {
-                channel.add_field(
-                    Field {
-                        name,
-                        unit: "",
-                        places,
-                    },
-                    self.tolerances,
-                );
+                channel.learn(side.index(), &name, known.len(), self.tolerances);
             }
+            known.push(name);
         }
     }
 
@@ -283,11 +265,12 @@ impl<'p> Pass<'p> {
                 Rule::Interpolated { grid, .. } => 1 - grid.index(),
                 _ => 0,
             };
+            // Where a recording of another version lacks a field, there is no row of the table.
+            let is_shown = plan.is_ours && channel.is_complete(channels()[topic].numbers.len());
             lane.drain(*frontiers, &plan.map, &mut |given| match given {
                 Given::Pair(pair) => {
                     channel.add(&pair, difference);
-                    if plan.is_ours && failed.is_none() && difference.iter().all(|d| d.is_finite())
-                    {
+                    if is_shown && failed.is_none() && difference.iter().all(|d| d.is_finite()) {
                         let message = Message {
                             channel: topic,
                             sequence: pair.sequence,
@@ -307,6 +290,9 @@ impl<'p> Pass<'p> {
     }
 
     fn finish(mut self) -> Result<Passed, DiffError> {
+        for lane in self.passed.lanes.iter_mut().flatten() {
+            lane.finish();
+        }
         if !self.plan.is_ours {
             self.check_patterns()?;
             self.find_lonely_fields();
@@ -322,10 +308,16 @@ impl<'p> Pass<'p> {
             return Ok(passed);
         }
         let topics = self.plan.topics.join(", ");
+        let empty = |side: usize| DiffError::NoMessages {
+            side: ["A", "B"][side],
+            topics: topics.clone(),
+            losses: passed.losses[side].join("; "),
+        };
         match passed.spans {
-            [Some(a), Some(b)] => Err(DiffError::NoOverlap { a, b }),
-            [None, _] => Err(DiffError::NoMessages { side: "A", topics }),
-            [_, None] => Err(DiffError::NoMessages { side: "B", topics }),
+            [Some(a), Some(b)] if a.1 < b.0 || b.1 < a.0 => Err(DiffError::NoOverlap { a, b }),
+            [Some(_), Some(_)] => Err(DiffError::NoCommonTimes),
+            [None, _] => Err(empty(0)),
+            [_, None] => Err(empty(1)),
         }
     }
 
@@ -341,7 +333,8 @@ impl<'p> Pass<'p> {
             };
             let both = [0, 1].map(with_numbers);
             // Without messages there are no fields, which says nothing about them.
-            if both.iter().any(Vec::is_empty) {
+            let lane = self.passed.lanes[topic].as_ref();
+            if lane.is_none_or(|lane| lane.counts.contains(&0)) {
                 continue;
             }
             for side in 0..2 {
@@ -392,12 +385,15 @@ impl Passed {
             is_complete: !is_cut[0] && !is_cut[1],
             summary: Vec::new(),
             setup,
-            happened: plan.is_ours.then(|| happened::compare(course_a, course_b)),
+            happened: plan.is_ours.then(|| {
+                let has_events = [a, b].iter().all(|subject| subject.has_topic("/events"));
+                happened::compare(course_a, course_b, has_events)
+            }),
             averaged: averages::compare(course_a, course_b),
             signals,
             discrepancy: self.residuals.as_ref().and_then(Residuals::report),
             floor,
-            notes: notes(a, b),
+            notes: notes(a, b, plan),
             a: run_a,
             b: run_b,
         }
@@ -453,47 +449,43 @@ impl Passed {
 
     fn verdict(&self, plan: &Plan, signals: &Signals, setup: &Setup, is_cut: [bool; 2]) -> Verdict {
         let [cut_a, cut_b] = is_cut;
-        let in_both = |channel: &ChannelDifference, lane: &Lane| {
-            let is_exact = !matches!(lane.rule, Rule::Interpolated { .. });
-            let more_in_a = channel.only_in_a + if is_exact { channel.beyond_in_a } else { 0 };
-            let more_in_b = channel.only_in_b + if is_exact { channel.beyond_in_b } else { 0 };
+        // What one has more of is a difference, unless the other was cut off.
+        let only_a = [&setup.topics_only_in_a, &setup.fields_only_in_a];
+        let only_b = [&setup.topics_only_in_b, &setup.fields_only_in_b];
+        let are_empty = |lists: [&Vec<String>; 2]| lists.iter().all(|list| list.is_empty());
+        let has_same = (cut_b || are_empty(only_a)) && (cut_a || are_empty(only_b));
+        let is_whole = |channel: &ChannelDifference| {
+            let more_in_a = channel.only_in_a + channel.beyond_in_a;
+            let more_in_b = channel.only_in_b + channel.beyond_in_b;
             (cut_b || more_in_a == 0) && (cut_a || more_in_b == 0) && channel.out_of_order == 0
         };
-        let lanes = || signals.channels.iter().zip(self.lanes.iter().flatten());
-        let is_whole = lanes().all(|(channel, lane)| in_both(channel, lane));
-        let has_same = [
-            &setup.topics_only_in_a,
-            &setup.topics_only_in_b,
-            &setup.fields_only_in_a,
-            &setup.fields_only_in_b,
-        ]
-        .iter()
-        .all(|only| only.is_empty());
-        if !is_whole || !has_same {
+        // At other times than A's, the ends of the runs mean nothing.
+        let is_mapped = plan.map != TimeMap::Same;
+        let all_whole = signals
+            .channels
+            .iter()
+            .all(|channel| is_mapped || is_whole(channel));
+        if !has_same || !all_whole {
             return Verdict::Different;
         }
+        let lanes = || signals.channels.iter().zip(self.lanes.iter().flatten());
         let is_identical = |(channel, lane): (&ChannelDifference, &Lane)| {
-            channel.identical == channel.pairs
-                && matches!(
-                    lane.rule,
-                    Rule::SameSequence | Rule::SameTime { finer: None }
-                )
+            let is_exact = matches!(
+                lane.rule,
+                Rule::SameSequence | Rule::SameTime { finer: None }
+            );
+            channel.identical == channel.pairs && is_exact
         };
-        if lanes().all(is_identical) && plan.map == TimeMap::Same {
+        let is_everything = plan.is_ours && plan.uncompared.is_empty() && !is_mapped;
+        if is_everything && lanes().all(is_identical) {
             return Verdict::Identical;
         }
         let is_equal = |channel: &ChannelDifference| {
-            channel
-                .fields
-                .iter()
-                .all(|field| field.is_derived || field.beyond == 0)
+            let own = channel.fields.iter().filter(|field| !field.is_derived);
+            own.into_iter().all(|field| field.beyond == 0)
         };
-        let kinds_agree = self
-            .channels
-            .iter()
-            .flatten()
-            .all(|channel| !channel.kinds_differ);
-        if signals.channels.iter().all(is_equal) && kinds_agree {
+        let says_same = |channel: &Channel| !channel.kinds_differ && channel.other_words == 0;
+        if signals.channels.iter().all(is_equal) && self.channels.iter().flatten().all(says_same) {
             Verdict::Equal
         } else {
             Verdict::Different
@@ -513,6 +505,7 @@ fn with_lonely(mut report: ChannelDifference, lane: &Lane) -> ChannelDifference 
     };
     let [a, b] = &lane.lonely;
     let ((in_a, beyond_a), (in_b, beyond_b)) = (split(a), split(b));
+    [report.messages_a, report.messages_b] = lane.counts;
     (report.only_in_a, report.beyond_in_a) = (in_a, beyond_a);
     (report.only_in_b, report.beyond_in_b) = (in_b, beyond_b);
     report.out_of_order = lane.out_of_order;
@@ -520,8 +513,17 @@ fn with_lonely(mut report: ChannelDifference, lane: &Lane) -> ChannelDifference 
 }
 
 /// What else must be known.
-fn notes(a: Subject<'_>, b: Subject<'_>) -> Vec<String> {
+fn notes(a: Subject<'_>, b: Subject<'_>, plan: &Plan) -> Vec<String> {
     let mut notes = Vec::new();
+    if !plan.uncompared.is_empty() {
+        notes.push(format!(
+            "Not compared, because toprise has no such channels: {}.",
+            plan.uncompared.join(", ")
+        ));
+    }
+    if !plan.is_ours {
+        notes.push("Only numbers are compared: neither texts nor bytes, and integers beyond 2^53 as the nearest double.".to_owned());
+    }
     if let (Subject::Recording(a), Subject::Recording(b)) = (a, b) {
         let whole = |path: &std::path::Path| path.canonicalize().ok();
         if whole(a.path()).is_some_and(|path| whole(b.path()) == Some(path)) {

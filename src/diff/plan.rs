@@ -1,13 +1,14 @@
 //! What is read of two runs, and how it is to be paired.
 
-use super::pairing::{Method, Rule};
+use super::pairing::{Finer, Method, Rule};
 use super::stream::table_topics;
 use super::timing::TimeMap;
 use super::{Align, DiffError, Options, Subject};
 use crate::course::{Course, Cycle};
-use crate::recording::{Recording, Selection};
+use crate::recording::{FileChannel, Recording, Selection};
 use crate::sink::Side;
 use crate::telemetry::channels;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 
 /// So many times at the beginning of a topic tell whether two files have the same times.
@@ -32,6 +33,10 @@ pub(super) struct Plan {
     pub(super) alignment: String,
     /// What to read: these, and what tells the story of a run.
     pub(super) read: Vec<String>,
+    /// By how much the times of A's and B's messages go backward at most in the order of the file, ns.
+    pub(super) disorder: [u64; 2],
+    /// Topics of both that can't be compared.
+    pub(super) uncompared: Vec<String>,
     /// Topics that only A and only B has, but for those that are derived for viewers.
     pub(super) alone: [Vec<String>; 2],
 }
@@ -44,45 +49,37 @@ impl Plan {
     ) -> Result<Self, DiffError> {
         let is_ours = a.is_ours() && b.is_ours();
         let [in_a, in_b] = [a, b].map(|subject| topics_of(subject, is_ours));
-        let common: Vec<String> = in_a
-            .iter()
-            .filter(|topic| in_b.contains(topic))
-            .cloned()
-            .collect();
+        let common = in_both(&in_a, &in_b);
+        let told = |topics: &[String]| match topics {
+            [] => "none".to_owned(),
+            some => some.join(", "),
+        };
         if common.is_empty() {
             return Err(DiffError::NoCommonTopics {
-                a: in_a.join(", "),
-                b: in_b.join(", "),
+                a: told(&in_a),
+                b: told(&in_b),
             });
         }
-        for topic in &options.topics {
-            if !common.contains(topic) {
-                return Err(DiffError::UnknownTopic {
-                    topic: topic.clone(),
-                    common: common.join(", "),
-                });
-            }
+        if let Some(topic) = options.topics.iter().find(|topic| !common.contains(topic)) {
+            return Err(DiffError::UnknownTopic {
+                topic: topic.clone(),
+                common: common.join(", "),
+            });
         }
-        let is_wanted =
-            |topic: &String| options.topics.is_empty() || options.topics.contains(topic);
-        let wanted: Vec<String> = common
-            .iter()
-            .filter(|topic| is_wanted(topic))
-            .cloned()
-            .collect();
-        let alone = |of: &[String], other: &[String]| -> Vec<String> {
-            let alone = of
-                .iter()
-                .filter(|topic| !other.contains(topic) && options.topics.is_empty());
-            alone.cloned().collect()
-        };
-        let alone = [alone(&in_a, &in_b), alone(&in_b, &in_a)];
+        let is_everything = options.topics.is_empty();
+        let is_wanted = |topic: &&String| is_everything || options.topics.contains(topic);
+        let wanted: Vec<String> = common.iter().filter(is_wanted).cloned().collect();
         let mut plan = if is_ours {
             Self::of_table(a, b, options, &wanted)?
         } else {
             Self::of_numbers(a, b, options.align, wanted)?
         };
-        plan.alone = alone;
+        if is_everything {
+            let [more_a, more_b] = [a, b].map(|subject| others_of(subject, is_ours));
+            plan.uncompared = in_both(&more_a, &more_b);
+            let (in_a, in_b) = ([in_a, more_a].concat(), [in_b, more_b].concat());
+            plan.alone = [only_in(&in_a, &in_b), only_in(&in_b, &in_a)];
+        }
         Ok(plan)
     }
 
@@ -103,7 +100,12 @@ impl Plan {
                 .contains(topic)
                 .then(|| match (&sampled, channel.is_sampled) {
                     (_, false) => Rule::SameSequence,
-                    (Rule::Interpolated { grid, widest, .. }, true) => {
+                    (
+                        Rule::Interpolated {
+                            grid, widest, gap, ..
+                        },
+                        true,
+                    ) => {
                         let names: Vec<_> = channel
                             .numbers
                             .iter()
@@ -113,6 +115,7 @@ impl Plan {
                             grid: *grid,
                             methods: Method::by_names(&names),
                             widest: *widest,
+                            gap: *gap,
                         }
                     }
                     (rule, true) => rule.clone(),
@@ -129,6 +132,8 @@ impl Plan {
             } else {
                 [wanted, &story].concat()
             },
+            disorder: [0; 2],
+            uncompared: Vec::new(),
             alone: [Vec::new(), Vec::new()],
         })
     }
@@ -145,11 +150,11 @@ impl Plan {
                 reason: "that takes two recordings of toprise; align by time".to_owned(),
             });
         }
-        let times = [a, b].map(|subject| Times::of(subject, &topics));
-        let [in_a, in_b] = &times;
+        let [(in_a, disorder_a), (in_b, disorder_b)] =
+            [a, b].map(|subject| Times::of(subject, &topics));
         let rules: Vec<_> = in_a
             .iter()
-            .zip(in_b)
+            .zip(&in_b)
             .map(|(a, b)| Some(foreign_rule(a, b)))
             .collect();
         let is_interpolated =
@@ -170,6 +175,8 @@ impl Plan {
             map: TimeMap::Same,
             alignment,
             read: Vec::new(),
+            disorder: [disorder_a, disorder_b],
+            uncompared: Vec::new(),
             alone: [Vec::new(), Vec::new()],
         })
     }
@@ -187,21 +194,47 @@ impl Align {
     }
 }
 
-/// The topics that matter of a run.
+/// The topics of a run that can be compared.
 fn topics_of(subject: Subject<'_>, is_ours: bool) -> Vec<String> {
     match subject {
         Subject::Scenario(_) => table_topics(),
         Subject::Recording(recording) if is_ours => recording.topics(),
         Subject::Recording(recording) => {
-            let mut topics: Vec<String> = Vec::new();
-            for channel in recording.channels() {
-                if !topics.contains(&channel.topic) {
-                    topics.push(channel.topic.clone());
-                }
-            }
+            let mut seen = BTreeSet::new();
+            let topics = recording.channels().iter().map(|channel| &channel.topic);
             topics
+                .filter(|topic| seen.insert(*topic))
+                .cloned()
+                .collect()
         }
     }
+}
+
+/// The topics of a recording of ours that are neither of the table nor derived for viewers.
+fn others_of(subject: Subject<'_>, is_ours: bool) -> Vec<String> {
+    let Subject::Recording(recording) = subject else {
+        return Vec::new();
+    };
+    let is_other =
+        |channel: &&FileChannel| is_ours && channel.table.is_none() && !channel.is_view();
+    let others = recording.channels().iter().filter(is_other);
+    others.map(|channel| channel.topic.clone()).collect()
+}
+
+fn in_both(a: &[String], b: &[String]) -> Vec<String> {
+    let b: BTreeSet<&String> = b.iter().collect();
+    a.iter()
+        .filter(|topic| b.contains(topic))
+        .cloned()
+        .collect()
+}
+
+fn only_in(a: &[String], b: &[String]) -> Vec<String> {
+    let b: BTreeSet<&String> = b.iter().collect();
+    a.iter()
+        .filter(|topic| !b.contains(topic))
+        .cloned()
+        .collect()
 }
 
 /// The time between samples, ns, if it is known.
@@ -222,30 +255,41 @@ fn period(subject: Subject<'_>) -> Option<u64> {
 
 /// How the channels with samples are paired.
 fn sampled_rule(map: &TimeMap, periods: [Option<u64>; 2]) -> Rule {
-    let interpolated = |grid, period: Option<u64>| Rule::Interpolated {
+    let interpolated = |grid, own: Option<u64>, other: Option<u64>| Rule::Interpolated {
         grid,
         methods: Vec::new(),
-        widest: period.map_or(u64::MAX / 4, |period| period + period / 2),
+        widest: other.map_or(u64::MAX, gap),
+        gap: own.map_or(u64::MAX, gap),
     };
-    match (map, periods) {
-        (TimeMap::Through(..), [_, b]) => interpolated(Side::A, b),
-        (TimeMap::Same, [Some(a), Some(b)]) if a != b => {
-            let (finer, coarser) = if a < b { (a, b) } else { (b, a) };
-            let (finer_side, grid) = if a < b {
-                (Side::A, Side::B)
-            } else {
-                (Side::B, Side::A)
-            };
-            if coarser.is_multiple_of(finer) {
+    let [a, b] = periods;
+    match (map, a, b) {
+        (TimeMap::Through(..), ..) => Rule::Interpolated {
+            grid: Side::A,
+            methods: Vec::new(),
+            widest: b.map_or(u64::MAX, gap),
+            // Times are stretched: nothing is known of B's messages in between.
+            gap: u64::MAX,
+        },
+        (TimeMap::Same, Some(x), Some(y)) if x != y => {
+            let finer = if x < y { Side::A } else { Side::B };
+            if x.max(y).is_multiple_of(x.min(y)) {
                 Rule::SameTime {
-                    finer: Some(finer_side),
+                    finer: Some(Finer {
+                        side: finer,
+                        gap: gap(x.max(y)),
+                    }),
                 }
             } else {
-                interpolated(grid, Some(finer))
+                interpolated(finer.other(), Some(x.max(y)), Some(x.min(y)))
             }
         }
         _ => Rule::SameTime { finer: None },
     }
+}
+
+/// With this period, more than this between two messages is a gap, ns.
+fn gap(period: u64) -> u64 {
+    period.saturating_add(period / 2)
 }
 
 fn describe(align: Align, sampled: &Rule, periods: [Option<u64>; 2]) -> String {
@@ -292,6 +336,13 @@ fn time_map(a: Subject<'_>, b: Subject<'_>, align: Align) -> Result<TimeMap, Dif
         Align::Theta => (a.of_cycles(mean), b.of_cycles(mean).inverse()),
         _ => (a.phase(), b.phase().inverse()),
     };
+    let is_same = match align {
+        Align::Theta => from == b.of_cycles(mean),
+        _ => from == b.phase(),
+    };
+    if is_same {
+        return Ok(TimeMap::Same);
+    }
     let has_target = |cycle: &Cycle| {
         from.at(cycle.middle())
             .is_some_and(|phase| to.at(phase).is_some())
@@ -321,47 +372,52 @@ fn cycles(subject: Subject<'_>) -> Course {
 #[derive(Clone, Debug, Default)]
 struct Times {
     count: u64,
-    first: u64,
-    last: u64,
     /// The first of them.
     beginning: Vec<u64>,
 }
 
 impl Times {
-    fn of(subject: Subject<'_>, topics: &[String]) -> Vec<Self> {
+    /// The times of each topic, and by how much they go backward at most in the order of the file, ns.
+    fn of(subject: Subject<'_>, topics: &[String]) -> (Vec<Self>, u64) {
         let mut all = vec![Self::default(); topics.len()];
         let Subject::Recording(recording) = subject else {
-            return all;
+            return (all, 0);
         };
-        let position = |topic: &String| topics.iter().position(|other| other == topic);
-        let positions: Vec<_> = recording
+        let places: BTreeMap<&str, usize> = topics.iter().map(String::as_str).zip(0..).collect();
+        let places: Vec<_> = recording
             .channels()
             .iter()
-            .map(|c| position(&c.topic))
+            .map(|channel| places.get(channel.topic.as_str()).copied())
             .collect();
+        let (mut latest, mut disorder) = (0, 0);
         let mut reader = reader_of(recording, topics);
         while let Some(message) = reader.next_undecoded() {
-            if let Some(at) = positions[message.position] {
+            latest = latest.max(message.log_time);
+            disorder = disorder.max(latest - message.log_time);
+            if let Some(at) = places[message.position] {
                 all[at].add(message.log_time);
             }
         }
-        all
+        for times in &mut all {
+            times.beginning.sort_unstable();
+        }
+        (all, disorder)
     }
 
     fn add(&mut self, time_ns: u64) {
-        if self.count == 0 {
-            self.first = time_ns;
-        }
-        self.last = self.last.max(time_ns);
         self.count += 1;
         if self.beginning.len() < TIMES {
             self.beginning.push(time_ns);
         }
     }
 
-    /// The mean time between messages, ns.
-    fn spacing(&self) -> f64 {
-        self.last.saturating_sub(self.first) as f64 / self.count.saturating_sub(1).max(1) as f64
+    /// A time between messages that a quarter of those at the beginning don't exceed, ns: messages that are
+    /// lost don't change it.
+    fn spacing(&self) -> Option<u64> {
+        let pairs = self.beginning.windows(2);
+        let mut steps: Vec<u64> = pairs.map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_unstable();
+        steps.get(steps.len() / 4).copied()
     }
 
     /// The part of the times at the beginning that another topic has too, of those within its beginning.
@@ -393,21 +449,28 @@ fn reader_of<'r>(recording: &'r Recording, topics: &[String]) -> crate::recordin
 
 /// How the messages of a topic of two files are paired.
 fn foreign_rule(a: &Times, b: &Times) -> Rule {
-    let (coarser, finer, grid, finer_side) = if a.spacing() >= b.spacing() {
-        (a, b, Side::A, Side::B)
-    } else {
-        (b, a, Side::B, Side::A)
+    let same = Rule::SameTime { finer: None };
+    let (Some(x), Some(y)) = (a.spacing(), b.spacing()) else {
+        return same;
     };
-    let is_finer = finer.count > 1 && coarser.spacing() >= FINER * finer.spacing();
-    if finer.count < 2 || coarser.shared(finer) > 0.5 {
+    let (coarser, finer, side) = if x >= y {
+        (a, b, Side::B)
+    } else {
+        (b, a, Side::A)
+    };
+    let (long, short) = (x.max(y), x.min(y));
+    let is_finer = long as f64 >= FINER * short as f64;
+    if coarser.shared(finer) > 0.5 {
+        let gap = gap(long);
         return Rule::SameTime {
-            finer: is_finer.then_some(finer_side),
+            finer: is_finer.then_some(Finer { side, gap }),
         };
     }
     Rule::Interpolated {
-        grid,
+        grid: side.other(),
         methods: Vec::new(),
         // Farther apart, there is a gap in the file.
-        widest: (5.0 * finer.spacing()) as u64,
+        widest: short.saturating_mul(5),
+        gap: long.saturating_mul(5),
     }
 }

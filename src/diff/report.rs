@@ -242,6 +242,10 @@ pub struct Signals {
 pub struct ChannelDifference {
     /// The topic.
     pub topic: String,
+    /// Messages of A.
+    pub messages_a: u64,
+    /// Messages of B.
+    pub messages_b: u64,
     /// Messages compared with each other.
     pub pairs: u64,
     /// Pairs that are the same to the last bit.
@@ -266,7 +270,7 @@ impl ChannelDifference {
     /// Whether there are no messages of it at all.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.pairs + self.only_in_a + self.only_in_b + self.beyond_in_a + self.beyond_in_b == 0
+        self.messages_a + self.messages_b == 0
     }
 }
 

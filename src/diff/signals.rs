@@ -63,7 +63,9 @@ impl Tally {
     fn add_difference(&mut self, time_ns: u64, a: f64, b: f64, difference: f64) {
         if a.to_bits() == b.to_bits() && !a.is_nan() {
             self.count += 1;
-            self.scale = self.scale.max(a.abs());
+            if a.is_finite() {
+                self.scale = self.scale.max(a.abs());
+            }
             return;
         }
         self.add_different(time_ns, a, b, difference);
@@ -78,7 +80,7 @@ impl Tally {
             self.first_beyond.get_or_insert(time_ns);
             self.beyond += 1;
         }
-        if difference.is_nan() {
+        if !difference.is_finite() {
             self.not_numbers += 1;
             return;
         }
@@ -225,13 +227,25 @@ fn derived(topic: &str, fields: &[Field]) -> Vec<Derived> {
     all
 }
 
-/// A field that both runs have.
+/// A field that one of the runs has, or both.
 #[derive(Clone, Debug)]
 pub(super) struct Field {
     pub(super) name: String,
     pub(super) unit: &'static str,
     /// Where it stands in the rows of A and of B.
-    pub(super) places: [usize; 2],
+    pub(super) places: [Option<usize>; 2],
+}
+
+impl Field {
+    fn is_common(&self) -> bool {
+        self.places.iter().all(Option::is_some)
+    }
+
+    /// Its value in a row of one of the runs; NaN if it has none.
+    fn of(&self, row: &[f64], side: usize) -> f64 {
+        let value = self.places[side].and_then(|place| row.get(place));
+        value.copied().unwrap_or(f64::NAN)
+    }
 }
 
 /// The differences of a topic.
@@ -249,6 +263,8 @@ pub(super) struct Channel {
     texts: Option<TextDifference>,
     /// Whether the first texts of any pair differ: for events, what they are.
     pub(super) kinds_differ: bool,
+    /// Pairs of which only the texts differ.
+    pub(super) other_words: u64,
     /// Times of the first and the last pair, ns.
     pub(super) span: Option<(u64, u64)>,
     /// B's numbers in A's order.
@@ -268,12 +284,34 @@ impl Channel {
             identical: 0,
             texts: None,
             kinds_differ: false,
+            other_words: 0,
             span: None,
             sorted: [Vec::new(), Vec::new()],
         }
     }
 
-    /// Adds a field that both have.
+    /// Notes where a field stands in the rows of one run; of the other too, if it is known.
+    pub(super) fn learn(&mut self, side: usize, name: &str, place: usize, tolerances: &Tolerances) {
+        if let Some(field) = self.fields.iter_mut().find(|field| field.name == name) {
+            field.places[side] = Some(place);
+            return;
+        }
+        let mut places = [None, None];
+        places[side] = Some(place);
+        let field = Field {
+            name: name.to_owned(),
+            unit: "",
+            places,
+        };
+        self.add_field(field, tolerances);
+    }
+
+    /// Whether both have all its numbers.
+    pub(super) fn is_complete(&self, numbers: usize) -> bool {
+        self.fields.len() == numbers && self.fields.iter().all(Field::is_common)
+    }
+
+    /// Adds a field.
     pub(super) fn add_field(&mut self, field: Field, tolerances: &Tolerances) {
         let tolerance = tolerances.of(&self.topic, &field.name);
         self.tallies.push(Tally::new(tolerance));
@@ -302,14 +340,15 @@ impl Channel {
         let mut is_same = true;
         difference.clear();
         for (field, tally) in self.fields.iter().zip(&mut self.tallies) {
-            let value = |row: &[f64], side: usize| row.get(field.places[side]).copied();
-            let a = value(pair.a, 0).unwrap_or(f64::NAN);
-            let b = value(pair.b, 1).unwrap_or(f64::NAN);
+            let (a, b) = (field.of(pair.a, 0), field.of(pair.b, 1));
             tally.add(pair.time_ns, a, b);
             difference.push(b - a);
             is_same &= a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
         }
-        is_same &= self.add_texts(pair);
+        if !self.add_texts(pair) {
+            self.other_words += u64::from(is_same);
+            is_same = false;
+        }
         self.identical += u64::from(is_same);
         if is_same {
             return;
@@ -320,10 +359,9 @@ impl Channel {
         if self.derived.is_empty() {
             return;
         }
-        let places = |side: usize| self.fields.iter().map(move |field| field.places[side]);
         for (side, row) in [pair.a, pair.b].into_iter().enumerate() {
-            let values = places(side).map(|place| row.get(place).copied().unwrap_or(f64::NAN));
             self.sorted[side].clear();
+            let values = self.fields.iter().map(|field| field.of(row, side));
             self.sorted[side].extend(values);
         }
         let [a, b] = &self.sorted;
@@ -354,7 +392,7 @@ impl Channel {
     /// Takes in how large the error of interpolating A's or B's field with this place can be.
     pub(super) fn add_estimate(&mut self, side: usize, place: usize, error: f64) {
         let fields = self.fields.iter().zip(&mut self.tallies);
-        for (_, tally) in fields.filter(|(field, _)| field.places[side] == place) {
+        for (_, tally) in fields.filter(|(field, _)| field.places[side] == Some(place)) {
             tally.interpolation_error = tally.interpolation_error.max(error);
         }
     }
@@ -368,13 +406,15 @@ impl Channel {
     /// What was found, but for the messages without a counterpart. `floor` gives the integrators' errors.
     pub(super) fn report(&self, floor: &impl Fn(&str) -> Option<f64>) -> ChannelDifference {
         let mut fields = Vec::new();
+        let common = |(field, _): &(&Field, &Tally)| field.is_common();
         // Numbers of different events have nothing to do with each other.
         let comparable = if self.kinds_differ {
             0
         } else {
             self.fields.len()
         };
-        for (field, tally) in self.fields.iter().zip(&self.tallies).take(comparable) {
+        let all = self.fields.iter().zip(&self.tallies).take(comparable);
+        for (field, tally) in all.filter(common) {
             let mut found = tally.difference(&field.name, field.unit, self.is_interpolated);
             found.floor = floor(&full_name(&self.topic, &field.name));
             found.is_below_floor = found

@@ -15,37 +15,61 @@ const ALIKE: f64 = 0.02;
 /// So many keys are told one by one.
 const KEYS_TOLD: usize = 3;
 
-/// The sentences.
-pub(super) fn sentences(report: &Report) -> Vec<String> {
-    let mut sentences: Vec<String> = verdict(report).into_iter().collect();
-    sentences.extend(incomplete(report));
-    if report.verdict == Verdict::Identical {
-        return sentences;
+/// What is told, and what the two runs are called.
+#[derive(Clone, Copy)]
+struct Tale<'r> {
+    report: &'r Report,
+    a: &'r str,
+    b: &'r str,
+}
+
+impl Report {
+    /// The findings in a few sentences, with the runs called by these names.
+    #[must_use]
+    pub fn sentences(&self, [a, b]: [&str; 2]) -> Vec<String> {
+        let tale = Tale { report: self, a, b };
+        let mut sentences: Vec<String> = verdict(self).into_iter().collect();
+        sentences.extend(incomplete(tale));
+        if self.verdict == Verdict::Identical {
+            return sentences;
+        }
+        if self.happened.is_some() {
+            sentences.extend(setup(tale));
+            sentences.extend(rise(tale));
+            sentences.extend(self.averaged.as_ref().and_then(averaged));
+            sentences.extend(nutation(tale));
+            sentences.extend(discrepancy(tale));
+            sentences.extend(self.floor.as_ref().and_then(|found| floor(self, found)));
+        } else if self.verdict == Verdict::Different {
+            sentences.extend(largest(self));
+        }
+        sentences
     }
-    if report.happened.is_some() {
-        sentences.extend(setup(report));
-        sentences.extend(rise(report));
-        sentences.extend(report.averaged.as_ref().and_then(averaged));
-        sentences.extend(nutation(report));
-        sentences.extend(discrepancy(report));
-        sentences.extend(report.floor.as_ref().and_then(|found| floor(report, found)));
-    } else {
-        sentences.extend(largest(report));
-    }
-    sentences
+}
+
+/// A number of things.
+fn counted(count: u64, thing: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{ending}")
 }
 
 fn verdict(report: &Report) -> Option<String> {
     let channels = &report.signals.channels;
     let pairs: u64 = channels.iter().map(|channel| channel.pairs).sum();
-    let topics = channels.len();
+    let what = format!(
+        "{} in {}",
+        counted(pairs, "message"),
+        counted(channels.len() as u64, "topic")
+    );
+    let is_exact = channels
+        .iter()
+        .all(|channel| channel.identical == channel.pairs);
     match report.verdict {
-        Verdict::Identical => Some(format!(
-            "Identical, bit for bit: {pairs} messages in {topics} topics."
+        Verdict::Identical => Some(format!("Identical, bit for bit: {what}.")),
+        Verdict::Equal if is_exact => Some(format!(
+            "All numbers that were compared are the same: {what}."
         )),
-        Verdict::Equal => Some(format!(
-            "Equal within the tolerances: {pairs} pairs of messages in {topics} topics."
-        )),
+        Verdict::Equal => Some(format!("Equal within the tolerances: {what}.")),
         // What scenarios with other keys differ in, and what follows, is told below.
         Verdict::Different if keys(report).next().is_some() => None,
         Verdict::Different => Some(first_difference(report)),
@@ -59,8 +83,7 @@ fn first_difference(report: &Report) -> String {
         let own = channel.fields.iter().filter(|field| !field.is_derived);
         own.map(move |field| (&channel.topic, field))
     });
-    let differing =
-        fields.filter_map(|(topic, field)| Some((field.first_different?, topic, field)));
+    let differing = fields.filter_map(|(topic, field)| Some((field.first_beyond?, topic, field)));
     let differing: Vec<_> = differing.collect();
     let count = differing.len();
     let first = differing.into_iter().min_by(|x, y| x.0.total_cmp(&y.0));
@@ -75,10 +98,15 @@ fn first_difference(report: &Report) -> String {
         1 => "no other field differs".to_owned(),
         _ => format!("in all {count} fields differ"),
     };
+    let by = if field.largest == 0.0 {
+        "it is a number in one of them only".to_owned()
+    } else {
+        let size = quantity(field.largest.abs(), 3, &field.unit);
+        format!("by at most {size}{ulp}")
+    };
     format!(
-        "First {topic}.{} differs, at {time} s, and by at most {}{ulp}; {others}.",
-        field.field,
-        quantity(field.largest.abs(), 3, &field.unit)
+        "First {topic}.{} differs, at {time} s: {by}; {others}.",
+        field.field
     )
 }
 
@@ -102,11 +130,11 @@ fn keys(report: &Report) -> impl Iterator<Item = &KeyDifference> {
     keys.filter(|key| !NAMES.contains(&key.key.as_str()))
 }
 
-fn incomplete(report: &Report) -> Option<String> {
+fn incomplete(Tale { report, a, b }: Tale<'_>) -> Option<String> {
     if report.is_complete {
         return None;
     }
-    let names = [(&report.a, "A"), (&report.b, "B")];
+    let names = [(&report.a, a), (&report.b, b)];
     let cut = names.iter().filter(|(run, _)| !run.losses.is_empty());
     let cut: Vec<String> = cut.map(|(_, name)| (*name).to_owned()).collect();
     let whom = if cut.is_empty() {
@@ -119,9 +147,10 @@ fn incomplete(report: &Report) -> Option<String> {
     ))
 }
 
-fn setup(report: &Report) -> Option<String> {
-    let keys: Vec<_> = keys(report).collect();
-    let told: Vec<String> = keys.iter().take(KEYS_TOLD).map(|key| told(key)).collect();
+fn setup(tale: Tale<'_>) -> Option<String> {
+    let keys: Vec<_> = keys(tale.report).collect();
+    let told = keys.iter().take(KEYS_TOLD).map(|key| told(key, tale));
+    let told: Vec<String> = told.collect();
     match keys.len() {
         0 => None,
         count if count > KEYS_TOLD => Some(format!(
@@ -132,17 +161,18 @@ fn setup(report: &Report) -> Option<String> {
     }
 }
 
-fn told(key: &KeyDifference) -> String {
+fn told(key: &KeyDifference, Tale { a, b, .. }: Tale<'_>) -> String {
     let value = |value: &Option<String>| match value {
         Some(value) if key.unit.is_empty() => value.clone(),
         Some(value) => format!("{value} {}", key.unit),
         None => "nothing".to_owned(),
     };
-    format!("{} (A: {}, B: {})", key.key, value(&key.a), value(&key.b))
+    let (x, y) = (value(&key.a), value(&key.b));
+    format!("{} ({a}: {x}, {b}: {y})", key.key)
 }
 
-fn rise(report: &Report) -> Option<String> {
-    let (a, b) = (report.a.course.as_ref()?, report.b.course.as_ref()?);
+fn rise(Tale { report, a, b }: Tale<'_>) -> Option<String> {
+    let courses = (report.a.course.as_ref()?, report.b.course.as_ref()?);
     let happened = report.happened.as_ref()?;
     let end = |name: &str, course: &CourseReport| match (&course.stop_reason, course.stop_time) {
         (Some(reason), Some(time)) => {
@@ -151,25 +181,31 @@ fn rise(report: &Report) -> Option<String> {
         }
         _ => format!("{name} doesn't rise as far as it is known"),
     };
-    match (a.rise_time, b.rise_time) {
+    match (courses.0.rise_time, courses.1.rise_time) {
         (Some(x), Some(y)) if x == y => Some(format!("Both rise at {}.", moment(x))),
         (Some(x), Some(y)) => {
             let order = if y > x { "later" } else { "earlier" };
             let times = format!("{}, not {}", moment(y), moment(x));
             let shift = duration(y - x);
-            Some(format!(
-                "B rises {shift} {order} ({times}){}.",
-                average_rise(happened)
-            ))
+            let average = average_rise(happened, b);
+            Some(format!("{b} rises {shift} {order} ({times}){average}."))
         }
-        (Some(x), None) => Some(format!("A rises at {}; {}.", moment(x), end("B", b))),
-        (None, Some(y)) => Some(format!("{}; B rises at {}.", end("A", a), moment(y))),
+        (Some(x), None) => Some(format!(
+            "{a} rises at {}; {}.",
+            moment(x),
+            end(b, courses.1)
+        )),
+        (None, Some(y)) => Some(format!(
+            "{}; {b} rises at {}.",
+            end(a, courses.0),
+            moment(y)
+        )),
         (None, None) => None,
     }
 }
 
 /// What the averaged θ says of a shift that the nutation can have caused.
-fn average_rise(happened: &Happened) -> String {
+fn average_rise(happened: &Happened, name: &str) -> String {
     let (Some(shift), Some(uncertainty)) = (happened.rise_shift, happened.rise_shift_uncertainty)
     else {
         return String::new();
@@ -181,18 +217,18 @@ fn average_rise(happened: &Happened) -> String {
         "; the nutation alone can shift that by {}",
         duration(uncertainty)
     );
-    let (Some(a), Some(b), Some(level)) = (
+    let (Some(x), Some(y), Some(level)) = (
         happened.averaged_crossing_a,
         happened.averaged_crossing_b,
         happened.averaged_level,
     ) else {
         return by_nutation;
     };
-    let order = if b > a { "later" } else { "earlier" };
+    let order = if y > x { "later" } else { "earlier" };
     let average = format!(
-        ", and on average B passes {} {} {order}",
+        ", and on average {name} passes {} {} {order}",
         quantity(level, 3, "rad"),
-        duration(b - a)
+        duration(y - x)
     );
     by_nutation + &average
 }
@@ -224,7 +260,8 @@ fn averaged(averaged: &Averaged) -> Option<String> {
 }
 
 /// Amplitude, looping and phase of the nutation.
-fn nutation(report: &Report) -> Option<String> {
+fn nutation(tale: Tale<'_>) -> Option<String> {
+    let Tale { report, b, .. } = tale;
     let averaged = report.averaged.as_ref()?;
     let mut told = Vec::new();
     if let Some(ratio) = averaged.amplitude_ratio_last {
@@ -255,8 +292,8 @@ fn nutation(report: &Report) -> Option<String> {
     let looping = report
         .happened
         .as_ref()
-        .and_then(|happened| looping(report, happened));
-    let nutation = (!told.is_empty()).then(|| format!("B's nutation {}.", list(&told)));
+        .and_then(|happened| looping(tale, happened));
+    let nutation = (!told.is_empty()).then(|| format!("{b}'s nutation {}.", list(&told)));
     match (nutation, looping) {
         (None, None) => None,
         (nutation, looping) => {
@@ -266,31 +303,26 @@ fn nutation(report: &Report) -> Option<String> {
     }
 }
 
-fn looping(report: &Report, happened: &Happened) -> Option<String> {
-    let kind = happened
-        .kinds
-        .iter()
-        .find(|kind| kind.name == "looping_begins")?;
-    let first = |only: &[super::report::EventMoment]| {
-        only.iter()
-            .find(|event| event.name == kind.name)
-            .map(|event| event.time)
+fn looping(Tale { report, a, b }: Tale<'_>, happened: &Happened) -> Option<String> {
+    let mut kinds = happened.kinds.iter();
+    let kind = kinds.find(|kind| kind.name == "looping_begins")?;
+    let (only, name, other, run) = match (kind.count_a, kind.count_b) {
+        (1.., 0) => (&happened.only_in_a, a, b, &report.b),
+        (0, 1..) => (&happened.only_in_b, b, a, &report.a),
+        _ => return None,
     };
-    let whole = |run: &super::report::Run| run.losses.is_empty();
-    match (kind.count_a, kind.count_b) {
-        (1.., 0) if whole(&report.b) => Some(format!(
-            "A loops from {} on, B never does.",
-            moment(first(&happened.only_in_a)?)
-        )),
-        (0, 1..) if whole(&report.a) => Some(format!(
-            "B loops from {} on, A never does.",
-            moment(first(&happened.only_in_b)?)
-        )),
-        _ => None,
-    }
+    let first = only.iter().find(|event| event.name == kind.name)?.time;
+    // What had ended before then, or can't be read, may have looped or not.
+    let is_known = run.losses.is_empty() && run.last >= first;
+    is_known.then(|| {
+        format!(
+            "{name} loops from {} on, {other} never does.",
+            moment(first)
+        )
+    })
 }
 
-fn discrepancy(report: &Report) -> Option<String> {
+fn discrepancy(Tale { report, a, .. }: Tale<'_>) -> Option<String> {
     let found = report.discrepancy.as_ref()?;
     let torque = found.quantities.first()?;
     if found
@@ -305,14 +337,14 @@ fn discrepancy(report: &Report) -> Option<String> {
     }
     let part = if torque.rms_a > 0.0 {
         format!(
-            ", {} % of A's",
+            ", {} % of {a}'s",
             significant(100.0 * torque.largest / torque.rms_a, 2)
         )
     } else {
         String::new()
     };
     Some(format!(
-        "At the states that A goes through, the models' friction torques differ by up to {}{part}.",
+        "At the states that {a} goes through, the models' friction torques differ by up to {}{part}.",
         quantity(torque.largest, 2, &torque.unit)
     ))
 }
@@ -332,11 +364,10 @@ fn floor(report: &Report, floor: &Floor) -> Option<String> {
     if differing == 0 {
         return None;
     }
-    if below == differing {
-        return Some(
-            "No difference is larger than the integrators' own errors: it is not physics."
-                .to_owned(),
-        );
+    let same = keys(report).next().is_none();
+    if below == differing && same {
+        let text = "No difference is larger than the integrators' own errors: it is not physics.";
+        return Some(text.to_owned());
     }
     let error = floor.a.theta_mean + floor.b.theta_mean;
     let means = report
@@ -352,10 +383,13 @@ fn floor(report: &Report, floor: &Floor) -> Option<String> {
         some => format!("; {some} fields differ by no more than them"),
     };
     against.filter(|times| times.is_finite()).map(|times| {
-        format!(
-            "The integrators' own errors are {} times smaller in the mean of θ{below}.",
-            significant(times, 2)
-        )
+        let (times, order) = if times < 1.0 {
+            (1.0 / times, "larger")
+        } else {
+            (times, "smaller")
+        };
+        let times = significant(times, 2);
+        format!("The integrators' own errors are {times} times {order} in the mean of θ{below}.")
     })
 }
 
@@ -368,7 +402,7 @@ fn largest(report: &Report) -> Option<String> {
             .iter()
             .map(move |field| (&channel.topic, field))
     });
-    let differing = fields.filter(|(_, field)| field.largest != 0.0 || field.not_numbers > 0);
+    let differing = fields.filter(|(_, field)| field.largest != 0.0);
     let largest = differing.max_by(|(_, x), (_, y)| x.relative.total_cmp(&y.relative));
     let (topic, field) = largest?;
     Some(format!(

@@ -4,7 +4,6 @@ use super::DiffError;
 use crate::math::ulp_distance;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// Two numbers are equal within it if any of its three bounds holds. By default they must be equal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -25,10 +24,14 @@ impl Tolerance {
         if a == b || (a.is_nan() && b.is_nan()) {
             return true;
         }
+        // An infinite magnitude would allow everything.
+        if !(a.is_finite() && b.is_finite()) {
+            return false;
+        }
         let difference = (b - a).abs();
         difference <= self.abs
             || difference <= self.rel * a.abs().max(b.abs())
-            || (self.ulp > 0 && !(b - a).is_nan() && ulp_distance(a, b) <= self.ulp)
+            || (self.ulp > 0 && ulp_distance(a, b) <= self.ulp)
     }
 }
 
@@ -52,7 +55,7 @@ struct File {
     #[serde(default)]
     ulp: u64,
     #[serde(default)]
-    fields: BTreeMap<String, Bound>,
+    fields: toml::Table,
 }
 
 #[derive(Deserialize)]
@@ -75,30 +78,32 @@ impl Tolerances {
     /// # Errors
     /// [`DiffError::Tolerance`] naming what is wrong.
     pub fn from_toml(text: &str) -> Result<Self, DiffError> {
-        let file: File = toml::from_str(text).map_err(|error| DiffError::Tolerance {
+        let malformed = |error: toml::de::Error| DiffError::Tolerance {
             text: error.to_string().trim_end().to_owned(),
             reason:
                 "a file of tolerances has abs, rel, ulp and a table [fields] of patterns with a \
                      number or { abs, rel, ulp }"
                     .to_owned(),
-        })?;
-        let general = Tolerance {
-            abs: file.abs,
-            rel: file.rel,
-            ulp: file.ulp,
         };
-        let whole = |bound| match bound {
-            Bound::Absolute(abs) => Tolerance {
-                abs,
-                ..Tolerance::default()
+        let file: File = toml::from_str(text).map_err(malformed)?;
+        let mut tolerances = Self {
+            general: Tolerance {
+                abs: file.abs,
+                rel: file.rel,
+                ulp: file.ulp,
             },
-            Bound::Whole(tolerance) => tolerance,
+            fields: Vec::new(),
         };
-        let fields = file.fields.into_iter();
-        let tolerances = Self {
-            general,
-            fields: fields.map(|(name, bound)| (name, whole(bound))).collect(),
-        };
+        for (name, bound) in file.fields {
+            let tolerance = match Bound::deserialize(bound).map_err(malformed)? {
+                Bound::Absolute(abs) => Tolerance {
+                    abs,
+                    ..Tolerance::default()
+                },
+                Bound::Whole(tolerance) => tolerance,
+            };
+            tolerances.fields.push((name, tolerance));
+        }
         tolerances.check()?;
         Ok(tolerances)
     }
@@ -281,6 +286,8 @@ mod tests {
                 "{text}: {error}"
             );
         }
+        let last = Tolerances::from_toml("[fields]\n\"/x.y\" = 1\n\"*\" = 2\n").unwrap();
+        assert_eq!(last.of("/x", "y").abs, 2.0);
         assert!(Tolerances::from_toml("abs = 'x'").is_err());
         assert!(Tolerances::from_toml("abss = 1").is_err());
         assert!(Tolerances::from_toml("[fields]\n'*' = { abs = 1, relative = 2 }").is_err());
@@ -302,6 +309,8 @@ mod tests {
         assert!(ulp.allows(1.0, 1.0_f64.next_up()) && !ulp.allows(1.0, f64::NAN));
         let rel = Tolerance { rel: 0.1, ..exact };
         assert!(rel.allows(-9.5, -10.0) && !rel.allows(8.9, 10.0));
+        assert!(!rel.allows(1.0, f64::INFINITY) && !rel.allows(f64::NEG_INFINITY, f64::INFINITY));
+        assert!(rel.allows(f64::INFINITY, f64::INFINITY));
         let abs = Tolerance { abs: 0.5, ..exact };
         assert!(abs.allows(0.0, 0.5) && !abs.allows(0.0, 0.6) && !abs.allows(0.0, f64::INFINITY));
     }

@@ -61,11 +61,12 @@ fn seconds(time_ns: u64) -> f64 {
 }
 
 fn chapter(heading: &'static str, sentences: Vec<String>) -> Option<Chapter> {
-    (!sentences.is_empty()).then(|| Chapter {
+    let chapter = Chapter {
         heading,
         sentences,
         table: None,
-    })
+    };
+    Some(chapter).filter(|chapter| !chapter.sentences.is_empty())
 }
 
 fn beginning(scenario: &Scenario) -> Option<Chapter> {

@@ -36,8 +36,8 @@ pub enum NumbersError {
 /// A field is named by its path: `pose.position.x`, `ranges.0`. In JSON each number has one; where two
 /// have the same, as in `{"a.b":1,"a":{"b":2}}`, the last counts. Booleans count as 0 and 1, enums as
 /// their numbers; texts and bytes are left out, also texts that spell numbers. Integers beyond 2⁵³ become
-/// the nearest number. `null` is no number, and neither are `NaN` and `Infinity`, which JSON doesn't have but
-/// Python writes. A JSON message that is nothing but a number has a field with an empty name.
+/// the nearest number. `null` is no number; `NaN` and `Infinity`, which JSON doesn't have but Python writes, are
+/// read. A JSON message that is nothing but a number has a field with an empty name.
 ///
 /// In protobuf a number that is not in a message is zero, as proto3 has it. It is NaN if the message type can
 /// tell that it was not set: if it is optional, of a `oneof`, of proto2 or editions, or within a message
@@ -103,7 +103,9 @@ impl NumberDecoder {
             Format::Json => {
                 let data = json::without_literals(data).ok_or(reason)?;
                 let filling = Filling::new(&mut self.tree, values);
-                json::fill(&data, &mut self.root, filling)
+                json::fill(&data, &mut self.root, filling)?;
+                json::restore(values);
+                Ok(())
             }
             Format::Protobuf(_) => Err(reason),
         });

@@ -452,7 +452,7 @@ fn val_interpolation_is_as_exact_as_it_says() {
     let report = compare(&a, &b, &quick()).unwrap();
     // B's last sample is at 1.9999 s.
     let state = channel(&report, "/top/state");
-    assert_eq!((state.pairs, state.beyond_in_a), (2000, 1));
+    assert_eq!((state.pairs, state.beyond_in_a), (2000, 0));
     for (topic, fields) in [
         (
             "/top/state",
@@ -585,12 +585,10 @@ fn a_changed_event_is_different_whatever_the_tolerance() {
     tolerant.tolerances.general.abs = 1e9;
     let kind = compare(&a, &changed(0, "kind.mcap"), &tolerant).unwrap();
     assert_eq!(kind.verdict, Verdict::Different);
-    // Descriptions repeat the numbers for people: other words are no difference, but not the same bits.
+    // Descriptions repeat the numbers for people: where those are the same, so are these.
     let description = changed(1, "description.mcap");
-    assert_eq!(
-        compare(&a, &description, &quick()).unwrap().verdict,
-        Verdict::Equal
-    );
+    let report = compare(&a, &description, &tolerant).unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
 }
 
 proptest! {
@@ -863,7 +861,12 @@ fn protobuf_of_others_is_compared() {
     );
     assert_eq!(channel(&report, "/pose").identical, 20);
     let as_json = compare(&a, &foreign("protobuf_as_json"), &quick()).unwrap();
-    assert_eq!(as_json.verdict, Verdict::Identical, "{:?}", as_json.summary);
+    assert_eq!(as_json.verdict, Verdict::Equal, "{:?}", as_json.summary);
+    assert!(
+        as_json.summary[0].starts_with("All numbers"),
+        "{:?}",
+        as_json.summary
+    );
 }
 
 #[test]
@@ -886,7 +889,12 @@ fn a_file_that_lost_its_origin_is_compared_with_a_scenario() {
     let other = Recording::open(&other).unwrap();
     let report = compare(&other, &scenario, &quick()).unwrap();
     assert_eq!(report.happened, None);
-    assert_eq!(channel(&report, "/top/state").identical, 501);
+    assert_eq!(channel(&report, "/top/state").pairs, 501);
+    assert!(
+        report.summary[0].starts_with("What both have is the same"),
+        "{:?}",
+        report.summary
+    );
     // What only the file has are the numbers of the timestamps, and the view channels.
     assert!(
         report
@@ -896,6 +904,245 @@ fn a_file_that_lost_its_origin_is_compared_with_a_scenario() {
             .all(|name| name.contains(".timestamp."))
     );
     assert!(report.setup.fields_only_in_b.is_empty());
+}
+
+/// An MCAP file with JSON messages: topics, times in ms, and values of `x`.
+fn numbers(
+    directory: &tempfile::TempDir,
+    name: &str,
+    topics: &[(&str, &[(u64, &str)])],
+) -> Recording {
+    let path = directory.path().join(name);
+    let file = std::io::BufWriter::new(fs::File::create(&path).unwrap());
+    let mut writer = mcap::WriteOptions::new()
+        .library("test")
+        .create(file)
+        .unwrap();
+    for (topic, messages) in topics {
+        let channel = writer
+            .add_channel(0, topic, "json", &std::collections::BTreeMap::new())
+            .unwrap();
+        for (sequence, (milliseconds, x)) in messages.iter().enumerate() {
+            let header = mcap::records::MessageHeader {
+                channel_id: channel,
+                sequence: sequence as u32,
+                log_time: milliseconds * 1_000_000,
+                publish_time: 0,
+            };
+            writer
+                .write_to_known_channel(&header, x.as_bytes())
+                .unwrap();
+        }
+    }
+    writer.finish().unwrap();
+    Recording::open(&path).unwrap()
+}
+
+/// Messages every so many ms in a span of time, all the same.
+fn every(step: u64, span: std::ops::Range<u64>) -> Vec<(u64, &'static str)> {
+    span.step_by(step as usize)
+        .map(|time| (time, r#"{"x":1}"#))
+        .collect()
+}
+
+fn verdict_of(a: &Recording, b: &Recording, options: &Options) -> Verdict {
+    let [there, back] = [compare(a, b, options), compare(b, a, options)].map(Result::unwrap);
+    assert_eq!(
+        there.verdict, back.verdict,
+        "{:?} {:?}",
+        there.summary, back.summary
+    );
+    there.verdict
+}
+
+#[test]
+fn what_only_one_file_has_is_different() {
+    let directory = tempdir().unwrap();
+    let file =
+        |name: &str, messages: &[(u64, &str)]| numbers(&directory, name, &[("/x", messages)]);
+    let whole = file("whole.mcap", &every(10, 0..20_000));
+    let is_different =
+        |other: &Recording| verdict_of(&whole, other, &quick()) == Verdict::Different;
+    // A gap, messages lost here and there, an end that comes earlier.
+    let gap = [every(10, 0..5_000), every(10, 15_000..20_000)].concat();
+    assert!(is_different(&file("gap.mcap", &gap)));
+    let some: Vec<_> = every(10, 0..20_000)
+        .into_iter()
+        .filter(|(time, _)| time % 30 != 0)
+        .collect();
+    assert!(is_different(&file("some.mcap", &some)));
+    assert!(is_different(&file("short.mcap", &every(10, 0..10_000))));
+    // The same with other rates, which by themselves are none.
+    assert!(!is_different(&file("coarse.mcap", &every(20, 0..20_000))));
+    assert!(is_different(&file(
+        "coarse-short.mcap",
+        &every(20, 0..10_000)
+    )));
+    let gap = [every(20, 0..5_000), every(20, 15_000..20_000)].concat();
+    assert!(is_different(&file("coarse-gap.mcap", &gap)));
+    assert!(!is_different(&file("other.mcap", &every(13, 3..20_000))));
+    assert!(is_different(&file(
+        "other-short.mcap",
+        &every(13, 3..10_000)
+    )));
+    let gap = [every(13, 3..5_000), every(13, 15_000..20_000)].concat();
+    assert!(is_different(&file("other-gap.mcap", &gap)));
+}
+
+#[test]
+fn topics_and_fields_that_never_meet_are_different() {
+    let directory = tempdir().unwrap();
+    let (early, late) = (every(10, 0..1_000), every(10, 5_000..6_000));
+    let both = |name: &str, y: &[(u64, &'static str)]| {
+        numbers(&directory, name, &[("/x", &early), ("/y", y)])
+    };
+    let (a, b) = (both("a.mcap", &early), both("b.mcap", &late));
+    assert_eq!(verdict_of(&a, &b, &quick()), Verdict::Different);
+    // A field that only one has numbers in, and one that comes late.
+    let with = |name: &str, e: fn(usize) -> &'static str| {
+        let messages: Vec<_> = (0..6_000).map(|i| (i as u64, e(i))).collect();
+        numbers(&directory, name, &[("/x", &messages)])
+    };
+    let always = with("always.mcap", |_| r#"{"x":1,"e":2}"#);
+    let never = with("never.mcap", |_| r#"{"x":1,"e":"2"}"#);
+    let late = with("late.mcap", |i| {
+        if i < 5_000 {
+            r#"{"x":1}"#
+        } else {
+            r#"{"x":1,"e":2}"#
+        }
+    });
+    assert_eq!(verdict_of(&always, &never, &quick()), Verdict::Different);
+    assert_eq!(verdict_of(&always, &late, &quick()), Verdict::Different);
+    let report = compare(&always, &late, &quick()).unwrap();
+    let e = field(&report, "/x", "e");
+    assert_eq!(
+        (e.not_numbers, e.beyond, e.first_different),
+        (5_000, 5_000, Some(0.0))
+    );
+}
+
+#[test]
+fn infinity_is_equal_to_itself_only() {
+    let directory = tempdir().unwrap();
+    let with =
+        |name: &str, x: &'static str| numbers(&directory, name, &[("/x", &[(0, x), (1, x)])]);
+    let one = with("one.mcap", r#"{"x":1}"#);
+    let infinite = with("infinite.mcap", r#"{"x":Infinity}"#);
+    let negative = with("negative.mcap", r#"{"x":-Infinity}"#);
+    let nan = with("nan.mcap", r#"{"x":NaN}"#);
+    let mut tolerant = quick();
+    tolerant.tolerances.general.rel = 1e-3;
+    tolerant.tolerances.general.ulp = 1000;
+    for (a, b) in [
+        (&one, &infinite),
+        (&infinite, &negative),
+        (&infinite, &nan),
+        (&one, &nan),
+    ] {
+        assert_eq!(verdict_of(a, b, &tolerant), Verdict::Different);
+    }
+    assert_eq!(verdict_of(&infinite, &infinite, &quick()), Verdict::Equal);
+}
+
+#[test]
+fn files_may_have_one_topic_after_the_other() {
+    let directory = tempdir().unwrap();
+    let (x, y) = (every(10, 0..20_000), every(10, 0..20_000));
+    let topics = [("/x", x.as_slice()), ("/y", y.as_slice())];
+    let (a, b) = (
+        numbers(&directory, "a.mcap", &topics),
+        numbers(&directory, "b.mcap", &topics),
+    );
+    assert_eq!(verdict_of(&a, &b, &quick()), Verdict::Equal);
+    let mut mixed = x.clone();
+    mixed.swap(3, 700);
+    mixed.swap(4, 5);
+    let (a, b) = (
+        numbers(&directory, "c.mcap", &[("/x", &mixed)]),
+        numbers(&directory, "d.mcap", &[("/x", &x)]),
+    );
+    assert_eq!(verdict_of(&a, &b, &quick()), Verdict::Equal);
+}
+
+#[test]
+fn times_may_be_as_far_apart_as_they_can_be() {
+    let directory = tempdir().unwrap();
+    let far = u64::MAX / 1_000_000;
+    let with = |name: &str, times: [u64; 3]| {
+        numbers(
+            &directory,
+            name,
+            &[("/x", &times.map(|time| (time, r#"{"x":1}"#)))],
+        )
+    };
+    let (a, b) = (with("a.mcap", [0, 5, far]), with("b.mcap", [1, 7, far - 1]));
+    // Whatever it is, it is an answer.
+    let _ = compare(&a, &b, &quick());
+    assert_eq!(verdict_of(&a, &a, &quick()), Verdict::Equal);
+}
+
+#[test]
+fn a_run_without_events_is_not_said_to_have_none() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("b.mcap");
+    let full = scenario("full-coulomb", &[]);
+    archive(
+        &path,
+        &full,
+        &["/top/state", "/top/nutation"],
+        Form::default(),
+    )
+    .unwrap();
+    let b = Recording::open(&path).unwrap();
+    let options = Options {
+        topics: vec!["/top/state".to_owned()],
+        ..quick()
+    };
+    let report = compare(&scenario("paper", &[]), &b, &options).unwrap();
+    assert!(report.happened.as_ref().unwrap().kinds.is_empty());
+    let summary = report.summary.join(" ");
+    // The end record knows when it rose.
+    assert!(summary.contains("B rises 11.6 ms later"), "{summary}");
+    assert!(!summary.contains("loops"), "{summary}");
+    let course = report.b.course.unwrap();
+    assert_eq!((course.spin_rate_last, course.nutations), (None, Some(515)));
+}
+
+#[test]
+fn a_channel_that_lacks_a_field_shows_no_differences() {
+    use toprise::diff::{Observer, compare_observed};
+    struct Channels(Vec<usize>);
+    impl Observer for Channels {
+        fn difference(
+            &mut self,
+            message: &toprise::telemetry::Message<'_>,
+        ) -> Result<(), toprise::sink::SinkError> {
+            let channel = &toprise::telemetry::channels()[message.channel];
+            assert_eq!(message.numbers.len(), channel.numbers.len());
+            self.0.push(message.channel);
+            Ok(())
+        }
+    }
+    let mut seen = Channels(Vec::new());
+    let (a, b) = (
+        short(&[("stop.duration", "0.1")]),
+        short(&[("stop.duration", "0.1")]),
+    );
+    compare_observed(&a, &b, &quick(), &mut seen).unwrap();
+    seen.0.sort_unstable();
+    seen.0.dedup();
+    assert!(seen.0.len() >= 8);
+}
+
+#[test]
+fn a_run_is_at_its_own_phase_and_average() {
+    let scenario = short(&[]);
+    for align in [Align::Nutation, Align::Theta] {
+        let options = Options { align, ..quick() };
+        let report = compare(&scenario, &scenario, &options).unwrap();
+        assert_eq!(report.verdict, Verdict::Identical);
+    }
 }
 
 #[test]

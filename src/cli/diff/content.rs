@@ -7,6 +7,7 @@ use crate::diff::{
     Growth, GrowthLaw, Happened, KeyDifference, Matrix, Parting, Report, Residual, Run, Verdict,
 };
 use crate::phrase::{duration, quantity, significant, symbol};
+use unicode_width::{UnicodeWidthChar as _, UnicodeWidthStr as _};
 
 /// Of long lists, so many entries are shown.
 const SHOWN: usize = 8;
@@ -56,13 +57,15 @@ fn runs(report: &Report) -> Table {
             Some(condition)
                 if ["complete", "not a toprise recording"].contains(&condition.as_str()) =>
             {
-                ""
+                if run.losses.is_empty() { "" } else { "damaged" }
             }
             Some(condition) => condition,
         };
         vec![
             letter.to_owned(),
-            run.file.clone().unwrap_or_else(|| run.name.clone()),
+            run.file
+                .as_ref()
+                .map_or_else(|| run.name.clone(), |file| end_of(file, 50)),
             what.to_owned(),
             format!("{} messages", format::count(run.messages)),
             format!("{:.3} s", run.last),
@@ -124,11 +127,29 @@ fn setup(report: &Report) -> Section {
     section
 }
 
+/// A text cut off to a width.
 fn clipped(text: &str, width: usize) -> String {
-    if text.chars().count() <= width {
+    if text.width() <= width {
         return text.to_owned();
     }
-    text.chars().take(width - 1).chain(['…']).collect()
+    let mut clipped = String::new();
+    for character in text.chars() {
+        if clipped.width() + character.width().unwrap_or(0) >= width {
+            break;
+        }
+        clipped.push(character);
+    }
+    clipped + "…"
+}
+
+/// The end of a path that is too long.
+fn end_of(path: &str, width: usize) -> String {
+    let count = path.chars().count();
+    if count <= width {
+        return path.to_owned();
+    }
+    let end: String = path.chars().skip(count - width + 1).collect();
+    format!("…{end}")
 }
 
 fn shortened(list: &[String]) -> String {
@@ -229,6 +250,14 @@ fn first_rows(a: &CourseReport, b: &CourseReport, found: &Happened) -> Vec<Vec<S
             shift(a.stop_time, b.stop_time),
         ],
     ];
+    if a.last_sample != b.last_sample {
+        rows.push(vec![
+            "last sample [s]".to_owned(),
+            time_cell(a.last_sample),
+            time_cell(b.last_sample),
+            shift(a.last_sample, b.last_sample),
+        ]);
+    }
     if a.rise_time.is_some() || b.rise_time.is_some() {
         let uncertainty = found
             .rise_shift_uncertainty
@@ -490,7 +519,11 @@ fn importance(field: &FieldDifference, channel: &ChannelDifference) -> f64 {
         .iter()
         .filter(|other| other.unit == field.unit);
     let scale = alike.map(|other| other.scale).fold(0.0, f64::max);
-    field.largest.abs() / scale
+    if scale > 0.0 {
+        field.largest.abs() / scale
+    } else {
+        0.0
+    }
 }
 
 fn field_row(field: &FieldDifference) -> Vec<String> {
@@ -783,13 +816,7 @@ pub(super) fn matrix_page(matrix: &Matrix) -> Page {
     });
     let mut against = Section::new("Each against A", String::new());
     for (report, letter) in matrix.against_first.iter().zip(&letters[1..]) {
-        let summary = report
-            .summary
-            .join(" ")
-            .replace("B's", &format!("{letter}'s"));
-        let summary = summary
-            .replace("B ", &format!("{letter} "))
-            .replace("B:", &format!("{letter}:"));
+        let summary = report.sentences([&letters[0], letter]).join(" ");
         against.line(format!("{letter}  {summary}"));
     }
     let verdicts = || matrix.against_first.iter().map(|report| report.verdict);

@@ -64,6 +64,11 @@ impl ShowArguments {
         }))
     }
 
+    /// The file to write.
+    pub(super) fn rrd(&self) -> Option<&PathBuf> {
+        self.rrd.as_ref()
+    }
+
     /// Whether anything is to be shown.
     pub(super) fn is_asked(&self) -> bool {
         self.rrd.is_some() || self.viewer.is_asked()

@@ -19,18 +19,35 @@ pub(super) fn fill(data: &[u8], root: &mut Node, mut filling: Filling<'_>) -> Re
     ended.map_err(|error| error.to_string())
 }
 
-/// The message with null in place of NaN and infinities, which JSON doesn't have but Python and others
-/// write; none if there are none in it.
+/// Stands for infinity in a message that was rewritten.
+const INFINITY: f64 = f64::MAX;
+
+/// What JSON doesn't have but Python and others write, and what is put in its place.
+const LITERALS: [(&[u8], &[u8]); 3] = [
+    (b"NaN", b"null"),
+    (b"-Infinity", b"-1.7976931348623157e308"),
+    (b"Infinity", b"1.7976931348623157e308"),
+];
+
+/// Puts the infinities back into the values of a message that was rewritten.
+pub(super) fn restore(values: &mut [f64]) {
+    for value in values {
+        if value.abs() == INFINITY {
+            *value = f64::INFINITY.copysign(*value);
+        }
+    }
+}
+
+/// The message with other things in place of NaN and infinities; none if there are none in it.
 pub(super) fn without_literals(data: &[u8]) -> Option<Vec<u8>> {
     let mut replaced = Vec::with_capacity(data.len());
     let mut rest = data;
     let (mut in_text, mut is_escaped, mut is_found) = (false, false, false);
     while let Some((byte, behind)) = rest.split_first() {
-        let literal = LITERALS
-            .iter()
-            .find(|literal| !in_text && rest.starts_with(literal));
-        if let Some(literal) = literal {
-            replaced.extend_from_slice(b"null");
+        let mut literals = LITERALS.iter();
+        let literal = literals.find(|(literal, _)| !in_text && rest.starts_with(literal));
+        if let Some((literal, instead)) = literal {
+            replaced.extend_from_slice(instead);
             rest = &rest[literal.len()..];
             is_found = true;
             continue;
@@ -42,8 +59,6 @@ pub(super) fn without_literals(data: &[u8]) -> Option<Vec<u8>> {
     }
     is_found.then_some(replaced)
 }
-
-const LITERALS: [&[u8]; 3] = [b"NaN", b"-Infinity", b"Infinity"];
 
 /// A value that is read into the field at a node, or into those within it.
 struct Value<'a, 'f> {
