@@ -42,10 +42,7 @@ fn model(dissipation: Dissipation, k: f64) -> Model {
             peg_radius: 0.007,
             gravity: 9.81,
         },
-        friction: Friction {
-            law: FrictionLaw::Coulomb { k },
-            dissipation,
-        },
+        friction: Friction::sliding(FrictionLaw::Coulomb { k }, dissipation),
     }
 }
 
