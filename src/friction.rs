@@ -145,12 +145,18 @@ impl Friction {
         contact
     }
 
+    /// Whether the torque jumps where the slip stops.
+    #[must_use]
+    #[inline]
+    pub fn is_set_valued(&self) -> bool {
+        self.law.static_bound(1.0) + self.losses.rolling_arm > 0.0
+    }
+
     /// Whether a contact point at rest can stay so: whether the law is set-valued there, and acts whole.
     #[must_use]
     #[inline]
     pub fn can_stick(&self) -> bool {
-        self.dissipation == Dissipation::Full
-            && self.law.static_bound(1.0) + self.losses.rolling_arm > 0.0
+        self.dissipation == Dissipation::Full && self.is_set_valued()
     }
 
     /// What it takes to keep the contact point at rest while the top turns about the vertical as a whole.

@@ -49,6 +49,8 @@ pub struct Stop {
     pub theta_fallen: Option<f64>,
     /// At this time, s.
     pub duration: Option<f64>,
+    /// Whether when the contact point stops slipping.
+    pub on_stick: bool,
 }
 
 /// A checked, complete definition of a run.
@@ -214,6 +216,7 @@ impl Scenario {
                 theta_risen: values.optional_number("stop.theta_risen"),
                 theta_fallen: values.optional_number("stop.theta_fallen"),
                 duration: values.optional_number("stop.duration"),
+                on_stick: values.text("stop.on_stick") != Ok("continue"),
             },
             values,
         };
@@ -389,12 +392,36 @@ impl Scenario {
         Ok(())
     }
 
+    fn check_sticking(&self) -> Result<(), ScenarioError> {
+        let conflict = |reason: &str| {
+            Err(ScenarioError::Conflict {
+                key: "stop.on_stick",
+                value: "continue".to_owned(),
+                reason: reason.to_owned(),
+            })
+        };
+        if !self.model.friction.can_stick() {
+            return conflict(
+                "this friction never holds the contact point at rest; friction.law = \"coulomb\" or \
+                 \"stribeck\" and rolling.arm do, if friction.dissipation is \"full\"",
+            );
+        }
+        if self.stop.duration.is_none() {
+            return conflict("a top may stick for ever; set stop.duration");
+        }
+        Ok(())
+    }
+
     fn check_end(&self) -> Result<(), ScenarioError> {
         let Stop {
             theta_risen,
             theta_fallen,
             duration,
+            on_stick,
         } = self.stop;
+        if !on_stick {
+            self.check_sticking()?;
+        }
         let Some(duration) = duration else {
             let by_angle = theta_risen.is_some() || theta_fallen.is_some();
             return if by_angle && !self.is_frictionless() {

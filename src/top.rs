@@ -70,11 +70,11 @@ impl Top {
         }
     }
 
-    /// Moment of inertia about the vertical through the peg's centre, kg m².
+    /// Moment of inertia about the vertical through the peg's centre, kg m², given sine and cosine of θ.
     #[must_use]
     #[inline]
-    pub fn vertical_moment(&self, tilt: &Tilt) -> f64 {
-        self.transverse_moment * tilt.sin * tilt.sin + self.axial_moment * tilt.cos * tilt.cos
+    pub fn vertical_moment(&self, sin: f64, cos: f64) -> f64 {
+        self.transverse_moment * sin * sin + self.axial_moment * cos * cos
     }
 
     /// Angular momentum in the lean frame, kg m²/s, of a top that turns about the vertical as a whole with
@@ -83,7 +83,7 @@ impl Top {
     #[inline]
     pub fn turning_momentum(&self, tilt: &Tilt, omega: f64) -> Vector3<f64> {
         let product = (self.axial_moment - self.transverse_moment) * tilt.sin * tilt.cos;
-        omega * Vector3::new(product, 0.0, self.vertical_moment(tilt))
+        omega * Vector3::new(product, 0.0, self.vertical_moment(tilt.sin, tilt.cos))
     }
 
     /// The torque in the lean frame, N m, that keeps a top turning about the vertical as a whole, if
@@ -92,7 +92,8 @@ impl Top {
     #[inline]
     pub fn turning_torque(&self, tilt: &Tilt, vertical: f64) -> Vector3<f64> {
         let omega = tilt.omega_lean.z;
-        let change = self.turning_momentum(tilt, vertical / self.vertical_moment(tilt));
+        let change =
+            self.turning_momentum(tilt, vertical / self.vertical_moment(tilt.sin, tilt.cos));
         let carried = omega * self.turning_momentum(tilt, omega).x;
         change + Vector3::new(0.0, carried, 0.0)
     }

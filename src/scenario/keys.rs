@@ -179,5 +179,7 @@ pub const KEYS: &[Key] = &[
     key("sampling.period", "s", Nanoseconds, Required, "time between samples"),
     key("stop.theta_risen", "rad", Between(1e-6, PI), Optional, "stop when θ falls to this: risen"),
     key("stop.theta_fallen", "rad", Between(1e-6, PI), Optional, "stop when θ grows to this: fallen"),
+    key("stop.on_stick", "", Choice(&["stop", "continue"]), Optional,
+        "whether to stop when the contact point sticks; \"stop\" if left out"),
     key("stop.duration", "s", Between(0.0, 1e6), Optional, "stop at this time"),
 ];
