@@ -22,6 +22,15 @@ const GOLDEN: &[(&str, u64, u64, &str)] = &[
     ("frictionless", 161372, 6456, "a5a04e1700102fb098cae570ba82b386b03465d8fafed059e787bfecc337ebda"),
 ];
 
+/// The presets of which there are reference recordings.
+const RECORDED: [&str; 5] = [
+    "paper",
+    "paper-precession-term-only",
+    "paper-spin-term-only",
+    "full-coulomb",
+    "frictionless",
+];
+
 fn digest_of(preset: &Preset) -> (u64, Outcome, String) {
     let scenario = preset.scenario().unwrap();
     let mut simulation = Simulation::new(&scenario).unwrap();
@@ -66,17 +75,16 @@ fn regress_content_digests() {
 fn regress_the_reference_recordings_are_verified() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/reference");
     let readme = fs::read_to_string(directory.join("../README.md")).unwrap();
-    for preset in PRESETS {
-        let path = directory.join(preset.name).with_extension("mcap");
+    for name in RECORDED {
+        let path = directory.join(name).with_extension("mcap");
         let recording = Recording::open(&path).unwrap();
         let report = verify(&recording, Options::default(), &|_| {});
         assert_eq!(report.verdict(), Verdict::Passed, "{:#}", report.json());
         let digest = &recording.end().unwrap()["content_digest"];
-        let name = preset.name;
         assert!(
             readme.contains(digest),
             "recordings/README.md lacks the digest of {name}"
         );
     }
-    assert_eq!(fs::read_dir(&directory).unwrap().count(), PRESETS.len());
+    assert_eq!(fs::read_dir(&directory).unwrap().count(), RECORDED.len());
 }
