@@ -13,6 +13,7 @@ mod diff;
 mod fuzz_corpus;
 mod golden;
 mod integrate;
+mod laws;
 mod numbers;
 mod physics;
 mod properties;
