@@ -154,6 +154,65 @@ fn runs(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// Five seconds of the paper's top under each law, at the same tolerance.
+fn laws(criterion: &mut Criterion) {
+    let smoothing = ("friction.smoothing_speed", "0.005");
+    let all: &[(&str, &[(&str, &str)])] = &[
+        ("coulomb", &[]),
+        ("coulomb-sqrt", &[smoothing]),
+        ("coulomb-tanh", &[smoothing]),
+        ("coulomb-rational", &[smoothing]),
+        ("viscous", &[("friction.viscous_speed", "0.5")]),
+        (
+            "stribeck",
+            &[
+                ("friction.static_k", "0.045"),
+                ("friction.stribeck_speed", "0.05"),
+                ("friction.viscous_slope", "0.01"),
+            ],
+        ),
+        ("contensou", &[("friction.patch_radius", "1.4e-4")]),
+        (
+            "coulomb",
+            &[
+                ("rolling.arm", "1e-4"),
+                ("drilling.k", "0.03"),
+                ("drilling.patch_radius", "1.4e-4"),
+                ("air.axial", "1e-6"),
+                ("air.transverse", "1e-6"),
+                ("air.disc", "1e-8"),
+            ],
+        ),
+    ];
+    for formulation in ["euler", "body"] {
+        let mut group =
+            criterion.benchmark_group(format!("law: 5 s of the paper's top, {formulation}"));
+        for (law, parameters) in all {
+            let mut values = Preset::find("full-coulomb")
+                .and_then(Preset::values)
+                .expect("the preset is sound");
+            let common = [
+                ("formulation", formulation),
+                ("friction.law", *law),
+                ("stop.duration", "5"),
+            ];
+            for (key, value) in common.iter().chain(*parameters) {
+                values.set(key, value).expect("the key exists");
+            }
+            let scenario = Scenario::new(values).expect("the scenario is sound");
+            let losses = if parameters.len() > 4 {
+                " + losses"
+            } else {
+                ""
+            };
+            group.bench_function(format!("{law}{losses}"), |b| {
+                b.iter(|| Simulation::new(&scenario).expect("regular").count());
+            });
+        }
+        group.finish();
+    }
+}
+
 /// A preset's run, recorded in both encodings.
 fn recorded(preset: &str, directory: &Path) -> [Recording; 2] {
     let scenario = Preset::find(preset)
@@ -235,5 +294,5 @@ fn recordings(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, integrator, runs, recordings, diffs);
+criterion_group!(benches, integrator, runs, laws, recordings, diffs);
 criterion_main!(benches);

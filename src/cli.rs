@@ -6,6 +6,7 @@ mod explain;
 mod format;
 mod info;
 mod interrupt;
+mod laws;
 mod output;
 mod page;
 mod presets;
@@ -115,6 +116,12 @@ enum Command {
         /// Preset to print as TOML.
         name: Option<String>,
     },
+    /// List the laws of friction: formulas, parameters, typical values and sources.
+    Laws {
+        /// Form of the answer.
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
     /// List the channels, print the schema of one, or write them all.
     Schema {
         /// Topic whose schema to print, as in /top/state.
@@ -187,6 +194,7 @@ fn dispatch(command: Command) -> Result<Done, Error> {
         Command::Recover(arguments) => recover::recover(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Presets { name } => presets::presets(name.as_deref()),
+        Command::Laws { format } => laws::laws(format),
         Command::Schema {
             topic,
             encoding,

@@ -16,7 +16,7 @@ mod euler;
 pub use body::BodyRotation;
 pub use euler::EulerAngles;
 
-use crate::friction::{Contact, Friction};
+use crate::friction::{Contact, Friction, Grip};
 use crate::kinematics::{Euler, Tilt};
 use crate::top::Top;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -31,6 +31,16 @@ pub struct Model {
     pub top: Top,
     /// The friction at its contact.
     pub friction: Friction,
+}
+
+/// What the contact point does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Regime {
+    /// It slips, or no friction keeps it from doing so.
+    #[default]
+    Slipping,
+    /// It stays at rest: the top turns about the vertical as a whole.
+    Sticking,
 }
 
 /// Integrals over the motion so far, from the start of the run. They are carried along by the
@@ -94,6 +104,12 @@ impl Model {
     #[inline]
     pub fn contact(&self, tilt: &Tilt) -> Contact {
         self.friction.contact(&self.top, self.top.weight(), tilt)
+    }
+
+    /// What it takes to keep the contact point at rest in the state `tilt`.
+    #[must_use]
+    pub fn grip(&self, tilt: &Tilt) -> Grip {
+        self.friction.grip(&self.top, self.top.weight(), tilt)
     }
 
     /// Torque of friction about the peg's centre in the lean frame, N m.
@@ -163,7 +179,7 @@ impl Model {
 
 /// A choice of variables for the equations of motion, with `N` numbers as state, of which the last
 /// [`INTEGRALS`] are the running integrals.
-pub trait Formulation<const N: usize>: crate::integrate::System<N> {
+pub trait Formulation<const N: usize>: crate::integrate::System<N> + Copy {
     /// The state at the start from Euler angles (rad) and rates (rad/s).
     fn state(angles: Euler, rates: Euler, model: &Model) -> [f64; N];
 
@@ -176,6 +192,15 @@ pub trait Formulation<const N: usize>: crate::integrate::System<N> {
 
     /// The physics.
     fn model(&self) -> &Model;
+
+    /// What the contact point does.
+    fn regime(&self) -> Regime;
+
+    /// The same equations in a regime.
+    fn in_regime(self, regime: Regime) -> Self;
+
+    /// The state with the contact point brought to rest at the same angular momentum about the vertical.
+    fn brought_to_rest(&self, state: &[f64; N]) -> [f64; N];
 }
 
 /// The running integrals at the end of a state vector.

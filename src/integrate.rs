@@ -67,6 +67,25 @@ pub struct Statistics {
     pub largest_step: f64,
 }
 
+impl Statistics {
+    /// What this and an integration before have cost together.
+    #[must_use]
+    fn after(self, before: Self) -> Self {
+        let smallest = match (before.smallest_step, self.smallest_step) {
+            (before, 0.0) => before,
+            (0.0, now) => now,
+            (before, now) => before.min(now),
+        };
+        Self {
+            accepted: before.accepted + self.accepted,
+            rejected: before.rejected + self.rejected,
+            evaluations: before.evaluations + self.evaluations,
+            smallest_step: smallest,
+            largest_step: before.largest_step.max(self.largest_step),
+        }
+    }
+}
+
 /// Why an integration can't go on.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum IntegrateError {

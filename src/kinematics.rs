@@ -100,6 +100,13 @@ impl Tilt {
         self.sin <= UPRIGHT_SINE
     }
 
+    /// Direction of the symmetry axis in the lean frame.
+    #[must_use]
+    #[inline]
+    pub fn axis(&self) -> Vector3<f64> {
+        Vector3::new(self.sin, 0.0, self.cos)
+    }
+
     /// Angular velocity about the symmetry axis, `ψ̇ + φ̇ cos θ`, in rad/s.
     #[must_use]
     #[inline]

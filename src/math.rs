@@ -42,6 +42,12 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
+/// Hyperbolic tangent.
+#[must_use]
+pub fn tanh(x: f64) -> f64 {
+    libm::tanh(x)
+}
+
 /// Decimal logarithm; minus infinity for 0.
 #[must_use]
 pub fn log10(x: f64) -> f64 {

@@ -6,14 +6,16 @@
 
 mod error;
 mod keys;
+mod laws;
 mod presets;
 
 pub use error::ScenarioError;
 pub use keys::{FORMAT, KEYS, Key, Kind, Presence, Value};
+pub use laws::{LAWS, Law};
 pub use presets::{PRESETS, Preset};
 
 use crate::dynamics::Model;
-use crate::friction::{Dissipation, Friction, FrictionLaw};
+use crate::friction::{Air, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing};
 use crate::integrate::Tolerances;
 use crate::kinematics::{Euler, Tilt};
 use crate::top::Top;
@@ -21,6 +23,9 @@ use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
+
+/// Names at least so alike, by Jaro and Winkler, are taken for misspelt ones.
+const LIKE: f64 = 0.8;
 
 /// Keys with values of the right type, in no particular combination.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,6 +49,8 @@ pub struct Stop {
     pub theta_fallen: Option<f64>,
     /// At this time, s.
     pub duration: Option<f64>,
+    /// Whether when the contact point stops slipping.
+    pub on_stick: bool,
 }
 
 /// A checked, complete definition of a run.
@@ -161,7 +168,11 @@ impl Values {
                         });
                     }
                 }
-                Presence::Required | Presence::Optional => {}
+                Presence::Beside(other) if there != self.0.contains_key(other) => {
+                    let key = if there { other } else { key.path };
+                    return Err(ScenarioError::MissingKey { key });
+                }
+                Presence::Required | Presence::Optional | Presence::Beside(_) => {}
             }
         }
         Ok(())
@@ -205,6 +216,7 @@ impl Scenario {
                 theta_risen: values.optional_number("stop.theta_risen"),
                 theta_fallen: values.optional_number("stop.theta_fallen"),
                 duration: values.optional_number("stop.duration"),
+                on_stick: values.text("stop.on_stick") != Ok("continue"),
             },
             values,
         };
@@ -285,13 +297,25 @@ impl Scenario {
         hex(&hash.finalize())
     }
 
-    /// Whether friction takes energy from the top.
+    /// Whether nothing takes energy from the top.
     #[must_use]
     pub fn is_frictionless(&self) -> bool {
-        matches!(
-            self.model.friction.law,
-            FrictionLaw::None | FrictionLaw::Coulomb { k: 0.0 }
-        )
+        self.model.friction.is_none()
+    }
+
+    /// Largest friction force of the law at the slip speed of the start, N: the scale for drawing it.
+    #[must_use]
+    pub fn force_scale(&self) -> f64 {
+        let Model { top, friction } = &self.model;
+        friction.law.bound(self.slip_speed_at_start(), top.weight())
+    }
+
+    /// Torque of that force and of all losses at the start, N m: the scale for drawing it.
+    #[must_use]
+    pub fn torque_scale(&self) -> f64 {
+        let tilt = Tilt::from_rates(self.angles.theta, self.rates);
+        let losses = self.model.contact(&tilt).losses.unwrap_or_default();
+        self.force_scale() * self.model.top.peg_radius + losses.norm()
     }
 
     /// Slip speed of the contact point at the start, m/s.
@@ -368,12 +392,36 @@ impl Scenario {
         Ok(())
     }
 
+    fn check_sticking(&self) -> Result<(), ScenarioError> {
+        let conflict = |reason: &str| {
+            Err(ScenarioError::Conflict {
+                key: "stop.on_stick",
+                value: "continue".to_owned(),
+                reason: reason.to_owned(),
+            })
+        };
+        if !self.model.friction.can_stick() {
+            return conflict(
+                "this friction never holds the contact point at rest; friction.law = \"coulomb\" or \
+                 \"stribeck\" and rolling.arm do, if friction.dissipation is \"full\"",
+            );
+        }
+        if self.stop.duration.is_none() {
+            return conflict("a top may stick for ever; set stop.duration");
+        }
+        Ok(())
+    }
+
     fn check_end(&self) -> Result<(), ScenarioError> {
         let Stop {
             theta_risen,
             theta_fallen,
             duration,
+            on_stick,
         } = self.stop;
+        if !on_stick {
+            self.check_sticking()?;
+        }
         let Some(duration) = duration else {
             let by_angle = theta_risen.is_some() || theta_fallen.is_some();
             return if by_angle && !self.is_frictionless() {
@@ -407,9 +455,20 @@ fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
         }
         ScenarioError::UnknownKey {
             key: path.to_owned(),
+            near: near(path, KEYS.iter().map(|key| key.path)),
             allowed: allowed.join(", "),
         }
     })
+}
+
+/// A question after the name most like a wrong one; empty if none is like it.
+fn near<'a>(wrong: &str, names: impl Iterator<Item = &'a str>) -> String {
+    let likeness = names.map(|name| (strsim::jaro_winkler(wrong, name), name));
+    let most = likeness.max_by(|(a, _), (b, _)| a.total_cmp(b));
+    match most {
+        Some((likeness, name)) if likeness > LIKE => format!(" (did you mean {name}?)"),
+        _ => String::new(),
+    }
 }
 
 /// A value of the type and in the range that `key` asks for.
@@ -451,10 +510,14 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
 }
 
 fn out_of_range(key: &Key, value: &str) -> ScenarioError {
+    let near = match key.kind {
+        Kind::Choice(words) => near(value, words.iter().copied()),
+        _ => String::new(),
+    };
     ScenarioError::OutOfRange {
         key: key.path,
         value: value.to_owned(),
-        allowed: key.kind.to_string(),
+        allowed: format!("{}{near}", key.kind),
     }
 }
 
@@ -493,23 +556,78 @@ fn top(values: &Values) -> Result<Top, ScenarioError> {
 }
 
 fn friction(values: &Values) -> Result<Friction, ScenarioError> {
-    if values.text("friction.law")? == "none" {
-        return Ok(Friction {
-            law: FrictionLaw::None,
-            dissipation: Dissipation::Full,
+    let law = law(values)?;
+    let losses = losses(values);
+    if matches!(law, FrictionLaw::Contensou { .. }) && values.get("drilling.k").is_some() {
+        return Err(ScenarioError::Conflict {
+            key: "drilling.k",
+            value: losses.drilling.k.to_string(),
+            reason: "friction.law = \"contensou\" has a drilling torque of its own".to_owned(),
         });
     }
     Ok(Friction {
-        law: FrictionLaw::Coulomb {
-            k: values.number("friction.k")?,
-        },
-        dissipation: match values.text("friction.dissipation")? {
-            "without-nutation-part" => Dissipation::WithoutNutationPart,
-            "precession-term-only" => Dissipation::PrecessionTermOnly,
-            "spin-term-only" => Dissipation::SpinTermOnly,
+        law,
+        dissipation: match values.text("friction.dissipation") {
+            Ok("without-nutation-part") => Dissipation::WithoutNutationPart,
+            Ok("precession-term-only") => Dissipation::PrecessionTermOnly,
+            Ok("spin-term-only") => Dissipation::SpinTermOnly,
+            Ok("tilt-torque-only") => Dissipation::TiltTorqueOnly,
+            Ok("spin-torque-only") => Dissipation::SpinTorqueOnly,
             _ => Dissipation::Full,
         },
+        losses,
     })
+}
+
+fn law(values: &Values) -> Result<FrictionLaw, ScenarioError> {
+    let name = values.text("friction.law")?;
+    if name == "none" {
+        return Ok(FrictionLaw::None);
+    }
+    let k = values.number("friction.k")?;
+    let regularised = |shape| {
+        Ok(FrictionLaw::Regularised {
+            k,
+            speed: values.number("friction.smoothing_speed")?,
+            shape,
+        })
+    };
+    Ok(match name {
+        "coulomb-sqrt" => return regularised(Smoothing::SquareRoot),
+        "coulomb-tanh" => return regularised(Smoothing::Tanh),
+        "coulomb-rational" => return regularised(Smoothing::Rational),
+        "viscous" => FrictionLaw::Viscous {
+            k,
+            speed: values.number("friction.viscous_speed")?,
+        },
+        "stribeck" => FrictionLaw::Stribeck {
+            k,
+            static_k: values.number("friction.static_k")?,
+            speed: values.number("friction.stribeck_speed")?,
+            slope: values.number("friction.viscous_slope")?,
+        },
+        "contensou" => FrictionLaw::Contensou {
+            k,
+            patch_radius: values.number("friction.patch_radius")?,
+        },
+        _ => FrictionLaw::Coulomb { k },
+    })
+}
+
+fn losses(values: &Values) -> Losses {
+    let number = |path| values.optional_number(path).unwrap_or_default();
+    Losses {
+        rolling_arm: number("rolling.arm"),
+        drilling: Drilling {
+            k: number("drilling.k"),
+            patch_radius: number("drilling.patch_radius"),
+        },
+        air: Air {
+            axial: number("air.axial"),
+            transverse: number("air.transverse"),
+            disc: number("air.disc"),
+        },
+    }
 }
 
 /// Bytes in lower-case hexadecimal.

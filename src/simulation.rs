@@ -84,8 +84,8 @@ impl Simulation {
     pub fn new(scenario: &Scenario) -> Result<Self, SimulationError> {
         let model = scenario.model;
         Ok(Self(match scenario.formulation {
-            FormulationKind::Euler => Box::new(Runner::new(EulerAngles { model }, scenario)?),
-            FormulationKind::Body => Box::new(Runner::new(BodyRotation { model }, scenario)?),
+            FormulationKind::Euler => Box::new(Runner::new(EulerAngles::new(model), scenario)?),
+            FormulationKind::Body => Box::new(Runner::new(BodyRotation::new(model), scenario)?),
         }))
     }
 

@@ -1,6 +1,6 @@
 //! The rigid body: a heavy symmetric top with a spherical peg, and what gravity does to it.
 
-use crate::kinematics::Tilt;
+use crate::kinematics::{Euler, Tilt};
 use nalgebra::Vector3;
 
 /// A symmetric top whose peg is a sphere, on a horizontal table, in uniform gravity.
@@ -50,6 +50,52 @@ impl Top {
     #[inline]
     pub fn gravity_torque(&self, tilt: &Tilt) -> Vector3<f64> {
         Vector3::new(0.0, self.gravity_moment() * tilt.sin, 0.0)
+    }
+
+    /// What a torque about the peg's centre (node frame, N m) adds to θ̈, φ̈ and ψ̈, rad/s².
+    ///
+    /// Upright only the sum of φ̈ and ψ̈ has a meaning: φ̈ is then taken as 0.
+    #[must_use]
+    #[inline]
+    pub fn euler_accelerations(&self, torque: &Vector3<f64>, tilt: &Tilt) -> Euler {
+        let phi = if tilt.is_upright() {
+            0.0
+        } else {
+            torque.y / (self.transverse_moment * tilt.sin)
+        };
+        Euler {
+            phi,
+            theta: torque.x / self.transverse_moment,
+            psi: torque.z / self.axial_moment - phi * tilt.cos,
+        }
+    }
+
+    /// Moment of inertia about the vertical through the peg's centre, kg m², given sine and cosine of θ.
+    #[must_use]
+    #[inline]
+    pub fn vertical_moment(&self, sin: f64, cos: f64) -> f64 {
+        self.transverse_moment * sin * sin + self.axial_moment * cos * cos
+    }
+
+    /// Angular momentum in the lean frame, kg m²/s, of a top that turns about the vertical as a whole with
+    /// `omega` rad/s.
+    #[must_use]
+    #[inline]
+    pub fn turning_momentum(&self, tilt: &Tilt, omega: f64) -> Vector3<f64> {
+        let product = (self.axial_moment - self.transverse_moment) * tilt.sin * tilt.cos;
+        omega * Vector3::new(product, 0.0, self.vertical_moment(tilt.sin, tilt.cos))
+    }
+
+    /// The torque in the lean frame, N m, that keeps a top turning about the vertical as a whole, if
+    /// `vertical` N m act about the vertical.
+    #[must_use]
+    #[inline]
+    pub fn turning_torque(&self, tilt: &Tilt, vertical: f64) -> Vector3<f64> {
+        let omega = tilt.omega_lean.z;
+        let change =
+            self.turning_momentum(tilt, vertical / self.vertical_moment(tilt.sin, tilt.cos));
+        let carried = omega * self.turning_momentum(tilt, omega).x;
+        change + Vector3::new(0.0, carried, 0.0)
     }
 
     /// Angular momentum about the peg's centre in the node frame, kg m²/s.

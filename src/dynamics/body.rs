@@ -1,6 +1,6 @@
 //! Variables without a singularity: orientation as a quaternion and angular momentum.
 
-use super::{Formulation, INTEGRALS, Model, Motion, integrals};
+use super::{Formulation, INTEGRALS, Model, Motion, Regime, integrals};
 use crate::integrate::System;
 use crate::kinematics::{Euler, Tilt, euler_angles, lean_to_world, world_from_body};
 use crate::math::{atan2, hypot};
@@ -18,6 +18,9 @@ use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 pub struct BodyRotation {
     /// The physics.
     pub model: Model,
+    /// What the contact point does. Where it sticks, only the vertical component of the angular momentum
+    /// is looked at: the others follow from it.
+    pub regime: Regime,
 }
 
 const SIZE: usize = 7 + INTEGRALS;
@@ -66,10 +69,23 @@ impl Lean {
 }
 
 impl BodyRotation {
+    /// Slipping.
+    #[must_use]
+    pub fn new(model: Model) -> Self {
+        Self {
+            model,
+            regime: Regime::Slipping,
+        }
+    }
+
     /// Angular velocity in the lean frame, rad/s: `ω = L/I_x + (1/I_z − 1/I_x)(L·n) n`.
     #[inline]
     fn tilt(&self, lean: &Lean, momentum: &Vector3<f64>) -> Tilt {
         let top = &self.model.top;
+        if self.regime == Regime::Sticking {
+            let rate = momentum.z / top.vertical_moment(lean.sin, lean.cos);
+            return Tilt::from_omega(lean.sin, lean.cos, Vector3::new(0.0, 0.0, rate));
+        }
         let momentum_lean = lean.of_world(momentum);
         let axial = lean.sin * momentum_lean.x + lean.cos * momentum_lean.z;
         let excess = axial * (1.0 / top.axial_moment - 1.0 / top.transverse_moment);
@@ -127,6 +143,24 @@ impl Formulation<SIZE> for BodyRotation {
 
     fn model(&self) -> &Model {
         &self.model
+    }
+
+    fn regime(&self) -> Regime {
+        self.regime
+    }
+
+    fn in_regime(self, regime: Regime) -> Self {
+        Self { regime, ..self }
+    }
+
+    fn brought_to_rest(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
+        let lean = Lean::of(&quaternion(y));
+        let tilt = self.in_regime(Regime::Sticking).tilt(&lean, &momentum(y));
+        let top = &self.model.top;
+        let momentum = lean.in_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
+        let mut rested = *y;
+        (rested[4], rested[5]) = (momentum.x, momentum.y);
+        rested
     }
 }
 

@@ -1,6 +1,6 @@
 //! The paper's own variables: Euler angles and their rates, equations (7).
 
-use super::{Formulation, INTEGRALS, Model, Motion, integrals};
+use super::{Formulation, INTEGRALS, Model, Motion, Regime, integrals};
 use crate::integrate::System;
 use crate::kinematics::{Euler, Tilt, world_from_body};
 use nalgebra::UnitQuaternion;
@@ -12,6 +12,19 @@ use nalgebra::UnitQuaternion;
 pub struct EulerAngles {
     /// The physics.
     pub model: Model,
+    /// What the contact point does. Where it sticks, θ and ψ stay as they are.
+    pub regime: Regime,
+}
+
+impl EulerAngles {
+    /// Slipping.
+    #[must_use]
+    pub fn new(model: Model) -> Self {
+        Self {
+            model,
+            regime: Regime::Slipping,
+        }
+    }
 }
 
 const SIZE: usize = 6 + INTEGRALS;
@@ -24,7 +37,10 @@ impl System<SIZE> for EulerAngles {
         let rates = rates(y);
         let tilt = Tilt::from_rates(y[1], rates);
         let contact = self.model.contact(&tilt);
-        let acceleration = self.model.accelerations(&contact, &tilt).total();
+        let mut acceleration = self.model.accelerations(&contact, &tilt).total();
+        if self.regime == Regime::Sticking {
+            (acceleration.theta, acceleration.psi) = (0.0, 0.0);
+        }
         let torque = self.model.friction_torque(&contact, &tilt);
         let [work, path, theta] = self.model.integrands(&contact, &torque, &tilt, y[1]);
         [
@@ -71,6 +87,24 @@ impl Formulation<SIZE> for EulerAngles {
 
     fn model(&self) -> &Model {
         &self.model
+    }
+
+    fn regime(&self) -> Regime {
+        self.regime
+    }
+
+    fn in_regime(self, regime: Regime) -> Self {
+        Self { regime, ..self }
+    }
+
+    fn brought_to_rest(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
+        let top = &self.model.top;
+        let tilt = Tilt::from_rates(y[1], rates(y));
+        let vertical = tilt.node_to_lean(&top.angular_momentum_node(&tilt)).z;
+        let mut rested = *y;
+        rested[3] = vertical / top.vertical_moment(tilt.sin, tilt.cos);
+        (rested[4], rested[5]) = (0.0, 0.0);
+        rested
     }
 }
 

@@ -6,6 +6,10 @@ use crate::math::sin_cos;
 use crate::telemetry::Message;
 use crate::top::Top;
 
+/// Nearer to upright than this, precession and spin can hardly be told apart: their terms explode, rad.
+const UPRIGHT: f64 = 0.01;
+/// What remains after the last nutation is a stage if it is a larger part of the run.
+const NOTABLE: u64 = 50;
 /// Windows that are kept while the run's length is not known.
 const WINDOWS: usize = 96;
 
@@ -129,8 +133,10 @@ pub(super) struct Stages {
     totals: [Integral; 5],
     step: Option<u64>,
     last: Option<u64>,
-    /// The greatest of the fast roots that were real, and the least, rad/s.
-    pub(super) fast_roots: Option<[f64; 2]>,
+    /// When the axis first came near upright, ns: sums over the run end there.
+    pub(super) upright: Option<u64>,
+    /// The least of the fast roots that were real, rad/s.
+    pub(super) fast_root: Option<f64>,
     fields: Fields,
 }
 
@@ -156,7 +162,8 @@ impl Stages {
             totals: [Integral::default(); 5],
             step: None,
             last: None,
-            fast_roots: None,
+            upright: None,
+            fast_root: None,
             fields: Fields {
                 state: places(
                     "/top/state",
@@ -195,6 +202,10 @@ impl Stages {
         let value = |place: Place| place.of(message).unwrap_or(f64::NAN);
         if channel == fields.state[0].channel {
             self.state(message.time_ns, fields.state.map(value));
+        } else if channel == fields.nutation.channel {
+            self.cycle();
+        } else if self.upright.is_some() {
+            // What follows is about precession and spin.
         } else if channel == fields.acceleration[0].channel {
             let terms = fields.acceleration.map(value);
             for (total, term) in self.totals.iter_mut().zip(terms) {
@@ -210,8 +221,6 @@ impl Stages {
             self.totals[Total::ContactWork as usize].add(fx * vx + fy * vy + fz * vz);
         } else if channel == fields.roots[0].channel {
             self.roots(fields.roots.map(value));
-        } else if channel == fields.nutation.channel {
-            self.cycle();
         }
     }
 
@@ -220,6 +229,9 @@ impl Stages {
             self.step.get_or_insert(time_ns - last);
         }
         self.last = Some(time_ns);
+        if theta < UPRIGHT {
+            self.upright.get_or_insert(time_ns);
+        }
         // Where θ̇ is greatest, the first cycle begins: what was before is not part of it.
         if self.windows.is_empty() && self.last_acceleration > 0.0 && acceleration <= 0.0 {
             self.open = Stage::default();
@@ -252,8 +264,7 @@ impl Stages {
     }
 
     fn roots(&mut self, [slow, excess, fast]: [f64; 3]) {
-        let [greatest, least] = self.fast_roots.get_or_insert([fast, fast]);
-        *greatest = greatest.max(fast);
+        let least = self.fast_root.get_or_insert(fast);
         *least = least.min(fast);
         // The state of the same instant came before.
         self.open.roots[0] += slow;
@@ -280,12 +291,16 @@ impl Stages {
             return vec![self.open];
         }
         let share = self.windows.len().div_ceil(count).max(1);
-        self.windows.chunks(share).map(together).collect()
+        let mut stages: Vec<Stage> = self.windows.chunks(share).map(together).collect();
+        if self.open.to.saturating_sub(self.open.from) > self.open.to / NOTABLE {
+            stages.push(self.open);
+        }
+        stages
     }
 
     /// The run as one.
     pub(super) fn whole(&self) -> Stage {
-        self.in_stages(1).into_iter().next().unwrap_or_default()
+        together(&self.in_stages(1))
     }
 
     /// An integral over the run; none without samples.

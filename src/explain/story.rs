@@ -2,8 +2,9 @@
 
 use super::stages::{Stage, Total};
 use super::{Chapter, Facts, Story};
-use crate::course::CourseReport;
+use crate::course::{CourseReport, Event};
 use crate::friction::Dissipation;
+use crate::kinematics::Tilt;
 use crate::phrase::{duration, list, moment, quantity, significant};
 use crate::scenario::{Scenario, Values};
 use crate::simulation::Simulation;
@@ -11,10 +12,10 @@ use std::f64::consts::{PI, TAU};
 
 /// Rows of the table of stages.
 const STAGES: usize = 6;
-/// Events that are told.
-const EVENTS: usize = 10;
 /// A smaller change of the averaged θ is none, rad.
 const STEADY: f64 = 1e-3;
+/// A mean difference to the slow root that is a larger part of it is more than friction's doing.
+const NEAR: f64 = 0.05;
 /// A mean difference to the slow root that is a smaller part of it is none.
 const BALANCED: f64 = 1e-7;
 /// Works that are a smaller part of the energy are none.
@@ -87,10 +88,11 @@ fn beginning(scenario: &Scenario) -> Option<Chapter> {
             quantity(scenario.slip_speed_at_start(), 3, "m/s"),
         ),
     ];
-    let force = scenario.model.friction.law.force_scale(top.weight());
+    let start = Tilt::from_rates(theta, *rates);
+    let force = scenario.model.contact(&start).force.norm();
     if force > 0.0 {
         sentences.push(format!(
-            "Friction pulls at that point with up to {}, {} % of the weight.",
+            "Friction pulls at that point with {}, {} % of the weight.",
             quantity(force, 3, "N"),
             significant(100.0 * force / top.weight(), 2)
         ));
@@ -109,6 +111,13 @@ fn precession(facts: &Facts) -> Option<Chapter> {
     let spin = stages.total(Total::SpinFrictional)?;
     let whole = stages.whole();
     let mut sentences = Vec::new();
+    let span = match stages.upright {
+        Some(time_ns) => format!(
+            "until the axis came near upright, at {}",
+            moment(seconds(time_ns))
+        ),
+        None => format!("in {}", duration(seconds(whole.to - whole.from))),
+    };
     if friction == 0.0 {
         sentences.push("There is no friction in the equation of the precession.".to_owned());
     } else {
@@ -118,12 +127,11 @@ fn precession(facts: &Facts) -> Option<Chapter> {
             "slowed"
         };
         sentences.push(format!(
-            "By itself, friction would have {verb} the precession by {} in {}: that is the integral of its term in \
-             φ̈. The other terms, above all the gyroscopic one, answered with {}, so that φ̇ changed by {} only. \
-             They can answer only while θ changes: pushed in the sense of its precession, a spinning top gives \
-             way at right angles.",
+            "By itself, friction would have {verb} the precession by {} {span}: that is the integral of its term in φ̈. \
+             The other terms, above all the gyroscopic one, answered with {}, so that φ̇ changed by {} only. They can \
+             answer only while θ changes: pushed in the sense of its precession, a spinning top gives way at right \
+             angles.",
             quantity(friction.abs(), 3, "rad/s"),
-            duration(seconds(whole.to - whole.from)),
             quantity(gyroscopic + coriolis, 4, "rad/s"),
             quantity(friction + gyroscopic + coriolis, 3, "rad/s"),
         ));
@@ -140,40 +148,57 @@ fn precession(facts: &Facts) -> Option<Chapter> {
 /// How φ̇ stood to the slow root, and what θ did.
 fn motion(facts: &Facts) -> Option<Chapter> {
     let stages = facts.stages.in_stages(STAGES);
-    let (first, last) = (stages.first()?, stages.last()?);
     let mut sentences = roots(facts);
-    let start = facts.scenario.rates.theta;
-    let (begun, ended) = (first.theta_dot(), last.theta_dot());
-    if (last.theta() - first.theta()).abs() < STEADY {
-        sentences.push(format!(
-            "The axis neither rose nor sank: averaged over nutations it stayed at θ = {}.",
-            quantity(first.theta(), 4, "rad")
-        ));
-    } else {
-        let way = if last.theta() < first.theta() {
-            "rose"
-        } else {
-            "sank"
-        };
-        let sign = |change: f64| if change < 0.0 { "negative" } else { "positive" };
-        sentences.push(format!(
-            "Averaged over nutations the axis {way}, from {} in the first part of the table to {} in the last. θ̈ was \
-             {} on average at first, which brought θ̇ from {} to {}; then it was {} on average and θ̇ came to {}.",
-            quantity(first.theta(), 3, "rad"),
-            quantity(last.theta(), 3, "rad"),
-            sign(begun - start),
-            quantity(start, 3, "rad/s"),
-            quantity(begun, 3, "rad/s"),
-            sign(ended - begun),
-            quantity(ended, 3, "rad/s"),
-        ));
+    sentences.extend(course_of_theta(facts.scenario.rates.theta, &stages));
+    if facts.stages.upright.is_none() {
+        sentences.extend(cancelling(&facts.stages.whole()));
     }
-    sentences.extend(cancelling(&facts.stages.whole()));
     Some(Chapter {
         heading: "Why the axis moves",
         sentences,
         table: Some((header(), stages.iter().map(row).collect())),
     })
+}
+
+/// What the averaged θ did.
+fn course_of_theta(start: f64, stages: &[Stage]) -> Option<String> {
+    let (first, last) = (stages.first()?, stages.last()?);
+    let lowest = stages
+        .iter()
+        .min_by(|x, y| x.theta().total_cmp(&y.theta()))?;
+    let angle = |stage: &Stage| quantity(stage.theta(), 3, "rad");
+    let rate = |rate: f64| quantity(rate, 3, "rad/s");
+    let has_risen = first.theta() - lowest.theta() > STEADY;
+    if has_risen && last.theta() - lowest.theta() > STEADY {
+        return Some(format!(
+            "Averaged over nutations the axis first rose, from {} in the first part of the table to {} in that from {} on, \
+             and then sank again, to {} in the last.",
+            angle(first),
+            angle(lowest),
+            moment(seconds(lowest.from)),
+            angle(last),
+        ));
+    }
+    if (last.theta() - first.theta()).abs() < STEADY {
+        let angle = quantity(first.theta(), 4, "rad");
+        return Some(format!(
+            "The axis neither rose nor sank: averaged over nutations it stayed at θ = {angle}."
+        ));
+    }
+    let way = if has_risen { "rose" } else { "sank" };
+    let sign = |change: f64| if change < 0.0 { "negative" } else { "positive" };
+    let (begun, ended) = (first.theta_dot(), last.theta_dot());
+    Some(format!(
+        "Averaged over nutations the axis {way}, from {} in the first part of the table to {} in the last. θ̈ was {} on \
+         average at first, which brought θ̇ from {} to {}; then it was {} on average and θ̇ came to {}.",
+        angle(first),
+        angle(last),
+        sign(begun - start),
+        rate(start),
+        rate(begun),
+        sign(ended - begun),
+        rate(ended),
+    ))
 }
 
 /// The θ̇ that friction demands, and the θ̇ that there was.
@@ -189,7 +214,7 @@ fn cancelling(whole: &Stage) -> Option<String> {
 /// How φ̇ stood to the rates of regular precession.
 fn roots(facts: &Facts) -> Vec<String> {
     let whole = facts.stages.whole();
-    let (Some([slow, excess]), Some([_, fast])) = (whole.roots(), facts.stages.fast_roots) else {
+    let (Some([slow, excess]), Some(fast)) = (whole.roots(), facts.stages.fast_root) else {
         return vec![
             "There was no real rate of regular precession: the top is too weak.".to_owned(),
         ];
@@ -201,15 +226,21 @@ fn roots(facts: &Facts) -> Vec<String> {
         quantity(slow, 4, "rad/s"),
         quantity(fast, 3, "rad/s"),
     )];
-    sentences.push(format!(
-        "Averaged over nutations φ̇ kept to the slow rate, {}: the axis moves as soon as φ̇ leaves it, and takes the slow \
-         rate along.",
-        if excess.abs() < BALANCED * slow.abs() {
+    sentences.push(if excess.abs() > NEAR * slow.abs() {
+        let side = if excess > 0.0 { "above" } else { "below" };
+        let excess = quantity(excess.abs(), 3, "rad/s");
+        format!("On average φ̇ was {excess} {side} the slow rate.")
+    } else {
+        let how = if excess.abs() < BALANCED * slow.abs() {
             "exactly".to_owned()
         } else {
             format!("to {}", quantity(excess.abs(), 2, "rad/s"))
-        }
-    ));
+        };
+        format!(
+            "Averaged over nutations φ̇ kept to the slow rate, {how}: the axis moves as soon as φ̇ leaves it, and takes the \
+             slow rate along."
+        )
+    });
     sentences.push(format!(
         "At single instants the nodding hides this: φ̇ was above the slow rate for {} % of the time, and θ̈ negative for \
          {} %.",
@@ -295,8 +326,15 @@ fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
             ));
         }
     }
+    let turns = facts.scenario.model.friction.turns_about_vertical();
     if let Some(drift) = course.vertical_momentum_drift {
-        sentences.push(if drift < 1e-6 {
+        sentences.push(if turns {
+            format!(
+                "Drilling or air took {} % of the angular momentum about the vertical, which the force of sliding cannot \
+                 change.",
+                significant(100.0 * drift, 3)
+            )
+        } else if drift < 1e-6 {
             format!(
                 "The angular momentum about the vertical stayed as it was, to {} of itself: a horizontal force at a \
                  point below the peg's centre has no torque about the vertical.",
@@ -328,9 +366,10 @@ fn dropped(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
     } else {
         sentences.push("This model leaves out a part of the torque of friction.".to_owned());
     }
-    if let (Some(force), Some(work)) =
-        (facts.stages.total(Total::ContactWork), course.friction_work)
-    {
+    // What else takes energy is no work of the force.
+    let of_force = facts.stages.total(Total::ContactWork);
+    let of_force = of_force.filter(|_| !facts.scenario.model.friction.has_losses());
+    if let (Some(force), Some(work)) = (of_force, course.friction_work) {
         let is_same = (work - force).abs() <= SAME_WORK * force.abs();
         if is_same {
             sentences.push(format!(
@@ -371,24 +410,30 @@ fn with_all_parts(scenario: &Scenario) -> Option<String> {
     ))
 }
 
+/// The first event of each kind, and how often there were more.
 fn events(facts: &Facts) -> Option<Chapter> {
-    let told = facts.course.events.iter();
-    let told: Vec<_> = told
-        .filter(|event| !event.name.starts_with("nutation_"))
-        .collect();
-    let mut sentences: Vec<String> = told
+    let mut kinds: Vec<(&Event, u64, f64)> = Vec::new();
+    for event in facts
+        .course
+        .events
         .iter()
-        .take(EVENTS)
-        .map(|event| format!("{}  {}", moment(event.time), event.description))
-        .collect();
-    if told.len() > EVENTS {
-        let last = told.last()?;
-        sentences.push(format!(
-            "… and {} more, the last: {}  {}",
-            told.len() - EVENTS,
-            moment(last.time),
-            last.description
-        ));
+        .filter(|event| !event.name.starts_with("nutation_"))
+    {
+        match kinds
+            .iter_mut()
+            .find(|(first, ..)| first.name == event.name)
+        {
+            Some((_, more, last)) => (*more, *last) = (*more + 1, event.time),
+            None => kinds.push((event, 0, event.time)),
+        }
     }
-    chapter("What happened", sentences)
+    let told = |(event, more, last): (&Event, u64, f64)| {
+        let again = match more {
+            0 => String::new(),
+            1 => format!(" Once more at {}.", moment(last)),
+            _ => format!(" So {more} times more, until {}.", moment(last)),
+        };
+        format!("{}  {}{again}", moment(event.time), event.description)
+    };
+    chapter("What happened", kinds.into_iter().map(told).collect())
 }

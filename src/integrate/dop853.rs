@@ -119,6 +119,23 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         Ok(integrator)
     }
 
+    /// Goes on from (`t`, `y`) with another system, as after an impact. The statistics go on too.
+    ///
+    /// # Errors
+    /// As [`Dop853::new`]; nothing has changed then.
+    pub fn restart(
+        &mut self,
+        system: S,
+        t: f64,
+        y: [f64; N],
+        direction: Direction,
+    ) -> Result<(), IntegrateError> {
+        let before = self.statistics;
+        *self = Self::new(system, t, y, self.tolerances, direction)?;
+        self.statistics = self.statistics.after(before);
+        Ok(())
+    }
+
     /// The system that is integrated.
     pub fn system(&self) -> &S {
         &self.system

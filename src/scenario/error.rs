@@ -20,10 +20,12 @@ pub enum ScenarioError {
     #[error("not valid TOML: {0}")]
     Syntax(toml::de::Error),
     /// A key that scenarios don't have.
-    #[error("unknown key {key}; allowed: {allowed}")]
+    #[error("unknown key {key}{near}; allowed: {allowed}")]
     UnknownKey {
         /// The key.
         key: String,
+        /// A question after the key that was meant; empty if none is like it.
+        near: String,
         /// Those of its section, or all.
         allowed: String,
     },

@@ -1,5 +1,6 @@
 //! The table of everything that a scenario says: one row per key.
 
+use super::laws::SLIDING;
 use std::f64::consts::PI;
 use std::fmt;
 
@@ -75,6 +76,8 @@ pub enum Presence {
     Optional,
     /// Exactly when another key has one of these values.
     With(&'static str, &'static [&'static str]),
+    /// Exactly when this other key is there.
+    Beside(&'static str),
 }
 
 /// One row of the table.
@@ -109,7 +112,10 @@ const fn key(
 }
 
 use Kind::{Any, Between, Choice, Name, Nanoseconds, Positive, Text};
-use Presence::{Optional, Required, With};
+use Presence::{Beside, Optional, Required, With};
+
+/// Of slip that sets a scale.
+const SPEED: Kind = Between(1e-9, 1e6);
 
 /// The scenario format that this version writes and reads.
 pub const FORMAT: &str = "toprise-1";
@@ -136,12 +142,36 @@ pub const KEYS: &[Key] = &[
     key("initial.phi_dot", "rad/s", Between(-1e6, 1e6), Required, "precession rate φ̇"),
     key("initial.theta_dot", "rad/s", Between(-1e6, 1e6), Required, "nutation rate θ̇"),
     key("initial.psi_dot", "rad/s", Between(-1e6, 1e6), Required, "spin rate ψ̇"),
-    key("friction.law", "", Choice(&["none", "coulomb"]), Required, "law of friction at the contact"),
-    key("friction.k", "", Between(0.0, 100.0), With("friction.law", &["coulomb"]),
+    key("friction.law", "", Choice(SLIDING), Required, "law of friction at the contact"),
+    key("friction.k", "", Between(0.0, 100.0), With("friction.law", SLIDING.split_at(1).1),
         "coefficient of friction k"),
+    key("friction.static_k", "", Between(0.0, 100.0), With("friction.law", &["stribeck"]),
+        "coefficient of static friction k_s"),
+    key("friction.smoothing_speed", "m/s", SPEED,
+        With("friction.law", &["coulomb-sqrt", "coulomb-tanh", "coulomb-rational"]),
+        "slip speed v_ε below which the force fades"),
+    key("friction.viscous_speed", "m/s", SPEED, With("friction.law", &["viscous"]),
+        "slip speed v_0 at which the force is k N"),
+    key("friction.stribeck_speed", "m/s", SPEED, With("friction.law", &["stribeck"]),
+        "slip speed v_s over which static friction falls to kinetic"),
+    key("friction.viscous_slope", "s/m", Between(0.0, 100.0), With("friction.law", &["stribeck"]),
+        "growth c_v of the coefficient with the slip speed"),
+    key("friction.patch_radius", "m", Between(1e-9, 1.0), With("friction.law", &["contensou"]),
+        "radius a of the patch of contact"),
     key("friction.dissipation", "",
-        Choice(&["full", "without-nutation-part", "precession-term-only", "spin-term-only"]),
-        With("friction.law", &["coulomb"]), "which parts of the friction torque act"),
+        Choice(&["full", "without-nutation-part", "precession-term-only", "spin-term-only",
+            "tilt-torque-only", "spin-torque-only"]),
+        With("friction.law", SLIDING.split_at(1).1), "which parts of the friction torque act"),
+    key("rolling.arm", "m", Between(0.0, 1.0), Optional, "arm δ of rolling resistance"),
+    key("drilling.k", "", Between(0.0, 100.0), Optional, "coefficient k of drilling friction"),
+    key("drilling.patch_radius", "m", Between(1e-9, 1.0), Beside("drilling.k"),
+        "radius a of the patch of contact that drills"),
+    key("air.axial", "N m s", Between(0.0, 1.0), Optional,
+        "drag c_n of the air per angular velocity along the symmetry axis"),
+    key("air.transverse", "N m s", Between(0.0, 1.0), Optional,
+        "drag c_t of the air per angular velocity across the symmetry axis"),
+    key("air.disc", "N m s^(3/2)", Between(0.0, 1.0), Optional,
+        "drag c of the air on a disc, along the symmetry axis"),
     key("integrator.relative_tolerance", "", Between(1e-14, 1e-2), Required,
         "local error per step, relative"),
     key("integrator.absolute_tolerance", "", Between(1e-18, 1e-2), Required,
@@ -149,5 +179,7 @@ pub const KEYS: &[Key] = &[
     key("sampling.period", "s", Nanoseconds, Required, "time between samples"),
     key("stop.theta_risen", "rad", Between(1e-6, PI), Optional, "stop when θ falls to this: risen"),
     key("stop.theta_fallen", "rad", Between(1e-6, PI), Optional, "stop when θ grows to this: fallen"),
+    key("stop.on_stick", "", Choice(&["stop", "continue"]), Optional,
+        "whether to stop when the contact point sticks; \"stop\" if left out"),
     key("stop.duration", "s", Between(0.0, 1e6), Optional, "stop at this time"),
 ];

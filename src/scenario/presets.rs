@@ -52,6 +52,84 @@ pub const PRESETS: &[Preset] = &[
             ("stop.duration", "20.0"),
         ],
     },
+    Preset {
+        name: "nutation-free",
+        description: "The paper's rise, started so that it hardly nutates: no loops at the end",
+        differences: &[
+            ("initial.phi_dot", "1.7539"),
+            ("initial.theta_dot", "-0.0163"),
+        ],
+    },
+    Preset {
+        name: "tilt-torque-only",
+        description: "The component of the friction torque about n × e_N alone: rises at constant L_n",
+        differences: &[("friction.dissipation", "tilt-torque-only")],
+    },
+    Preset {
+        name: "spin-torque-only",
+        description: "The component of the friction torque about the symmetry axis alone: falls",
+        differences: &[
+            ("friction.dissipation", "spin-torque-only"),
+            ("stop.duration", "120.0"),
+        ],
+    },
+    Preset {
+        name: "rise-by-loss-of-spin",
+        description: "An oblate top in fast precession: it rises while φ̇ and ψ̇ fall (the paper's last paragraph)",
+        differences: &[
+            ("top.transverse_moment", "1.0e-4"),
+            ("top.axial_moment", "1.1e-4"),
+            ("initial.phi_dot", "150.0"),
+            ("initial.psi_dot", "-10.66"),
+            ("friction.dissipation", "full"),
+            ("air.axial", "1e-6"),
+            ("air.transverse", "1e-6"),
+        ],
+    },
+    Preset {
+        name: "viscous",
+        description: "Viscous friction: the rise never ends by itself",
+        differences: &[
+            ("friction.law", "viscous"),
+            ("friction.viscous_speed", "0.5"),
+            ("friction.dissipation", "full"),
+            ("stop.duration", "100.0"),
+        ],
+    },
+    Preset {
+        name: "stribeck",
+        description: "Stribeck's law: friction grows as the slip dies down",
+        differences: &[
+            ("friction.law", "stribeck"),
+            ("friction.static_k", "0.045"),
+            ("friction.stribeck_speed", "0.05"),
+            ("friction.viscous_slope", "0.01"),
+            ("friction.dissipation", "full"),
+        ],
+    },
+    Preset {
+        name: "contensou",
+        description: "Coulomb–Contensou friction: the drilling patch softens the slip",
+        differences: &[
+            ("friction.law", "contensou"),
+            ("friction.patch_radius", "1.4e-4"),
+            ("friction.dissipation", "full"),
+        ],
+    },
+    Preset {
+        name: "lifecycle",
+        description: "The life of a top in air: it rises, sleeps, weakens and falls",
+        differences: &[
+            ("formulation", "body"),
+            ("friction.law", "coulomb-sqrt"),
+            ("friction.smoothing_speed", "0.05"),
+            ("friction.dissipation", "full"),
+            ("air.axial", "1.45e-6"),
+            ("air.transverse", "4e-6"),
+            ("stop.theta_risen", ""),
+            ("stop.duration", "120.0"),
+        ],
+    },
 ];
 
 impl Preset {

@@ -44,6 +44,13 @@ pub enum EventKind {
     StrongTop,
     /// The contact point has stopped slipping.
     SlipStops,
+    /// The contact point has stopped slipping, and friction holds it: the top turns about the vertical as a
+    /// whole.
+    Stick,
+    /// Friction does not hold the contact point any longer.
+    SlipResumes,
+    /// A top whose contact point sticks has stopped turning too.
+    Rest,
     /// The Euler angles have become singular: sin θ is nearly 0.
     Singular,
 }
@@ -67,6 +74,9 @@ impl EventKind {
             Self::WeakTop => "weak_top",
             Self::StrongTop => "strong_top",
             Self::SlipStops => "slip_stops",
+            Self::Stick => "stick",
+            Self::SlipResumes => "slip_resumes",
+            Self::Rest => "rest",
             Self::Singular => "singular",
         }
     }
@@ -106,6 +116,12 @@ impl EventKind {
                 rates.psi
             ),
             Self::SlipStops => format!("The contact point stops slipping, at {theta:.4} rad."),
+            Self::Stick => format!(
+                "The contact point sticks: the top turns as a whole, inclined by {theta:.4} rad, at {:.2} rad/s.",
+                motion.tilt.omega_lean.z
+            ),
+            Self::SlipResumes => format!("The contact point slips again, at {theta:.4} rad."),
+            Self::Rest => format!("The top rests, inclined by {theta:.4} rad."),
             Self::Singular => {
                 format!("The Euler angles are singular here, {theta:.2e} rad from the vertical.")
             }
@@ -122,8 +138,10 @@ pub enum StopReason {
     Fallen,
     /// `stop.duration` is over.
     Duration,
-    /// The contact point stopped slipping; what follows, sticking, is not modelled.
+    /// The contact point stopped slipping; `stop.on_stick = "continue"` goes on.
     SlipStopped,
+    /// The contact point sticks and the top has stopped turning: nothing will change.
+    Rest,
     /// The Euler angles became singular; the `body` formulation goes on there.
     Singular,
     /// Nobody asked for more.
@@ -141,6 +159,7 @@ impl StopReason {
             Self::Fallen => "fallen",
             Self::Duration => "duration",
             Self::SlipStopped => "slip_stopped",
+            Self::Rest => "rest",
             Self::Singular => "singular",
             Self::Interrupted => "interrupted",
             Self::Failed => "failed",
@@ -154,7 +173,10 @@ impl StopReason {
             Self::Risen => "the top has risen",
             Self::Fallen => "the top has fallen",
             Self::Duration => "the duration is over",
-            Self::SlipStopped => "the contact point stopped slipping (sticking is not modelled)",
+            Self::SlipStopped => {
+                "the contact point stopped slipping (stop.on_stick = \"continue\" goes on)"
+            }
+            Self::Rest => "the top rests",
             Self::Singular => {
                 "the Euler angles became singular upright (formulation = \"body\" goes on)"
             }

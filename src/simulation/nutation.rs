@@ -72,6 +72,11 @@ impl OpenCycle {
 }
 
 impl NutationTracker {
+    /// Forgets the open cycle: the motion has a break.
+    pub(super) fn interrupt(&mut self) {
+        self.open = None;
+    }
+
     /// Notes an extreme of θ within the cycle.
     pub(super) fn extreme(&mut self, theta: f64) {
         if let Some(open) = &mut self.open {

@@ -4,7 +4,7 @@ use super::event::{Event, EventKind, StopReason, UPRIGHT};
 use super::nutation::{NutationCycle, NutationTracker};
 use super::sample::Sample;
 use super::{Outcome, Record, SimulationError};
-use crate::dynamics::{Formulation, Model, Motion};
+use crate::dynamics::{Formulation, Model, Motion, Regime};
 use crate::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope};
 use crate::kinematics::Euler;
 use crate::scenario::{FormulationKind, Scenario, Stop};
@@ -44,8 +44,8 @@ pub(super) struct Runner<F, const N: usize> {
     next_sample: u32,
     events: u32,
     energy_at_start: f64,
-    /// Where the run ends within the step, once that is known.
-    end: Option<(f64, StopReason)>,
+    /// Where the step is left before its end, once that is known.
+    end: Option<(f64, End)>,
     /// The time up to which records have been handed out, and the motion there.
     last: (f64, Motion),
     /// Set once nothing more will come.
@@ -56,8 +56,18 @@ pub(super) struct Runner<F, const N: usize> {
 struct Setup {
     period_ns: u64,
     stop: Stop,
+    is_euler: bool,
     /// The sense of the precession: +1 or −1.
     sense: f64,
+}
+
+/// Why a step is left before its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum End {
+    /// The run is over.
+    Stop(StopReason),
+    /// The contact point is at rest for a moment, and what follows is this.
+    Switch(Regime),
 }
 
 /// A function of the motion whose zeros mean something.
@@ -76,6 +86,10 @@ enum Meaning {
     Fallen(f64),
     Slip,
     Singular,
+    /// By how much friction holds the contact point.
+    Grip,
+    /// How fast a top turns whose contact point sticks.
+    Turning,
 }
 
 enum Pending {
@@ -96,6 +110,18 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     pub(super) fn new(formulation: F, scenario: &Scenario) -> Result<Self, SimulationError> {
         let state = F::state(scenario.angles, scenario.rates, &scenario.model);
         let motion = formulation.motion(&state, scenario.angles);
+        let sticks = !scenario.stop.on_stick
+            && scenario.slip_speed_at_start() == 0.0
+            && scenario.model.grip(&motion.tilt).holds();
+        let formulation = formulation.in_regime(if sticks {
+            Regime::Sticking
+        } else {
+            Regime::Slipping
+        });
+        let mut pending = VecDeque::from([Pending::Event(EventKind::Start, 0.0, motion)]);
+        if sticks {
+            pending.push_back(Pending::Event(EventKind::Stick, 0.0, motion));
+        }
         let integrator = Dop853::new(
             formulation,
             0.0,
@@ -108,18 +134,20 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         } else {
             1.0
         };
+        let setup = Setup {
+            period_ns: scenario.sample_period_ns,
+            stop: scenario.stop,
+            is_euler: scenario.formulation == FormulationKind::Euler,
+            sense,
+        };
         Ok(Self {
+            watches: watches(&setup, integrator.system()),
             integrator,
-            scenario: Setup {
-                period_ns: scenario.sample_period_ns,
-                stop: scenario.stop,
-                sense,
-            },
-            watches: watches(scenario),
+            scenario: setup,
             nutation: NutationTracker::default(),
             dense: None,
             reference: scenario.angles,
-            pending: VecDeque::from([Pending::Event(EventKind::Start, 0.0, motion)]),
+            pending,
             next_sample: 0,
             events: 0,
             energy_at_start: energy(&scenario.model, &motion),
@@ -187,6 +215,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             Meaning::Risen(limit) | Meaning::Fallen(limit) => motion.angles.theta - limit,
             Meaning::Slip => self.model().contact(tilt).slip_speed - NO_SLIP,
             Meaning::Singular => tilt.sin - SINGULAR,
+            Meaning::Grip => self.model().grip(tilt).margin(),
+            Meaning::Turning => self.scenario.sense * tilt.omega_lean.z,
         }
     }
 
@@ -214,27 +244,52 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             (Meaning::Strength, Slope::Rising) => event(EventKind::StrongTop),
             (Meaning::Risen(_), Slope::Falling) => {
                 event(EventKind::Risen);
-                self.end = Some((time, StopReason::Risen));
+                self.end = Some((time, End::Stop(StopReason::Risen)));
             }
             (Meaning::Fallen(_), Slope::Rising) => {
                 event(EventKind::Fallen);
                 if self.scenario.stop.theta_fallen.is_some() {
-                    self.end = Some((time, StopReason::Fallen));
+                    self.end = Some((time, End::Stop(StopReason::Fallen)));
                 }
             }
             (Meaning::Slip, Slope::Falling) => {
-                event(EventKind::SlipStops);
-                self.end = Some((time, StopReason::SlipStopped));
+                let (kind, end) = self.rest_of_contact(&motion);
+                self.pending.push_back(Pending::Event(kind, time, motion));
+                self.end = Some((time, end));
+            }
+            (Meaning::Grip, Slope::Falling) => {
+                event(EventKind::SlipResumes);
+                self.end = Some((time, End::Switch(Regime::Slipping)));
+            }
+            (Meaning::Turning, Slope::Falling) => {
+                event(EventKind::Rest);
+                self.end = Some((time, End::Stop(StopReason::Rest)));
             }
             (Meaning::Singular, Slope::Falling) => {
                 event(EventKind::Singular);
-                self.end = Some((time, StopReason::Singular));
+                self.end = Some((time, End::Stop(StopReason::Singular)));
             }
             (
-                Meaning::NutationRate | Meaning::Risen(_) | Meaning::Slip | Meaning::Singular,
+                Meaning::NutationRate
+                | Meaning::Risen(_)
+                | Meaning::Slip
+                | Meaning::Singular
+                | Meaning::Grip
+                | Meaning::Turning,
                 Slope::Rising,
             )
             | (Meaning::Fallen(_), Slope::Falling) => {}
+        }
+    }
+
+    /// What a contact point means that has come to rest, and what follows.
+    fn rest_of_contact(&self, motion: &Motion) -> (EventKind, End) {
+        if self.scenario.stop.on_stick {
+            (EventKind::SlipStops, End::Stop(StopReason::SlipStopped))
+        } else if self.model().grip(&motion.tilt).holds() {
+            (EventKind::Stick, End::Switch(Regime::Sticking))
+        } else {
+            (EventKind::SlipStops, End::Switch(Regime::Slipping))
         }
     }
 
@@ -246,7 +301,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let step_end = dense.t0 + dense.h;
         let earliest = self.end.map_or(step_end, |(time, _)| time);
         if duration <= earliest {
-            self.end = Some((duration, StopReason::Duration));
+            self.end = Some((duration, End::Stop(StopReason::Duration)));
             let limit = to_nanoseconds(duration);
             self.pending.retain(|record| record.time_ns() <= limit);
         }
@@ -264,7 +319,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let reached = match (self.end, &self.dense) {
             (Some((end, _)), _) => time_ns <= to_nanoseconds(end),
             (None, Some(dense)) => to_seconds(time_ns) <= dense.t0 + dense.h,
-            (None, None) => time_ns == 0,
+            (None, None) => to_seconds(time_ns) <= self.integrator.t(),
         };
         reached.then_some(time_ns)
     }
@@ -308,6 +363,23 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
+    /// Goes on from within the last step with the contact point at rest.
+    fn switch(&mut self, time: f64, regime: Regime) -> Result<(), SimulationError> {
+        let Some(dense) = self.dense.take() else {
+            return Ok(());
+        };
+        let state = dense.at((time - dense.t0) / dense.h);
+        let system = self.integrator.system().in_regime(regime);
+        let state = system.brought_to_rest(&state);
+        self.reference = system.motion(&state, self.reference).angles;
+        self.integrator
+            .restart(system, time, state, Direction::Forward)?;
+        self.watches = watches(&self.scenario, self.integrator.system());
+        self.nutation.interrupt();
+        self.end = None;
+        Ok(())
+    }
+
     /// Ends the run: everything before its end has been handed out.
     fn stop(&mut self, time: f64, reason: StopReason) {
         if let Some(dense) = &self.dense {
@@ -331,9 +403,15 @@ impl<F: Formulation<N>, const N: usize> Run for Runner<F, N> {
             if let Some(pending) = self.pending.pop_front() {
                 return Ok(Some(self.hand_out(pending)));
             }
-            if let Some((time, reason)) = self.end {
-                self.stop(time, reason);
-            } else if let Err(error) = self.step() {
+            let went_on = match self.end {
+                Some((time, End::Stop(reason))) => {
+                    self.stop(time, reason);
+                    Ok(())
+                }
+                Some((time, End::Switch(regime))) => self.switch(time, regime),
+                None => self.step(),
+            };
+            if let Err(error) = went_on {
                 self.stopped = Some(StopReason::Failed);
                 return Err(error);
             }
@@ -357,13 +435,17 @@ impl<F: Formulation<N>, const N: usize> Run for Runner<F, N> {
     }
 }
 
-/// What to look for in a scenario's run.
-fn watches(scenario: &Scenario) -> Vec<Watch> {
-    let stop = &scenario.stop;
+/// What to look for in a run, as long as it stays in its regime.
+fn watches<F: Formulation<N>, const N: usize>(setup: &Setup, formulation: &F) -> Vec<Watch> {
+    let stop = &setup.stop;
     let watch = |meaning, floor| Watch {
         meaning,
         tracker: SignTracker::with_floor(floor),
     };
+    if formulation.regime() == Regime::Sticking {
+        let sticking = [Meaning::Strength, Meaning::Grip, Meaning::Turning];
+        return sticking.map(|meaning| watch(meaning, 0.0)).into();
+    }
     let mut watches = vec![
         watch(Meaning::Nutation, NUTATION_FLOOR.0),
         watch(Meaning::NutationRate, NUTATION_FLOOR.1),
@@ -375,10 +457,10 @@ fn watches(scenario: &Scenario) -> Vec<Watch> {
         stop.theta_risen
             .map(|limit| watch(Meaning::Risen(limit), 0.0)),
     );
-    if !scenario.is_frictionless() {
+    if formulation.model().friction.is_set_valued() {
         watches.push(watch(Meaning::Slip, 0.0));
     }
-    if scenario.formulation == FormulationKind::Euler {
+    if setup.is_euler {
         watches.push(watch(Meaning::Singular, 0.0));
     }
     watches

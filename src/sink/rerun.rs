@@ -76,6 +76,8 @@ pub struct Geometry {
     pub top: Top,
     /// A typical friction force (k times the normal force) in N; 0 without friction.
     pub force_scale: f64,
+    /// A typical torque of friction, in N m; 0 without friction.
+    pub torque_scale: f64,
     /// A typical slip speed, as at the start, in m/s.
     pub slip_scale: f64,
 }
@@ -126,7 +128,8 @@ impl Identity {
             ),
             geometry: Geometry {
                 top: model.top,
-                force_scale: model.friction.law.force_scale(model.top.weight()),
+                force_scale: scenario.force_scale(),
+                torque_scale: scenario.torque_scale(),
                 slip_scale: scenario.slip_speed_at_start(),
             },
             topics,
@@ -238,6 +241,7 @@ mod tests {
             geometry: Geometry {
                 top: Preset::find("paper").unwrap().scenario().unwrap().model.top,
                 force_scale: 0.0324,
+                torque_scale: 0.0324 * 0.007,
                 slip_scale: 0.57,
             },
             topics,

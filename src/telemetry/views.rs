@@ -131,15 +131,13 @@ impl Scales {
     /// than the top.
     fn new(scenario: &Scenario, proportions: &Proportions) -> Self {
         let length = 1.6 * proportions.tip;
-        let top = &scenario.model.top;
-        let force = scenario.model.friction.law.force_scale(top.weight());
         let scale = |size: f64| {
             let scale = two_digits(length / size);
             Some(scale).filter(|scale| scale.is_finite() && *scale > 0.0)
         };
         Self {
             slip: scale(scenario.slip_speed_at_start()),
-            torque: scale(force * top.peg_radius),
+            torque: scale(scenario.torque_scale()),
         }
     }
 }

@@ -6,7 +6,8 @@
 //! by more than the relative tolerance, and there are at most five steps per radian of the fastest rate.
 
 use super::{Check, Group, Verdict};
-use crate::friction::FrictionLaw;
+use crate::dynamics::Model;
+use crate::friction::Dissipation;
 use crate::math;
 use crate::scenario::Scenario;
 use crate::telemetry::{Message, channel_index, channels};
@@ -300,30 +301,58 @@ fn laws(scenario: &Scenario) -> Vec<Law> {
         regular_precession(scenario),
         bound_of_force(scenario),
     ];
-    let is_a_force = !friction.dissipation.drops_euler_terms();
-    if is_a_force {
-        laws.push(torque_of_force(scenario));
-        let power = number("/top/energy", "friction_power");
-        laws.push(law("friction only takes", "W", move |now, _| {
-            (now.number(power), 0.0)
-        }));
+    if !friction.dissipation.drops_euler_terms() {
+        laws.push(torque_of_friction(scenario));
+    }
+    if friction.dissipation.is_of_force() {
+        laws.push(only_takes(scenario));
     }
     laws.push(energy_balance());
-    if is_a_force || scenario.is_frictionless() {
-        let vertical = number("/top/momentum", "vertical");
-        laws.push(law("vertical momentum", "kg m²/s", move |now, history| {
-            let error = (now.number(vertical) - history.vertical).abs();
-            (error, history.accuracy(now) * history.largest_momentum)
+    if !friction.turns_about_vertical() || scenario.is_frictionless() {
+        laws.push(constant("vertical momentum", "vertical", |history| {
+            history.vertical
         }));
     }
-    if scenario.is_frictionless() {
-        let axial = number("/top/momentum", "axial");
-        laws.push(law("axial momentum", "kg m²/s", move |now, history| {
-            let error = (now.number(axial) - history.axial).abs();
-            (error, history.accuracy(now) * history.largest_momentum)
-        }));
+    let tilts_only = friction.dissipation == Dissipation::TiltTorqueOnly;
+    if scenario.is_frictionless() || (tilts_only && !friction.has_losses()) {
+        laws.push(constant("axial momentum", "axial", |history| history.axial));
     }
     laws
+}
+
+/// Friction gives no energy. Torques that mix directions, like those of the air, do so up to rounding.
+fn only_takes(scenario: &Scenario) -> Law {
+    let power = number("/top/energy", "friction_power");
+    let torque = vector("/top/torque", "friction_node");
+    let omega = vector("/top/pose", "omega_world");
+    let mixes = scenario.model.friction.has_losses();
+    law("friction only takes", "W", move |now, _| {
+        let allowed = if mixes {
+            8.0 * EPS * now.vector(torque).norm() * now.vector(omega).norm()
+        } else {
+            0.0
+        };
+        (now.number(power), allowed)
+    })
+}
+
+/// A momentum stays what it was.
+fn constant(name: &'static str, field: &str, first: fn(&History) -> f64) -> Law {
+    let momentum = number("/top/momentum", field);
+    law(name, "kg m²/s", move |now, history| {
+        let error = (now.number(momentum) - first(history)).abs();
+        (error, history.accuracy(now) * history.largest_momentum)
+    })
+}
+
+/// The torque of friction is that of the force, as far as it acts, and of what acts beside it.
+fn torque_of_friction(scenario: &Scenario) -> Law {
+    let friction = &scenario.model.friction;
+    if friction.dissipation.is_of_force() && !friction.has_losses() {
+        torque_of_force(scenario)
+    } else {
+        torque_of_parts(scenario)
+    }
 }
 
 /// How the rounding of the angles grows with their turns.
@@ -395,6 +424,51 @@ fn torque_of_force(scenario: &Scenario) -> Law {
     })
 }
 
+/// Parts of r × f, and the torques beside it that follow from rates and slip speed.
+fn torque_of_parts(scenario: &Scenario) -> Law {
+    let Model { top, friction } = scenario.model;
+    let [force, slip] = ["friction_force", "slip_world"].map(|path| vector("/top/contact", path));
+    let normal = number("/top/contact", "normal_force");
+    let [omega, axis, rotation] =
+        ["omega_world", "axis", "orientation"].map(|path| vector("/top/pose", path));
+    let [body, node] = ["friction_body", "friction_node"].map(|path| vector("/top/torque", path));
+    let turns = turns();
+    law("torque of friction", "N m", move |now, _| {
+        let (normal, axis) = (now.number(normal), now.vector(axis));
+        let slip_speed = now.vector(slip).norm();
+        let force = now.vector(force);
+        let of_force = top.peg_radius * Vector3::new(force.y, -force.x, 0.0);
+        let sliding = kept(friction.dissipation, &of_force, &axis);
+        let losses = friction
+            .torque_of_losses(slip_speed, normal, &now.vector(omega), &axis)
+            .unwrap_or_default();
+        // The resistance of a peg that doesn't roll is what it has to be, up to a bound.
+        let unknown = if slip_speed > 0.0 {
+            0.0
+        } else {
+            friction.losses.rolling_arm * normal
+        };
+        let rotation = UnitQuaternion::new_unchecked(now.quaternion(rotation));
+        let torque = rotation * now.vector(body);
+        let error = (torque - sliding - losses).norm();
+        let of_node = (now.vector(node).norm() - torque.norm()).abs();
+        let size = of_force.norm() + losses.norm() + unknown;
+        (error + of_node, unknown + 32.0 * EPS * turns(now) * size)
+    })
+}
+
+/// The components of a torque of sliding that act, in the world.
+fn kept(part: Dissipation, torque: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
+    let perpendicular = axis.cross(&Vector3::z().cross(axis));
+    let kept = match part {
+        Dissipation::TiltTorqueOnly => perpendicular,
+        Dissipation::SpinTorqueOnly => *axis,
+        _ => return *torque,
+    };
+    let direction = kept.try_normalize(0.0).unwrap_or_default();
+    direction * direction.dot(torque)
+}
+
 /// The accelerations are the sums of their terms.
 fn sum_of_accelerations() -> Law {
     let angle = |angle: &str, terms: &[&str]| {
@@ -461,16 +535,14 @@ fn regular_precession(scenario: &Scenario) -> Law {
 
 /// The friction force is no larger than the law's and doesn't push along the slip.
 fn bound_of_force(scenario: &Scenario) -> Law {
-    let coefficient = match scenario.model.friction.law {
-        FrictionLaw::None => 0.0,
-        FrictionLaw::Coulomb { k } => k,
-    };
+    let friction_law = scenario.model.friction.law;
     let force = vector("/top/contact", "friction_force");
     let normal = number("/top/contact", "normal_force");
     let slip = vector("/top/contact", "slip_world");
+    let speed = number("/top/contact", "slip_speed");
     law("bound of the force", "N", move |now, _| {
         let force = now.vector(force);
-        let bound = coefficient * now.number(normal);
+        let bound = friction_law.bound(now.number(speed), now.number(normal));
         let along = force.dot(&now.vector(slip));
         let excess = force.norm() - bound;
         (excess.max(along).max(0.0), 8.0 * EPS * bound)

@@ -218,6 +218,29 @@ fn presets_can_be_edited_and_run() {
 }
 
 #[test]
+fn laws_are_listed() {
+    let directory = tempdir().unwrap();
+    let text = answer(toprise(&directory).arg("laws"));
+    for part in [
+        "coulomb-tanh",
+        "friction.patch_radius",
+        "[m/s]",
+        "Zhuravlev",
+        "air.disc",
+    ] {
+        assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+    let json = answer(toprise(&directory).args(["laws", "--format", "json"]));
+    let json: Value = serde_json::from_str(&json).unwrap();
+    let names = json.as_array().unwrap().iter().map(|law| &law["name"]);
+    let listed: Vec<_> = toprise::scenario::LAWS.iter().map(|law| law.name).collect();
+    assert_eq!(names.collect::<Vec<_>>(), listed);
+    let parameter = &json[1]["parameters"][0];
+    assert_eq!(parameter["key"], "friction.k");
+    assert_eq!(parameter["allowed"], "a number from 0.0 to 100.0");
+}
+
+#[test]
 fn schemas_and_completions_are_printed() {
     let directory = tempdir().unwrap();
     assert!(answer(toprise(&directory).arg("schema")).contains("/top/torque"));

@@ -42,10 +42,7 @@ fn model(dissipation: Dissipation, k: f64) -> Model {
             peg_radius: 0.007,
             gravity: 9.81,
         },
-        friction: Friction {
-            law: FrictionLaw::Coulomb { k },
-            dissipation,
-        },
+        friction: Friction::sliding(FrictionLaw::Coulomb { k }, dissipation),
     }
 }
 
@@ -147,7 +144,7 @@ proptest! {
     fn both_formulations_have_the_same_derivative(a in angles(), r in rates(), part in dissipation()) {
         // Take a tiny Euler step with each formulation's derivative and compare the motions.
         let model = model(part, 0.03);
-        let (euler, body) = (EulerAngles { model }, BodyRotation { model });
+        let (euler, body) = (EulerAngles::new(model), BodyRotation::new(model));
         let h = 1e-7;
         let y = EulerAngles::state(a, r, &model);
         let dy = euler.derivative(0.0, &y);

@@ -343,3 +343,58 @@ fn val_closed_form_by_elliptic_functions() {
         }
     }
 }
+
+#[test]
+fn val_laws_of_friction_move_as_computed_by_others() {
+    let truth = reference();
+    let sqrt: &[(&str, &str)] = &[
+        ("friction.law", "coulomb-sqrt"),
+        ("friction.smoothing_speed", "0.0007"),
+    ];
+    let air: &[(&str, &str)] = &[("air.axial", "7.25e-7"), ("air.transverse", "8.52e-7")];
+    for (name, preset, overrides) in [
+        ("viscous k=0.03 v0=0.5", "viscous", &[][..]),
+        ("reg_sqrt k=0.03 v_eps=0.0007", "full-coulomb", sqrt),
+        (
+            "contensou k=0.03 a=5e-4",
+            "contensou",
+            &[("friction.patch_radius", "5e-4")],
+        ),
+        (
+            "coulomb k=0.03 + air linear c_n=7.25e-7 c_t=8.52e-7",
+            "full-coulomb",
+            air,
+        ),
+    ] {
+        let truth = &truth["friction_laws_fixed_peg_full_vector"][name];
+        for formulation in ["euler", "body"] {
+            // Errors add up over the viscous rise, which takes three times as long as the others.
+            let length = truth["samples"].as_array().unwrap().len() as f64 / 5.0;
+            let tolerance = Tolerance {
+                theta: EULER.theta * length,
+                rates: EULER.rates * length,
+                angles: EULER.angles * length,
+            };
+            let overrides = [overrides, &[("formulation", formulation)]].concat();
+            let run = Run::of(&scenario(preset, &overrides));
+            for sample in truth["samples"].as_array().unwrap() {
+                let compared = compare(run.at(digits(sample, "t").unwrap()), sample, &tolerance);
+                assert!(compared >= 5, "{name}: only {compared} numbers compared");
+            }
+            let rise = &truth["rise_0.02"];
+            assert_near(name, run.outcome.time, digits(rise, "t").unwrap(), 5e-10);
+            let rates = run.outcome.motion.tilt.rates;
+            assert_near("φ̇", rates.phi, digits(rise, "phd").unwrap(), 5e-8);
+            assert_near("ψ̇", rates.psi, digits(rise, "psd").unwrap(), 5e-8);
+        }
+    }
+}
+
+#[test]
+fn val_a_start_without_nutation_rises_as_computed_by_others() {
+    let run = Run::of(&scenario("nutation-free", &[]));
+    let truth = &reference()["slow_manifold_ic"];
+    let rise = truth["t_rise"].as_f64().unwrap();
+    assert_near("t", run.outcome.time, rise, 5e-10);
+    assert_eq!(run.events_of(EventKind::LoopingBegins).count(), 0);
+}

@@ -135,6 +135,62 @@ fn each_error_names_key_value_and_what_is_allowed() {
             &[("sampling.period", "1e-9")],
             &["sampling.period", "4294967295"],
         ),
+        (
+            &[("friction.law", "coulom-sqrt")],
+            &["coulom-sqrt", "did you mean coulomb-sqrt?", "stribeck"],
+        ),
+        (
+            &[("friction.smoothing_sped", "0.1")],
+            &["did you mean friction.smoothing_speed?"],
+        ),
+        (&[("roling.arm", "1")], &["did you mean rolling.arm?"]),
+        (
+            &[("friction.law", "viscous")],
+            &["friction.viscous_speed", "missing"],
+        ),
+        (
+            &[("friction.viscous_speed", "1")],
+            &["friction.viscous_speed", "no meaning", "coulomb"],
+        ),
+        (
+            &[("friction.law", "viscous"), ("friction.viscous_speed", "0")],
+            &["friction.viscous_speed", "0", "1e-9"],
+        ),
+        (
+            &[("rolling.arm", "-1e-4")],
+            &["rolling.arm", "-0.0001", "0.0 to 1.0"],
+        ),
+        (&[("air.axial", "nan")], &["air.axial", "NaN"]),
+        (
+            &[("drilling.k", "0.1")],
+            &["drilling.patch_radius", "missing"],
+        ),
+        (
+            &[("drilling.patch_radius", "0.001")],
+            &["drilling.k", "missing"],
+        ),
+        (
+            &[
+                ("friction.law", "contensou"),
+                ("friction.patch_radius", "1e-4"),
+                ("drilling.k", "0.1"),
+                ("drilling.patch_radius", "1e-4"),
+            ],
+            &["drilling.k", "contensou", "of its own"],
+        ),
+        (
+            &[("stop.on_stick", "continue")],
+            &["stop.on_stick", "friction.dissipation", "full"],
+        ),
+        (
+            &[
+                ("friction.dissipation", "full"),
+                ("stop.on_stick", "continue"),
+                ("stop.duration", ""),
+            ],
+            &["stop.on_stick", "stop.duration"],
+        ),
+        (&[("stop.on_stick", "wait")], &["stop.on_stick", "continue"]),
     ] {
         let message = error("paper", overrides);
         for part in parts {

@@ -88,7 +88,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         in_body_axes: true,
         from: From::PegCenter,
         length: 1.5,
-        scale: |geometry| Some(geometry.force_scale * geometry.top.peg_radius),
+        scale: |geometry| Some(geometry.torque_scale),
         unit: "N m",
         is_compared: false,
     },

@@ -97,6 +97,7 @@ impl PairIdentity {
             geometry: Geometry {
                 top: run.geometry.top,
                 force_scale: a.force_scale.max(b.force_scale),
+                torque_scale: a.torque_scale.max(b.torque_scale),
                 slip_scale: a.slip_scale.max(b.slip_scale),
             },
             ..run.clone()

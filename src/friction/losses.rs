@@ -1,0 +1,95 @@
+//! What takes energy beside the sliding: torques that belong to no slip.
+
+use super::law::drilling_torque;
+use nalgebra::Vector3;
+
+/// Rolling resistance, drilling and air. They add to any law of sliding and always act as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Losses {
+    /// Arm `δ` of rolling resistance, m: the torque is `−δ N ω_⊥ / |ω_⊥|` (the paper's friction torque has
+    /// this form with δ = k R). At rest it is any up to `δ N`.
+    pub rolling_arm: f64,
+    /// Drilling friction of the patch of contact.
+    pub drilling: Drilling,
+    /// Drag of the air.
+    pub air: Air,
+}
+
+/// Drilling friction about the vertical, as if nothing slipped: `−(3π/16) k N a sgn ω_z′` (pressure of
+/// Hertz; the limit v = 0 of V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705).
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Drilling {
+    /// Coefficient of friction in the patch, dimensionless.
+    pub k: f64,
+    /// Radius `a` of the patch of contact, m.
+    pub patch_radius: f64,
+}
+
+/// Drag of the air: `−c_n w_n n − c_t w_t − c |w_n|^(1/2) w_n n`, with the angular velocity's part `w_n`
+/// along the symmetry axis `n` and the rest `w_t` across it.
+///
+/// The last term is that of a disc with a laminar boundary layer (T. von Kármán, Z. Angew. Math. Mech.
+/// 1 (1921) 233).
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Air {
+    /// `c_n`, N m s.
+    pub axial: f64,
+    /// `c_t`, N m s.
+    pub transverse: f64,
+    /// `c`, N m s^(3/2).
+    pub disc: f64,
+}
+
+impl Losses {
+    /// The torque in N m, in any frame whose z axis is vertical, from the angular velocity (rad/s) and the
+    /// direction of the symmetry axis in that frame. The rolling resistance of a peg that does not roll is
+    /// left out: it depends on what it has to hold.
+    #[must_use]
+    #[inline]
+    pub fn torque(
+        &self,
+        normal_force: f64,
+        omega: &Vector3<f64>,
+        axis: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let Drilling { k, patch_radius } = self.drilling;
+        let drilling = drilling_torque(k, patch_radius, normal_force, 0.0, omega.z);
+        let rolling = self.rolling_resistance(normal_force, omega);
+        let contact = Vector3::new(-rolling * omega.x, -rolling * omega.y, drilling);
+        contact + self.air.torque(omega, axis)
+    }
+
+    /// `δ N / |ω_⊥|`, N m s; 0 without rolling.
+    #[inline]
+    fn rolling_resistance(&self, normal_force: f64, omega: &Vector3<f64>) -> f64 {
+        let rate = (omega.x * omega.x + omega.y * omega.y).sqrt();
+        if rate > 0.0 {
+            self.rolling_arm * normal_force / rate
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    #[inline]
+    pub fn is_none(&self) -> bool {
+        self.rolling_arm == 0.0 && !self.turns_about_vertical()
+    }
+
+    /// Whether they have a torque about the vertical.
+    #[must_use]
+    #[inline]
+    pub fn turns_about_vertical(&self) -> bool {
+        self.drilling.k != 0.0 || self.air != Air::default()
+    }
+}
+
+impl Air {
+    #[inline]
+    fn torque(&self, omega: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
+        let axial_rate = omega.dot(axis);
+        let along = self.axial + self.disc * axial_rate.abs().sqrt() - self.transverse;
+        -self.transverse * omega - along * axial_rate * axis
+    }
+}
