@@ -2,6 +2,7 @@
 
 mod convert;
 mod diff;
+mod figures;
 mod format;
 mod info;
 mod interrupt;
@@ -60,6 +61,7 @@ Examples:
   toprise verify recordings/*.mcap         whether they can be trusted
   toprise diff paper full-coulomb          what another friction model changes
   toprise diff a.mcap b.mcap --rel 1e-9    whether two recordings agree
+  toprise figures                          the paper's figures, and more, as SVG and PNG
   toprise convert a.mcap b.mcap --encoding protobuf
   toprise recover a.mcap.partial a.mcap    what an interrupted run left
 
@@ -99,6 +101,14 @@ enum Command {
     /// Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 equal as
     /// far as both could be read.
     Diff(diff::DiffArguments),
+    /// Draw figures for print: those of the paper, and more.
+    ///
+    /// figure-2, figure-3 and figure-4 are the paper's. The others show the accelerations term by term, the rates
+    /// of regular precession, the torques, the slip and the energy. With several runs each is an overlay; figure-4
+    /// compares the others with the first.
+    ///
+    /// Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn without what a run lacks.
+    Figures(figures::FiguresArguments),
     /// Write a recording in another encoding; content, metadata and attachments stay the same.
     Convert(convert::ConvertArguments),
     /// Save what can be read of an interrupted or damaged recording.
@@ -177,6 +187,7 @@ fn dispatch(command: Command) -> Result<Done, Error> {
         #[cfg(feature = "rerun")]
         Command::View(arguments) => view::view(&arguments),
         Command::Diff(arguments) => diff::diff(&arguments),
+        Command::Figures(arguments) => figures::figures(&arguments),
         Command::Convert(arguments) => convert::convert(&arguments),
         Command::Recover(arguments) => recover::recover(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),

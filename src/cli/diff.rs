@@ -216,7 +216,7 @@ impl DiffArguments {
 }
 
 /// A run on the command line.
-enum Given {
+pub(super) enum Given {
     Recording(Box<Recording>),
     Scenario(Box<Scenario>),
 }
@@ -229,7 +229,8 @@ impl Given {
         }
     }
 
-    fn bytes(&self) -> u64 {
+    /// The size of its file.
+    pub(super) fn bytes(&self) -> u64 {
         match self {
             Self::Recording(recording) => recording.size(),
             Self::Scenario(_) => 0,
@@ -264,7 +265,7 @@ fn given(arguments: &DiffArguments) -> Result<Vec<Given>, Error> {
 }
 
 /// The run that a word means: a preset, a scenario file, or else a recording.
-fn open(word: &str, overrides: &[(String, String)]) -> Result<Given, Error> {
+pub(super) fn open(word: &str, overrides: &[(String, String)]) -> Result<Given, Error> {
     let is_preset = PRESETS.iter().any(|preset| preset.name == word);
     let path = Path::new(word);
     let is_path = path.exists() || word.contains(['/', '\\']) || word.contains(".mcap");

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const LAYERS: &[&[&str]] = &[
     &["cli"],
     &["recover"],
-    &["convert", "diff", "verify", "view"],
+    &["convert", "diff", "figures", "verify", "view"],
     &["sink", "recording"],
     &["telemetry"],
     &["simulation"],
