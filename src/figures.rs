@@ -19,8 +19,10 @@
 
 mod decimate;
 mod drawing;
+mod frame;
+mod key;
 mod locus;
-mod plot;
+mod page;
 mod png;
 mod run;
 mod style;
@@ -170,7 +172,7 @@ pub const FIGURES: &[Figure] = &[
             topic: "/top/contact",
             fields: &["slip_speed", "slip_path"],
         }],
-        uses: &[NUTATIONS],
+        uses: &[],
         draw: time::slip,
     },
     Figure {

@@ -1,5 +1,6 @@
 //! A figure as shapes and labels, before it becomes a file. Lengths are in mm, from the upper left corner.
 
+use super::style::{self, FONT};
 use super::text::Text;
 
 /// A colour: red, green, blue.
@@ -147,6 +148,14 @@ impl Label {
     }
 }
 
+/// Which point of a label is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
 /// A whole figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
@@ -163,6 +172,46 @@ impl Drawing {
     #[must_use]
     pub fn size(&self) -> (f64, f64) {
         (self.width, self.height)
+    }
+
+    /// An empty figure; its height is given when it is known.
+    pub(super) fn new(width: f64) -> Self {
+        Self {
+            title: String::new(),
+            width,
+            height: 0.0,
+            groups: Vec::new(),
+            labels: Vec::new(),
+        }
+    }
+
+    /// Puts a text on a baseline.
+    pub(super) fn label(&mut self, text: Text, (x, y): Point, anchor: Anchor) {
+        let width = text.width * FONT;
+        let x = match anchor {
+            Anchor::Start => x,
+            Anchor::Middle => x - width / 2.0,
+            Anchor::End => x - width,
+        };
+        self.labels.push(Label {
+            text,
+            origin: (x, y),
+            size: FONT,
+            is_upward: false,
+            colour: style::BLACK,
+        });
+    }
+
+    /// Puts a text that runs upwards between two heights, with its ink right of `left`.
+    pub(super) fn upward_label(&mut self, text: Text, left: f64, (top, bottom): (f64, f64)) {
+        let y = f64::midpoint(top, bottom) + text.width * FONT / 2.0;
+        self.labels.push(Label {
+            origin: (left + text.above * FONT, y),
+            text,
+            size: FONT,
+            is_upward: true,
+            colour: style::BLACK,
+        });
     }
 
     pub(super) fn group(&mut self, meaning: &str, shapes: Vec<Shape>) {

@@ -16,6 +16,12 @@ const ORANGE: Colour = Colour(0xe6, 0x9f, 0x00);
 /// Shaded regions.
 pub(super) const SHADE: Colour = Colour(0xf4, 0xee, 0xd6);
 
+/// What stands in legends for the motions of several runs.
+pub(super) const PALE: Colour = Colour(0xc8, 0xc8, 0xc8);
+
+/// The unit sphere.
+pub(super) const SURFACE: Colour = Colour(0xf6, 0xf6, 0xf6);
+
 /// In the order in which runs and terms take them.
 const COLOURS: &[Colour] = &[BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK];
 
@@ -34,6 +40,15 @@ const POINT: f64 = 25.4 / 72.0;
 
 /// Size of all letters: readable in a column 85 mm wide.
 pub(super) const FONT: f64 = 8.0 * POINT;
+
+/// A line of text with the room between lines, mm.
+pub(super) const LINE: f64 = 1.35 * FONT;
+
+/// Around the whole figure, mm.
+pub(super) const MARGIN: f64 = 0.8;
+
+/// From this width on there are two columns of plots, mm.
+pub(super) const TWO_COLUMNS: f64 = 130.0;
 
 /// Width of frames and ticks, and of thin lines that only guide the eye.
 pub(super) const HAIRLINE: f64 = 0.5 * POINT;
@@ -79,25 +94,32 @@ impl Looks {
         }
     }
 
-    /// Averages.
+    /// Averages. Those of several runs often lie on one another: dashes let each be seen.
     pub(super) fn average(self, run: usize) -> Stroke {
-        let colour = if self.runs == 1 {
-            BLACK
+        let (colour, dash) = if self.runs == 1 {
+            (BLACK, DASHED)
         } else {
-            self.colour(run)
+            (self.colour(run), DASHES[run % DASHES.len()])
         };
         Stroke {
-            dash: DASHED,
+            dash,
             ..line(colour, MEDIUM)
         }
     }
 
-    /// One of several quantities in a plot.
+    /// The locus of the axis.
+    pub(super) fn locus(self, run: usize) -> Stroke {
+        line(self.colour(run), HAIRLINE)
+    }
+
+    /// One of several quantities in a plot. Where those of several runs lie on one another, the broader line
+    /// of the earlier run shows.
     pub(super) fn term(self, run: usize, term: usize) -> Stroke {
         let colour = if self.runs == 1 { term } else { run };
+        let broader = (self.runs - 1).saturating_sub(run).min(3) as f64 * 0.7 * POINT;
         Stroke {
             dash: DASHES[term % DASHES.len()],
-            ..line(COLOURS[colour % COLOURS.len()], MEDIUM)
+            ..line(COLOURS[colour % COLOURS.len()], MEDIUM + broader)
         }
     }
 
@@ -109,8 +131,25 @@ impl Looks {
         }
         Stroke {
             colour: BLACK,
+            width: MEDIUM,
             ..stroke
         }
+    }
+
+    /// Rates of regular precession, under averages.
+    pub(super) fn root(self, run: usize) -> Stroke {
+        let colour = if self.runs == 1 {
+            VERMILLION
+        } else {
+            self.colour(run)
+        };
+        line(colour, THIN)
+    }
+
+    /// The same in a legend.
+    pub(super) fn root_in_key(self) -> Stroke {
+        let colour = if self.runs == 1 { VERMILLION } else { BLACK };
+        line(colour, THIN)
     }
 
     /// A run in a legend.

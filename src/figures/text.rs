@@ -29,6 +29,9 @@ const SUPERSCRIPT_SHIFT: f64 = 0.34;
 const ACCENT_GAP: f64 = 0.07;
 const ACCENT_STEP: f64 = 0.2;
 
+/// The longest name, em.
+const LONGEST_NAME: f64 = 14.0;
+
 /// Italic letters lean by this much of their height.
 const SLANT: f64 = 0.21;
 
@@ -71,9 +74,15 @@ pub(super) struct Text {
 impl Text {
     /// Sets a text as it is: a name that somebody gave.
     pub(super) fn plain(source: &str) -> Self {
-        let mut text = Self::default();
-        for letter in source.chars() {
-            text.push(letter, Style::Upright, Script::None);
+        Self::default().followed_by(source)
+    }
+
+    /// Sets the name of a run; of a long one the end, in which names of files differ.
+    pub(super) fn name(source: &str) -> Self {
+        let mut text = Self::plain(source);
+        let mut rest = source.chars();
+        while text.width > LONGEST_NAME && rest.next().is_some() {
+            text = Self::plain(&format!("…{}", rest.as_str()));
         }
         text
     }
@@ -103,6 +112,14 @@ impl Text {
             }
         }
         text
+    }
+
+    /// Adds words to it.
+    pub(super) fn followed_by(mut self, words: &str) -> Self {
+        for letter in words.chars() {
+            self.push(letter, Style::Upright, Script::None);
+        }
+        self
     }
 
     fn push(&mut self, letter: char, style: Style, script: Script) {
@@ -228,6 +245,13 @@ mod tests {
         assert!(dotted.above > bare.above);
         assert!((dotted.width - bare.width).abs() < 1e-12);
         assert_eq!(dotted.spoken, "θ\u{308}");
+    }
+
+    #[test]
+    fn long_names_keep_their_end() {
+        let text = Text::name(&"a/long/directory/".repeat(9));
+        assert!(text.width <= LONGEST_NAME && text.width > LONGEST_NAME - 1.0);
+        assert!(text.spoken.starts_with('…') && text.spoken.ends_with("directory/"));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Where an axis has its ticks, and what stands at them.
 
 use crate::math::log10;
+use std::ops::RangeInclusive;
 
 /// A range of values of an axis with its ticks.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +56,7 @@ pub(super) struct Tick {
 }
 
 impl Scale {
-    /// A scale from `low` to `high` with at most `most` ticks that bear numbers.
+    /// A scale from `low` to `high` with at most `most` ticks that bear numbers, but three if they fit the range.
     ///
     /// A range of no length, or none that is finite, is given one.
     pub(super) fn new(low: f64, high: f64, most: usize) -> Self {
@@ -65,12 +66,12 @@ impl Scale {
             mantissa: 1,
             exponent: log10(high - low).floor() as i32 - 3,
         };
-        while count(low, high, step) > most.max(2) as f64 {
+        while count(low, high, step) > most.max(3) as f64 {
             step = step.next();
         }
         let exponent = match log10(magnitude).floor() as i32 {
             // Numbers that are read easily as they are.
-            -2..=3 => 0,
+            -1..=3 => 0,
             decade => decade.div_euclid(3) * 3,
         };
         Self {
@@ -88,6 +89,18 @@ impl Scale {
 
     /// The ticks with numbers.
     pub(super) fn ticks(&self) -> Vec<Tick> {
+        self.labelled(self.numbers(self.step.value()))
+    }
+
+    /// The same, and one more if the last does not nearly reach the upper end.
+    pub(super) fn ticks_beyond(&self) -> Vec<Tick> {
+        let numbers = self.numbers(self.step.value());
+        let last = *numbers.end();
+        let is_short = self.step.value() * (last as f64) < 0.99 * self.high;
+        self.labelled(*numbers.start()..=last + i64::from(is_short))
+    }
+
+    fn labelled(&self, numbers: RangeInclusive<i64>) -> Vec<Tick> {
         let decimals = (self.exponent - self.step.exponent).max(0) as usize;
         let tick = |number: i64| {
             let value = scaled((number * self.step.mantissa) as f64, self.step.exponent);
@@ -98,7 +111,7 @@ impl Scale {
             let label = format!("{shown:.decimals$}").replace('-', "−");
             Tick { value, label }
         };
-        self.numbers(self.step.value()).map(tick).collect()
+        numbers.map(tick).collect()
     }
 
     /// The ticks between those, without numbers.
@@ -111,7 +124,7 @@ impl Scale {
             .collect()
     }
 
-    fn numbers(&self, step: f64) -> std::ops::RangeInclusive<i64> {
+    fn numbers(&self, step: f64) -> RangeInclusive<i64> {
         // The end of a range that is meant to lie on a tick does so but for rounding.
         let slack = 1e-9;
         let first = (self.low / step - slack).ceil() as i64;

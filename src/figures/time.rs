@@ -1,9 +1,11 @@
 //! The figures over time.
 
 use super::drawing::{Drawing, Point};
-use super::plot::{Band, Entry, Page, Panel, Sample, extremes};
+use super::frame::{Band, extremes};
+use super::key::{self, Entry, Sample};
+use super::page::{Page, Panel};
 use super::run::Run;
-use super::style::{Looks, SHADE};
+use super::style::{Looks, PALE, SHADE};
 use super::text::Text;
 
 const STATE: &str = "/top/state";
@@ -36,15 +38,20 @@ fn motion_and_average(
     (topic, field): (&str, &str),
     average: impl Fn(&Run) -> Vec<Point>,
 ) {
+    motions(panel, runs, (topic, field));
+    averages(panel, runs, field, average);
+}
+
+fn motions(panel: &mut Panel, runs: &[&Run], (topic, field): (&str, &str)) {
     let looks = Looks { runs: runs.len() };
     for (index, run) in runs.iter().enumerate() {
-        let points = run.series(topic, field);
-        panel.curve(
-            format!("{}: {field}", run.name),
-            points,
-            looks.motion(index),
-        );
+        let meaning = format!("{}: {field}", run.name);
+        panel.curve(meaning, run.series(topic, field), looks.motion(index));
     }
+}
+
+fn averages(panel: &mut Panel, runs: &[&Run], field: &str, average: impl Fn(&Run) -> Vec<Point>) {
+    let looks = Looks { runs: runs.len() };
     for (index, run) in runs.iter().enumerate() {
         let meaning = format!("{}: average of {field}", run.name);
         panel.curve(meaning, average(run), looks.average(index));
@@ -60,23 +67,12 @@ fn motion_key(runs: &[&Run]) -> Vec<Entry> {
             Entry::line(looks.average(0), "average over each nutation"),
         ];
     }
-    let mut key = run_key(runs);
-    let dashed = looks.term_in_key(1);
-    key.push(Entry::line(dashed, "average over each nutation"));
+    let mut key = key::of_runs(runs, Looks::average);
+    key.push(Entry::area(
+        PALE,
+        "simulation; lines: average over each nutation",
+    ));
     key
-}
-
-/// The legend of several runs; one needs none.
-fn run_key(runs: &[&Run]) -> Vec<Entry> {
-    let looks = Looks { runs: runs.len() };
-    let entry = |(index, run): (usize, &&Run)| Entry {
-        sample: Sample::Line(looks.run_in_key(index)),
-        text: Text::plain(&run.name),
-    };
-    if runs.len() == 1 {
-        return Vec::new();
-    }
-    runs.iter().enumerate().map(entry).collect()
 }
 
 /// The paper's figure 4: θ of each further run with the averages of the first.
@@ -93,14 +89,14 @@ pub(super) fn compared(runs: &[&Run], width: f64) -> Drawing {
         panel.curve(meaning, reference.averages("theta_mean"), looks.average(0));
         panel.key.push(Entry {
             sample: Sample::Line(looks.motion(0)),
-            text: Text::plain(&run.name),
+            text: Text::name(&run.name),
         });
         panel
     };
     Page {
         key: vec![Entry {
             sample: Sample::Line(looks.average(0)),
-            text: Text::plain(&format!("{}, average over each nutation", reference.name)),
+            text: Text::name(&reference.name).followed_by(", average over each nutation"),
         }],
         panels: others.iter().map(panel).collect(),
         shares_time: false,
@@ -144,7 +140,7 @@ impl<'a> Terms<'a> {
 /// Panels of several quantities each.
 fn page(runs: &[&Run], panels: Vec<Terms<'_>>) -> Page {
     Page {
-        key: run_key(runs),
+        key: key::of_runs(runs, Looks::run_in_key),
         panels: panels.into_iter().map(|terms| terms.panel).collect(),
         shares_time: true,
     }
@@ -169,30 +165,33 @@ pub(super) fn acceleration(runs: &[&Run], width: f64) -> Drawing {
 pub(super) fn precession(runs: &[&Run], width: f64) -> Drawing {
     let looks = Looks { runs: runs.len() };
     let mut slow = Panel::new("*φ\u{307}*", "rad/s");
-    let mean = |run: &Run| run.averages("phi_dot_mean");
-    motion_and_average(&mut slow, runs, (STATE, "phi_dot"), mean);
     let mut fast = Panel::new("*φ\u{307}*", "rad/s");
     fast.height = 0.45;
     fast.is_broken = true;
-    for (index, run) in runs.iter().enumerate() {
-        let root = |field| run.series("/top/precession", field);
-        for (panel, field) in [(&mut slow, "slow_root"), (&mut fast, "fast_root")] {
-            let meaning = format!("{}: {field}", run.name);
-            panel.curve(meaning, root(field), looks.term(index, 2));
+    let roots = |panel: &mut Panel, field: &str| {
+        for (index, run) in runs.iter().enumerate() {
+            let points = run.series("/top/precession", field);
+            panel.curve(format!("{}: {field}", run.name), points, looks.root(index));
         }
-    }
+    };
+    motions(&mut slow, runs, (STATE, "phi_dot"));
+    roots(&mut slow, "slow_root");
+    averages(&mut slow, runs, "phi_dot", |run| {
+        run.averages("phi_dot_mean")
+    });
+    roots(&mut fast, "fast_root");
     if let [run] = runs {
         for panel in [&mut slow, &mut fast] {
             panel.bands = rising(run);
         }
     }
     let mut key = motion_key(runs);
-    key.push(Entry::line(looks.term_in_key(2), "regular precession"));
+    key.push(Entry::line(
+        looks.root_in_key(),
+        "regular precession, slow and fast",
+    ));
     if !slow.bands.is_empty() {
-        key.push(Entry {
-            sample: Sample::Area(SHADE),
-            text: Text::markup("*θ\u{308}* < 0: the top rises"),
-        });
+        key.push(Entry::area(SHADE, "*θ\u{308}* < 0: the top rises"));
     }
     Page {
         key,
@@ -233,29 +232,21 @@ fn rising(run: &Run) -> Vec<Band> {
 pub(super) fn torque(runs: &[&Run], width: f64) -> Drawing {
     let component = |field: &'static str| move |run: &Run| run.series("/top/torque", field);
     let gravity =
-        Terms::new(runs, "*τ*", "N m").term("gravity, *τ*_{x}", component("gravity_node.x"));
+        Terms::new(runs, "*τ*", "N m").term("gravity, *τ*_{*x*}", component("gravity_node.x"));
     let friction = Terms::new(runs, "*τ*", "N m")
-        .term("friction, *τ*_{y}", component("friction_node.y"))
-        .term("*τ*_{z}", component("friction_node.z"))
-        .term("*τ*_{x}", component("friction_node.x"));
+        .term("friction, *τ*_{*y*}", component("friction_node.y"))
+        .term("*τ*_{*z*}", component("friction_node.z"))
+        .term("*τ*_{*x*}", component("friction_node.x"));
     page(runs, vec![gravity, friction]).draw(width)
 }
 
 /// How fast and how far the contact point slips.
 pub(super) fn slip(runs: &[&Run], width: f64) -> Drawing {
     let topic = "/top/contact";
-    let mut speed = Panel::new("|*v*|", "m/s");
-    motion_and_average(&mut speed, runs, (topic, "slip_speed"), |run| {
-        run.means(topic, "slip_speed")
-    });
-    let path =
-        Terms::new(runs, "*s*", "m").term("path slipped", |run| run.series(topic, "slip_path"));
-    Page {
-        key: motion_key(runs),
-        panels: vec![speed, path.panel],
-        shares_time: true,
-    }
-    .draw(width)
+    let series = |field: &'static str| move |run: &Run| run.series(topic, field);
+    let speed = Terms::new(runs, "|*v*|", "m/s").term("slip speed", series("slip_speed"));
+    let path = Terms::new(runs, "*s*", "m").term("path slipped", series("slip_path"));
+    page(runs, vec![speed, path]).draw(width)
 }
 
 /// Where the energy is, and where it goes.
