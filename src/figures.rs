@@ -21,6 +21,8 @@ mod decimate;
 mod drawing;
 mod frame;
 mod key;
+#[cfg(test)]
+mod layout_tests;
 mod locus;
 mod page;
 mod png;
@@ -177,11 +179,17 @@ pub const FIGURES: &[Figure] = &[
     },
     Figure {
         name: "energy",
-        title: "Kinetic, potential and total energy, and the work of friction",
+        title: "Kinetic, potential and total energy, and what friction takes",
         least_runs: 1,
         needs: &[Need {
             topic: "/top/energy",
-            fields: &["kinetic", "potential", "total", "friction_work"],
+            fields: &[
+                "kinetic",
+                "potential",
+                "total",
+                "friction_work",
+                "friction_power",
+            ],
         }],
         uses: &[],
         draw: time::energy,

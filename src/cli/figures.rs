@@ -75,8 +75,8 @@ fn names() -> PossibleValuesParser {
 fn parse_width(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
-        .filter(|width| (60.0..=400.0).contains(width))
-        .ok_or_else(|| "must be a width in mm from 60 to 400".to_owned())
+        .filter(|width| (80.0..=400.0).contains(width))
+        .ok_or_else(|| "must be a width in mm from 80 to 400".to_owned())
 }
 
 /// The runs of the paper's figures: the first of all, the others only of figure 4.
@@ -154,7 +154,8 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     }
     let mut drawn = Vec::new();
     for figure in figures {
-        let (able, lacking) = divided(figure, &runs[..arguments.count(figure, runs.len())]);
+        let count = arguments.count(figure, runs.len());
+        let (able, lacking) = divided(figure, &runs[..count]);
         for (run, missing) in lacking {
             let Figure { name, .. } = figure;
             output::warn(&format!(
@@ -163,7 +164,9 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
             ));
             done = Done::WithLosses;
         }
-        if able.len() >= figure.least_runs {
+        // A comparison without one of its runs would be another.
+        let is_able = figure.least_runs == 1 || able.len() == count;
+        if is_able && !able.is_empty() {
             drawn.push((figure, able));
         }
     }

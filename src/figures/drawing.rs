@@ -124,6 +124,7 @@ pub(super) struct Label {
     pub(super) colour: Colour,
 }
 
+#[cfg(test)]
 impl Label {
     /// The space that it takes.
     pub(super) fn bounds(&self) -> Bounds {

@@ -15,6 +15,9 @@ type Direction = [f64; 3];
 /// The end that is magnified, as a part of the run.
 const END: f64 = 0.02;
 
+/// The greatest height of the sphere, as a part of its width.
+const TALLEST: f64 = 0.8;
+
 /// Between the parts of the figure, mm.
 const GAP: f64 = 3.0;
 
@@ -44,7 +47,11 @@ pub(super) fn locus(runs: &[&Run], width: f64) -> Drawing {
     let sphere = Sphere::around(&traces);
     let squares = [traces.as_slice(), ends.as_slice()];
     let (bounds, below) = if width < TWO_COLUMNS {
-        let bounds = boxed((MARGIN, top), usable, sphere.height(usable));
+        let bounds = boxed(
+            (MARGIN, top),
+            usable,
+            sphere.height(usable).min(TALLEST * usable),
+        );
         let share = (usable - GAP) / 2.0;
         let top = bounds.bottom + LINE + GAP;
         let places = [MARGIN, MARGIN + share + GAP].map(|left| (left, top));
@@ -98,7 +105,7 @@ fn draw_squares(
 fn draw_square(drawing: &mut Drawing, frame: &Frame, traces: &[Trace]) {
     for trace in traces {
         let meaning = format!("{}: projection of the locus", trace.name);
-        drawing.group(&meaning, frame.path(&trace.from_above(), trace.stroke));
+        drawing.group(&meaning, frame.path(&trace.projected(), trace.stroke));
     }
     let place = |axis: &Direction| frame.place((axis[0], axis[1]));
     let dots = traces.iter().flat_map(|trace| trace.dots(place));
@@ -161,7 +168,7 @@ impl Trace {
         }
     }
 
-    fn from_above(&self) -> Vec<Point> {
+    fn projected(&self) -> Vec<Point> {
         self.axes.iter().map(|axis| (axis[0], axis[1])).collect()
     }
 

@@ -27,6 +27,8 @@ pub(super) struct Panel {
     pub(super) height: f64,
     /// Whether its axis is broken below it, and goes on in the next panel.
     pub(super) is_broken: bool,
+    /// Values beyond this magnitude may lie outside.
+    pub(super) limit: f64,
 }
 
 impl Panel {
@@ -38,6 +40,7 @@ impl Panel {
             key: Vec::new(),
             height: 1.0,
             is_broken: false,
+            limit: f64::INFINITY,
         }
     }
 
@@ -52,7 +55,8 @@ impl Panel {
     /// The scale of its axis: the range of its curves with some air.
     fn scale(&self, usual_height: f64) -> Scale {
         let values = self.curves.iter().flat_map(|curve| &curve.points);
-        let (low, high) = extremes(values.map(|point| point.1));
+        let values = values.map(|point| point.1);
+        let (low, high) = extremes(values.filter(|value| value.abs() <= self.limit));
         let air = 0.06 * (high - low);
         let most = frame::ticks_up(self.height * usual_height);
         Scale::new(low - air, high + air, most)

@@ -2,7 +2,7 @@
 
 use super::drawing::Point;
 use super::{Figure, Need};
-use crate::recording::{Condition, Reader, Recording, Selection};
+use crate::recording::{Condition, Loss, Reader, Recording, Selection};
 use crate::scenario::Scenario;
 use crate::simulation::Simulation;
 use crate::telemetry::{Message, Telemetry, TelemetryError, channel_index, channels};
@@ -59,9 +59,11 @@ impl Run {
         if !selection.topics.is_empty() {
             run.take_all(recording.reader(selection).in_order_of_time(), progress);
         }
-        if recording.condition() == Condition::Interrupted {
-            run.losses
-                .push("the run was interrupted: its end is missing".to_owned());
+        match recording.condition() {
+            Condition::Interrupted => run.lose("the run was cut off: its end is missing"),
+            Condition::Recovered => run.lose("it was recovered: parts may be missing"),
+            Condition::Damaged => run.losses.extend(told(recording.losses())),
+            Condition::Whole | Condition::Foreign => {}
         }
         run
     }
@@ -71,7 +73,7 @@ impl Run {
     pub fn simulate(scenario: &Scenario, figures: &[&Figure]) -> Self {
         let mut run = Self::new(scenario.name(), figures);
         if let Err(reason) = run.take_simulation(scenario) {
-            run.losses.push(reason);
+            run.lose(&reason);
         }
         run
     }
@@ -108,7 +110,7 @@ impl Run {
                 Ok(message) => self.take(&message),
                 Err(error) => {
                     if undecodable == 0 {
-                        self.losses.push(error.to_string());
+                        self.lose(&error.to_string());
                     }
                     undecodable += 1;
                 }
@@ -116,26 +118,28 @@ impl Run {
             progress(reader.progress());
         }
         if undecodable > 1 {
-            self.losses
-                .push(format!("{undecodable} messages can't be decoded"));
+            self.lose(&format!("{undecodable} messages can't be decoded"));
         }
-        let lost = reader.losses().iter().map(ToString::to_string);
-        self.losses.extend(lost);
+        self.losses.extend(told(reader.losses()));
+    }
+
+    fn lose(&mut self, what: &str) {
+        self.losses.push(what.to_owned());
     }
 
     fn take_simulation(&mut self, scenario: &Scenario) -> Result<(), String> {
         let topics: Vec<_> = self.tracks.iter().map(|t| t.topic.to_owned()).collect();
-        let told = |error: &dyn std::error::Error| error.to_string();
-        let mut telemetry = Telemetry::with_topics(&topics).map_err(|error| told(&error))?;
-        let mut simulation = Simulation::new(scenario).map_err(|error| told(&error))?;
+        let said = |error: &dyn std::error::Error| error.to_string();
+        let mut telemetry = Telemetry::with_topics(&topics).map_err(|error| said(&error))?;
+        let mut simulation = Simulation::new(scenario).map_err(|error| said(&error))?;
         for record in simulation.by_ref() {
-            let record = record.map_err(|error| told(&error))?;
+            let record = record.map_err(|error| said(&error))?;
             telemetry
                 .messages(&record, |message| {
                     self.take(message);
                     Ok::<(), TelemetryError>(())
                 })
-                .map_err(|error| told(&error))?;
+                .map_err(|error| said(&error))?;
         }
         Ok(())
     }
@@ -171,8 +175,27 @@ impl Run {
         self.tracks.iter().find(|track| track.topic == topic)
     }
 
-    /// A number over time; nothing where the run doesn't have it.
+    /// A number over time; nothing if the run doesn't have it. Where samples are missing it has a point that
+    /// is not a number.
     pub(super) fn series(&self, topic: &str, field: &str) -> Vec<Point> {
+        let points = self.points(topic, field);
+        let steps = points.windows(2).map(|pair| pair[1].0 - pair[0].0);
+        let step = steps.fold(f64::INFINITY, f64::min);
+        let mut series = Vec::with_capacity(points.len());
+        for point in points {
+            match series.last() {
+                Some((before, _)) if point.0 - before > 1.5 * step => {
+                    series.push((f64::midpoint(*before, point.0), f64::NAN));
+                }
+                _ => {}
+            }
+            series.push(point);
+        }
+        series
+    }
+
+    /// The numbers of the messages, with their times.
+    fn points(&self, topic: &str, field: &str) -> Vec<Point> {
         self.track(topic).map_or_else(Vec::new, |track| {
             let values = track.values(field).iter().copied();
             track.times.iter().copied().zip(values).collect()
@@ -181,7 +204,7 @@ impl Run {
 
     /// A mean over each nutation, as it was recorded, at the middle of the nutation.
     pub(super) fn averages(&self, field: &str) -> Vec<Point> {
-        let means = self.series(NUTATION, field);
+        let means = self.points(NUTATION, field);
         self.cycles()
             .zip(means)
             .map(|((from, to), (_, mean))| (f64::midpoint(from, to), mean))
@@ -190,7 +213,7 @@ impl Run {
 
     /// The mean over each nutation of a number that was sampled.
     pub(super) fn means(&self, topic: &str, field: &str) -> Vec<Point> {
-        let integral = Integral::of(&self.series(topic, field));
+        let integral = Integral::of(self.points(topic, field));
         self.cycles()
             .filter_map(|(from, to)| {
                 let mean = (integral.at(to)? - integral.at(from)?) / (to - from);
@@ -201,13 +224,17 @@ impl Run {
 
     /// When each nutation began and ended, s.
     fn cycles(&self) -> impl Iterator<Item = (f64, f64)> {
-        let starts = self.series(NUTATION, "start");
-        let periods = self.series(NUTATION, "period");
+        let starts = self.points(NUTATION, "start");
+        let periods = self.points(NUTATION, "period");
         starts
             .into_iter()
             .zip(periods)
             .map(|((_, start), (_, period))| (start, start + period))
     }
+}
+
+fn told(losses: &[Loss]) -> impl Iterator<Item = String> {
+    losses.iter().map(ToString::to_string)
 }
 
 impl Track {
@@ -241,8 +268,7 @@ struct Integral {
 }
 
 impl Integral {
-    fn of(points: &[Point]) -> Self {
-        let points: Vec<_> = points.to_vec();
+    fn of(points: Vec<Point>) -> Self {
         let mut sum = 0.0;
         let mut sums = vec![0.0];
         for pair in points.windows(2) {
@@ -262,5 +288,51 @@ impl Integral {
         let part = (time - t0) / (t1 - t0);
         let y = y0 + part * (y1 - y0);
         Some(self.sums[before] + (time - t0) * f64::midpoint(y0, y))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(times: &[f64], values: &[f64]) -> Run {
+        let figure = Figure::find("slip").unwrap();
+        let mut run = Run::new("run", &[figure]);
+        run.tracks[0].times = times.to_vec();
+        run.tracks[0].columns[0].values = values.to_vec();
+        run
+    }
+
+    #[test]
+    fn missing_samples_are_a_gap() {
+        let run = run(&[0.0, 1.0, 2.0, 5.0], &[4.0, 5.0, 6.0, 7.0]);
+        let series = run.series("/top/contact", "slip_speed");
+        assert_eq!(series.len(), 5);
+        assert!(series[3].0 == 3.5 && series[3].1.is_nan());
+    }
+
+    #[test]
+    fn integrals_are_those_of_straight_lines() {
+        let integral = Integral::of(vec![(0.0, 0.0), (1.0, 2.0), (2.0, 2.0)]);
+        let found = [0.0, 0.5, 1.0, 1.5, 2.0].map(|time| integral.at(time));
+        assert_eq!(found, [0.0, 0.25, 1.0, 2.0, 3.0].map(Some));
+        assert_eq!((integral.at(-0.1), integral.at(2.1)), (None, None));
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let need = &Figure::find("slip").unwrap().needs[0];
+        let missing = |run: &Run| run.missing(need);
+        let none = Run {
+            tracks: Vec::new(),
+            ..run(&[], &[])
+        };
+        assert_eq!(missing(&none).as_deref(), Some("/top/contact"));
+        assert_eq!(
+            missing(&run(&[], &[])).as_deref(),
+            Some("messages of /top/contact")
+        );
+        let found = missing(&run(&[0.0], &[f64::NAN]));
+        assert_eq!(found.as_deref(), Some("/top/contact.slip_speed"));
     }
 }

@@ -116,7 +116,7 @@ impl Looks {
     /// of the earlier run shows.
     pub(super) fn term(self, run: usize, term: usize) -> Stroke {
         let colour = if self.runs == 1 { term } else { run };
-        let broader = (self.runs - 1).saturating_sub(run).min(3) as f64 * 0.7 * POINT;
+        let broader = (self.runs - 1).saturating_sub(run).min(2) as f64 * 0.5 * POINT;
         Stroke {
             dash: DASHES[term % DASHES.len()],
             ..line(COLOURS[colour % COLOURS.len()], MEDIUM + broader)

@@ -15,16 +15,17 @@ impl Drawing {
     /// The figure as an SVG document.
     #[must_use]
     pub fn svg(&self) -> String {
+        let (width, height) = (unit(self.width), unit(self.height));
         let mut svg = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         // Writing to a String cannot fail.
         let _ = writeln!(
             svg,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
              width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {} {}\" role=\"img\">\n<title>{}</title>",
-            decimal(self.width),
-            decimal(self.height),
-            unit(self.width),
-            unit(self.height),
+            decimal(width as f64 / SCALE),
+            decimal(height as f64 / SCALE),
+            width,
+            height,
             escaped(&self.title),
         );
         svg.push_str(&self.glyphs());
@@ -115,27 +116,21 @@ fn stroke(stroke: &Stroke) -> String {
 
 /// A line as steps from point to point, without steps of no length.
 fn path(points: &[Point]) -> String {
+    let mut places: Vec<_> = points.iter().map(|(x, y)| (unit(*x), unit(*y))).collect();
+    places.dedup();
     let mut svg = String::new();
     let mut last = (0, 0);
-    for (index, point) in points.iter().enumerate() {
-        let place = (unit(point.0), unit(point.1));
+    for (index, place) in places.into_iter().enumerate() {
         let (dx, dy) = (place.0 - last.0, place.1 - last.1);
-        if index > 0 && (dx, dy) == (0, 0) {
-            continue;
-        }
-        let command = match index {
+        // A minus sign separates as well as a space does.
+        let before = match index {
             0 => "M",
             1 => "l",
+            _ if dx < 0 => "",
             _ => " ",
         };
-        // A minus sign separates as well as a space does.
-        let separator = if dy < 0 { "" } else { " " };
-        let command = if command == " " && dx < 0 {
-            ""
-        } else {
-            command
-        };
-        let _ = write!(svg, "{command}{dx}{separator}{dy}");
+        let between = if dy < 0 { "" } else { " " };
+        let _ = write!(svg, "{before}{dx}{between}{dy}");
         last = place;
     }
     svg
@@ -244,11 +239,40 @@ impl OutlineBuilder for Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    /// The places on a path, as SVG has it: a place, and steps from there.
+    fn places(path: &str) -> Vec<(i64, i64)> {
+        let spaced = path.replace('-', " -").replace('l', " ");
+        let numbers: Vec<i64> = spaced[1..]
+            .split_whitespace()
+            .map(|number| number.parse().unwrap())
+            .collect();
+        let mut place = (0, 0);
+        let mut step = |step: &[i64]| {
+            place = (place.0 + step[0], place.1 + step[1]);
+            place
+        };
+        numbers.chunks(2).map(&mut step).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn paths_lead_from_place_to_place(
+            points in prop::collection::vec((-1.0..1.0, -0.1..0.1), 1..30),
+        ) {
+            let path = path(&points);
+            let mut expected: Vec<_> = points.iter().map(|(x, y)| (unit(*x), unit(*y))).collect();
+            expected.dedup();
+            prop_assert_eq!(path.contains('l'), expected.len() > 1);
+            prop_assert_eq!(places(&path), expected);
+        }
+    }
 
     #[test]
     fn paths_are_steps() {
         let points = [(1.0, 1.0), (1.0, 1.001), (1.5, 0.5), (1.25, 0.75)];
-        assert_eq!(path(&points), "M100 100 50-50-25 25");
+        assert_eq!(path(&points), "M100 100l50-50-25 25");
     }
 
     #[test]

@@ -99,6 +99,7 @@ impl Text {
                 '*' if style == Style::Upright => style = Style::Italic,
                 '*' => style = Style::Upright,
                 '_' | '^' if letters.next_if_eq(&'{').is_some() => {
+                    text.spoken.push(letter);
                     script = if letter == '_' {
                         Script::Sub
                     } else {
@@ -257,6 +258,6 @@ mod tests {
     #[test]
     fn names_are_set_as_they_are() {
         assert_eq!(Text::plain("a*b_{c}").spoken, "a*b_{c}");
-        assert_eq!(Text::markup("*E*_{kin} (J)").spoken, "Ekin (J)");
+        assert_eq!(Text::markup("*E*_{kin} (J)").spoken, "E_kin (J)");
     }
 }

@@ -140,10 +140,12 @@ fn count(low: f64, high: f64, step: Step) -> f64 {
 
 /// A range that has a length which numbers at ticks can tell.
 fn widened(low: f64, high: f64) -> (f64, f64) {
-    if !(low.is_finite() && high.is_finite()) {
+    let magnitude = low.abs().max(high.abs());
+    // Not so for numbers that are not finite, or such as no run has.
+    let is_sound = magnitude < 1e100 && low <= high;
+    if !is_sound {
         return (0.0, 1.0);
     }
-    let magnitude = low.abs().max(high.abs());
     let least = (magnitude * 1e-6).max(1e-12);
     if high - low < least {
         return (low - least, high + least);
@@ -177,7 +179,7 @@ mod tests {
         let scale = Scale::new(0.0, 0.000_23, 5);
         assert_eq!(scale.exponent, -6);
         assert_eq!(scale.ticks().last().unwrap().label, "200");
-        let scale = Scale::new(0.0, 25_000.0, 5);
+        let scale = Scale::new(0.0, 25_000.0, 6);
         assert_eq!((scale.exponent, scale.ticks()[1].label.as_str()), (3, "5"));
     }
 
@@ -187,6 +189,7 @@ mod tests {
             (1.0, 1.0),
             (0.0, 0.0),
             (f64::NAN, 1.0),
+            (-1e300, 1e300),
             (f64::INFINITY, 2.0),
         ] {
             let scale = Scale::new(low, high, 5);
@@ -209,7 +212,7 @@ mod tests {
                 let place = scale.place(tick.value);
                 prop_assert!((-1e-6..=1.000_001).contains(&place));
                 let shown: f64 = tick.label.replace('−', "-").parse().unwrap();
-                let value = shown * 10_f64.powi(scale.exponent);
+                let value = scaled(shown, scale.exponent);
                 prop_assert!((value - tick.value).abs() <= 1e-9 * tick.value.abs().max(1.0));
             }
         }

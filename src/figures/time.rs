@@ -180,6 +180,9 @@ pub(super) fn precession(runs: &[&Run], width: f64) -> Drawing {
         run.averages("phi_dot_mean")
     });
     roots(&mut fast, "fast_root");
+    // The fast root goes to infinity where the axis becomes horizontal.
+    let starts = fast.curves.iter().filter_map(|curve| curve.points.first());
+    fast.limit = 2.0 * extremes(starts.map(|point| point.1.abs())).1;
     if let [run] = runs {
         for panel in [&mut slow, &mut fast] {
             panel.bands = rising(run);
@@ -264,5 +267,6 @@ pub(super) fn energy(runs: &[&Run], width: f64) -> Drawing {
     let work = Terms::new(runs, "Δ*E*", "J")
         .term("change of the total", change)
         .term("work of friction", energy("friction_work"));
-    page(runs, vec![kinetic, potential, work]).draw(width)
+    let power = Terms::new(runs, "*P*", "W").term("power of friction", energy("friction_power"));
+    page(runs, vec![kinetic, potential, work, power]).draw(width)
 }

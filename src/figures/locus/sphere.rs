@@ -18,11 +18,14 @@ const AZIMUTH: f64 = 0.6;
 /// Meridians are 30° apart.
 const MERIDIANS: u32 = 12;
 
-/// Pieces of a circle.
-const PIECES: u32 = 180;
+/// What lies this little behind the outline of the sphere is there by rounding.
+const SLACK: f64 = 1e-9;
 
-/// How far the vertical is drawn above the pole, as a part of the cap's radius.
-const VERTICAL: f64 = 0.75;
+/// Pieces of a circle.
+const PIECES: u32 = 360;
+
+/// How far the vertical is drawn above the pole, as a part of the cap's radius, and at most.
+const VERTICAL: (f64, f64) = (0.75, 0.36);
 
 /// The cap of the sphere around the vertical on which the axes of some runs move.
 pub(super) struct Sphere {
@@ -92,18 +95,42 @@ impl Sphere {
         steps(TAU, MERIDIANS).skip(1).map(meridian).collect()
     }
 
+    /// The outline of the sphere where it is part of the cap.
+    fn outline(&self) -> Vec<Vec<Direction>> {
+        let (sin_e, cos_e) = sin_cos(ELEVATION);
+        let (sin_a, cos_a) = sin_cos(AZIMUTH);
+        let least = sin_cos(self.edge()).1;
+        let points: Vec<_> = steps(TAU, 2 * PIECES)
+            .map(|turn| {
+                let (up, right) = sin_cos(turn - PI / 2.0);
+                let forward = -up * sin_e;
+                [
+                    forward * cos_a - right * sin_a,
+                    forward * sin_a + right * cos_a,
+                    up * cos_e,
+                ]
+            })
+            .collect();
+        let is_on_cap = |axis: &&[Direction]| axis[0][2] >= least;
+        let parts = points.chunk_by(|a, b| (a[2] >= least) == (b[2] >= least));
+        parts.filter(is_on_cap).map(<[Direction]>::to_vec).collect()
+    }
+
     /// The piece of the vertical above the pole.
     fn vertical(&self) -> Vec<Direction> {
-        let length = VERTICAL * sin_cos(self.edge().min(PI / 2.0)).0;
+        let (part, most) = VERTICAL;
+        let length = most.min(part * sin_cos(self.edge().min(PI / 2.0)).0);
         vec![[0.0, 0.0, 1.0], [0.0, 0.0, 1.0 + length]]
     }
 
     /// Where all of it is seen: least and greatest to the right, and upwards.
     fn extent(&self) -> [(f64, f64); 2] {
-        let parts = [self.parallels(), self.meridians(), vec![self.vertical()]];
-        let points: Vec<_> = parts.iter().flatten().flatten().map(seen).collect();
+        let vertical = self.vertical();
+        let lines = [self.parallels(), self.meridians(), self.outline()];
+        let lines = lines.iter().flatten().chain(std::iter::once(&vertical));
+        let points: Vec<_> = lines.flatten().map(seen).collect();
         [0, 1].map(|axis| {
-            let visible = points.iter().filter(|point| point[2] >= 0.0);
+            let visible = points.iter().filter(|point| point[2] >= -SLACK);
             extremes(visible.map(|point| point[axis]))
         })
     }
@@ -153,6 +180,11 @@ impl Sphere {
         let thin = style::line(style::GREY, style::HAIRLINE / 2.0);
         for line in parallels.iter().chain(&self.meridians()) {
             shapes.extend(view.visible(line, thin));
+        }
+        for line in self.outline() {
+            let points = line.iter().map(|axis| view.place(axis)).collect();
+            let stroke = thin;
+            shapes.push(Shape::Line { points, stroke });
         }
         let vertical = self.vertical();
         let (x, y) = vertical.last().map_or(view.origin, |axis| view.place(axis));
