@@ -10,6 +10,7 @@ mod command_line;
 mod crash;
 mod damage;
 mod diff;
+mod figures;
 mod fuzz_corpus;
 mod golden;
 mod integrate;
