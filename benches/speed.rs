@@ -9,6 +9,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use toprise::convert::convert;
 use toprise::diff;
+use toprise::figures::{FIGURES, Run};
 use toprise::integrate::{Direction, Dop853, System, Tolerances};
 use toprise::recording::{Recording, Selection};
 use toprise::scenario::{Preset, Scenario};
@@ -294,5 +295,31 @@ fn recordings(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, integrator, runs, laws, recordings, diffs);
+/// Reading what all figures of the paper's run need, and drawing them.
+fn figures(criterion: &mut Criterion) {
+    let scenario = Preset::find("paper")
+        .and_then(Preset::scenario)
+        .expect("the preset is sound");
+    let directory = tempfile::tempdir().expect("there is a temporary directory");
+    archive(&scenario, &[], directory.path());
+    let path = directory.path().join("bench.mcap");
+    let recording = Recording::open(&path).expect("it is a recording");
+    let wanted: Vec<_> = FIGURES.iter().filter(|f| f.least_runs == 1).collect();
+    let read = || Run::read(&recording, "paper", &wanted, &|_| {});
+    let mut group = criterion.benchmark_group("figures: paper");
+    group.sample_size(10);
+    group.bench_function("read", |b| b.iter(|| black_box(read())));
+    let run = read();
+    for figure in &wanted {
+        group.bench_function(figure.name, |b| {
+            b.iter(|| {
+                let drawing = figure.draw(&[&run], 85.0);
+                black_box((drawing.svg(), drawing.png().expect("it has a size")))
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, integrator, runs, laws, recordings, diffs, figures);
 criterion_main!(benches);

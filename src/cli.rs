@@ -3,6 +3,7 @@
 mod convert;
 mod diff;
 mod explain;
+mod figures;
 mod format;
 mod info;
 mod interrupt;
@@ -63,6 +64,7 @@ Examples:
   toprise verify recordings/*.mcap         whether they can be trusted
   toprise diff paper full-coulomb          what another friction model changes
   toprise diff a.mcap b.mcap --rel 1e-9    whether two recordings agree
+  toprise figures                          the paper's figures, and more, as SVG and PNG
   toprise convert a.mcap b.mcap --encoding protobuf
   toprise recover a.mcap.partial a.mcap    what an interrupted run left
 
@@ -105,6 +107,14 @@ enum Command {
     /// Tell the story of a run: what friction did to the precession, why the axis rose or fell, where the energy
     /// went.
     Explain(explain::ExplainArguments),
+    /// Draw figures for print: those of the paper, and more.
+    ///
+    /// figure-2, figure-3 and figure-4 are the paper's. The others show the accelerations term by term, the rates
+    /// of regular precession, the torques, the slip and the energy. With several runs each is an overlay; figure-4
+    /// compares the others with the first.
+    ///
+    /// Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn without what a run lacks.
+    Figures(figures::FiguresArguments),
     /// Write a recording in another encoding; content, metadata and attachments stay the same.
     Convert(convert::ConvertArguments),
     /// Save what can be read of an interrupted or damaged recording.
@@ -190,6 +200,7 @@ fn dispatch(command: Command) -> Result<Done, Error> {
         Command::View(arguments) => view::view(&arguments),
         Command::Diff(arguments) => diff::diff(&arguments),
         Command::Explain(arguments) => explain::explain(&arguments),
+        Command::Figures(arguments) => figures::figures(&arguments),
         Command::Convert(arguments) => convert::convert(&arguments),
         Command::Recover(arguments) => recover::recover(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),

@@ -23,7 +23,7 @@
 //! From the bottom up: [`math`], [`integrate`] and [`kinematics`]; [`friction`] and [`top`];
 //! [`dynamics`], the equations of motion; [`scenario`], what defines a run; [`simulation`], the stream
 //! of samples and events; [`telemetry`], the table of what is logged; [`sink`] and [`recording`],
-//! writing and reading back; [`diff`], what differs between two runs; [`cli`], the program.
+//! writing and reading back; [`diff`], what differs between two runs; [`figures`], for print; [`cli`], the program.
 
 pub mod cli;
 pub mod convert;
@@ -32,6 +32,7 @@ pub mod diff;
 pub mod drawing;
 pub mod dynamics;
 pub mod explain;
+pub mod figures;
 pub mod friction;
 pub mod integrate;
 pub mod kinematics;

@@ -256,14 +256,15 @@ pub(super) enum Given {
 }
 
 impl Given {
-    fn subject(&self) -> Subject<'_> {
+    pub(super) fn subject(&self) -> Subject<'_> {
         match self {
             Self::Recording(recording) => Subject::Recording(recording),
             Self::Scenario(scenario) => Subject::Scenario(scenario),
         }
     }
 
-    fn bytes(&self) -> u64 {
+    /// The size of its file.
+    pub(super) fn bytes(&self) -> u64 {
         match self {
             Self::Recording(recording) => recording.size(),
             Self::Scenario(_) => 0,

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const LAYERS: &[&[&str]] = &[
     &["cli"],
     &["recover"],
-    &["convert", "diff", "explain", "verify", "view"],
+    &["convert", "diff", "explain", "figures", "verify", "view"],
     &["course", "subject"],
     &["sink", "recording"],
     &["telemetry"],

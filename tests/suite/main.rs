@@ -12,6 +12,7 @@ mod damage;
 mod diff;
 mod diff_command;
 mod explain;
+mod figures;
 mod fuzz_corpus;
 mod golden;
 mod integrate;

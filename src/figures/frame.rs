@@ -1,0 +1,251 @@
+//! Frames with axes, and lines within them.
+
+use super::decimate;
+use super::drawing::{Anchor, Bounds, Colour, Drawing, Point, Shape, Stroke};
+use super::png::RESOLUTION;
+use super::style::{self, FONT, LINE};
+use super::text::Text;
+use super::ticks::Scale;
+
+/// Lengths of ticks, mm.
+const TICK: f64 = 1.1;
+const MINOR_TICK: f64 = 0.6;
+
+/// From a frame to the numbers at its ticks, and from these to the label of the axis, mm.
+const GAP: f64 = 1.0;
+
+/// The room that a number at a tick needs along its axis, mm.
+const TICK_ROOM_ACROSS: f64 = 11.0;
+const TICK_ROOM_UP: f64 = 6.5;
+
+/// A quantity and its unit, as on axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Quantity {
+    /// Markup of its symbol.
+    pub(super) symbol: &'static str,
+    /// Its unit, empty for pure numbers.
+    pub(super) unit: &'static str,
+}
+
+impl Quantity {
+    /// What stands at an axis whose numbers are multiplied by a power of ten.
+    fn text(self, exponent: i32) -> Text {
+        let Self { symbol, unit } = self;
+        let power = match exponent {
+            0 => String::new(),
+            _ => format!("10^{{{}}}", exponent.to_string().replace('-', "−")),
+        };
+        let in_brackets = match (power.is_empty(), unit.is_empty()) {
+            (true, true) => return Text::markup(symbol),
+            (false, false) => format!("{power} {unit}"),
+            _ => format!("{power}{unit}"),
+        };
+        Text::markup(&format!("{symbol} ({in_brackets})"))
+    }
+}
+
+/// A shaded region between two lines with the same times.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Band {
+    pub(super) meaning: String,
+    pub(super) lower: Vec<Point>,
+    pub(super) upper: Vec<Point>,
+    pub(super) fill: Colour,
+}
+
+/// A frame with two axes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Frame {
+    pub(super) bounds: Bounds,
+    pub(super) x: Scale,
+    pub(super) y: Scale,
+}
+
+impl Frame {
+    /// Where a point of the data is drawn.
+    pub(super) fn place(&self, (x, y): Point) -> Point {
+        let Bounds { left, bottom, .. } = self.bounds;
+        (
+            left + self.x.place(x) * self.bounds.width(),
+            bottom - self.y.place(y) * self.bounds.height(),
+        )
+    }
+
+    /// The shapes of a line whose points are in the order of time.
+    pub(super) fn line(&self, points: &[Point], stroke: Stroke) -> Vec<Shape> {
+        let places = points.iter().map(|point| self.place(*point));
+        decimate::by_column(places, 1.0 / RESOLUTION)
+            .iter()
+            .flat_map(|line| self.bounds.clip_line(line))
+            .map(|points| Shape::Line { points, stroke })
+            .collect()
+    }
+
+    /// The shapes of a line that goes anywhere.
+    pub(super) fn path(&self, points: &[Point], stroke: Stroke) -> Vec<Shape> {
+        let places: Vec<_> = points.iter().map(|point| self.place(*point)).collect();
+        let places = decimate::by_distance(&places, 0.5 / RESOLUTION);
+        let parts = self.bounds.clip_line(&places).into_iter();
+        parts.map(|points| Shape::Line { points, stroke }).collect()
+    }
+
+    pub(super) fn area(&self, band: &Band) -> Shape {
+        let Bounds { top, bottom, .. } = self.bounds;
+        let places = |points: &[Point]| {
+            let places = points.iter().map(|point| {
+                let (x, y) = self.place(*point);
+                (x, y.clamp(top, bottom))
+            });
+            decimate::by_column(places, 1.0 / RESOLUTION).concat()
+        };
+        let mut points = places(&band.lower);
+        points.extend(places(&band.upper).into_iter().rev());
+        Shape::Area {
+            points,
+            fill: band.fill,
+        }
+    }
+
+    /// A frame of equal sides whose axes have the same scale, around the middle of two ranges.
+    pub(super) fn square(bounds: Bounds, [across, upward]: [(f64, f64); 2]) -> Self {
+        let half = (across.1 - across.0).max(upward.1 - upward.0) / 2.0;
+        let scale = |(low, high): (f64, f64)| {
+            let middle = f64::midpoint(low, high);
+            let most = ticks_across(bounds.width()).min(ticks_up(bounds.height()));
+            Scale::new(middle - 1.08 * half, middle + 1.08 * half, most)
+        };
+        Self {
+            x: scale(across),
+            y: scale(upward),
+            bounds,
+        }
+    }
+
+    /// The frame and its ticks, which point inwards on all sides.
+    pub(super) fn draw(&self, drawing: &mut Drawing) {
+        let mut border = self.bounds.corners();
+        border.extend_from_within(..2);
+        let mut lines = vec![border];
+        let Bounds {
+            left,
+            top,
+            right,
+            bottom,
+        } = self.bounds;
+        let mut across = |value: f64, length: f64| {
+            let x = self.place((value, self.y.low)).0;
+            lines.push(vec![(x, bottom), (x, bottom - length)]);
+            lines.push(vec![(x, top), (x, top + length)]);
+        };
+        self.x.minor().iter().for_each(|v| across(*v, MINOR_TICK));
+        self.x.ticks().iter().for_each(|t| across(t.value, TICK));
+        let mut upward = |value: f64, length: f64| {
+            let y = self.place((self.x.low, value)).1;
+            lines.push(vec![(left, y), (left + length, y)]);
+            lines.push(vec![(right, y), (right - length, y)]);
+        };
+        self.y.minor().iter().for_each(|v| upward(*v, MINOR_TICK));
+        self.y.ticks().iter().for_each(|t| upward(t.value, TICK));
+        let stroke = style::frame();
+        let shape = |points| Shape::Line { points, stroke };
+        drawing.group("frame", lines.into_iter().map(shape).collect());
+    }
+
+    /// The numbers below it, and what they are.
+    pub(super) fn name_x(&self, drawing: &mut Drawing, quantity: Quantity) {
+        let Bounds {
+            left,
+            right,
+            bottom,
+            ..
+        } = self.bounds;
+        let baseline = bottom + GAP + 0.66 * FONT;
+        for tick in self.x.ticks() {
+            let x = self.place((tick.value, self.y.low)).0;
+            drawing.label(Text::plain(&tick.label), (x, baseline), Anchor::Middle);
+        }
+        let middle = f64::midpoint(left, right);
+        let text = quantity.text(self.x.exponent);
+        drawing.label(text, (middle, baseline + LINE), Anchor::Middle);
+    }
+
+    /// The numbers to its left, and what they are, beyond the `width` of the numbers.
+    pub(super) fn name_y(&self, drawing: &mut Drawing, quantity: Quantity, width: f64) {
+        let Bounds {
+            left, top, bottom, ..
+        } = self.bounds;
+        for tick in self.y.ticks() {
+            let y = self.place((self.x.low, tick.value)).1 + 0.33 * FONT;
+            drawing.label(Text::plain(&tick.label), (left - GAP, y), Anchor::End);
+        }
+        let text = quantity.text(self.y.exponent);
+        let ink = (text.above + text.below) * FONT;
+        drawing.upward_label(text, left - 2.0 * GAP - width - ink, (top, bottom));
+    }
+
+    /// Marks that the axis is broken at its lower end.
+    pub(super) fn draw_break(&self, drawing: &mut Drawing) {
+        let Bounds {
+            left,
+            right,
+            bottom,
+            ..
+        } = self.bounds;
+        let mark = |x: f64, y: f64| Shape::Line {
+            points: vec![(x - 0.8, y + 0.5), (x + 0.8, y - 0.5)],
+            stroke: style::frame(),
+        };
+        let ends = [bottom, bottom + BREAK];
+        let marks = ends.map(|y| [left, right].map(|x| mark(x, y)));
+        drawing.group("break of the axis", marks.concat());
+    }
+}
+
+/// The room that numbers and label to the left of a frame take, mm.
+pub(super) fn room_left(scale: &Scale, quantity: Quantity) -> f64 {
+    let text = quantity.text(scale.exponent);
+    2.0 * GAP + ticks_width(scale) + (text.above + text.below) * FONT
+}
+
+/// The width of the numbers at an upright axis, mm.
+pub(super) fn ticks_width(scale: &Scale) -> f64 {
+    let ticks = scale.ticks().into_iter();
+    let widths = ticks.map(|tick| Text::plain(&tick.label).width * FONT);
+    widths.fold(0.0, f64::max)
+}
+
+/// The room that numbers and label below a frame take, mm.
+pub(super) const ROOM_BELOW: f64 = GAP + 0.66 * FONT + LINE + 0.25 * FONT;
+
+/// Right of a frame, where half a number may stick out, mm.
+pub(super) const ROOM_RIGHT: f64 = 2.2;
+
+/// Between the two parts of a broken axis, mm.
+pub(super) const BREAK: f64 = 1.6;
+
+/// How many numbers an axis of this length has at most.
+pub(super) fn ticks_across(length: f64) -> usize {
+    (length / TICK_ROOM_ACROSS) as usize
+}
+
+/// The same for an upright one.
+pub(super) fn ticks_up(length: f64) -> usize {
+    (length / TICK_ROOM_UP) as usize
+}
+
+/// The least and the greatest of the numbers that are finite.
+pub(super) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        })
+}
+
+/// From the baseline of what stands above a frame down to it, mm.
+pub(super) const ABOVE: f64 = 1.1;
+
+/// Draws the letter of a panel.
+pub(super) fn draw_letter(drawing: &mut Drawing, letter: char, place: Point) {
+    drawing.label(Text::plain(&format!("({letter})")), place, Anchor::Start);
+}

@@ -1,0 +1,163 @@
+//! Legends.
+
+use super::drawing::{Anchor, Bounds, Colour, Drawing, Point, Shape, Stroke};
+use super::run::Run;
+use super::style::{self, FONT, LINE, Looks, MARGIN};
+use super::text::Text;
+
+/// An entry of a legend.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entry {
+    pub(super) sample: Sample,
+    pub(super) text: Text,
+}
+
+/// What stands before the words of an entry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Sample {
+    Line(Stroke),
+    Area(Colour),
+    /// A dot, filled or not.
+    Dot(bool),
+}
+
+impl Entry {
+    pub(super) fn line(stroke: Stroke, markup: &str) -> Self {
+        Self {
+            sample: Sample::Line(stroke),
+            text: Text::markup(markup),
+        }
+    }
+
+    pub(super) fn area(fill: Colour, markup: &str) -> Self {
+        Self {
+            sample: Sample::Area(fill),
+            text: Text::markup(markup),
+        }
+    }
+
+    /// A dot, for a place.
+    pub(super) fn dot(is_filled: bool, markup: &str) -> Self {
+        Self {
+            sample: Sample::Dot(is_filled),
+            text: Text::markup(markup),
+        }
+    }
+
+    /// From what stands before the words to the words, and to the next entry, mm.
+    const AFTER_SAMPLE: f64 = 1.2;
+    const AFTER: f64 = 4.0;
+
+    fn width(&self) -> f64 {
+        self.sample.width() + Self::AFTER_SAMPLE + self.text.width * FONT
+    }
+
+    fn draw(&self, drawing: &mut Drawing, left: f64, baseline: f64) {
+        let shape = self.sample.shape(left, baseline - 0.24 * FONT);
+        drawing.group(&format!("key: {}", self.text.spoken), vec![shape]);
+        let start = left + self.sample.width() + Self::AFTER_SAMPLE;
+        drawing.label(self.text.clone(), (start, baseline), Anchor::Start);
+    }
+}
+
+impl Sample {
+    /// Its width, mm.
+    fn width(self) -> f64 {
+        match self {
+            Self::Line(_) | Self::Area(_) => 6.5,
+            Self::Dot(_) => 2.0 * DOT,
+        }
+    }
+
+    fn shape(self, left: f64, middle: f64) -> Shape {
+        let right = left + self.width();
+        match self {
+            Self::Line(stroke) => Shape::Line {
+                points: vec![(left, middle), (right, middle)],
+                stroke,
+            },
+            Self::Area(fill) => Shape::Area {
+                points: Bounds {
+                    left,
+                    top: middle - 0.35 * FONT,
+                    right,
+                    bottom: middle + 0.35 * FONT,
+                }
+                .corners(),
+                fill,
+            },
+            Self::Dot(is_filled) => dot((left + DOT, middle), is_filled, style::BLACK),
+        }
+    }
+}
+
+/// Radius of dots, mm.
+const DOT: f64 = 0.7;
+
+/// A dot at a place.
+pub(super) fn dot(centre: Point, is_filled: bool, colour: Colour) -> Shape {
+    Shape::Dot {
+        centre,
+        radius: DOT,
+        fill: if is_filled { colour } else { style::WHITE },
+        stroke: style::line(colour, style::HAIRLINE),
+    }
+}
+
+/// The entries of several runs; one needs none.
+pub(super) fn of_runs(runs: &[&Run], look: impl Fn(Looks, usize) -> Stroke) -> Vec<Entry> {
+    let looks = Looks { runs: runs.len() };
+    let entry = |(index, run): (usize, &&Run)| Entry {
+        sample: Sample::Line(look(looks, index)),
+        text: Text::name(&run.name),
+    };
+    if runs.len() == 1 {
+        return Vec::new();
+    }
+    runs.iter().enumerate().map(entry).collect()
+}
+
+/// How many lines entries need.
+pub(super) fn lines(entries: &[Entry], width: f64) -> usize {
+    wrapped(entries, width).len()
+}
+
+/// Draws a legend at the top of a figure, and returns the height below it.
+pub(super) fn draw_at_top(drawing: &mut Drawing, entries: &[Entry]) -> f64 {
+    let sides = (MARGIN, drawing.width - MARGIN);
+    draw(drawing, entries, sides, MARGIN + 0.75 * FONT);
+    MARGIN + lines(entries, sides.1 - sides.0) as f64 * LINE
+}
+
+/// Divides entries into lines of a width.
+fn wrapped(entries: &[Entry], width: f64) -> Vec<&[Entry]> {
+    let mut lines = Vec::new();
+    let (mut start, mut used) = (0, 0.0);
+    for (index, entry) in entries.iter().enumerate() {
+        if index > start && used + entry.width() > width {
+            lines.push(&entries[start..index]);
+            (start, used) = (index, 0.0);
+        }
+        used += entry.width() + Entry::AFTER;
+    }
+    if start < entries.len() {
+        lines.push(&entries[start..]);
+    }
+    lines
+}
+
+/// Draws a legend whose first baseline is at `baseline`.
+pub(super) fn draw(
+    drawing: &mut Drawing,
+    entries: &[Entry],
+    (left, right): (f64, f64),
+    baseline: f64,
+) {
+    for (index, line) in wrapped(entries, right - left).into_iter().enumerate() {
+        let mut at = left;
+        for entry in line {
+            entry.draw(drawing, at, baseline + index as f64 * LINE);
+            at += entry.width() + Entry::AFTER;
+        }
+    }
+}

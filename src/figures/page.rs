@@ -1,0 +1,257 @@
+//! Plots over time: panels one below the other or in two columns, with legends above them.
+
+use super::drawing::{Bounds, Drawing, Point, Stroke};
+use super::frame::{self, Band, Frame, Quantity, extremes};
+use super::key::{self, Entry};
+use super::style::{LINE, MARGIN, TWO_COLUMNS};
+use super::ticks::Scale;
+
+/// A line through data.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Curve {
+    pub(super) meaning: String,
+    pub(super) points: Vec<Point>,
+    pub(super) stroke: Stroke,
+}
+
+/// A plot over time.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Panel {
+    pub(super) quantity: Quantity,
+    pub(super) bands: Vec<Band>,
+    /// In the order of drawing.
+    pub(super) curves: Vec<Curve>,
+    /// Its own legend.
+    pub(super) key: Vec<Entry>,
+    /// Its height as a part of the usual one.
+    pub(super) height: f64,
+    /// Whether its axis is broken below it, and goes on in the next panel.
+    pub(super) is_broken: bool,
+    /// Values beyond this magnitude may lie outside.
+    pub(super) limit: f64,
+}
+
+impl Panel {
+    pub(super) fn new(symbol: &'static str, unit: &'static str) -> Self {
+        Self {
+            quantity: Quantity { symbol, unit },
+            bands: Vec::new(),
+            curves: Vec::new(),
+            key: Vec::new(),
+            height: 1.0,
+            is_broken: false,
+            limit: f64::INFINITY,
+        }
+    }
+
+    pub(super) fn curve(&mut self, meaning: impl Into<String>, points: Vec<Point>, stroke: Stroke) {
+        self.curves.push(Curve {
+            meaning: meaning.into(),
+            points,
+            stroke,
+        });
+    }
+
+    /// The scale of its axis: the range of its curves with some air.
+    fn scale(&self, usual_height: f64) -> Scale {
+        let values = self.curves.iter().flat_map(|curve| &curve.points);
+        let values = values.map(|point| point.1);
+        let (low, high) = extremes(values.filter(|value| value.abs() <= self.limit));
+        let air = 0.06 * (high - low);
+        let most = frame::ticks_up(self.height * usual_height);
+        Scale::new(low - air, high + air, most)
+    }
+}
+
+/// Names the upright axes of frames one below the other, the names in one line.
+fn name_all_y(drawing: &mut Drawing, frames: &[(&Frame, &Panel)]) {
+    let widths = frames.iter().map(|(frame, _)| frame::ticks_width(&frame.y));
+    let width = widths.fold(0.0, f64::max);
+    for (frame, panel) in frames {
+        frame.name_y(drawing, panel.quantity, width);
+    }
+}
+
+/// Panels over time and their common legend.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Page {
+    pub(super) key: Vec<Entry>,
+    pub(super) panels: Vec<Panel>,
+    /// Whether all panels show the same span of time.
+    pub(super) shares_time: bool,
+}
+
+/// Time, as on axes.
+const TIME: Quantity = Quantity {
+    symbol: "*t*",
+    unit: "s",
+};
+
+/// Height of a panel, as a part of its width, and at most so many mm.
+const PROPORTION: f64 = 0.46;
+const TALLEST: f64 = 48.0;
+
+/// Between columns, mm.
+const COLUMN_GAP: f64 = 4.0;
+
+impl Page {
+    /// Draws it with a width in mm; the height follows.
+    pub(super) fn draw(&self, width: f64) -> Drawing {
+        let columns = self.columns(width);
+        let mut drawing = Drawing::new(width);
+        let mut top = key::draw_at_top(&mut drawing, &self.key);
+        let frames = self.frames(width, columns, &mut top);
+        for (index, frame) in frames.iter().enumerate() {
+            self.draw_panel(&mut drawing, index, columns, frame);
+        }
+        for column in 0..columns {
+            let of_column = frames
+                .iter()
+                .zip(&self.panels)
+                .skip(column)
+                .step_by(columns);
+            name_all_y(&mut drawing, &of_column.collect::<Vec<_>>());
+        }
+        drawing.height = top + MARGIN;
+        drawing
+    }
+
+    fn columns(&self, width: f64) -> usize {
+        let is_divided = self.panels.iter().any(|panel| panel.is_broken);
+        if width >= TWO_COLUMNS && self.panels.len() > 1 && !is_divided {
+            2
+        } else {
+            1
+        }
+    }
+
+    /// The span of time of a panel.
+    fn times(&self, panel: &Panel) -> (f64, f64) {
+        let all = if self.shares_time {
+            &self.panels[..]
+        } else {
+            std::slice::from_ref(panel)
+        };
+        let curves = all.iter().flat_map(|panel| &panel.curves);
+        let times = curves.flat_map(|curve| curve.points.iter().map(|point| point.0));
+        let (first, last) = extremes(times);
+        // Averages begin half a nutation later than the run.
+        let first = if first < 0.02 * last {
+            first.min(0.0)
+        } else {
+            first
+        };
+        (first, last)
+    }
+
+    /// Whether the panel has numbers of its own below it.
+    fn has_time_axis(&self, index: usize, columns: usize) -> bool {
+        !self.shares_time || index + columns >= self.panels.len()
+    }
+
+    /// Places the frames from `top` downwards, and moves `top` below them.
+    fn frames(&self, width: f64, columns: usize, top: &mut f64) -> Vec<Frame> {
+        let share = (width - 2.0 * MARGIN - (columns - 1) as f64 * COLUMN_GAP) / columns as f64;
+        let height = TALLEST.min(share * PROPORTION);
+        let rooms = self.rooms_left(columns, height);
+        let mut frames: Vec<Frame> = Vec::new();
+        for (row, panels) in self.panels.chunks(columns).enumerate() {
+            let first = row * columns;
+            let sides: Vec<_> = (0..panels.len())
+                .map(|column| {
+                    let left = MARGIN + column as f64 * (share + COLUMN_GAP);
+                    (left + rooms[column], left + share - frame::ROOM_RIGHT)
+                })
+                .collect();
+            *top += self.room_above(first, &sides);
+            let tall = panels.iter().map(|panel| panel.height * height);
+            let bottom = *top + tall.fold(0.0, f64::max);
+            for (panel, (left, right)) in panels.iter().zip(sides) {
+                let (low, high) = self.times(panel);
+                let bounds = Bounds {
+                    left,
+                    top: *top,
+                    right,
+                    bottom,
+                };
+                frames.push(Frame {
+                    x: Scale::new(low, high, frame::ticks_across(bounds.width())),
+                    y: panel.scale(height),
+                    bounds,
+                });
+            }
+            let has_axis = (0..panels.len()).any(|n| self.has_time_axis(first + n, columns));
+            *top = bottom + if has_axis { frame::ROOM_BELOW } else { 0.0 };
+        }
+        frames
+    }
+
+    /// For each column the room that the labels left of its frames need.
+    fn rooms_left(&self, columns: usize, height: f64) -> Vec<f64> {
+        let room = |panel: &Panel| frame::room_left(&panel.scale(height), panel.quantity);
+        let of_column = |column| self.panels.iter().skip(column).step_by(columns).map(room);
+        (0..columns)
+            .map(|column| of_column(column).fold(0.0, f64::max))
+            .collect()
+    }
+
+    /// The room above a row: for letters and legends.
+    fn room_above(&self, first: usize, sides: &[(f64, f64)]) -> f64 {
+        if self.continues(first) {
+            return frame::BREAK;
+        }
+        let panels = self.panels[first..].iter().zip(sides);
+        let lines =
+            panels.map(|(panel, (left, right))| key::lines(&panel.key, right - left - INDENT));
+        let letters = usize::from(self.letter(first).is_some());
+        lines.max().unwrap_or(0).max(letters) as f64 * LINE + 0.6
+    }
+
+    /// Whether a panel goes on with the axis of the one before it.
+    fn continues(&self, index: usize) -> bool {
+        index > 0 && self.panels[index - 1].is_broken
+    }
+
+    fn draw_panel(&self, drawing: &mut Drawing, index: usize, columns: usize, frame: &Frame) {
+        let panel = &self.panels[index];
+        for band in &panel.bands {
+            drawing.group(&band.meaning, vec![frame.area(band)]);
+        }
+        for curve in &panel.curves {
+            drawing.group(&curve.meaning, frame.line(&curve.points, curve.stroke));
+        }
+        frame.draw(drawing);
+        if panel.is_broken {
+            frame.draw_break(drawing);
+        }
+        if self.has_time_axis(index, columns) {
+            frame.name_x(drawing, TIME);
+        }
+        self.draw_heading(drawing, index, frame);
+    }
+
+    fn draw_heading(&self, drawing: &mut Drawing, index: usize, frame: &Frame) {
+        let panel = &self.panels[index];
+        let Bounds {
+            left, right, top, ..
+        } = frame.bounds;
+        let lines = key::lines(&panel.key, right - left - INDENT);
+        let baseline = top - frame::ABOVE - lines.saturating_sub(1) as f64 * LINE;
+        if let Some(letter) = self.letter(index) {
+            frame::draw_letter(drawing, letter, (left, baseline));
+        }
+        key::draw(drawing, &panel.key, (left + INDENT, right), baseline);
+    }
+
+    /// The letter of a panel; the parts of a broken axis have one together.
+    fn letter(&self, index: usize) -> Option<char> {
+        let count = |until: usize| (0..until).filter(|n| !self.continues(*n)).count();
+        if count(self.panels.len()) < 2 || self.continues(index) {
+            return None;
+        }
+        ('a'..='z').nth(count(index))
+    }
+}
+
+/// Room for the letter of a panel before its legend, mm.
+const INDENT: f64 = 6.5;

@@ -1,0 +1,263 @@
+//! Labels: symbols and units set in the font that the program carries.
+//!
+//! Glyphs are drawn as outlines, so a figure looks the same wherever it is shown, and the space that a
+//! label takes is known when figures are laid out.
+
+use std::sync::OnceLock;
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
+
+/// Upright for units and words, italic for symbols.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Style {
+    Upright,
+    Italic,
+}
+
+/// STIX Two Text 2.13, the Latin and Greek part: see `font/OFL.txt`.
+const UPRIGHT: &[u8] = include_bytes!("font/STIXTwoText-Regular.ttf");
+const ITALIC: &[u8] = include_bytes!("font/STIXTwoText-Italic.ttf");
+
+/// Units of the font in an em.
+pub(super) const UNITS: f64 = 1000.0;
+
+/// How large subscripts and superscripts are, and how far they are shifted, em.
+const SCRIPT: f64 = 0.7;
+const SUBSCRIPT_SHIFT: f64 = -0.18;
+const SUPERSCRIPT_SHIFT: f64 = 0.34;
+
+/// Room between a letter and the dots over it, and between two dots, em.
+const ACCENT_GAP: f64 = 0.07;
+const ACCENT_STEP: f64 = 0.2;
+
+/// The longest name, em.
+const LONGEST_NAME: f64 = 14.0;
+
+/// Italic letters lean by this much of their height.
+const SLANT: f64 = 0.21;
+
+fn face(style: Style) -> Option<&'static Face<'static>> {
+    static FACES: OnceLock<[Option<Face<'static>>; 2]> = OnceLock::new();
+    let faces = FACES.get_or_init(|| [UPRIGHT, ITALIC].map(|font| Face::parse(font, 0).ok()));
+    faces[style as usize].as_ref()
+}
+
+/// The outline of a glyph, in units of the font.
+pub(super) fn outline(style: Style, id: u16, builder: &mut dyn OutlineBuilder) {
+    if let Some(face) = face(style) {
+        face.outline_glyph(GlyphId(id), builder);
+    }
+}
+
+/// A glyph of a text. Lengths are in em.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Glyph {
+    pub(super) style: Style,
+    pub(super) id: u16,
+    pub(super) x: f64,
+    /// Upward from the baseline.
+    pub(super) y: f64,
+    pub(super) scale: f64,
+}
+
+/// A text that has been set. Lengths are in em.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Text {
+    pub(super) glyphs: Vec<Glyph>,
+    pub(super) width: f64,
+    /// How far its ink reaches above the baseline, and below.
+    pub(super) above: f64,
+    pub(super) below: f64,
+    /// The same without what makes it look so.
+    pub(super) spoken: String,
+}
+
+impl Text {
+    /// Sets a text as it is: a name that somebody gave.
+    pub(super) fn plain(source: &str) -> Self {
+        Self::default().followed_by(source)
+    }
+
+    /// Sets the name of a run; of a long one the end, in which names of files differ.
+    pub(super) fn name(source: &str) -> Self {
+        let mut text = Self::plain(source);
+        let mut rest = source.chars();
+        while text.width > LONGEST_NAME && rest.next().is_some() {
+            text = Self::plain(&format!("…{}", rest.as_str()));
+        }
+        text
+    }
+
+    /// Sets a text in which `*` begins and ends symbols, `_{…}` and `^{…}` are scripts, and combining dots
+    /// stand over the letter before them.
+    pub(super) fn markup(source: &str) -> Self {
+        let mut text = Self::default();
+        let mut style = Style::Upright;
+        let mut script = Script::None;
+        let mut letters = source.chars().peekable();
+        while let Some(letter) = letters.next() {
+            match letter {
+                '*' if style == Style::Upright => style = Style::Italic,
+                '*' => style = Style::Upright,
+                '_' | '^' if letters.next_if_eq(&'{').is_some() => {
+                    text.spoken.push(letter);
+                    script = if letter == '_' {
+                        Script::Sub
+                    } else {
+                        Script::Super
+                    };
+                }
+                '}' => script = Script::None,
+                '\u{307}' => text.accent(1, letter),
+                '\u{308}' => text.accent(2, letter),
+                _ => text.push(letter, style, script),
+            }
+        }
+        text
+    }
+
+    /// Adds words to it.
+    pub(super) fn followed_by(mut self, words: &str) -> Self {
+        for letter in words.chars() {
+            self.push(letter, Style::Upright, Script::None);
+        }
+        self
+    }
+
+    fn push(&mut self, letter: char, style: Style, script: Script) {
+        self.spoken.push(letter);
+        let Some(face) = face(style) else {
+            return;
+        };
+        // The font has a box for letters that it lacks.
+        let id = face.glyph_index(letter).unwrap_or(GlyphId(0));
+        let (scale, y) = script.scale_and_shift();
+        let advance = f64::from(face.glyph_hor_advance(id).unwrap_or(0)) / UNITS;
+        self.add(Glyph {
+            style,
+            id: id.0,
+            x: self.width,
+            y,
+            scale,
+        });
+        self.width += advance * scale;
+    }
+
+    fn add(&mut self, glyph: Glyph) {
+        if let Some(ink) = ink(&glyph) {
+            self.above = self.above.max(ink.top);
+            self.below = self.below.max(-ink.bottom);
+        }
+        self.glyphs.push(glyph);
+    }
+
+    /// Puts dots over the last letter.
+    fn accent(&mut self, dots: u8, mark: char) {
+        self.spoken.push(mark);
+        let style = Style::Upright;
+        let (Some(letter), Some(face)) = (self.glyphs.last().copied(), face(style)) else {
+            return;
+        };
+        let dot = Glyph {
+            style,
+            id: face.glyph_index('.').unwrap_or(GlyphId(0)).0,
+            x: 0.0,
+            y: 0.0,
+            scale: letter.scale,
+        };
+        let (Some(under), Some(over)) = (ink(&letter), ink(&dot)) else {
+            return;
+        };
+        let lean = match letter.style {
+            Style::Upright => 0.0,
+            // The middle of the ink leans with half the height, the dots with more than the whole.
+            Style::Italic => SLANT * (under.top - under.bottom + ACCENT_GAP) / 2.0,
+        };
+        let middle = f64::midpoint(under.left, under.right) + lean;
+        let step = ACCENT_STEP * letter.scale;
+        for count in 0..dots {
+            let offset = step * (f64::from(count) - f64::from(dots - 1) / 2.0);
+            self.add(Glyph {
+                x: middle + offset - f64::midpoint(over.left, over.right),
+                y: under.top + ACCENT_GAP * letter.scale - over.bottom,
+                ..dot
+            });
+        }
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Script {
+    None,
+    Sub,
+    Super,
+}
+
+impl Script {
+    fn scale_and_shift(self) -> (f64, f64) {
+        match self {
+            Self::None => (1.0, 0.0),
+            Self::Sub => (SCRIPT, SUBSCRIPT_SHIFT),
+            Self::Super => (SCRIPT, SUPERSCRIPT_SHIFT),
+        }
+    }
+}
+
+/// Where the ink of a glyph is, em.
+struct Ink {
+    left: f64,
+    right: f64,
+    bottom: f64,
+    top: f64,
+}
+
+fn ink(glyph: &Glyph) -> Option<Ink> {
+    let bounds = face(glyph.style)?.glyph_bounding_box(GlyphId(glyph.id))?;
+    let em = |units: i16| f64::from(units) / UNITS * glyph.scale;
+    Some(Ink {
+        left: glyph.x + em(bounds.x_min),
+        right: glyph.x + em(bounds.x_max),
+        bottom: glyph.y + em(bounds.y_min),
+        top: glyph.y + em(bounds.y_max),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fonts_have_all_letters_of_labels() {
+        for style in [Style::Upright, Style::Italic] {
+            let face = face(style).unwrap();
+            for letter in "θφψωτkR0123456789−.·²³()|/ ".chars() {
+                assert!(
+                    face.glyph_index(letter).is_some(),
+                    "{letter:?} in {style:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn dots_stand_over_their_letter_and_take_no_width() {
+        let bare = Text::markup("*θ*");
+        let dotted = Text::markup("*θ\u{308}*");
+        assert_eq!(dotted.glyphs.len(), 3);
+        assert!(dotted.above > bare.above);
+        assert!((dotted.width - bare.width).abs() < 1e-12);
+        assert_eq!(dotted.spoken, "θ\u{308}");
+    }
+
+    #[test]
+    fn long_names_keep_their_end() {
+        let text = Text::name(&"a/long/directory/".repeat(9));
+        assert!(text.width <= LONGEST_NAME && text.width > LONGEST_NAME - 1.0);
+        assert!(text.spoken.starts_with('…') && text.spoken.ends_with("directory/"));
+    }
+
+    #[test]
+    fn names_are_set_as_they_are() {
+        assert_eq!(Text::plain("a*b_{c}").spoken, "a*b_{c}");
+        assert_eq!(Text::markup("*E*_{kin} (J)").spoken, "E_kin (J)");
+    }
+}
