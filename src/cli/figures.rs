@@ -110,6 +110,12 @@ impl FiguresArguments {
         })
     }
 
+    /// The kinds of files, each once.
+    fn kinds(&self) -> impl Iterator<Item = Kind> {
+        let kinds = Kind::value_variants().iter().copied();
+        kinds.filter(|kind| self.format.contains(kind))
+    }
+
     fn path(&self, figure: &Figure, kind: Kind) -> PathBuf {
         let name = format!("{}.{}", figure.name, kind.extension());
         self.output.join(name)
@@ -119,7 +125,7 @@ impl FiguresArguments {
     fn check_files(&self, figures: &[&Figure]) -> Result<(), SinkError> {
         let all = figures
             .iter()
-            .flat_map(|figure| self.format.iter().map(|kind| self.path(figure, *kind)));
+            .flat_map(|figure| self.kinds().map(|kind| self.path(figure, kind)));
         let taken = all.into_iter().find(|path| path.symlink_metadata().is_ok());
         match taken {
             Some(path) if !self.force => Err(SinkError::Exists {
@@ -247,8 +253,8 @@ fn given(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<(Strin
 fn write_all(arguments: &FiguresArguments, figures: &[(&Figure, Vec<&Run>)]) -> Result<(), Error> {
     for (figure, runs) in figures {
         let drawing = figure.draw(runs, arguments.width);
-        for kind in &arguments.format {
-            let path = arguments.path(figure, *kind);
+        for kind in arguments.kinds() {
+            let path = arguments.path(figure, kind);
             let context = || path.display().to_string();
             let bytes = kind.bytes(&drawing).with_context(context)?;
             write(&path, Existing::forced(arguments.force), &bytes)?;

@@ -89,6 +89,7 @@ impl Frame {
         parts.map(|points| Shape::Line { points, stroke }).collect()
     }
 
+    /// The shape of a shaded region.
     pub(super) fn area(&self, band: &Band) -> Shape {
         let Bounds { top, bottom, .. } = self.bounds;
         let places = |points: &[Point]| {

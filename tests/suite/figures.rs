@@ -264,7 +264,7 @@ fn the_command_writes_both_kinds_and_overwrites_nothing() {
         fs::read(directory.path().join("out/energy.png")).unwrap(),
         b"mine"
     );
-    let forced = [&arguments[..], &["--force", "--format", "png"]].concat();
+    let forced = [&arguments[..], &["--force", "--format", "png,png"]].concat();
     figures(&directory, &forced).assert().success();
     assert!(fs::read(directory.path().join("out/energy.png")).unwrap() != b"mine");
 }
