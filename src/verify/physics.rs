@@ -446,7 +446,7 @@ fn torque_of_parts(scenario: &Scenario) -> Law {
         let unknown = if slip_speed > 0.0 {
             0.0
         } else {
-            friction.losses.rolling_arm * normal
+            friction.rolling_arm() * normal
         };
         let rotation = UnitQuaternion::new_unchecked(now.quaternion(rotation));
         let torque = rotation * now.vector(body);
