@@ -113,6 +113,7 @@ impl Model {
 
     /// What it takes to keep the contact point at rest in the state `tilt`.
     #[must_use]
+    #[inline(never)]
     pub fn grip(&self, tilt: &Tilt) -> Grip {
         self.friction.grip(&self.top, self.top.weight(), tilt)
     }

@@ -130,24 +130,38 @@ impl Friction {
     pub fn contact(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Contact {
         let slip = tilt.slip_velocity(top.peg_radius);
         let slip_speed = (slip.x * slip.x + slip.y * slip.y).sqrt();
-        let mut contact = Contact {
+        let axis = tilt.axis();
+        let losses = self.torque_of_losses(slip_speed, normal_force, tilt.omega_lean, axis);
+        let (force, losses) = if slip_speed > 0.0 {
+            (self.force(&slip, slip_speed, normal_force, tilt), losses)
+        } else {
+            self.held(top, normal_force, *tilt, losses)
+        };
+        Contact {
             slip,
             slip_speed,
             normal_force,
-            force: Vector3::zeros(),
-            losses: self.torque_of_losses(slip_speed, normal_force, &tilt.omega_lean, &tilt.axis()),
-        };
-        if slip_speed > 0.0 {
-            let drilling = tilt.omega_lean.z;
-            contact.force = -self.law.resistance(slip_speed, drilling, normal_force) * slip;
-            // Upright there is no line of nodes, so no part along it that could be left out.
-            if self.dissipation != Dissipation::Full && !tilt.is_upright() {
-                contact.force.x = 0.0;
-            }
-        } else if self.can_stick() {
-            self.hold(top, tilt, &mut contact);
+            force,
+            losses,
         }
-        contact
+    }
+
+    /// Force of a contact point that slips, N.
+    #[inline(always)]
+    fn force(
+        &self,
+        slip: &Vector3<f64>,
+        slip_speed: f64,
+        normal_force: f64,
+        tilt: &Tilt,
+    ) -> Vector3<f64> {
+        let drilling = tilt.omega_lean.z;
+        let mut force = -self.law.resistance(slip_speed, drilling, normal_force) * slip;
+        // Upright there is no line of nodes, so no part along it that could be left out.
+        if self.dissipation != Dissipation::Full && !tilt.is_upright() {
+            force.x = 0.0;
+        }
+        force
     }
 
     /// Whether the torque jumps where the slip stops.
@@ -171,7 +185,7 @@ impl Friction {
     pub fn grip(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Grip {
         let omega = Vector3::new(0.0, 0.0, tilt.omega_lean.z);
         let losses = self
-            .torque_of_losses(0.0, normal_force, &omega, &tilt.axis())
+            .torque_of_losses(0.0, normal_force, omega, tilt.axis())
             .unwrap_or_default();
         let needed = top.turning_torque(tilt, losses.z) - top.gravity_torque(tilt) - losses;
         Grip {
@@ -188,16 +202,24 @@ impl Friction {
         self.losses.map_or(0.0, |losses| losses.rolling_arm)
     }
 
-    /// Sets force and rolling resistance of a contact point at rest: both take their share.
+    /// Force and losses of a contact point at rest: both take their share of what holds it. Rare, and so
+    /// kept out of the integrator's inner loop.
     #[cold]
-    fn hold(&self, top: &Top, tilt: &Tilt, contact: &mut Contact) {
-        let grip = self.grip(top, contact.normal_force, tilt);
-        let torque = grip.torque();
-        let share = top.peg_radius * self.law.static_bound(contact.normal_force) / grip.strongest;
-        contact.force = share / top.peg_radius * Vector3::new(-torque.y, torque.x, 0.0);
-        if let Some(losses) = &mut contact.losses {
-            *losses += (1.0 - share) * torque;
+    fn held(
+        &self,
+        top: &Top,
+        normal_force: f64,
+        tilt: Tilt,
+        losses: Option<Vector3<f64>>,
+    ) -> (Vector3<f64>, Option<Vector3<f64>>) {
+        if !self.can_stick() {
+            return (Vector3::zeros(), losses);
         }
+        let grip = self.grip(top, normal_force, &tilt);
+        let torque = grip.torque();
+        let share = top.peg_radius * self.law.static_bound(normal_force) / grip.strongest;
+        let force = share / top.peg_radius * Vector3::new(-torque.y, torque.x, 0.0);
+        (force, losses.map(|losses| losses + (1.0 - share) * torque))
     }
 
     /// Torque of friction about the peg's centre beside that of the force, N m, in any frame whose z axis
@@ -209,8 +231,8 @@ impl Friction {
         &self,
         slip_speed: f64,
         normal_force: f64,
-        omega: &Vector3<f64>,
-        axis: &Vector3<f64>,
+        omega: Vector3<f64>,
+        axis: Vector3<f64>,
     ) -> Option<Vector3<f64>> {
         // What most runs don't have stays out of the integrator's inner loop.
         self.has_losses()
@@ -222,11 +244,11 @@ impl Friction {
         &self,
         slip_speed: f64,
         normal_force: f64,
-        omega: &Vector3<f64>,
-        axis: &Vector3<f64>,
+        omega: Vector3<f64>,
+        axis: Vector3<f64>,
     ) -> Vector3<f64> {
         let mut torque = match &self.losses {
-            Some(losses) => losses.torque(normal_force, omega, axis),
+            Some(losses) => losses.torque(normal_force, &omega, &axis),
             None => Vector3::zeros(),
         };
         if let FrictionLaw::Contensou { k, patch_radius } = self.law {
