@@ -10,6 +10,11 @@
 //! The function that gives the friction to the integrator, [`Friction::contact`], is the one whose
 //! numbers are logged.
 
+#![allow(
+    clippy::inline_always,
+    reason = "with hints alone the friction is called and not unrolled into the derivative, and runs take a quarter longer"
+)]
+
 mod body;
 mod euler;
 
@@ -101,20 +106,21 @@ impl Accelerations {
 impl Model {
     /// The contact in the state `tilt`. The peg's centre is fixed, so the table carries the weight.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn contact(&self, tilt: &Tilt) -> Contact {
         self.friction.contact(&self.top, self.top.weight(), tilt)
     }
 
     /// What it takes to keep the contact point at rest in the state `tilt`.
     #[must_use]
+    #[inline(never)]
     pub fn grip(&self, tilt: &Tilt) -> Grip {
         self.friction.grip(&self.top, self.top.weight(), tilt)
     }
 
     /// Torque of friction about the peg's centre in the lean frame, N m.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn friction_torque(&self, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
         self.friction.torque(&self.top, contact, tilt)
     }
@@ -124,7 +130,7 @@ impl Model {
     /// Upright, where φ and ψ have no meaning of their own, their accelerations are 0 but for
     /// the friction about the vertical.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn accelerations(&self, contact: &Contact, tilt: &Tilt) -> Accelerations {
         let Tilt {
             sin, cos, rates, ..

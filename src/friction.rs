@@ -3,6 +3,11 @@
 //! [`FrictionLaw`] gives the force of sliding at the point of contact. [`Losses`] are torques that belong
 //! to no slip: rolling resistance, drilling, air. [`Dissipation`] chooses parts of the sliding's torque.
 
+#![allow(
+    clippy::inline_always,
+    reason = "with hints alone the friction is called and not unrolled into the derivative, and runs take a quarter longer"
+)]
+
 mod law;
 mod losses;
 
@@ -72,7 +77,7 @@ pub struct Friction {
     /// The parts of it that act.
     pub dissipation: Dissipation,
     /// What acts beside it.
-    pub losses: Losses,
+    pub losses: Option<Losses>,
 }
 
 /// What it takes to keep a contact point at rest, and what friction can give.
@@ -115,41 +120,55 @@ impl Friction {
         Self {
             law,
             dissipation,
-            losses: Losses::default(),
+            losses: None,
         }
     }
 
     /// The contact of `top` in the state `tilt` under the normal force `normal_force` (N).
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn contact(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Contact {
         let slip = tilt.slip_velocity(top.peg_radius);
         let slip_speed = (slip.x * slip.x + slip.y * slip.y).sqrt();
-        let mut contact = Contact {
+        let axis = tilt.axis();
+        let losses = self.torque_of_losses(slip_speed, normal_force, tilt.omega_lean, axis);
+        let (force, losses) = if slip_speed > 0.0 {
+            (self.force(&slip, slip_speed, normal_force, tilt), losses)
+        } else {
+            self.held(top, normal_force, *tilt, losses)
+        };
+        Contact {
             slip,
             slip_speed,
             normal_force,
-            force: Vector3::zeros(),
-            losses: self.torque_of_losses(slip_speed, normal_force, &tilt.omega_lean, &tilt.axis()),
-        };
-        if slip_speed > 0.0 {
-            let drilling = tilt.omega_lean.z;
-            contact.force = -self.law.resistance(slip_speed, drilling, normal_force) * slip;
-            // Upright there is no line of nodes, so no part along it that could be left out.
-            if self.dissipation != Dissipation::Full && !tilt.is_upright() {
-                contact.force.x = 0.0;
-            }
-        } else if self.can_stick() {
-            self.hold(top, tilt, &mut contact);
+            force,
+            losses,
         }
-        contact
+    }
+
+    /// Force of a contact point that slips, N.
+    #[inline(always)]
+    fn force(
+        &self,
+        slip: &Vector3<f64>,
+        slip_speed: f64,
+        normal_force: f64,
+        tilt: &Tilt,
+    ) -> Vector3<f64> {
+        let drilling = tilt.omega_lean.z;
+        let mut force = -self.law.resistance(slip_speed, drilling, normal_force) * slip;
+        // Upright there is no line of nodes, so no part along it that could be left out.
+        if self.dissipation != Dissipation::Full && !tilt.is_upright() {
+            force.x = 0.0;
+        }
+        force
     }
 
     /// Whether the torque jumps where the slip stops.
     #[must_use]
     #[inline]
     pub fn is_set_valued(&self) -> bool {
-        self.law.static_bound(1.0) + self.losses.rolling_arm > 0.0
+        self.law.static_bound(1.0) + self.rolling_arm() > 0.0
     }
 
     /// Whether a contact point at rest can stay so: whether the law is set-valued there, and acts whole.
@@ -166,46 +185,76 @@ impl Friction {
     pub fn grip(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Grip {
         let omega = Vector3::new(0.0, 0.0, tilt.omega_lean.z);
         let losses = self
-            .torque_of_losses(0.0, normal_force, &omega, &tilt.axis())
+            .torque_of_losses(0.0, normal_force, omega, tilt.axis())
             .unwrap_or_default();
         let needed = top.turning_torque(tilt, losses.z) - top.gravity_torque(tilt) - losses;
         Grip {
             needed: Vector3::new(needed.x, needed.y, 0.0),
             strongest: top.peg_radius * self.law.static_bound(normal_force)
-                + self.losses.rolling_arm * normal_force,
+                + self.rolling_arm() * normal_force,
         }
     }
 
-    /// Sets force and rolling resistance of a contact point at rest: both take their share.
-    fn hold(&self, top: &Top, tilt: &Tilt, contact: &mut Contact) {
-        let grip = self.grip(top, contact.normal_force, tilt);
-        let torque = grip.torque();
-        let share = top.peg_radius * self.law.static_bound(contact.normal_force) / grip.strongest;
-        contact.force = share / top.peg_radius * Vector3::new(-torque.y, torque.x, 0.0);
-        if let Some(losses) = &mut contact.losses {
-            *losses += (1.0 - share) * torque;
+    /// Arm of rolling resistance, m.
+    #[must_use]
+    #[inline]
+    pub fn rolling_arm(&self) -> f64 {
+        self.losses.map_or(0.0, |losses| losses.rolling_arm)
+    }
+
+    /// Force and losses of a contact point at rest: both take their share of what holds it. Rare, and so
+    /// kept out of the integrator's inner loop.
+    #[cold]
+    fn held(
+        &self,
+        top: &Top,
+        normal_force: f64,
+        tilt: Tilt,
+        losses: Option<Vector3<f64>>,
+    ) -> (Vector3<f64>, Option<Vector3<f64>>) {
+        if !self.can_stick() {
+            return (Vector3::zeros(), losses);
         }
+        let grip = self.grip(top, normal_force, &tilt);
+        let torque = grip.torque();
+        let share = top.peg_radius * self.law.static_bound(normal_force) / grip.strongest;
+        let force = share / top.peg_radius * Vector3::new(-torque.y, torque.x, 0.0);
+        (force, losses.map(|losses| losses + (1.0 - share) * torque))
     }
 
     /// Torque of friction about the peg's centre beside that of the force, N m, in any frame whose z axis
     /// is vertical, from slip speed (m/s), normal force (N), and in that frame angular velocity (rad/s) and
     /// direction of the symmetry axis. None if nothing of that kind acts.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn torque_of_losses(
         &self,
         slip_speed: f64,
         normal_force: f64,
-        omega: &Vector3<f64>,
-        axis: &Vector3<f64>,
+        omega: Vector3<f64>,
+        axis: Vector3<f64>,
     ) -> Option<Vector3<f64>> {
-        let losses =
-            (!self.losses.is_none()).then(|| self.losses.torque(normal_force, omega, axis));
-        let FrictionLaw::Contensou { k, patch_radius } = self.law else {
-            return losses;
+        // What most runs don't have stays out of the integrator's inner loop.
+        self.has_losses()
+            .then(|| self.sum_of_losses(slip_speed, normal_force, omega, axis))
+    }
+
+    #[inline(never)]
+    fn sum_of_losses(
+        &self,
+        slip_speed: f64,
+        normal_force: f64,
+        omega: Vector3<f64>,
+        axis: Vector3<f64>,
+    ) -> Vector3<f64> {
+        let mut torque = match &self.losses {
+            Some(losses) => losses.torque(normal_force, &omega, &axis),
+            None => Vector3::zeros(),
         };
-        let drilling = drilling_torque(k, patch_radius, normal_force, slip_speed, omega.z);
-        Some(losses.unwrap_or_default() + Vector3::new(0.0, 0.0, drilling))
+        if let FrictionLaw::Contensou { k, patch_radius } = self.law {
+            torque.z += drilling_torque(k, patch_radius, normal_force, slip_speed, omega.z);
+        }
+        torque
     }
 
     /// Torque of friction about the peg's centre that enters the motion, in the lean frame, N m.
@@ -213,7 +262,7 @@ impl Friction {
     /// For the two ablations of the paper it is the torque that would produce the accelerations that are
     /// kept.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn torque(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
         let sliding = self.torque_of_sliding(top, contact, tilt);
         match contact.losses {
@@ -227,42 +276,40 @@ impl Friction {
     /// They grow without bound toward upright; upright itself only their sum about the vertical has
     /// a meaning and φ̈ is taken as 0, as for the rates.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn euler_accelerations(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Euler {
         let sliding = self.accelerations_of_sliding(top, contact, tilt);
         match contact.losses {
             None => sliding,
-            Some(losses) => {
-                let losses = top.euler_accelerations(&tilt.lean_to_node(&losses), tilt);
-                Euler {
-                    phi: sliding.phi + losses.phi,
-                    theta: sliding.theta + losses.theta,
-                    psi: sliding.psi + losses.psi,
-                }
-            }
+            Some(losses) => sliding + top.euler_accelerations(&tilt.lean_to_node(&losses), tilt),
         }
     }
 
     /// Whether nothing takes energy from the top.
     #[must_use]
     pub fn is_none(&self) -> bool {
-        self.law.is_none() && self.losses.is_none()
+        self.law.is_none() && self.losses.is_none_or(|losses| losses.is_none())
     }
 
     /// Whether there are torques beside that of the force: [`Contact::losses`].
     #[must_use]
+    #[inline]
     pub fn has_losses(&self) -> bool {
-        matches!(self.law, FrictionLaw::Contensou { .. }) || !self.losses.is_none()
+        self.losses.is_some() || matches!(self.law, FrictionLaw::Contensou { .. })
     }
 
     /// Whether a torque about the vertical acts.
     #[must_use]
     pub fn turns_about_vertical(&self) -> bool {
         let drills = matches!(self.law, FrictionLaw::Contensou { .. }) && !self.law.is_none();
-        !self.dissipation.is_of_force() || drills || self.losses.turns_about_vertical()
+        !self.dissipation.is_of_force()
+            || drills
+            || self
+                .losses
+                .is_some_and(|losses| losses.turns_about_vertical())
     }
 
-    #[inline]
+    #[inline(always)]
     fn torque_of_sliding(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
         if self.dissipation.is_of_force() || tilt.is_upright() {
             return contact_torque(top, contact);
@@ -282,7 +329,7 @@ impl Friction {
     }
 
     /// The components in the node frame of the force's torque that are kept, N m.
-    #[inline]
+    #[inline(always)]
     fn kept_torque(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
         let torque = tilt.lean_to_node(&contact_torque(top, contact));
         match self.dissipation {
@@ -292,7 +339,7 @@ impl Friction {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn accelerations_of_sliding(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Euler {
         let mut kept = top.euler_accelerations(&self.kept_torque(top, contact, tilt), tilt);
         match self.dissipation {

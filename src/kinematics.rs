@@ -17,6 +17,7 @@
 
 use crate::math::{atan2, hypot, sin_cos, unwrap_near};
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use std::ops::Add;
 
 /// Below this sine of θ the precession and the spin can't be told apart in double precision:
 /// their rates would overflow. Only their sum has a meaning there.
@@ -33,6 +34,19 @@ pub struct Euler {
     pub theta: f64,
     /// Spin, about the symmetry axis.
     pub psi: f64,
+}
+
+impl Add for Euler {
+    type Output = Self;
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self {
+            phi: self.phi + other.phi,
+            theta: self.theta + other.theta,
+            psi: self.psi + other.psi,
+        }
+    }
 }
 
 /// The inclination and the angular velocity as the contact and gravity see them: everything that

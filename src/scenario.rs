@@ -557,11 +557,11 @@ fn top(values: &Values) -> Result<Top, ScenarioError> {
 
 fn friction(values: &Values) -> Result<Friction, ScenarioError> {
     let law = law(values)?;
-    let losses = losses(values);
+    let losses = Some(losses(values)).filter(|losses| !losses.is_none());
     if matches!(law, FrictionLaw::Contensou { .. }) && values.get("drilling.k").is_some() {
         return Err(ScenarioError::Conflict {
             key: "drilling.k",
-            value: losses.drilling.k.to_string(),
+            value: values.number("drilling.k")?.to_string(),
             reason: "friction.law = \"contensou\" has a drilling torque of its own".to_owned(),
         });
     }

@@ -307,6 +307,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
+    #[inline]
     fn motion(&self, dense: &Dense<N>, s: f64) -> Motion {
         self.integrator
             .system()

@@ -440,13 +440,13 @@ fn torque_of_parts(scenario: &Scenario) -> Law {
         let of_force = top.peg_radius * Vector3::new(force.y, -force.x, 0.0);
         let sliding = kept(friction.dissipation, &of_force, &axis);
         let losses = friction
-            .torque_of_losses(slip_speed, normal, &now.vector(omega), &axis)
+            .torque_of_losses(slip_speed, normal, now.vector(omega), axis)
             .unwrap_or_default();
         // The resistance of a peg that doesn't roll is what it has to be, up to a bound.
         let unknown = if slip_speed > 0.0 {
             0.0
         } else {
-            friction.losses.rolling_arm * normal
+            friction.rolling_arm() * normal
         };
         let rotation = UnitQuaternion::new_unchecked(now.quaternion(rotation));
         let torque = rotation * now.vector(body);

@@ -115,7 +115,7 @@ proptest! {
             let alone = model(friction);
             // Exactly: each product of a component and its rate is negative or zero.
             prop_assert!(changes(&alone, &tilt)[2] <= 0.0);
-            friction.losses = losses;
+            friction.losses = Some(losses);
             let together = model(friction);
             let contact = together.contact(&tilt);
             let torque = together.friction_torque(&contact, &tilt);
@@ -253,7 +253,7 @@ proptest! {
     #[test]
     fn both_formulations_have_all_laws(tilt in state(), law in law(), losses in losses(), part in part()) {
         // The Euler accelerations turned into dL/dt are the torque: 𝕀 ω̇ + ω × L.
-        let model = model(Friction { law, dissipation: part, losses });
+        let model = model(Friction { law, dissipation: part, losses: Some(losses) });
         let contact = model.contact(&tilt);
         let torque = tilt.lean_to_node(&model.friction_torque(&contact, &tilt));
         let frictional = model.accelerations(&contact, &tilt).frictional;
@@ -273,7 +273,7 @@ proptest! {
     fn a_contact_at_rest_is_held_as_far_as_friction_goes(
         theta in 0.0..3.1_f64, omega in -200.0..200.0_f64, k in 0.0..10.0_f64, losses in losses(),
     ) {
-        let model = model(Friction { law: FrictionLaw::Coulomb { k }, dissipation: Dissipation::Full, losses });
+        let model = model(Friction { law: FrictionLaw::Coulomb { k }, dissipation: Dissipation::Full, losses: Some(losses) });
         let rates = Euler { phi: omega, theta: 0.0, psi: 0.0 };
         let tilt = Tilt::from_rates(theta, rates);
         let contact = model.contact(&tilt);
