@@ -5,6 +5,7 @@ mod diff;
 mod explain;
 mod figures;
 mod format;
+mod given;
 mod info;
 mod interrupt;
 mod laws;

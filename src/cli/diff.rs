@@ -4,15 +4,14 @@ mod content;
 #[cfg(feature = "rerun")]
 mod viewer;
 
+use super::given::{Given, open};
 use super::progress::Progress;
-use super::run::{parse_override, scenario};
+use super::run::parse_override;
 use super::{Done, EncodingName, format, output};
 use crate::diff::{
     Align, Archive, Matrix, Observer, Options, Report, Subject, Tolerance, Tolerances, Verdict,
     compare_observed,
 };
-use crate::recording::Recording;
-use crate::scenario::{PRESETS, Scenario};
 use crate::sink::publish::Existing;
 use crate::sink::{Side, SinkError};
 use crate::telemetry::Message;
@@ -246,32 +245,6 @@ fn refuse_outputs(arguments: &DiffArguments) -> Result<(), Error> {
     Ok(())
 }
 
-/// A key of a scenario and its new value.
-type Override = (String, String);
-
-/// A run on the command line.
-pub(super) enum Given {
-    Recording(Box<Recording>),
-    Scenario(Box<Scenario>),
-}
-
-impl Given {
-    pub(super) fn subject(&self) -> Subject<'_> {
-        match self {
-            Self::Recording(recording) => Subject::Recording(recording),
-            Self::Scenario(scenario) => Subject::Scenario(scenario),
-        }
-    }
-
-    /// The size of its file.
-    pub(super) fn bytes(&self) -> u64 {
-        match self {
-            Self::Recording(recording) => recording.size(),
-            Self::Scenario(_) => 0,
-        }
-    }
-}
-
 /// Compares runs.
 pub(super) fn diff(arguments: &DiffArguments) -> Result<Done, Error> {
     let options = arguments.options()?;
@@ -302,22 +275,6 @@ fn given(arguments: &DiffArguments) -> Result<Vec<Given>, Error> {
         bail!("--set has nothing to set: all runs are recordings");
     }
     Ok(runs)
-}
-
-/// The run that a word means: a preset, a scenario file, or else a recording.
-pub(super) fn open(word: &str, common: &[Override], own: &[Override]) -> Result<Given, Error> {
-    let is_preset = PRESETS.iter().any(|preset| preset.name == word);
-    let path = Path::new(word);
-    let is_path = path.exists() || word.contains(['/', '\\']) || word.contains(".mcap");
-    if is_preset || word.ends_with(".toml") || !is_path {
-        let scenario = scenario(word, &[common, own].concat())?;
-        return Ok(Given::Scenario(Box::new(scenario)));
-    }
-    if let Some((key, _)) = own.first() {
-        bail!("{word} is a recording: {key} can only be set in a scenario that is simulated now");
-    }
-    let recording = Recording::open(path).with_context(|| word.to_owned())?;
-    Ok(Given::Recording(Box::new(recording)))
 }
 
 /// Everything that watches a comparison: the progress bar and what is written.

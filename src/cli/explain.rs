@@ -1,6 +1,6 @@
 //! `toprise explain`.
 
-use super::diff::{Given, open};
+use super::given::open;
 use super::page::{Page, Part, Section, Table, Tone};
 use super::run::parse_override;
 use super::{Done, output};
@@ -27,11 +27,7 @@ pub(super) struct ExplainArguments {
 /// Tells the story of a run.
 pub(super) fn explain(arguments: &ExplainArguments) -> Result<Done, Error> {
     let given = open(&arguments.run, &[], &arguments.overrides)?;
-    let story = match &given {
-        Given::Recording(recording) => tell(&**recording),
-        Given::Scenario(scenario) => tell(&**scenario),
-    }
-    .with_context(|| arguments.run.clone())?;
+    let story = tell(given.subject()).with_context(|| arguments.run.clone())?;
     let page = page(&story);
     if arguments.markdown {
         output::print(&page.markdown())?;

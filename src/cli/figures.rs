@@ -1,6 +1,6 @@
 //! `toprise figures`.
 
-use super::diff::{Given, open};
+use super::given::{Given, open};
 use super::progress::Progress;
 use super::{Done, format, output};
 use crate::figures::{Drawing, FIGURES, Figure, Run};

@@ -266,6 +266,28 @@ pub struct ChannelDifference {
     pub fields: Vec<FieldDifference>,
 }
 
+impl Signals {
+    /// How many fields differ and have a floor, and how many of them by no more than it.
+    #[must_use]
+    pub fn at_floor(&self) -> (usize, usize) {
+        let judged = |field: &&FieldDifference| field.largest != 0.0 && field.floor.is_some();
+        let fields = || self.fields().map(|(_, field)| field);
+        let below = fields().filter(|field| field.is_below_floor).count();
+        (fields().filter(judged).count(), below)
+    }
+
+    /// The fields of all topics.
+    pub fn fields(&self) -> impl Iterator<Item = (&str, &FieldDifference)> {
+        let channels = self.channels.iter();
+        channels.flat_map(|channel| {
+            channel
+                .fields
+                .iter()
+                .map(|field| (channel.topic.as_str(), field))
+        })
+    }
+}
+
 impl ChannelDifference {
     /// Whether there are no messages of it at all.
     #[must_use]

@@ -78,11 +78,10 @@ fn verdict(report: &Report) -> Option<String> {
 
 /// Where two runs that should be the same part.
 fn first_difference(report: &Report) -> String {
-    let channels = report.signals.channels.iter();
-    let fields = channels.flat_map(|channel| {
-        let own = channel.fields.iter().filter(|field| !field.is_derived);
-        own.map(move |field| (&channel.topic, field))
-    });
+    let fields = report
+        .signals
+        .fields()
+        .filter(|(_, field)| !field.is_derived);
     let differing = fields.filter_map(|(topic, field)| Some((field.first_beyond?, topic, field)));
     let differing: Vec<_> = differing.collect();
     let count = differing.len();
@@ -350,17 +349,7 @@ fn discrepancy(Tale { report, a, .. }: Tale<'_>) -> Option<String> {
 }
 
 fn floor(report: &Report, floor: &Floor) -> Option<String> {
-    let fields = || {
-        report
-            .signals
-            .channels
-            .iter()
-            .flat_map(|channel| &channel.fields)
-    };
-    let differing = fields()
-        .filter(|field| field.largest != 0.0 && field.floor.is_some())
-        .count();
-    let below = fields().filter(|field| field.is_below_floor).count();
+    let (differing, below) = report.signals.at_floor();
     if differing == 0 {
         return None;
     }
@@ -395,13 +384,7 @@ fn floor(report: &Report, floor: &Floor) -> Option<String> {
 
 /// For files that are not ours: where the largest difference is.
 fn largest(report: &Report) -> Option<String> {
-    let channels = report.signals.channels.iter();
-    let fields = channels.flat_map(|channel| {
-        channel
-            .fields
-            .iter()
-            .map(move |field| (&channel.topic, field))
-    });
+    let fields = report.signals.fields();
     let differing = fields.filter(|(_, field)| field.largest != 0.0);
     let largest = differing.max_by(|(_, x), (_, y)| x.relative.total_cmp(&y.relative));
     let (topic, field) = largest?;

@@ -4,7 +4,8 @@ use crate::cli::format;
 use crate::cli::page::{Page, Part, Section, Table, Tone};
 use crate::diff::{
     ChannelDifference, CourseReport, Deviation, EventKindDifference, EventMoment, FieldDifference,
-    Growth, GrowthLaw, Happened, KeyDifference, Matrix, Parting, Report, Residual, Run, Verdict,
+    Growth, GrowthLaw, Happened, KeyDifference, Matrix, Parting, Report, Residual, Run, Signals,
+    Verdict,
 };
 use crate::phrase::{duration, quantity, significant, symbol};
 use unicode_width::{UnicodeWidthChar as _, UnicodeWidthStr as _};
@@ -458,7 +459,7 @@ fn signals(report: &Report, detail: Detail) -> Section {
     if !growths.is_empty() {
         section.line(format!("growth: {}", growths.join("; ")));
     }
-    if let Some(error) = interpolation(&found.channels) {
+    if let Some(error) = interpolation(found) {
         section.line(error);
     }
     section
@@ -654,13 +655,8 @@ fn symbol_of_angle(field: &str) -> &str {
     }
 }
 
-fn interpolation(channels: &[ChannelDifference]) -> Option<String> {
-    let fields = channels.iter().flat_map(|channel| {
-        channel
-            .fields
-            .iter()
-            .map(move |field| (&channel.topic, field))
-    });
+fn interpolation(signals: &Signals) -> Option<String> {
+    let fields = signals.fields();
     let known = fields.filter_map(|(topic, field)| {
         let error = field.interpolation_error? / field.scale;
         error.is_finite().then_some((topic, field, error))
@@ -733,18 +729,8 @@ fn errors(report: &Report) -> Section {
         rows: vec![row("A", &found.a), row("B", &found.b)],
         left: 2,
     });
-    let fields = || {
-        report
-            .signals
-            .channels
-            .iter()
-            .flat_map(|channel| &channel.fields)
-    };
-    let below = fields().filter(|field| field.is_below_floor).count();
+    let (differing, below) = report.signals.at_floor();
     if below > 0 {
-        let differing = fields()
-            .filter(|field| field.largest != 0.0 && field.floor.is_some())
-            .count();
         section.line(format!(
             "{below} of {differing} fields differ by no more than that (marked ≈)"
         ));
