@@ -65,13 +65,14 @@ Examples:
   toprise verify recordings/*.mcap         whether they can be trusted
   toprise diff paper full-coulomb          what another friction model changes
   toprise diff a.mcap b.mcap --rel 1e-9    whether two recordings agree
+  toprise explain paper                    why the top rises
   toprise figures                          the paper's figures, and more, as SVG and PNG
   toprise convert a.mcap b.mcap --encoding protobuf
   toprise recover a.mcap.partial a.mcap    what an interrupted run left
 
-Exit codes: 0 done; 1 verification failed or runs differ; 2 bad usage, unreadable input or failed output;
-3 finished with losses (interrupted, parts of a file unreadable, or the motion could not be
-integrated to its end).";
+Exit codes: 0 done; 1 verification failed or runs differ; 2 bad usage, unreadable input or
+failed output; 3 finished with losses (interrupted, parts of a file unreadable, or the motion could
+not be integrated to its end).";
 
 #[derive(Debug, Subcommand, PartialEq)]
 enum Command {
