@@ -129,7 +129,7 @@ impl Friction {
     #[inline(always)]
     pub fn contact(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Contact {
         let slip = tilt.slip_velocity(top.peg_radius);
-        let slip_speed = (slip.x * slip.x + slip.y * slip.y).sqrt();
+        let slip_speed = top.slip_speed(tilt);
         let axis = tilt.axis();
         let losses = self.torque_of_losses(slip_speed, normal_force, tilt.omega_lean, axis);
         let (force, losses) = if slip_speed > 0.0 {

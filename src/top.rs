@@ -52,6 +52,14 @@ impl Top {
         Vector3::new(0.0, self.gravity_moment() * tilt.sin, 0.0)
     }
 
+    /// Speed of the contact point over the table, m/s.
+    #[must_use]
+    #[inline]
+    pub fn slip_speed(&self, tilt: &Tilt) -> f64 {
+        let slip = tilt.slip_velocity(self.peg_radius);
+        (slip.x * slip.x + slip.y * slip.y).sqrt()
+    }
+
     /// What a torque about the peg's centre (node frame, N m) adds to θ̈, φ̈ and ψ̈, rad/s².
     ///
     /// Upright only the sum of φ̈ and ψ̈ has a meaning: φ̈ is then taken as 0.

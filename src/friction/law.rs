@@ -3,6 +3,9 @@
 use crate::math::{exp, tanh};
 use std::f64::consts::PI;
 
+/// From this multiple of Stribeck's speed on, e^(−ratio²) is less than 1e-21.
+const NEGLIGIBLE_RATIO: f64 = 7.0;
+
 /// A law of sliding friction: the force `f` that answers the slip velocity `v` under a normal force `N`.
 ///
 /// `k` is always the dimensionless coefficient of friction, speeds are in m/s. The force points against
@@ -87,7 +90,13 @@ impl FrictionLaw {
                 slope,
             } => {
                 let ratio = slip_speed / speed;
-                let coefficient = k + (static_k - k) * exp(-ratio * ratio) + slope * slip_speed;
+                // Farther out the exponential is below the rounding of its sum, and only costs time.
+                let excess = if ratio < NEGLIGIBLE_RATIO {
+                    (static_k - k) * exp(-ratio * ratio)
+                } else {
+                    0.0
+                };
+                let coefficient = k + excess + slope * slip_speed;
                 coefficient * normal_force / slip_speed
             }
             Self::Contensou { k, patch_radius } => {

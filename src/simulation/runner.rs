@@ -6,7 +6,7 @@ use super::sample::Sample;
 use super::{Outcome, Record, SimulationError};
 use crate::dynamics::{Formulation, Model, Motion, Regime};
 use crate::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope};
-use crate::kinematics::Euler;
+use crate::kinematics::{Euler, Tilt};
 use crate::scenario::{FormulationKind, Scenario, Stop};
 use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
@@ -213,11 +213,16 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             Meaning::Precession => self.scenario.sense * tilt.rates.phi * tilt.sin * tilt.sin,
             Meaning::Strength => self.model().top.strength_ratio(tilt) - 1.0,
             Meaning::Risen(limit) | Meaning::Fallen(limit) => motion.angles.theta - limit,
-            Meaning::Slip => self.model().contact(tilt).slip_speed - NO_SLIP,
+            Meaning::Slip => self.model().top.slip_speed(tilt) - NO_SLIP,
             Meaning::Singular => tilt.sin - SINGULAR,
-            Meaning::Grip => self.model().grip(tilt).margin(),
+            Meaning::Grip => self.grip_margin(tilt),
             Meaning::Turning => self.scenario.sense * tilt.omega_lean.z,
         }
+    }
+
+    #[cold]
+    fn grip_margin(&self, tilt: &Tilt) -> f64 {
+        self.model().grip(tilt).margin()
     }
 
     /// Turns a zero of a watched function into what it means.
@@ -365,6 +370,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 
     /// Goes on from within the last step with the contact point at rest.
+    #[cold]
     fn switch(&mut self, time: f64, regime: Regime) -> Result<(), SimulationError> {
         let Some(dense) = self.dense.take() else {
             return Ok(());

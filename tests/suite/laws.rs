@@ -394,6 +394,35 @@ fn a_contact_slips_again_when_friction_does_not_hold_it() {
 }
 
 #[test]
+fn a_contact_at_rest_that_is_not_held_begins_to_slip() {
+    // θ̇ and ψ̇ vanish together, and friction is far too weak to hold the top.
+    let runs = ["euler", "body"].map(|formulation| {
+        Run::of(&sticking(&[
+            ("formulation", formulation),
+            ("initial.psi_dot", "0"),
+            ("initial.phi_dot", "20"),
+            ("stop.duration", "0.1"),
+        ]))
+    });
+    let first = &runs[0].samples[0];
+    assert_eq!(first.contact.slip_speed, 0.0);
+    let bound = 0.03 * first.contact.normal_force;
+    assert_near("f", first.friction_force.norm(), bound, 1e-14);
+    for run in &runs {
+        assert_eq!(run.events_of(EventKind::Stick).count(), 0);
+        for sample in &run.samples {
+            let gap = sample.energy() - first.energy() - sample.integrals.friction_work;
+            assert!(gap.abs() < 1e-12, "{gap:e}");
+        }
+    }
+    // The force jumps at the start. There a step may err by the absolute tolerance, 1e-12 kg m²/s of the
+    // momentum, which is 1.2e-8 rad/s.
+    let [a, b] = runs.map(|run| run.outcome.motion.angles);
+    assert_near("θ", a.theta, b.theta, 1e-7);
+    assert_near("φ", a.phi, b.phi, 1e-7);
+}
+
+#[test]
 fn a_top_that_sticks_and_drills_comes_to_rest() {
     let run = Run::of(&sticking(&[
         ("initial.psi_dot", "0"),
