@@ -48,6 +48,15 @@ pub enum SimulationError {
     /// The integrator gave up.
     #[error("the motion can't be integrated further: {0}")]
     Integrate(#[from] IntegrateError),
+    /// The steps have become too short.
+    #[error(
+        "the motion doesn't get on beyond t = {time} s: a torque jumps back and forth there (drilling against \
+             a top that has stopped turning, or a law that is too steep)"
+    )]
+    Stalled {
+        /// When, s.
+        time: f64,
+    },
 }
 
 /// How a run ended, and what it consisted of.

@@ -96,9 +96,9 @@ impl Stage {
         (self.rooted > 0).then(|| self.roots.map(mean))
     }
 
-    /// The part of the time during which φ̇ was above the slow root.
+    /// The part of the time with real roots during which φ̇ was above the slow one.
     pub(super) fn above(&self) -> f64 {
-        self.above as f64 / self.samples.max(1) as f64
+        self.above as f64 / self.rooted.max(1) as f64
     }
 }
 
@@ -127,6 +127,8 @@ pub(super) struct Stages {
     /// The cycle that has not ended yet.
     open: Stage,
     last_acceleration: f64,
+    /// Whether the first nutation is still to come.
+    has_not_begun: bool,
     top: Top,
     /// φ̈ per θ̇ of the gyroscopic and Coriolis terms in the last state, 1/s.
     answer: f64,
@@ -135,8 +137,10 @@ pub(super) struct Stages {
     last: Option<u64>,
     /// When the axis first came near upright, ns: sums over the run end there.
     pub(super) upright: Option<u64>,
-    /// The least of the fast roots that were real, rad/s.
+    /// The fast root of least magnitude, rad/s.
     pub(super) fast_root: Option<f64>,
+    /// Whether the roots lie on different sides of zero: then θ̈ is negative outside of them.
+    pub(super) are_opposed: bool,
     fields: Fields,
 }
 
@@ -157,6 +161,7 @@ impl Stages {
             windows: Vec::new(),
             open: Stage::default(),
             last_acceleration: f64::NAN,
+            has_not_begun: true,
             top,
             answer: f64::NAN,
             totals: [Integral::default(); 5],
@@ -164,6 +169,7 @@ impl Stages {
             last: None,
             upright: None,
             fast_root: None,
+            are_opposed: false,
             fields: Fields {
                 state: places(
                     "/top/state",
@@ -233,7 +239,8 @@ impl Stages {
             self.upright.get_or_insert(time_ns);
         }
         // Where θ̇ is greatest, the first cycle begins: what was before is not part of it.
-        if self.windows.is_empty() && self.last_acceleration > 0.0 && acceleration <= 0.0 {
+        if self.has_not_begun && self.last_acceleration > 0.0 && acceleration <= 0.0 {
+            self.has_not_begun = false;
             self.open = Stage::default();
         }
         self.last_acceleration = acceleration;
@@ -252,6 +259,11 @@ impl Stages {
 
     /// A nutation has ended.
     fn cycle(&mut self) {
+        self.has_not_begun = false;
+        // Shorter than the time between samples.
+        if self.open.samples == 0 {
+            return;
+        }
         let mut cycle = std::mem::take(&mut self.open);
         cycle.cycles = 1;
         match self.windows.last_mut() {
@@ -265,7 +277,10 @@ impl Stages {
 
     fn roots(&mut self, [slow, excess, fast]: [f64; 3]) {
         let least = self.fast_root.get_or_insert(fast);
-        *least = least.min(fast);
+        if fast.abs() < least.abs() {
+            *least = fast;
+        }
+        self.are_opposed = slow * fast < 0.0;
         // The state of the same instant came before.
         self.open.roots[0] += slow;
         self.open.roots[1] += excess;

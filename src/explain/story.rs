@@ -7,7 +7,7 @@ use crate::friction::Dissipation;
 use crate::kinematics::Tilt;
 use crate::phrase::{duration, list, moment, quantity, significant};
 use crate::scenario::{Scenario, Values};
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, StopReason};
 use std::f64::consts::{PI, TAU};
 
 /// Rows of the table of stages.
@@ -18,6 +18,8 @@ const STEADY: f64 = 1e-3;
 const NEAR: f64 = 0.05;
 /// A mean difference to the slow root that is a smaller part of it is none.
 const BALANCED: f64 = 1e-7;
+/// The whole torque is followed for so many times the run.
+const LONGER: f64 = 3.0;
 /// Works that are a smaller part of the energy are none.
 const NO_WORK: f64 = 1e-12;
 /// Works that differ by a larger part of themselves are not the same.
@@ -96,7 +98,7 @@ fn beginning(scenario: &Scenario) -> Option<Chapter> {
             quantity(force, 3, "N"),
             significant(100.0 * force / top.weight(), 2)
         ));
-    } else {
+    } else if scenario.is_frictionless() {
         sentences.push("Nothing resists the slip.".to_owned());
     }
     chapter("The top", sentences)
@@ -215,14 +217,29 @@ fn cancelling(whole: &Stage) -> Option<String> {
 fn roots(facts: &Facts) -> Vec<String> {
     let whole = facts.stages.whole();
     let (Some([slow, excess]), Some(fast)) = (whole.roots(), facts.stages.fast_root) else {
-        return vec![
-            "There was no real rate of regular precession: the top is too weak.".to_owned(),
-        ];
+        let why = if facts.stages.upright.is_some() {
+            "An upright top has no rates of regular precession."
+        } else {
+            "There was no real rate of regular precession: the top is too weak."
+        };
+        return vec![why.to_owned()];
+    };
+    let rule = if facts.stages.are_opposed {
+        "They lie on different sides of zero: between them θ̈ is positive and the axis sinks, outside of them it is \
+         negative and the axis rises."
+    } else {
+        "Between them θ̈ is negative and the axis rises; outside of them θ̈ is positive and it sinks."
+    };
+    let span = match facts.stages.upright {
+        Some(time_ns) => format!(
+            ", until the axis came near upright at {}",
+            moment(seconds(time_ns))
+        ),
+        None => String::new(),
     };
     let mut sentences = vec![format!(
-        "At two rates a top precesses regularly, without nodding. The slow one was {} on average, the fast one never \
-         less than {}. Between them θ̈ is negative and the axis rises; below the slow one θ̈ is positive and it \
-         sinks.",
+        "At two rates a top precesses regularly, without nodding. The slow one was {} on average, the fast one at least \
+         {}{span}. {rule}",
         quantity(slow, 4, "rad/s"),
         quantity(fast, 3, "rad/s"),
     )];
@@ -326,28 +343,48 @@ fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
             ));
         }
     }
-    let turns = facts.scenario.model.friction.turns_about_vertical();
-    if let Some(drift) = course.vertical_momentum_drift {
-        sentences.push(if turns {
-            format!(
-                "Drilling or air took {} % of the angular momentum about the vertical, which the force of sliding cannot \
-                 change.",
-                significant(100.0 * drift, 3)
-            )
-        } else if drift < 1e-6 {
-            format!(
-                "The angular momentum about the vertical stayed as it was, to {} of itself: a horizontal force at a \
-                 point below the peg's centre has no torque about the vertical.",
-                significant(drift, 2)
-            )
-        } else {
-            format!(
-                "The angular momentum about the vertical changed by up to {} % of itself.",
-                significant(100.0 * drift, 2)
-            )
-        });
-    }
+    sentences.extend(
+        course
+            .vertical_momentum_drift
+            .map(|drift| momentum(facts, drift)),
+    );
     chapter("Where the energy goes", sentences)
+}
+
+/// What became of the angular momentum about the vertical.
+fn momentum(facts: &Facts, drift: f64) -> String {
+    let friction = &facts.scenario.model.friction;
+    let start = Tilt::from_rates(facts.scenario.angles.theta, facts.scenario.rates);
+    if !drift.is_finite()
+        || facts
+            .scenario
+            .model
+            .top
+            .angular_momentum_node(&start)
+            .norm()
+            == 0.0
+    {
+        return "There was no angular momentum about the vertical at first.".to_owned();
+    }
+    if drift < 1e-6 {
+        return format!(
+            "The angular momentum about the vertical stayed as it was, to {} of itself: no torque acts about the \
+             vertical.",
+            significant(drift, 2)
+        );
+    }
+    let is_whole = friction.dissipation.is_of_force();
+    let cause = match (is_whole, friction.turns_about_vertical()) {
+        (false, _) => {
+            "that is what leaving out a part of friction does, which whole has no torque about the vertical"
+        }
+        (true, true) => "drilling or air did that, the force of sliding cannot",
+        (true, false) => "by no torque that is known here",
+    };
+    format!(
+        "The angular momentum about the vertical changed by up to {} % of itself: {cause}.",
+        significant(100.0 * drift, 3)
+    )
 }
 
 /// For models that leave something out: what that changed.
@@ -391,23 +428,32 @@ fn dropped(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
             ));
         }
     }
-    sentences.extend(with_all_parts(&facts.scenario));
+    sentences.extend(with_all_parts(facts));
     chapter("What the model leaves out", sentences)
 }
 
-/// How the same top ends when nothing is left out.
-fn with_all_parts(scenario: &Scenario) -> Option<String> {
-    let mut values = Values::from_toml(&scenario.to_toml()).ok()?;
+/// How the same top ends when nothing is left out, if it does so in a few times the time.
+fn with_all_parts(facts: &Facts) -> Option<String> {
+    let mut values = Values::from_toml(&facts.scenario.to_toml()).ok()?;
     values.set("friction.dissipation", "full").ok()?;
+    let longest = LONGER * seconds(facts.stages.whole().to);
+    let planned = facts.scenario.stop.duration.unwrap_or(f64::INFINITY);
+    values
+        .set("stop.duration", &format!("{:?}", longest.min(planned)))
+        .ok()?;
     let mut simulation = Simulation::new(&Scenario::new(values).ok()?).ok()?;
     simulation.by_ref().take_while(Result::is_ok).for_each(drop);
     let outcome = simulation.outcome();
-    Some(format!(
-        "With the whole torque the same top ends so: {}, at {}, with ψ̇ = {}.",
-        outcome.stop.sentence(),
-        moment(outcome.time),
-        quantity(outcome.motion.tilt.rates.psi, 4, "rad/s"),
-    ))
+    let rates = quantity(outcome.motion.tilt.rates.psi, 4, "rad/s");
+    let time = moment(outcome.time);
+    Some(if outcome.stop == StopReason::Duration {
+        format!(
+            "With the whole torque the same top is still on its way at {time}, with ψ̇ = {rates}."
+        )
+    } else {
+        let end = outcome.stop.sentence();
+        format!("With the whole torque the same top ends so: {end}, at {time}, with ψ̇ = {rates}.")
+    })
 }
 
 /// The first event of each kind, and how often there were more.

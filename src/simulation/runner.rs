@@ -29,6 +29,11 @@ pub(super) trait Run {
     fn outcome(&self) -> Outcome;
 }
 
+/// So many steps that take less than this time (s) together don't get on: a torque that jumps changes its sign
+/// with each of them.
+const STALLED_STEPS: u32 = 1_000_000;
+const STALLED_TIME: f64 = 0.05;
+
 /// A run in one formulation.
 pub(super) struct Runner<F, const N: usize> {
     integrator: Dop853<F, N>,
@@ -43,6 +48,10 @@ pub(super) struct Runner<F, const N: usize> {
     pending: VecDeque<Pending>,
     next_sample: u32,
     events: u32,
+    /// Nutation cycles that have been handed out.
+    cycles: u32,
+    /// Steps since, and when, it was last looked whether time passes (s).
+    watched: (u32, f64),
     energy_at_start: f64,
     /// Where the step is left before its end, once that is known.
     end: Option<(f64, End)>,
@@ -150,6 +159,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             pending,
             next_sample: 0,
             events: 0,
+            cycles: 0,
+            watched: (0, 0.0),
             energy_at_start: energy(&scenario.model, &motion),
             end: None,
             last: (0.0, motion),
@@ -168,6 +179,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
         self.integrator.step()?;
         let dense = self.integrator.dense();
+        self.watch_time(dense.t0 + dense.h)?;
         for (s, meaning, slope) in self.crossings(&dense) {
             self.note(&dense, s, meaning, slope);
             if self.end.is_some() {
@@ -299,6 +311,20 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 
     /// Ends the run within this step if its duration is over in it.
+    /// Gives up where steps have become so short that the run would never end.
+    fn watch_time(&mut self, time: f64) -> Result<(), SimulationError> {
+        let (steps, since) = &mut self.watched;
+        *steps += 1;
+        if *steps < STALLED_STEPS {
+            return Ok(());
+        }
+        if time - *since < STALLED_TIME {
+            return Err(SimulationError::Stalled { time });
+        }
+        self.watched = (0, time);
+        Ok(())
+    }
+
     fn end_at_duration(&mut self, dense: &Dense<N>) {
         let Some(duration) = self.scenario.stop.duration else {
             return;
@@ -365,7 +391,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 self.last = (time, motion);
                 Record::Event(Box::new(event))
             }
-            Pending::Nutation(cycle) => Record::Nutation(Box::new(cycle)),
+            Pending::Nutation(cycle) => {
+                self.cycles += 1;
+                Record::Nutation(Box::new(cycle))
+            }
         }
     }
 
@@ -436,7 +465,7 @@ impl<F: Formulation<N>, const N: usize> Run for Runner<F, N> {
             energy_at_start: self.energy_at_start,
             samples: u64::from(self.next_sample),
             events: u64::from(self.events),
-            nutations: u64::from(self.nutation.count),
+            nutations: u64::from(self.cycles),
             statistics: *self.integrator.statistics(),
         }
     }

@@ -9,7 +9,7 @@ use super::{Check, Group, Verdict};
 use crate::dynamics::Model;
 use crate::friction::Dissipation;
 use crate::math;
-use crate::scenario::Scenario;
+use crate::scenario::{FormulationKind, Scenario};
 use crate::telemetry::{Message, channel_index, channels};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -61,6 +61,11 @@ struct History {
     largest_momentum: f64,
     fastest: f64,
     relative_tolerance: f64,
+    absolute_tolerance: f64,
+    /// Angular momentum per unit of what the integrator's state has in its place: a rate or itself.
+    momentum_unit: f64,
+    /// M g l, N m.
+    gravity_moment: f64,
 }
 
 struct HistoryFields {
@@ -193,6 +198,12 @@ impl History {
             // A top that doesn't turn is a pendulum.
             fastest: (top.gravity_moment().abs() / top.transverse_moment).sqrt(),
             relative_tolerance: scenario.tolerances.relative,
+            absolute_tolerance: scenario.tolerances.absolute,
+            momentum_unit: match scenario.formulation {
+                FormulationKind::Euler => top.transverse_moment.max(top.axial_moment),
+                FormulationKind::Body => 1.0,
+            },
+            gravity_moment: top.gravity_moment(),
         };
         history.take(now, fields);
         history
@@ -217,10 +228,23 @@ impl History {
         self.fastest = self.fastest.max(now.vector(fields.omega).norm());
     }
 
-    /// The relative error that the integrator may have made up to an instant.
-    fn accuracy(&self, now: &Instant<'_>) -> f64 {
-        let steps = 1.0 + STEPS_PER_RADIAN * self.fastest * now.time;
-        steps * self.relative_tolerance.max(EPS)
+    /// A bound on the integrator's steps up to an instant.
+    fn steps(&self, now: &Instant<'_>) -> f64 {
+        1.0 + STEPS_PER_RADIAN * self.fastest * now.time
+    }
+
+    /// The error of an angular momentum that the integrator may have made up to an instant, kg m²/s: relative to
+    /// it, or by the absolute tolerance of what stands for it in the integrator's state.
+    fn momentum_error(&self, now: &Instant<'_>) -> f64 {
+        let relative = self.relative_tolerance.max(EPS) * self.largest_momentum;
+        self.steps(now) * (relative + self.absolute_tolerance * self.momentum_unit)
+    }
+
+    /// The error of the energy, J: the same, and that of an angle or a part of a quaternion.
+    fn energy_error(&self, now: &Instant<'_>) -> f64 {
+        let relative = self.relative_tolerance.max(EPS) * self.largest_energy;
+        let per_state = self.fastest * self.momentum_unit + 2.0 * self.gravity_moment;
+        self.steps(now) * (relative + self.absolute_tolerance * per_state)
     }
 }
 
@@ -341,7 +365,7 @@ fn constant(name: &'static str, field: &str, first: fn(&History) -> f64) -> Law 
     let momentum = number("/top/momentum", field);
     law(name, "kg m²/s", move |now, history| {
         let error = (now.number(momentum) - first(history)).abs();
-        (error, history.accuracy(now) * history.largest_momentum)
+        (error, history.momentum_error(now))
     })
 }
 
@@ -555,7 +579,7 @@ fn energy_balance() -> Law {
     let work = number("/top/energy", "friction_work");
     law("energy balance", "J", move |now, history| {
         let change = now.number(energy) - history.energy;
-        let allowed = 2.0 * history.accuracy(now) * history.largest_energy;
+        let allowed = 2.0 * history.energy_error(now);
         let work = now.number(work) - history.work;
         ((change - work).abs(), allowed)
     })

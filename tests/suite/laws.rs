@@ -690,3 +690,30 @@ fn the_formulations_agree_on_every_derivative_at_rest() {
     assert_near("power", dy[6], dz[7], 1e-15);
     assert_eq!(euler.brought_to_rest(&y)[4..6], [0.0, 0.0]);
 }
+
+#[test]
+fn a_nutation_that_ends_after_the_run_is_not_counted() {
+    for (preset, duration) in [("stribeck", "2"), ("paper", "6.75")] {
+        let run = Run::of(&scenario(preset, &[("stop.duration", duration)]));
+        assert_eq!(run.outcome.nutations, run.cycles.len() as u64, "{preset}");
+    }
+}
+
+#[test]
+fn a_run_that_no_longer_gets_on_ends_with_an_error() {
+    // Drilling against an upright top that has stopped turning.
+    let scenario = scenario(
+        "frictionless",
+        &[
+            ("formulation", "body"),
+            ("initial.theta", "0"),
+            ("drilling.k", "1"),
+            ("drilling.patch_radius", "1e-2"),
+        ],
+    );
+    let error = toprise::simulation::Simulation::new(&scenario)
+        .unwrap()
+        .find_map(Result::err);
+    let error = error.expect("it ends with an error").to_string();
+    assert!(error.contains("doesn't get on"), "{error}");
+}
