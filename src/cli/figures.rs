@@ -31,7 +31,13 @@ pub(super) struct FiguresArguments {
     only: Vec<String>,
 
     /// Kinds of files, separated by commas.
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Kind::Svg, Kind::Png])]
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "KINDS",
+        default_value = "svg,png"
+    )]
     format: Vec<Kind>,
 
     /// Width of the figures in mm: from 130 mm on there are two columns of plots.

@@ -88,7 +88,7 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "viscous",
-        description: "Viscous friction: the rise never ends by itself",
+        description: "Viscous friction: the rise slows down as the slip dies",
         differences: &[
             ("friction.law", "viscous"),
             ("friction.viscous_speed", "0.5"),
