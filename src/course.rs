@@ -201,9 +201,8 @@ fn widen([least, greatest]: &mut [f64; 2], value: f64) {
 struct NodeWork {
     torque: [Place; 3],
     integrals: [Integral; 3],
-    /// The times of the first and last sample, and the distance of two, ns.
-    first: Option<u64>,
-    last: u64,
+    /// The time of the last sample, and the distance of two, ns.
+    last: Option<u64>,
     step: u64,
     is_even: bool,
 }
@@ -217,8 +216,7 @@ impl NodeWork {
         Self {
             torque,
             integrals: [Integral::default(); 3],
-            first: None,
-            last: 0,
+            last: None,
             step: 0,
             is_even: true,
         }
@@ -230,15 +228,11 @@ impl NodeWork {
         for ((place, rate), integral) in self.torque.iter().zip(rates).zip(&mut self.integrals) {
             integral.add(place.of(message).unwrap_or(f64::NAN) * rate);
         }
-        let time_ns = message.time_ns;
-        if self.first.is_none() {
-            self.first = Some(time_ns);
-        } else {
-            let step = time_ns.saturating_sub(self.last);
+        if let Some(last) = self.last.replace(message.time_ns) {
+            let step = message.time_ns.saturating_sub(last);
             self.is_even &= step > 0 && (self.step == 0 || self.step == step);
             self.step = step;
         }
-        self.last = time_ns;
     }
 
     /// In J; none if samples are missing in between.
@@ -246,7 +240,7 @@ impl NodeWork {
         let work = self
             .integrals
             .map(|integral| integral.over(self.step as f64 / 1e9));
-        let is_known = self.first.is_some() && self.is_even && work.iter().all(|w| w.is_finite());
+        let is_known = self.last.is_some() && self.is_even && work.iter().all(|w| w.is_finite());
         is_known.then_some(work)
     }
 }

@@ -23,7 +23,6 @@ mod story;
 use crate::course::Course;
 use crate::scenario::Scenario;
 use crate::subject::Subject;
-use crate::telemetry::{TelemetryError, channels};
 use serde::Serialize;
 use stages::Stages;
 use std::ops::ControlFlow;
@@ -74,12 +73,6 @@ pub enum ExplainError {
     Empty,
 }
 
-impl From<TelemetryError> for ExplainError {
-    fn from(error: TelemetryError) -> Self {
-        Self::NoScenario(error.to_string())
-    }
-}
-
 /// Everything that a story is made from.
 struct Facts {
     scenario: Scenario,
@@ -117,8 +110,7 @@ fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
     };
     let mut course = Course::default();
     let mut stages = Stages::new(scenario.model.top);
-    let topics = channels().iter().map(|channel| channel.topic.to_owned());
-    let ended = subject.read(&topics.collect::<Vec<_>>(), &mut |message, _| {
+    let ended = subject.read(&subject.topics(), &mut |message, _| {
         course.take(message);
         stages.take(message);
         ControlFlow::Continue(())

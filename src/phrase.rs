@@ -59,7 +59,9 @@ pub(crate) fn moment(seconds: f64) -> String {
 #[must_use]
 pub(crate) fn symbol(field: &str) -> &str {
     match field {
+        "phi" => "φ",
         "theta" | "theta_mean" => "θ",
+        "psi" => "ψ",
         "theta_dot" | "theta_dot_mean" => "θ̇",
         "phi_dot" | "phi_dot_mean" => "φ̇",
         "psi_dot" | "psi_dot_mean" => "ψ̇",

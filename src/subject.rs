@@ -4,7 +4,7 @@ use crate::recording::{Condition, Entries, Reader, Recording, Selection};
 use crate::scenario::Scenario;
 use crate::simulation::Simulation;
 use crate::sink::mcap::end_entries;
-use crate::telemetry::{Message, Telemetry, TelemetryError, channel_index};
+use crate::telemetry::{Message, Telemetry, TelemetryError, channel_index, channels};
 use std::ops::ControlFlow;
 
 /// A run, recorded or not.
@@ -69,6 +69,15 @@ impl Subject<'_> {
                 let stem = recording.path().file_stem().unwrap_or_default();
                 stem.to_string_lossy().into_owned()
             }
+        }
+    }
+
+    /// The topics of the table that it has.
+    #[must_use]
+    pub fn topics(self) -> Vec<String> {
+        match self {
+            Self::Scenario(_) => channels().iter().map(|c| c.topic.to_owned()).collect(),
+            Self::Recording(recording) => recording.topics(),
         }
     }
 

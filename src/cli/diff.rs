@@ -12,7 +12,7 @@ use crate::diff::{
     Align, Archive, Matrix, Observer, Options, Report, Subject, Tolerance, Tolerances, Verdict,
     compare_observed,
 };
-use crate::sink::publish::Existing;
+use crate::sink::publish::{Existing, is_same_file};
 use crate::sink::{Side, SinkError};
 use crate::telemetry::Message;
 use anyhow::{Context as _, Error, bail};
@@ -233,8 +233,7 @@ impl DiffArguments {
 fn refuse_outputs(arguments: &DiffArguments) -> Result<(), Error> {
     let mut taken: Vec<PathBuf> = arguments.runs.iter().map(PathBuf::from).collect();
     for output in arguments.outputs() {
-        let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        if taken.iter().any(|path| whole(path) == whole(output)) {
+        if taken.iter().any(|path| is_same_file(path, output)) {
             bail!(
                 "{} is read or written already: write to another file",
                 output.display()

@@ -1,5 +1,8 @@
 //! Numbers and tables for people.
 
+use std::borrow::Cow;
+use unicode_width::UnicodeWidthStr as _;
+
 /// A number with `digits` after the point and the typographic minus.
 pub(super) fn number(value: f64, digits: usize) -> String {
     format!("{value:.digits$}").replace('-', "−")
@@ -28,30 +31,52 @@ pub(super) fn bytes(value: u64) -> String {
     }
 }
 
-/// Rows as columns: the first left-aligned, those in `right` right-aligned, two spaces between.
+/// Rows as columns: those in `right` right-aligned, the others left-aligned, two spaces between.
 pub(super) fn table(rows: &[Vec<String>], right: &[usize]) -> String {
+    let mut text = String::new();
+    for line in aligned(rows, |column| right.contains(&column)) {
+        text.push_str(&line);
+        text.push('\n');
+    }
+    text
+}
+
+/// A line for each row, with the cells of a column below each other and two spaces between.
+///
+/// A cell alone in its row is a heading: it may stand over the next columns.
+pub(super) fn aligned(rows: &[Vec<String>], is_right: impl Fn(usize) -> bool) -> Vec<String> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(column));
-        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+        let several = rows.iter().filter(|row| row.len() > 1);
+        let cells = several.filter_map(|row| row.get(column));
+        cells.map(|cell| cell.width()).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
+    let line = |row: &Vec<String>| {
         let mut line = String::new();
         for (column, cell) in row.iter().enumerate() {
-            let padding = " ".repeat(widths[column] - cell.chars().count());
-            let (before, after) = if right.contains(&column) {
+            let cell = harmless(cell);
+            let padding = " ".repeat(widths[column].saturating_sub(cell.width()));
+            let (before, after) = if is_right(column) {
                 (padding.as_str(), "")
             } else {
                 ("", padding.as_str())
             };
             line.push_str(&format!("  {before}{cell}{after}"));
         }
-        text.push_str(line.trim_end());
-        text.push('\n');
+        line.truncate(line.trim_end().len());
+        line
+    };
+    rows.iter().map(line).collect()
+}
+
+/// A text without what would break a table or a terminal.
+pub(super) fn harmless(text: &str) -> Cow<'_, str> {
+    if text.contains(char::is_control) {
+        Cow::Owned(text.replace(char::is_control, "\u{fffd}"))
+    } else {
+        Cow::Borrowed(text)
     }
-    text
 }
 
 #[cfg(test)]

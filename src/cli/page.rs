@@ -1,7 +1,7 @@
 //! A report as sections with tables and sentences, and that as text for a terminal or as Markdown.
 
+use super::format;
 use anstyle::{AnsiColor, Effects, Style};
-use std::borrow::Cow;
 use std::fmt::Write as _;
 use unicode_width::UnicodeWidthStr as _;
 
@@ -143,31 +143,17 @@ impl Page {
 
 impl Table {
     fn text(&self) -> String {
-        let lines = || std::iter::once(&self.header).chain(&self.rows);
-        let columns = lines().map(Vec::len).max().unwrap_or(0);
-        let width = |column: usize| {
-            // A cell alone in its row is a heading: it may stand over the next columns.
-            let cells = lines().filter(|row| row.len() > 1);
-            let cells = cells.filter_map(|row| row.get(column));
-            cells.map(|cell| cell.width()).max().unwrap_or(0)
-        };
-        let widths: Vec<usize> = (0..columns).map(width).collect();
+        let rows: Vec<_> = std::iter::once(&self.header)
+            .chain(&self.rows)
+            .cloned()
+            .collect();
+        let lines = format::aligned(&rows, |column| column >= self.left);
         let mut text = String::new();
-        for (at, row) in lines().enumerate() {
-            if row.is_empty() {
-                continue;
-            }
-            let mut line = String::new();
-            for (column, cell) in row.iter().enumerate() {
-                let cell = harmless(cell);
-                let padding = " ".repeat(widths[column].saturating_sub(cell.width()));
-                let _ = if column < self.left {
-                    write!(line, "  {cell}{padding}")
-                } else {
-                    write!(line, "  {padding}{cell}")
-                };
-            }
-            let line = line.trim_end();
+        for (at, line) in lines
+            .iter()
+            .enumerate()
+            .filter(|(_, line)| !line.is_empty())
+        {
             let _ = match at {
                 0 => writeln!(text, "{FAINT}{line}{FAINT:#}"),
                 _ => writeln!(text, "{line}"),
@@ -186,9 +172,9 @@ impl Table {
             .max(self.header.len());
         let row = |cells: &[String]| {
             let cell = |at: usize| {
-                cells
-                    .get(at)
-                    .map_or(String::new(), |cell| harmless(cell).replace('|', "\\|"))
+                cells.get(at).map_or(String::new(), |cell| {
+                    format::harmless(cell).replace('|', "\\|")
+                })
             };
             let cells: Vec<String> = (0..columns).map(cell).collect();
             format!("| {} |\n", cells.join(" | "))
@@ -203,19 +189,10 @@ impl Table {
     }
 }
 
-/// A cell without what would break its table or its terminal.
-fn harmless(cell: &str) -> Cow<'_, str> {
-    if cell.contains(char::is_control) {
-        Cow::Owned(cell.replace(char::is_control, "\u{fffd}"))
-    } else {
-        Cow::Borrowed(cell)
-    }
-}
-
 /// A text broken between words into lines that are not wider.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
-    for word in harmless(text).split(' ') {
+    for word in format::harmless(text).split(' ') {
         let Some(line) = lines.last_mut() else {
             continue;
         };

@@ -6,9 +6,8 @@ use super::viewer::{Target, ViewerArguments};
 use super::{Done, format, output, run::parse_seconds};
 use crate::recording::{Condition, Recording, Selection};
 use crate::sink::SinkError;
-use crate::sink::publish::{Existing, Place};
+use crate::sink::publish::{Existing, Place, is_same_file};
 use crate::sink::rerun::{Destinations, Identity, Live, MISSING_VIEWER, Playback, RerunSink};
-use crate::telemetry::channels;
 use crate::view::{Replayed, replay};
 use anyhow::{Context as _, Error, anyhow, bail};
 use clap::Args;
@@ -123,11 +122,7 @@ fn refuse_input(arguments: &ViewArguments, name: &str) -> Result<(), Error> {
     let Some(rrd) = arguments.rrd_of(name) else {
         return Ok(());
     };
-    let same = |file: &PathBuf| {
-        let whole = |path: &Path| path.canonicalize().ok();
-        whole(file).is_some_and(|file| whole(&rrd) == Some(file))
-    };
-    if arguments.files.iter().any(same) {
+    if arguments.files.iter().any(|file| is_same_file(file, &rrd)) {
         bail!(
             "{} is a recording that is to be shown: write to another file",
             rrd.display()
@@ -248,15 +243,10 @@ fn identity(recording: &Recording, name: &str) -> Result<Identity, Error> {
     let scenario = recording
         .scenario()
         .context("the scene can't be drawn without the scenario")?;
-    let has = |topic: &str| recording.channels().iter().any(|c| c.topic == topic);
-    let topics = channels().iter().map(|channel| channel.topic);
     Ok(Identity::of(
         name,
         &scenario,
-        topics
-            .filter(|topic| has(topic))
-            .map(str::to_owned)
-            .collect(),
+        recording.topics(),
         Playback::PausedAtStart,
     ))
 }

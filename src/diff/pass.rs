@@ -10,6 +10,7 @@ use super::timing::TimeMap;
 use super::tolerance::Tolerances;
 use super::{DiffError, Observer, Subject, averages, happened, run as about_run, setup};
 use crate::course::Course;
+use crate::sink::publish::is_same_file;
 use crate::sink::{Side, SinkError};
 use crate::subject::Ended;
 use crate::telemetry::{Message, channels};
@@ -524,11 +525,10 @@ fn notes(a: Subject<'_>, b: Subject<'_>, plan: &Plan) -> Vec<String> {
     if !plan.is_ours {
         notes.push("Only numbers are compared: neither texts nor bytes, and integers beyond 2^53 as the nearest double.".to_owned());
     }
-    if let (Subject::Recording(a), Subject::Recording(b)) = (a, b) {
-        let whole = |path: &std::path::Path| path.canonicalize().ok();
-        if whole(a.path()).is_some_and(|path| whole(b.path()) == Some(path)) {
-            notes.push("A and B are the same file.".to_owned());
-        }
+    if let (Subject::Recording(a), Subject::Recording(b)) = (a, b)
+        && is_same_file(a.path(), b.path())
+    {
+        notes.push("A and B are the same file.".to_owned());
     }
     for (subject, name) in [(a, "A"), (b, "B")] {
         if let Subject::Recording(recording) = subject

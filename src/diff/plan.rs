@@ -197,9 +197,7 @@ impl Align {
 /// The topics of a run that can be compared.
 fn topics_of(subject: Subject<'_>, is_ours: bool) -> Vec<String> {
     match subject {
-        Subject::Scenario(_) => table_topics(),
-        Subject::Recording(recording) if is_ours => recording.topics(),
-        Subject::Recording(recording) => {
+        Subject::Recording(recording) if !is_ours => {
             let mut seen = BTreeSet::new();
             let topics = recording.channels().iter().map(|channel| &channel.topic);
             topics
@@ -207,6 +205,7 @@ fn topics_of(subject: Subject<'_>, is_ours: bool) -> Vec<String> {
                 .cloned()
                 .collect()
         }
+        subject => subject.topics(),
     }
 }
 

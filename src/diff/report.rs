@@ -5,7 +5,6 @@
 
 use super::tolerance::Tolerance;
 use crate::course::CourseReport;
-use crate::recording::Entries;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -457,20 +456,4 @@ pub fn schemas() -> [(&'static str, String); 2] {
             text(schemars::schema_for!(super::Matrix)),
         ),
     ]
-}
-
-/// Entries of a record as differences: keys with other values.
-pub(super) fn entry_differences(prefix: &str, a: &Entries, b: &Entries) -> Vec<KeyDifference> {
-    let mut keys: Vec<_> = a.keys().chain(b.keys()).collect();
-    keys.sort();
-    keys.dedup();
-    let differing = keys.into_iter().filter(|key| a.get(*key) != b.get(*key));
-    differing
-        .map(|key| KeyDifference {
-            key: format!("{prefix}{key}"),
-            unit: String::new(),
-            a: a.get(key).cloned(),
-            b: b.get(key).cloned(),
-        })
-        .collect()
 }

@@ -1,8 +1,8 @@
 //! What was different in the set-up of two runs.
 
 use super::Subject;
-use super::report::{KeyDifference, Setup, entry_differences};
-use crate::recording::{FileChannel, Recording};
+use super::report::{KeyDifference, Setup};
+use crate::recording::{Entries, FileChannel, Recording};
 use crate::scenario::KEYS;
 use std::collections::BTreeMap;
 
@@ -169,4 +169,20 @@ fn schema_difference(a: &FileChannel, b: &FileChannel) -> Option<String> {
     } else {
         format!("{}: {x} in A, {y} in B", a.topic)
     })
+}
+
+/// Entries of a record as differences: keys with other values.
+fn entry_differences(prefix: &str, a: &Entries, b: &Entries) -> Vec<KeyDifference> {
+    let mut keys: Vec<_> = a.keys().chain(b.keys()).collect();
+    keys.sort();
+    keys.dedup();
+    let differing = keys.into_iter().filter(|key| a.get(*key) != b.get(*key));
+    differing
+        .map(|key| KeyDifference {
+            key: format!("{prefix}{key}"),
+            unit: String::new(),
+            a: a.get(key).cloned(),
+            b: b.get(key).cloned(),
+        })
+        .collect()
 }

@@ -183,3 +183,10 @@ fn io_error(action: &'static str, path: &Path, reason: io::Error) -> SinkError {
         reason,
     }
 }
+
+/// Whether two paths lead to one file, or would.
+#[must_use]
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
+    let whole = |path: &Path| path.canonicalize().ok();
+    one == other || whole(one).is_some_and(|one| whole(other) == Some(one))
+}

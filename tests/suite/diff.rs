@@ -1,6 +1,6 @@
 //! Comparing two runs.
 
-use crate::support::{archive, assert_near, scenario};
+use crate::support::{archive, assert_near, in_memory, scenario};
 use proptest::prelude::*;
 use serde_json::Value;
 use std::fs;
@@ -495,29 +495,13 @@ fn rewritten(
         Form::default(),
     )
     .unwrap();
-    let original = messages(scenario);
-    for mut message in original.0 {
+    let (original, outcome) = in_memory(scenario);
+    for mut message in original.messages {
         change(&mut message);
         sink.write(&message.as_message()).unwrap();
     }
-    sink.finish(&original.1).unwrap();
+    sink.finish(&outcome).unwrap();
     Recording::open(path).unwrap()
-}
-
-fn messages(
-    scenario: &Scenario,
-) -> (
-    Vec<toprise::sink::memory::Owned>,
-    toprise::simulation::Outcome,
-) {
-    use std::ops::ControlFlow;
-    use toprise::sink::{Sink, memory::MemorySink, record};
-    let mut sink = MemorySink::default();
-    let mut simulation = toprise::simulation::Simulation::new(scenario).unwrap();
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let mut telemetry = toprise::telemetry::Telemetry::default();
-    let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
-    (sink.messages, outcome)
 }
 
 fn at(topic: &str, name: &str) -> (usize, usize) {

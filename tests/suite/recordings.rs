@@ -1,6 +1,6 @@
 //! Reading recordings back: every bit, in both encodings, whole and in part.
 
-use crate::support::{archive, scenario};
+use crate::support::{archive, in_memory, scenario};
 use proptest::prelude::*;
 use serde_json::json;
 use std::borrow::Cow;
@@ -13,11 +13,10 @@ use toprise::recording::{
     Any, Condition, Overview, Recording, RecordingError, Selection, SeriesError,
 };
 use toprise::scenario::Scenario;
-use toprise::simulation::Simulation;
+use toprise::sink::Sink;
 use toprise::sink::mcap::Form;
 use toprise::sink::memory::{MemorySink, Owned};
 use toprise::sink::publish::Existing;
-use toprise::sink::{Sink, record};
 use toprise::telemetry::encoding::{Decoder, Encoder, Encoding, Row};
 use toprise::telemetry::{Telemetry, channels};
 use toprise::verify::{Options, Verdict, verify};
@@ -41,12 +40,7 @@ fn recorded(name: &str, form: Form) -> (TempDir, PathBuf) {
 
 /// The messages of a run, straight from the simulation.
 fn simulated(scenario: &Scenario) -> Vec<Owned> {
-    let mut sink = MemorySink::default();
-    let mut simulation = Simulation::new(scenario).unwrap();
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(std::ops::ControlFlow::Continue(()));
-    let mut telemetry = Telemetry::default();
-    record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
-    sink.messages
+    in_memory(scenario).0.messages
 }
 
 #[test]

@@ -1,22 +1,20 @@
 //! Two runs in one Rerun recording, as far as it can be tested without a viewer.
 
-use crate::support::scenario;
+use crate::support::{in_memory, scenario};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File};
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::LazyLock;
 use tempfile::tempdir;
 use toprise::math::log10;
 use toprise::scenario::Scenario;
-use toprise::simulation::Simulation;
-use toprise::sink::memory::{MemorySink, Owned};
+use toprise::sink::Side;
+use toprise::sink::memory::Owned;
 use toprise::sink::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
-use toprise::sink::{Side, record};
-use toprise::telemetry::{Message, Telemetry, channels};
+use toprise::telemetry::{Message, channels};
 
 const DURATION: (&str, &str) = ("stop.duration", "0.3");
 
@@ -30,17 +28,11 @@ struct Run {
 impl Run {
     fn of(preset: &'static str) -> Self {
         let scenario = scenario(preset, &[DURATION]);
-        let mut sink = MemorySink::default();
-        let mut simulation = Simulation::new(&scenario).unwrap();
-        let (mut telemetry, carry_on) = (Telemetry::default(), ControlFlow::Continue(()));
-        record(&mut simulation, &mut telemetry, &mut [&mut sink], |_, _| {
-            Ok(carry_on)
-        })
-        .unwrap();
+        let messages = in_memory(&scenario).0.messages;
         Self {
             name: preset,
             scenario,
-            messages: sink.messages,
+            messages,
         }
     }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use toprise::scenario::{Preset, Scenario};
 use toprise::simulation::{Event, EventKind, NutationCycle, Outcome, Record, Sample, Simulation};
 use toprise::sink::mcap::{Archived, Form, McapSink};
+use toprise::sink::memory::MemorySink;
 use toprise::sink::publish::Existing;
 use toprise::sink::{Sink, SinkError, record};
 use toprise::telemetry::Telemetry;
@@ -71,6 +72,16 @@ pub fn assert_near(what: &str, actual: f64, expected: f64, tolerance: f64) {
         error <= tolerance,
         "{what}: {actual:?} differs from {expected:?} by {error:e}, more than {tolerance:e}"
     );
+}
+
+/// A run into memory, with all its messages.
+pub fn in_memory(scenario: &Scenario) -> (MemorySink, Outcome) {
+    let mut sink = MemorySink::default();
+    let mut simulation = Simulation::new(scenario).unwrap();
+    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+    let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
+    let outcome = record(&mut simulation, &mut Telemetry::default(), sinks, carry_on).unwrap();
+    (sink, outcome)
 }
 
 /// Records a run with these topics, all if there are none.

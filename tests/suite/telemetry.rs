@@ -1,6 +1,6 @@
 //! The table of channels and what follows from it.
 
-use crate::support::scenario;
+use crate::support::{in_memory, scenario};
 use serde_json::Value;
 use std::fs;
 use std::ops::ControlFlow;
@@ -23,18 +23,7 @@ fn short_run(overrides: &[(&str, &str)]) -> MemorySink {
     let mut all = vec![("stop.duration", "0.2")];
     all.extend_from_slice(overrides);
     let scenario = scenario("paper", &all);
-    let mut sink = MemorySink::default();
-    let mut simulation = Simulation::new(&scenario).unwrap();
-    let mut sinks: Vec<&mut dyn Sink> = vec![&mut sink];
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    record(
-        &mut simulation,
-        &mut Telemetry::default(),
-        &mut sinks,
-        carry_on,
-    )
-    .unwrap();
-    sink
+    in_memory(&scenario).0
 }
 
 #[test]

@@ -638,21 +638,13 @@ fn parted(partings: &[Parting]) -> Option<String> {
 
 fn growth(growth: &Growth) -> String {
     let field = growth.field.rsplit('.').next().unwrap_or_default();
-    let name = symbol_of_angle(field);
+    let name = symbol(field);
     let law = match growth.law {
         GrowthLaw::Bounded => "bounded".to_owned(),
         GrowthLaw::Power => format!("as t^{:.2}", growth.parameter),
         GrowthLaw::Exponential => format!("as e^({} t)", significant(growth.parameter, 3)),
     };
     format!("{name} {law} (R² {:.3})", growth.quality)
-}
-
-fn symbol_of_angle(field: &str) -> &str {
-    match field {
-        "phi" => "φ",
-        "psi" => "ψ",
-        other => symbol(other),
-    }
 }
 
 fn interpolation(signals: &Signals) -> Option<String> {

@@ -7,7 +7,7 @@ use crate::diff::{Observer, Subject};
 use crate::sink::publish::{Existing, Place};
 use crate::sink::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
 use crate::sink::{Side, SinkError};
-use crate::telemetry::{Message, channels};
+use crate::telemetry::Message;
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use std::fs::File;
@@ -80,15 +80,10 @@ fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
         let scenario = subject.scenario().with_context(|| {
             format!("{letter} can't be drawn: it has no scenario that this version reads")
         })?;
-        let topics = channels().iter().map(|channel| channel.topic);
-        let topics = topics
-            .filter(|topic| subject.has_topic(topic))
-            .map(str::to_owned);
-        let name = subject.name();
         Ok::<_, Error>(Identity::of(
-            &name,
+            &subject.name(),
             &scenario,
-            topics.collect(),
+            subject.topics(),
             Playback::PausedAtStart,
         ))
     };
