@@ -7,19 +7,19 @@ use ivp::prelude::*;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::path::Path;
-use toprise::convert::convert;
-use toprise::diff;
-use toprise::figures::{FIGURES, Run};
-use toprise::integrate::{Direction, Dop853, System, Tolerances};
-use toprise::recording::{Recording, Selection};
-use toprise::scenario::{Preset, Scenario};
-use toprise::simulation::Simulation;
-use toprise::sink::mcap::{Form, McapSink};
-use toprise::sink::publish::Existing;
-use toprise::sink::{Sink, record};
+use toprise::analysis::diff;
+use toprise::analysis::figures::{FIGURES, Run};
+use toprise::analysis::verify::{Options, verify};
+use toprise::archive::convert::convert;
+use toprise::archive::publish::Existing;
+use toprise::archive::recording::{Recording, Selection};
+use toprise::archive::sink::{Sink, record};
+use toprise::archive::writer::{Form, McapSink};
+use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};
+use toprise::run::scenario::{Preset, Scenario};
+use toprise::run::simulation::Simulation;
 use toprise::telemetry::Telemetry;
 use toprise::telemetry::encoding::Encoding;
-use toprise::verify::{Options, verify};
 
 const START: [f64; 6] = [0.0, 0.5, 0.0, 1.75, 0.0, 170.0];
 const SECONDS: u32 = 20;
@@ -107,9 +107,9 @@ fn integrator(criterion: &mut Criterion) {
 }
 
 fn carry_on(
-    _: &toprise::simulation::Record,
+    _: &toprise::run::simulation::Record,
     _: &mut [&mut dyn Sink],
-) -> Result<ControlFlow<()>, toprise::sink::SinkError> {
+) -> Result<ControlFlow<()>, toprise::archive::sink::SinkError> {
     Ok(ControlFlow::Continue(()))
 }
 

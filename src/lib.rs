@@ -3,12 +3,12 @@
 //! and a Rerun stream.
 //!
 //! ```
-//! use toprise::scenario::Preset;
-//! use toprise::simulation::{Record, Simulation};
+//! use toprise::run::scenario::Preset;
+//! use toprise::run::simulation::{Record, Simulation};
 //!
 //! let mut values = Preset::find("paper")?.values()?;
 //! values.set("stop.duration", "0.1")?;
-//! let scenario = toprise::scenario::Scenario::new(values)?;
+//! let scenario = toprise::run::scenario::Scenario::new(values)?;
 //! let mut samples = 0;
 //! for record in Simulation::new(&scenario)? {
 //!     if let Record::Sample(sample) = record? {
@@ -20,31 +20,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! From the bottom up: [`math`], [`integrate`] and [`kinematics`]; [`friction`] and [`top`];
-//! [`dynamics`], the equations of motion; [`scenario`], what defines a run; [`simulation`], the stream
-//! of samples and events; [`telemetry`], the table of what is logged; [`sink`] and [`recording`],
-//! writing and reading back; [`diff`], what differs between two runs; [`figures`], for print; [`cli`], the program.
+//! Seven rooms, each of which knows only those before it: [`physics`], the mechanics; [`run`], scenarios and their
+//! simulation; [`telemetry`], the table of what is logged; [`archive`], recordings as files; [`analysis`], what is
+//! asked of runs; `rerun`, the stream for the Rerun viewer (feature `rerun`); [`cli`], the program.
 
+pub mod analysis;
+pub mod archive;
 pub mod cli;
-pub mod convert;
-pub mod course;
-pub mod diff;
-pub mod drawing;
-pub mod dynamics;
-pub mod explain;
-pub mod figures;
-pub mod friction;
-pub mod integrate;
-pub mod kinematics;
-pub mod math;
-pub(crate) mod phrase;
-pub mod recording;
-pub mod recover;
-pub mod scenario;
-pub mod simulation;
-pub mod sink;
-pub mod subject;
+pub mod physics;
+#[cfg(feature = "rerun")]
+pub mod rerun;
+pub mod run;
 pub mod telemetry;
-pub mod top;
-pub mod verify;
-pub mod view;

@@ -10,12 +10,14 @@
 pub mod digest;
 pub mod encoding;
 pub mod json;
+pub mod proportions;
 pub mod protobuf;
 pub mod schema;
+pub mod side;
 pub mod table;
 pub mod views;
 
-use crate::simulation::Record;
+use crate::run::simulation::Record;
 use std::sync::OnceLock;
 use table::{Channel, EVENTS, Field, NUTATION, SAMPLES, Source};
 use thiserror::Error;

@@ -3,14 +3,14 @@
 
 use std::fs;
 use std::path::Path;
-use toprise::convert::convert;
-use toprise::recording::{Condition, Overview, Recording, Selection};
-use toprise::recover::recover;
-use toprise::scenario::{Scenario, Values};
-use toprise::sink::mcap::Archived;
-use toprise::sink::publish::{Existing, partial_name};
+use toprise::analysis::verify::{Options, verify};
+use toprise::archive::convert::convert;
+use toprise::archive::publish::{Existing, partial_name};
+use toprise::archive::recording::{Condition, Overview, Recording, Selection};
+use toprise::archive::recover::recover;
+use toprise::archive::writer::Archived;
+use toprise::run::scenario::{Scenario, Values};
 use toprise::telemetry::encoding::Encoding;
-use toprise::verify::{Options, verify};
 
 /// Reads `data` as a recording in every way there is. Files are written to the directory `scratch`.
 ///

@@ -2,9 +2,9 @@
 
 use super::progress::Progress;
 use super::{Done, EncodingName, format, output};
-use crate::convert::convert as write;
-use crate::recording::Recording;
-use crate::sink::publish::Existing;
+use crate::archive::convert::convert as write;
+use crate::archive::publish::Existing;
+use crate::archive::recording::Recording;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use std::path::PathBuf;

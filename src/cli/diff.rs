@@ -8,13 +8,14 @@ use super::given::{Given, open};
 use super::progress::Progress;
 use super::run::parse_override;
 use super::{Done, EncodingName, format, output};
-use crate::diff::{
+use crate::analysis::diff::{
     Align, Archive, Matrix, Observer, Options, Report, Subject, Tolerance, Tolerances, Verdict,
     compare_observed,
 };
-use crate::sink::publish::{Existing, is_same_file};
-use crate::sink::{Side, SinkError};
+use crate::archive::publish::{Existing, is_same_file};
+use crate::archive::sink::SinkError;
 use crate::telemetry::Message;
+use crate::telemetry::side::Side;
 use anyhow::{Context as _, Error, bail};
 use clap::{Args, ValueEnum};
 use content::Detail;

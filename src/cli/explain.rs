@@ -4,7 +4,7 @@ use super::given::open;
 use super::page::{Page, Part, Section, Table, Tone};
 use super::run::parse_override;
 use super::{Done, output};
-use crate::explain::{Chapter, Story, explain as tell};
+use crate::analysis::explain::{Chapter, Story, explain as tell};
 use anyhow::{Context as _, Error};
 use clap::Args;
 

@@ -3,10 +3,10 @@
 use super::given::{Given, open};
 use super::progress::Progress;
 use super::{Done, format, output};
-use crate::figures::{Drawing, FIGURES, Figure, Run};
-use crate::scenario::Preset;
-use crate::sink::SinkError;
-use crate::sink::publish::{Existing, Place};
+use crate::analysis::figures::{Drawing, FIGURES, Figure, Run};
+use crate::archive::publish::{Existing, Place};
+use crate::archive::sink::SinkError;
+use crate::run::scenario::Preset;
 use anyhow::{Context as _, Error, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};

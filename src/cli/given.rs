@@ -1,9 +1,9 @@
 //! The runs that words on the command line mean.
 
 use super::run::scenario;
-use crate::recording::Recording;
-use crate::scenario::{PRESETS, Scenario};
-use crate::subject::Subject;
+use crate::analysis::subject::Subject;
+use crate::archive::recording::Recording;
+use crate::run::scenario::{PRESETS, Scenario};
 use anyhow::{Context as _, Error, bail};
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! `toprise info`.
 
 use super::{Done, Format, format, output};
-use crate::recording::{ChannelOverview, Condition, Loss, Overview};
+use crate::archive::recording::{ChannelOverview, Condition, Loss, Overview};
 use anyhow::{Context as _, Error};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

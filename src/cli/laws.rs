@@ -1,7 +1,7 @@
 //! `toprise laws`.
 
 use super::{Done, Format, format, output};
-use crate::scenario::{Key, LAWS, Law};
+use crate::run::scenario::{Key, LAWS, Law};
 use anyhow::Error;
 use serde_json::{Value, json};
 

@@ -1,7 +1,7 @@
 //! `toprise presets`.
 
 use super::{Done, format, output};
-use crate::scenario::{PRESETS, Preset};
+use crate::run::scenario::{PRESETS, Preset};
 use anyhow::Error;
 
 /// Lists the presets, or prints one as TOML.

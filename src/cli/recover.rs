@@ -2,10 +2,11 @@
 
 use super::progress::Progress;
 use super::{Done, Format, format, output};
-use crate::recording::Recording;
-use crate::recover::{Recovered, complete, recover as save};
-use crate::sink::mcap::Archived;
-use crate::sink::publish::Existing;
+use crate::analysis::complete::complete;
+use crate::archive::publish::Existing;
+use crate::archive::recording::Recording;
+use crate::archive::recover::{Recovered, recover as save};
+use crate::archive::writer::Archived;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use serde_json::json;

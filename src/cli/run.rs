@@ -8,11 +8,11 @@ mod viewer;
 
 use super::interrupt::Interrupt;
 use super::{Done, EncodingName, Format, output};
-use crate::scenario::{PRESETS, Preset, Scenario, Values};
-use crate::simulation::{EventKind, Outcome, Record, Simulation, StopReason};
-use crate::sink::mcap::{Archived, Form, McapSink};
-use crate::sink::publish::Existing;
-use crate::sink::{RecordError, Sink, record};
+use crate::archive::publish::Existing;
+use crate::archive::sink::{RecordError, Sink, record};
+use crate::archive::writer::{Archived, Form, McapSink};
+use crate::run::scenario::{PRESETS, Preset, Scenario, Values};
+use crate::run::simulation::{EventKind, Outcome, Record, Simulation, StopReason};
 use crate::telemetry::Telemetry;
 use anyhow::{Context as _, Error};
 use clap::Args;
@@ -152,7 +152,7 @@ struct Setup<'a> {
     plan: &'a Plan,
     interrupt: &'a Interrupt,
     #[cfg(feature = "rerun")]
-    live: Option<crate::sink::rerun::Live>,
+    live: Option<crate::rerun::Live>,
 }
 
 /// Simulates, logs, and finishes the files, however the simulation ends.

@@ -57,7 +57,7 @@ fn write_all(directory: &Path) -> Result<(), Error> {
             write(&directory.join(name), &text)?;
         }
     }
-    for (name, text) in crate::diff::schemas() {
+    for (name, text) in crate::analysis::diff::schemas() {
         write(&directory.join(name), &text)?;
     }
     Ok(())

@@ -2,8 +2,8 @@
 
 use super::progress::Progress;
 use super::{Done, Format, format, output};
-use crate::recording::{Recording, RecordingError};
-use crate::verify::{Check, Options, Report, Verdict, verify as check};
+use crate::analysis::verify::{Check, Options, Report, Verdict, verify as check};
+use crate::archive::recording::{Recording, RecordingError};
 use anyhow::Error;
 use clap::Args;
 use serde_json::{Value, json};

@@ -1,7 +1,7 @@
 //! Which Rerun viewer to show something in.
 
 use super::interrupt::Interrupt;
-use crate::sink::rerun::Live;
+use crate::rerun::Live;
 use anyhow::Error;
 use clap::Args;
 use std::net::IpAddr;
@@ -46,7 +46,7 @@ pub(super) enum Target {
     Live(Live),
     /// One that this process serves.
     #[cfg(feature = "web-viewer")]
-    Served(crate::sink::rerun::WebViewer),
+    Served(crate::rerun::WebViewer),
 }
 
 impl ViewerArguments {
@@ -69,7 +69,7 @@ impl ViewerArguments {
 
     #[cfg(feature = "web-viewer")]
     fn serve(&self) -> Result<Target, Error> {
-        let viewer = crate::sink::rerun::WebViewer::start(self.bind, self.port);
+        let viewer = crate::rerun::WebViewer::start(self.bind, self.port);
         let viewer = viewer.map_err(Error::msg)?;
         eprintln!("serving at {}", viewer.url());
         if !self.bind.is_loopback() {

@@ -1,7 +1,7 @@
 //! The content digest: a fingerprint of what was recorded, whatever the file looks like.
 
 use super::{Message, channels};
-use crate::scenario::hex;
+use crate::run::scenario::hex;
 use sha2::{Digest as _, Sha256};
 
 /// Accumulates the content digest of a recording.

@@ -1,6 +1,6 @@
 //! The table of channels: the one place that knows what is logged.
 
-use crate::simulation::{Event, NutationCycle, Sample};
+use crate::run::simulation::{Event, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// A channel whose messages are made from an `S`.

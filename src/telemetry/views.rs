@@ -14,9 +14,9 @@ mod urdf;
 
 use self::cdr::Cdr;
 use super::{Message, channel_index, channels};
-use crate::drawing::Proportions;
-use crate::scenario::Scenario;
-use crate::top::Top;
+use crate::physics::top::Top;
+use crate::run::scenario::Scenario;
+use crate::telemetry::proportions::Proportions;
 
 /// Views come no more often than this, ns.
 const PERIOD_NS: u64 = 10_000_000;

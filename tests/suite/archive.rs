@@ -5,12 +5,12 @@ use mcap::MessageStream;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
-use toprise::recording::{Condition, Overview, Recording, RecordingError};
-use toprise::scenario::Scenario;
-use toprise::simulation::Simulation;
-use toprise::sink::mcap::{Archived, Form, McapSink};
-use toprise::sink::publish::{Existing, partial_name};
-use toprise::sink::{Sink, SinkError, record};
+use toprise::archive::publish::{Existing, partial_name};
+use toprise::archive::recording::{Condition, Overview, Recording, RecordingError};
+use toprise::archive::sink::{Sink, SinkError, record};
+use toprise::archive::writer::{Archived, Form, McapSink};
+use toprise::run::scenario::Scenario;
+use toprise::run::simulation::Simulation;
 use toprise::telemetry::views::view_channels;
 use toprise::telemetry::{Telemetry, channels};
 

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 use tempfile::{TempDir, tempdir};
-use toprise::recording::Overview;
+use toprise::archive::recording::Overview;
 
 fn toprise(directory: &TempDir) -> Command {
     let mut command = Command::cargo_bin("toprise").unwrap();
@@ -233,7 +233,10 @@ fn laws_are_listed() {
     let json = answer(toprise(&directory).args(["laws", "--format", "json"]));
     let json: Value = serde_json::from_str(&json).unwrap();
     let names = json.as_array().unwrap().iter().map(|law| &law["name"]);
-    let listed: Vec<_> = toprise::scenario::LAWS.iter().map(|law| law.name).collect();
+    let listed: Vec<_> = toprise::run::scenario::LAWS
+        .iter()
+        .map(|law| law.name)
+        .collect();
     assert_eq!(names.collect::<Vec<_>>(), listed);
     let parameter = &json[1]["parameters"][0];
     assert_eq!(parameter["key"], "friction.k");

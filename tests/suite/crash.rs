@@ -5,10 +5,10 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
-use toprise::recording::{Condition, Overview, Recording, Selection};
-use toprise::recover::recover;
-use toprise::sink::publish::Existing;
-use toprise::verify::{Options, Verdict, verify};
+use toprise::analysis::verify::{Options, Verdict, verify};
+use toprise::archive::publish::Existing;
+use toprise::archive::recording::{Condition, Overview, Recording, Selection};
+use toprise::archive::recover::recover;
 
 /// Runs that are killed.
 const KILLS: u64 = 24;

@@ -4,12 +4,13 @@ use crate::support::{archive, scenario};
 use std::fs;
 use std::path::Path;
 use std::thread;
-use toprise::recording::{Condition, Overview, Recording};
-use toprise::recover::{RecoverError, complete, recover};
-use toprise::sink::mcap::Form;
-use toprise::sink::publish::Existing;
+use toprise::analysis::complete::complete;
+use toprise::analysis::verify::{Group, Options, Verdict, verify};
+use toprise::archive::publish::Existing;
+use toprise::archive::recording::{Condition, Overview, Recording};
+use toprise::archive::recover::{RecoverError, recover};
+use toprise::archive::writer::Form;
 use toprise::telemetry::encoding::Encoding;
-use toprise::verify::{Group, Options, Verdict, verify};
 
 const QUICK: Options = Options { reproduce: false };
 

@@ -6,14 +6,14 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::tempdir;
-use toprise::diff::{
+use toprise::analysis::diff::{
     Align, ChannelDifference, DiffError, FieldDifference, GrowthLaw, Matrix, Options, Report,
     Residual, Tolerance, Verdict, compare,
 };
-use toprise::math::{exp, ln};
-use toprise::recording::Recording;
-use toprise::scenario::Scenario;
-use toprise::sink::mcap::Form;
+use toprise::archive::recording::Recording;
+use toprise::archive::writer::Form;
+use toprise::physics::math::{exp, ln};
+use toprise::run::scenario::Scenario;
 use toprise::telemetry::encoding::Encoding;
 
 fn quick() -> Options {
@@ -214,7 +214,7 @@ fn val_averaged(report: &Report, expected: &Value) {
     let truth = &expected["averaged"];
     assert_eq!(averaged.cycles, truth["points"].as_u64().unwrap());
     for quantity in ["theta", "theta_dot", "phi_dot", "psi_dot"] {
-        let of = |deviations: &[toprise::diff::Deviation], ending: &str| {
+        let of = |deviations: &[toprise::analysis::diff::Deviation], ending: &str| {
             let name = format!("{quantity}_{ending}");
             let found = deviations
                 .iter()
@@ -481,13 +481,13 @@ fn val_interpolation_is_as_exact_as_it_says() {
 fn rewritten(
     path: &Path,
     scenario: &Scenario,
-    mut change: impl FnMut(&mut toprise::sink::memory::Owned),
+    mut change: impl FnMut(&mut toprise::archive::memory::Owned),
 ) -> Recording {
-    use toprise::sink::Sink as _;
+    use toprise::archive::sink::Sink as _;
     use toprise::telemetry::Telemetry;
     let telemetry = Telemetry::default();
-    let existing = toprise::sink::publish::Existing::Replace;
-    let mut sink = toprise::sink::mcap::McapSink::create(
+    let existing = toprise::archive::publish::Existing::Replace;
+    let mut sink = toprise::archive::writer::McapSink::create(
         path,
         existing,
         scenario,
@@ -1095,13 +1095,13 @@ fn a_run_without_events_is_not_said_to_have_none() {
 
 #[test]
 fn a_channel_that_lacks_a_field_shows_no_differences() {
-    use toprise::diff::{Observer, compare_observed};
+    use toprise::analysis::diff::{Observer, compare_observed};
     struct Channels(Vec<usize>);
     impl Observer for Channels {
         fn difference(
             &mut self,
             message: &toprise::telemetry::Message<'_>,
-        ) -> Result<(), toprise::sink::SinkError> {
+        ) -> Result<(), toprise::archive::sink::SinkError> {
             let channel = &toprise::telemetry::channels()[message.channel];
             assert_eq!(message.numbers.len(), channel.numbers.len());
             self.0.push(message.channel);
@@ -1177,7 +1177,7 @@ fn only_the_topics_that_are_asked_for_count() {
     let options = Options {
         topics: vec!["/empty".to_owned(), "/odom".to_owned()],
         tolerances: {
-            let mut tolerances = toprise::diff::Tolerances::default();
+            let mut tolerances = toprise::analysis::diff::Tolerances::default();
             tolerances.add("*=1.1e-4").unwrap();
             tolerances
         },
@@ -1301,7 +1301,7 @@ fn reports_have_no_gaps_in_json() {
             _ => {}
         }
     }
-    let schemas = toprise::diff::schemas();
+    let schemas = toprise::analysis::diff::schemas();
     let schema: Value = serde_json::from_str(&schemas[0].1).unwrap();
     numbers_are_there("", &value, &schema, &schema);
 }

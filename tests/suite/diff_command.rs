@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use tempfile::{TempDir, tempdir};
-use toprise::recording::{Condition, Recording, Selection};
+use toprise::archive::recording::{Condition, Recording, Selection};
 use unicode_width::UnicodeWidthStr as _;
 
 const TWO: [&str; 6] = [

@@ -4,10 +4,10 @@ use crate::support::{Run, archive, scenario};
 use assert_cmd::Command;
 use std::fs;
 use tempfile::tempdir;
-use toprise::explain::{Chapter, ExplainError, Story, explain};
-use toprise::recording::Recording;
-use toprise::scenario::PRESETS;
-use toprise::sink::mcap::Form;
+use toprise::analysis::explain::{Chapter, ExplainError, Story, explain};
+use toprise::archive::recording::Recording;
+use toprise::archive::writer::Form;
+use toprise::run::scenario::PRESETS;
 
 fn chapter<'s>(story: &'s Story, heading: &str) -> &'s Chapter {
     let found = story

@@ -6,9 +6,9 @@ use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::Path;
 use tempfile::{TempDir, tempdir};
-use toprise::figures::{FIGURES, Figure, Run};
-use toprise::recording::Recording;
-use toprise::sink::mcap::Form;
+use toprise::analysis::figures::{FIGURES, Figure, Run};
+use toprise::archive::recording::Recording;
+use toprise::archive::writer::Form;
 use toprise::telemetry::encoding::Encoding;
 
 fn all() -> Vec<&'static Figure> {

@@ -5,12 +5,12 @@
 
 use std::fs;
 use std::path::Path;
-use toprise::recording::Recording;
-use toprise::scenario::{PRESETS, Preset};
-use toprise::simulation::{Outcome, Simulation};
+use toprise::analysis::verify::{Options, Verdict, verify};
+use toprise::archive::recording::Recording;
+use toprise::run::scenario::{PRESETS, Preset};
+use toprise::run::simulation::{Outcome, Simulation};
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::{Telemetry, TelemetryError};
-use toprise::verify::{Options, Verdict, verify};
 
 /// Preset, messages, steps, content digest at its own sample period with all topics.
 #[rustfmt::skip]

@@ -10,7 +10,7 @@
 use proptest::prelude::*;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
-use toprise::integrate::{
+use toprise::physics::integrate::{
     Crossing, Dense, Direction, Dop853, IntegrateError, KNOTS, SignTracker, Slope, System,
     Tolerances,
 };

@@ -4,17 +4,17 @@ use crate::support::{Run, archive, assert_near, scenario};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
-use toprise::dynamics::{BodyRotation, EulerAngles, Formulation, Model};
-use toprise::friction::{
+use toprise::analysis::verify::{Options, Verdict, verify};
+use toprise::archive::recording::Recording;
+use toprise::archive::writer::Form;
+use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Model};
+use toprise::physics::friction::{
     Air, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing, drilling_torque,
 };
-use toprise::integrate::System;
-use toprise::kinematics::{Euler, Tilt};
-use toprise::recording::Recording;
-use toprise::scenario::{KEYS, Kind, LAWS, Scenario};
-use toprise::simulation::{EventKind, StopReason};
-use toprise::sink::mcap::Form;
-use toprise::verify::{Options, Verdict, verify};
+use toprise::physics::integrate::System;
+use toprise::physics::kinematics::{Euler, Tilt};
+use toprise::run::scenario::{KEYS, Kind, LAWS, Scenario};
+use toprise::run::simulation::{EventKind, StopReason};
 
 fn model(friction: Friction) -> Model {
     let mut model = scenario("paper", &[]).model;
@@ -677,7 +677,7 @@ fn the_formulations_agree_on_every_derivative_at_rest() {
         theta: 0.0,
         psi: 0.0,
     };
-    let sticking = toprise::dynamics::Regime::Sticking;
+    let sticking = toprise::physics::dynamics::Regime::Sticking;
     let euler = EulerAngles::new(model).in_regime(sticking);
     let body = BodyRotation::new(model).in_regime(sticking);
     let y = EulerAngles::state(angles, rates, &model);
@@ -711,7 +711,7 @@ fn a_run_that_no_longer_gets_on_ends_with_an_error() {
             ("drilling.patch_radius", "1e-2"),
         ],
     );
-    let error = toprise::simulation::Simulation::new(&scenario)
+    let error = toprise::run::simulation::Simulation::new(&scenario)
         .unwrap()
         .find_map(Result::err);
     let error = error.expect("it ends with an error").to_string();

@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use toprise::recording::{
+use toprise::archive::recording::{
     Condition, FileChannel, FileSchema, MAX_FIELDS, NumberDecoder, NumbersError, Recording,
     Selection,
 };

@@ -2,9 +2,9 @@
 
 use crate::support::{Run, assert_near, scenario};
 use nalgebra::Vector3;
-use toprise::kinematics::{Euler, Tilt};
-use toprise::scenario::Scenario;
-use toprise::simulation::{EventKind, Sample, StopReason};
+use toprise::physics::kinematics::{Euler, Tilt};
+use toprise::run::scenario::Scenario;
+use toprise::run::simulation::{EventKind, Sample, StopReason};
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |largest, value| largest.max(value.abs()))
@@ -324,7 +324,8 @@ fn the_body_formulation_runs_through_upright() {
 
 #[test]
 fn the_euler_formulation_stops_where_it_is_singular() {
-    let mut simulation = toprise::simulation::Simulation::new(&through_upright("euler")).unwrap();
+    let mut simulation =
+        toprise::run::simulation::Simulation::new(&through_upright("euler")).unwrap();
     let failed = simulation.by_ref().any(|record| record.is_err());
     let stop = simulation.outcome().stop;
     assert!(

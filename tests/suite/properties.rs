@@ -3,13 +3,13 @@
 use crate::support::{Run, scenario};
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use toprise::dynamics::{BodyRotation, EulerAngles, Formulation, Model};
-use toprise::friction::{Dissipation, Friction, FrictionLaw};
-use toprise::integrate::System;
-use toprise::kinematics::{
+use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Model};
+use toprise::physics::friction::{Dissipation, Friction, FrictionLaw};
+use toprise::physics::integrate::System;
+use toprise::physics::kinematics::{
     Euler, Tilt, euler_angles, lean_to_world, node_to_body, world_from_body,
 };
-use toprise::top::Top;
+use toprise::physics::top::Top;
 
 fn angles() -> impl Strategy<Value = Euler> {
     (-3.0..3.0, 0.05..3.09, -3.0..3.0).prop_map(|(phi, theta, psi)| Euler { phi, theta, psi })

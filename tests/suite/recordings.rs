@@ -8,19 +8,19 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-use toprise::convert::{ConvertError, convert};
-use toprise::recording::{
+use toprise::analysis::verify::{Options, Verdict, verify};
+use toprise::archive::convert::{ConvertError, convert};
+use toprise::archive::memory::{MemorySink, Owned};
+use toprise::archive::publish::Existing;
+use toprise::archive::recording::{
     Any, Condition, Overview, Recording, RecordingError, Selection, SeriesError,
 };
-use toprise::scenario::Scenario;
-use toprise::sink::Sink;
-use toprise::sink::mcap::Form;
-use toprise::sink::memory::{MemorySink, Owned};
-use toprise::sink::publish::Existing;
+use toprise::archive::replay::replay;
+use toprise::archive::sink::Sink;
+use toprise::archive::writer::Form;
+use toprise::run::scenario::Scenario;
 use toprise::telemetry::encoding::{Decoder, Encoder, Encoding, Row};
 use toprise::telemetry::{Telemetry, channels};
-use toprise::verify::{Options, Verdict, verify};
-use toprise::view::replay;
 
 fn short() -> Scenario {
     scenario("paper", &[("stop.duration", "0.3")])
@@ -253,7 +253,7 @@ fn verifying_judges_the_physics_by_itself() {
 
 /// A recording with any content, complete with a digest that fits it.
 struct Forgery {
-    sink: toprise::sink::mcap::McapSink,
+    sink: toprise::archive::writer::McapSink,
     counts: BTreeMap<&'static str, u64>,
 }
 
@@ -266,7 +266,7 @@ impl Forgery {
         let telemetry = Telemetry::default();
         let existing = Existing::Replace;
         let sink =
-            toprise::sink::mcap::McapSink::create(path, existing, scenario, &telemetry, form);
+            toprise::archive::writer::McapSink::create(path, existing, scenario, &telemetry, form);
         Self {
             sink: sink.unwrap(),
             counts: BTreeMap::new(),
@@ -290,7 +290,7 @@ impl Forgery {
             ("nutations", count("/top/nutation")),
         ];
         let end = Some(end.map(|(key, value)| (key.to_owned(), value)).into());
-        let ending = toprise::sink::mcap::Ending {
+        let ending = toprise::archive::writer::Ending {
             end,
             ..Default::default()
         };

@@ -2,7 +2,7 @@
 
 use crate::support::{Run, assert_near, scenario};
 use serde_json::Value;
-use toprise::simulation::{EventKind, Sample, StopReason};
+use toprise::run::simulation::{EventKind, Sample, StopReason};
 
 fn reference() -> Value {
     serde_json::from_str(include_str!("../data/reference.json")).unwrap()
@@ -99,7 +99,7 @@ fn val_paper_nutations_are_counted() {
     // Cycles lie between the maxima of θ̇.
     assert_eq!(run.outcome.nutations + 1, maxima);
     let frequency =
-        |cycle: Option<&toprise::simulation::NutationCycle>| 1.0 / cycle.unwrap().period();
+        |cycle: Option<&toprise::run::simulation::NutationCycle>| 1.0 / cycle.unwrap().period();
     // The reference gives them with four digits.
     assert_near("first", frequency(run.cycles.first()), 22.74, 0.005);
     assert_near("last", frequency(run.cycles.last()), 19.83, 0.005);

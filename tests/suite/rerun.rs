@@ -46,7 +46,7 @@ fn a_missing_viewer_is_a_warning_and_harms_nothing() {
     );
     assert!(started.elapsed() < Duration::from_secs(30));
     assert!(
-        toprise::recording::Overview::read(&directory.path().join("a.mcap"))
+        toprise::archive::recording::Overview::read(&directory.path().join("a.mcap"))
             .unwrap()
             .is_whole()
     );

@@ -9,11 +9,11 @@ use std::fs::{self, File};
 use std::path::Path;
 use std::sync::LazyLock;
 use tempfile::tempdir;
-use toprise::math::log10;
-use toprise::scenario::Scenario;
-use toprise::sink::Side;
-use toprise::sink::memory::Owned;
-use toprise::sink::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
+use toprise::archive::memory::Owned;
+use toprise::archive::sink::Side;
+use toprise::physics::math::log10;
+use toprise::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
+use toprise::run::scenario::Scenario;
 use toprise::telemetry::{Message, channels};
 
 const DURATION: (&str, &str) = ("stop.duration", "0.3");

@@ -2,7 +2,7 @@
 
 use crate::support::scenario;
 use proptest::prelude::*;
-use toprise::scenario::{KEYS, Kind, PRESETS, Preset, Scenario, ScenarioError, Value, Values};
+use toprise::run::scenario::{KEYS, Kind, PRESETS, Preset, Scenario, ScenarioError, Value, Values};
 
 fn error(preset: &str, overrides: &[(&str, &str)]) -> String {
     let mut values = Preset::find(preset).unwrap().values().unwrap();

@@ -2,12 +2,14 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use toprise::scenario::{Preset, Scenario};
-use toprise::simulation::{Event, EventKind, NutationCycle, Outcome, Record, Sample, Simulation};
-use toprise::sink::mcap::{Archived, Form, McapSink};
-use toprise::sink::memory::MemorySink;
-use toprise::sink::publish::Existing;
-use toprise::sink::{Sink, SinkError, record};
+use toprise::archive::memory::MemorySink;
+use toprise::archive::publish::Existing;
+use toprise::archive::sink::{Sink, SinkError, record};
+use toprise::archive::writer::{Archived, Form, McapSink};
+use toprise::run::scenario::{Preset, Scenario};
+use toprise::run::simulation::{
+    Event, EventKind, NutationCycle, Outcome, Record, Sample, Simulation,
+};
 use toprise::telemetry::Telemetry;
 
 /// A preset with some keys set otherwise.

@@ -5,9 +5,9 @@ use serde_json::Value;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
-use toprise::simulation::Simulation;
-use toprise::sink::memory::{MemorySink, Owned};
-use toprise::sink::{Sink, record};
+use toprise::archive::memory::{MemorySink, Owned};
+use toprise::archive::sink::{Sink, record};
+use toprise::run::simulation::Simulation;
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::json::JsonEncoder;
 use toprise::telemetry::protobuf::{proto_file, proto_file_name};
@@ -48,7 +48,7 @@ fn regress_the_committed_schemas_are_those_of_the_table() {
             path.display()
         );
     }
-    let reports = toprise::diff::schemas();
+    let reports = toprise::analysis::diff::schemas();
     for (name, schema) in &reports {
         let committed = fs::read_to_string(directory.join(name)).unwrap_or_default();
         assert_eq!(

@@ -1,13 +1,13 @@
 //! What the report says, section by section.
 
-use crate::cli::format;
-use crate::cli::page::{Page, Part, Section, Table, Tone};
-use crate::diff::{
+use crate::analysis::diff::{
     ChannelDifference, CourseReport, Deviation, EventKindDifference, EventMoment, FieldDifference,
     Growth, GrowthLaw, Happened, KeyDifference, Matrix, Parting, Report, Residual, Run, Signals,
     Verdict,
 };
-use crate::phrase::{duration, quantity, significant, symbol};
+use crate::analysis::phrase::{duration, quantity, significant, symbol};
+use crate::cli::format;
+use crate::cli::page::{Page, Part, Section, Table, Tone};
 use unicode_width::{UnicodeWidthChar as _, UnicodeWidthStr as _};
 
 /// Of long lists, so many entries are shown.
@@ -706,7 +706,7 @@ fn errors(report: &Report) -> Section {
         let field = fields.iter().find(|(field, _)| field == name);
         field.map_or(String::new(), |(_, error)| significant(*error, 2))
     };
-    let row = |letter: &str, error: &crate::diff::IntegratorError| {
+    let row = |letter: &str, error: &crate::analysis::diff::IntegratorError| {
         vec![
             letter.to_owned(),
             format!("{:e} → {:e}", error.relative_tolerance, error.compared_with),

@@ -3,11 +3,12 @@
 use super::super::interrupt::Interrupt;
 use super::super::output;
 use super::super::viewer::{Target, ViewerArguments};
-use crate::diff::{Observer, Subject};
-use crate::sink::publish::{Existing, Place};
-use crate::sink::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
-use crate::sink::{Side, SinkError};
+use crate::analysis::diff::{Observer, Subject};
+use crate::archive::publish::{Existing, Place};
+use crate::archive::sink::SinkError;
+use crate::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
 use crate::telemetry::Message;
+use crate::telemetry::side::Side;
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use std::fs::File;

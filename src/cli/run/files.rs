@@ -1,10 +1,10 @@
 //! Which files a run writes.
 
 use super::RunArguments;
-use crate::recording::Recording;
-use crate::scenario::Scenario;
-use crate::sink::mcap::Archived;
-use crate::sink::publish::partial_name;
+use crate::archive::publish::partial_name;
+use crate::archive::recording::Recording;
+use crate::archive::writer::Archived;
+use crate::run::scenario::Scenario;
 use anyhow::{Error, bail};
 use std::path::{Path, PathBuf};
 

@@ -2,8 +2,8 @@
 
 use super::super::interrupt::Interrupt;
 use super::{Duration, Instant};
-use crate::simulation::Record;
-use crate::sink::{Sink, SinkError};
+use crate::archive::sink::{Sink, SinkError};
+use crate::run::simulation::Record;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ops::ControlFlow;
 use std::thread;

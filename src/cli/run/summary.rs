@@ -2,8 +2,8 @@
 
 use super::super::format;
 use super::{Duration, EventCounts, Written};
-use crate::scenario::Scenario;
-use crate::simulation::Outcome;
+use crate::run::scenario::Scenario;
+use crate::run::simulation::Outcome;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -130,7 +130,7 @@ impl Summary<'_> {
     /// Each kind with its number, or its time if it happened once.
     fn events(&self) -> String {
         let counts = self.counts.0.iter().filter(|(.., first)| *first > 0.0);
-        let part = |(kind, count, first): &(crate::simulation::EventKind, u64, f64)| {
+        let part = |(kind, count, first): &(crate::run::simulation::EventKind, u64, f64)| {
             let name = kind.name().replace('_', " ");
             match count {
                 1 => format!("{name} at {first:.4} s"),

@@ -2,9 +2,9 @@
 
 use super::super::output;
 use super::Setup;
-use crate::sink::publish::Place;
-use crate::sink::rerun::{Destinations, Identity, Playback, RerunSink};
-use crate::sink::{Sink, SinkError};
+use crate::archive::publish::Place;
+use crate::archive::sink::{Sink, SinkError};
+use crate::rerun::{Destinations, Identity, Playback, RerunSink};
 use crate::telemetry::{Telemetry, channels};
 use anyhow::{Context as _, Error};
 use std::path::PathBuf;

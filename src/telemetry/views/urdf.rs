@@ -4,8 +4,8 @@
 //! which look solid. Other viewers know boxes, cylinders and spheres, and want single spaces.
 
 use super::Scales;
-use crate::drawing::Proportions;
-use crate::math;
+use crate::physics::math;
+use crate::telemetry::proportions::Proportions;
 use std::f64::consts::FRAC_PI_3;
 use std::fmt::Write as _;
 

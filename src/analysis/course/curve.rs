@@ -1,0 +1,245 @@
+//! Curves through points, and what is computed from them.
+
+/// A curve through points, in between a polynomial of third degree through the four nearest.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Curve {
+    /// Strictly increasing.
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+impl Curve {
+    /// A curve through points in the order of x; those that don't increase x are left out.
+    pub(crate) fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        let mut curve = Self::default();
+        for (x, y) in points {
+            if curve.x.last().is_none_or(|last| *last < x) {
+                curve.x.push(x);
+                curve.y.push(y);
+            }
+        }
+        curve
+    }
+
+    /// The first and the last x.
+    pub(crate) fn domain(&self) -> Option<(f64, f64)> {
+        Some((*self.x.first()?, *self.x.last()?))
+    }
+
+    /// The value at x; none outside of the points.
+    pub(crate) fn at(&self, x: f64) -> Option<f64> {
+        let (first, last) = self.domain()?;
+        if !(first <= x && x <= last) {
+            return None;
+        }
+        // The points around x, two on each side where there are so many.
+        let above = self.x.partition_point(|known| *known <= x);
+        if self.x[above - 1] == x {
+            return Some(self.y[above - 1]);
+        }
+        let count = self.x.len().min(4);
+        let start = above.saturating_sub(2).min(self.x.len() - count);
+        let range = start..start + count;
+        Some(
+            lagrange(&self.x[range.clone()], x)
+                .zip(&self.y[range])
+                .map(|(w, y)| w * y)
+                .sum(),
+        )
+    }
+
+    /// The longest beginning on which y goes one way, with x and y exchanged.
+    pub(crate) fn inverse(&self) -> Self {
+        let sign = match self.y.as_slice() {
+            [first, second, ..] if second < first => -1.0,
+            _ => 1.0,
+        };
+        let forward = |pair: &[f64]| sign * pair[1] > sign * pair[0];
+        let turns = self.y.windows(2).position(|pair| !forward(pair));
+        let length = turns.map_or(self.y.len(), |position| position + 1);
+        let mut points: Vec<_> = self
+            .y
+            .iter()
+            .copied()
+            .zip(self.x.iter().copied())
+            .take(length)
+            .collect();
+        if sign < 0.0 {
+            points.reverse();
+        }
+        Self::new(points)
+    }
+
+    /// Where y first reaches a level, going from one side of it to the other.
+    pub(crate) fn first_reaches(&self, level: f64) -> Option<f64> {
+        let crosses = |pair: &[f64]| (pair[0] > level) != (pair[1] > level);
+        let at = self.y.windows(2).position(crosses)?;
+        let (mut low, mut high) = (self.x[at], self.x[at + 1]);
+        let side = self.y[at] > level;
+        // Halving ends when no double lies between.
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if (self.at(middle)? > level) == side {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(high)
+    }
+}
+
+/// Lagrange's weights of points for the value at x.
+pub(crate) fn lagrange(points: &[f64], x: f64) -> impl Iterator<Item = f64> + '_ {
+    let weight = move |i: usize| {
+        let others = points.iter().enumerate().filter(move |(j, _)| *j != i);
+        others
+            .map(|(_, other)| (x - other) / (points[i] - other))
+            .product()
+    };
+    (0..points.len()).map(weight)
+}
+
+/// The cubic through two points with their slopes, at the part `s` of the way between; `h` apart.
+pub(crate) fn hermite3([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64, s: f64) -> f64 {
+    let r = 1.0 - s;
+    y0 + s * s * (3.0 - 2.0 * s) * (y1 - y0) + h * s * r * (r * d0 - s * d1)
+}
+
+/// The polynomial of fifth degree through two points with their first and second derivatives.
+pub(crate) fn hermite5([y0, d0, c0]: [f64; 3], [y1, d1, c1]: [f64; 3], h: f64, s: f64) -> f64 {
+    let r = 1.0 - s;
+    let step = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+    y0 + step * (y1 - y0)
+        + h * s * (r * r * r * (1.0 + 3.0 * s) * d0 - s * s * r * (1.0 + 3.0 * r) * d1)
+        + 0.5 * h * h * s * s * r * r * (r * c0 + s * c1)
+}
+
+/// The extreme of the cubic through two points with their slopes, if it has one in between.
+pub(crate) fn extreme([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64) -> Option<f64> {
+    let changes_sign = d0 * d1 < 0.0;
+    if !changes_sign {
+        return None;
+    }
+    // The slope, a parabola in s, changes sign between 0 and 1: halving finds where.
+    let rise = (y1 - y0) / h;
+    let slope =
+        |s: f64| d0 + s * (6.0 * rise - 4.0 * d0 - 2.0 * d1) + 3.0 * s * s * (d0 + d1 - 2.0 * rise);
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if (slope(middle) > 0.0) == (d0 > 0.0) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(hermite3([y0, d0], [y1, d1], h, low))
+}
+
+/// An integral over equally spaced samples, as they come: Gregory's rule, of fourth order.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Integral {
+    count: u64,
+    sum: f64,
+    /// The first three and the last three.
+    first: [f64; 3],
+    last: [f64; 3],
+}
+
+impl Integral {
+    pub(crate) fn add(&mut self, value: f64) {
+        if let Ok(index) = usize::try_from(self.count)
+            && index < 3
+        {
+            self.first[index] = value;
+        }
+        self.last = [self.last[1], self.last[2], value];
+        self.sum += value;
+        self.count += 1;
+    }
+
+    /// The integral over the samples, `step` apart.
+    pub(crate) fn over(&self, step: f64) -> f64 {
+        let [a, b, c] = self.first;
+        let [x, y, z] = self.last;
+        match self.count {
+            0 | 1 => 0.0,
+            // The ends count half; the differences there correct what the trapezoids miss.
+            2 => 0.5 * step * (y + z),
+            3 => step / 3.0 * (x + 4.0 * y + z),
+            _ => {
+                let trapezoids = self.sum - 0.5 * (a + z);
+                let first_differences = (z - y) - (b - a);
+                let second_differences = (z - 2.0 * y + x) + (c - 2.0 * b + a);
+                step * (trapezoids - first_differences / 12.0 - second_differences / 24.0)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::math::{cos, sin};
+
+    #[test]
+    fn val_cubics_are_met_exactly() {
+        let f = |x: f64| 1.0 + x * (2.0 - x * (0.5 - 0.25 * x));
+        let curve = Curve::new([0.0, 0.7, 1.5, 2.0, 3.5, 4.0].map(|x| (x, f(x))));
+        for x in [0.0, 0.1, 0.7, 1.0, 1.9, 2.5, 3.9, 4.0] {
+            assert!((curve.at(x).unwrap() - f(x)).abs() < 1e-14, "{x}");
+        }
+        assert_eq!(curve.at(-0.1), None);
+        assert_eq!(curve.at(4.1), None);
+        let d = |x: f64| 2.0 - x * (1.0 - 0.75 * x);
+        let c = |x: f64| -1.0 + 1.5 * x;
+        for s in [0.0, 0.3, 1.0] {
+            let x = 1.0 + 0.5 * s;
+            let three = hermite3([f(1.0), d(1.0)], [f(1.5), d(1.5)], 0.5, s);
+            let ends = [[f(1.0), d(1.0), c(1.0)], [f(1.5), d(1.5), c(1.5)]];
+            let five = hermite5(ends[0], ends[1], 0.5, s);
+            assert!(
+                (three - f(x)).abs() < 1e-15 && (five - f(x)).abs() < 1e-15,
+                "{s}"
+            );
+        }
+    }
+
+    #[test]
+    fn val_fifth_degree_is_met_exactly() {
+        let f = |x: f64| [x * x * x * x * x, 5.0 * x * x * x * x, 20.0 * x * x * x];
+        for s in [0.2, 0.5, 0.9] {
+            let found = hermite5(f(1.0), f(3.0), 2.0, s);
+            let x: f64 = 1.0 + 2.0 * s;
+            assert!((found - f(x)[0]).abs() < 1e-12, "{s}: {found}");
+        }
+    }
+
+    #[test]
+    fn inverses_end_where_the_curve_turns() {
+        let falling = Curve::new([(0.0, 5.0), (1.0, 4.0), (2.0, 2.0), (3.0, 3.0)]);
+        let inverse = falling.inverse();
+        assert_eq!(inverse.domain(), Some((2.0, 5.0)));
+        assert_eq!(inverse.at(4.0), Some(1.0));
+        assert!((falling.first_reaches(4.0).unwrap() - 1.0).abs() < 1e-15);
+        assert_eq!(falling.first_reaches(1.0), None);
+    }
+
+    #[test]
+    fn val_extremes_and_integrals_of_a_sine() {
+        let h = 0.1;
+        let points: Vec<f64> = (0..=100).map(|i| f64::from(i) * h).collect();
+        let found = points
+            .windows(2)
+            .find_map(|x| extreme([sin(x[0]), cos(x[0])], [sin(x[1]), cos(x[1])], h));
+        // The cubic's error is h⁴/384 at most.
+        assert!((found.unwrap() - 1.0).abs() < 1e-4 / 384.0);
+        let mut integral = Integral::default();
+        for x in &points {
+            integral.add(sin(*x));
+        }
+        // The next correction would be 19/720 h⁴ of the third derivatives at the ends.
+        assert!((integral.over(h) - (1.0 - cos(10.0))).abs() < 1e-4 * 19.0 / 360.0);
+    }
+}

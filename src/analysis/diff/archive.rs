@@ -1,0 +1,165 @@
+//! The differences of two runs as an MCAP file: each channel of the table with B − A in its fields.
+
+use super::{Observer, Report, Subject};
+use crate::archive::publish::{Existing, Place};
+use crate::archive::sink::SinkError;
+use crate::archive::writer::{
+    Archived, Ending, Entries, McapSink, Opening, RawChannel, RawMessage, SCENARIO_ATTACHMENT,
+    scenario_attachment,
+};
+use crate::telemetry::encoding::{Encoder, Encoding};
+use crate::telemetry::side::Side;
+use crate::telemetry::{ChannelInfo, Message, channel_index, channels};
+use std::path::Path;
+
+/// Name of the metadata records at the start and at the end of a file of differences.
+pub const DIFF_RECORD: &str = "toprise.diff";
+/// What writes such files, by its own words: they are no recordings.
+const LIBRARY: &str = concat!("toprise-diff/", env!("CARGO_PKG_VERSION"));
+/// The channel whose messages are kept as they are, of both runs.
+const EVENTS: &str = "/events";
+
+/// Writes differences into an MCAP file.
+///
+/// For each channel of the table that both have, but for events, there is `/diff` + topic; for the events of A
+/// and B there are `/a/events` and `/b/events`. Messages are of the same types as in recordings. The file ends
+/// with the report: as sentences, and whole as JSON.
+#[derive(Debug)]
+pub struct Archive {
+    sink: McapSink,
+    encoder: Encoder,
+    /// For each channel of the table, its place in the file.
+    places: Vec<Option<usize>>,
+    /// Where the events of A and of B go.
+    events: [usize; 2],
+    buffer: Vec<u8>,
+}
+
+impl Archive {
+    /// Begins the file.
+    ///
+    /// # Errors
+    /// [`SinkError`] if it can't be made.
+    pub fn create(
+        path: &Path,
+        existing: Existing,
+        encoding: Encoding,
+        [a, b]: [Subject<'_>; 2],
+    ) -> Result<Self, SinkError> {
+        let mut raw = Vec::new();
+        let mut places = Vec::new();
+        for channel in channels() {
+            let is_common = [a, b]
+                .iter()
+                .all(|subject| subject.has_topic(channel.topic));
+            places.push((is_common && channel.topic != EVENTS).then(|| {
+                let topic = format!("/diff{}", channel.topic);
+                raw.push(raw_channel(topic, channel, encoding, "B − A"));
+                raw.len() - 1
+            }));
+        }
+        let events = [("/a", "events of A"), ("/b", "events of B")].map(|(prefix, meaning)| {
+            if let Some(at) = channel_index(EVENTS) {
+                let topic = format!("{prefix}{EVENTS}");
+                raw.push(raw_channel(topic, &channels()[at], encoding, meaning));
+            }
+            raw.len() - 1
+        });
+        let opening = Opening {
+            library: LIBRARY,
+            metadata: vec![(DIFF_RECORD.to_owned(), names(a, b))],
+            attachments: [(a, "a"), (b, "b")]
+                .iter()
+                .filter_map(|(subject, letter)| {
+                    let mut attachment = scenario_attachment(subject.scenario()?.to_toml());
+                    attachment.name = format!("{letter}.{SCENARIO_ATTACHMENT}");
+                    Some(attachment)
+                })
+                .collect(),
+            encoding,
+            wanted: vec![false; channels().len()],
+            raw,
+        };
+        Ok(Self {
+            sink: McapSink::open(Place::reserve(path, existing)?, &opening)?,
+            encoder: Encoder::new(encoding),
+            places,
+            events,
+            buffer: Vec::new(),
+        })
+    }
+
+    fn write(&mut self, channel: usize, message: &Message<'_>) -> Result<(), SinkError> {
+        self.buffer.clear();
+        self.encoder.encode(message, &mut self.buffer);
+        self.sink.write_raw(&RawMessage {
+            channel,
+            sequence: message.sequence,
+            log_time: message.time_ns,
+            publish_time: message.time_ns,
+            data: &self.buffer,
+        })
+    }
+
+    /// Ends the file with the report and gives it its name.
+    ///
+    /// # Errors
+    /// [`SinkError`] if anything could not be written.
+    pub fn finish(self, report: &Report) -> Result<Archived, SinkError> {
+        let mut entries = Entries::new();
+        entries.insert("summary".to_owned(), report.summary.join(" "));
+        // Reports have nothing that JSON lacks.
+        let json = serde_json::to_string(report).unwrap_or_default();
+        entries.insert("report".to_owned(), json);
+        self.sink.finish_with(Ending {
+            metadata: vec![(DIFF_RECORD.to_owned(), entries)],
+            ..Ending::default()
+        })
+    }
+
+    /// Gives it up, and removes the file.
+    pub fn discard(self) {
+        self.sink.discard();
+    }
+}
+
+impl Observer for Archive {
+    fn message(&mut self, side: Side, message: &Message<'_>) -> Result<(), SinkError> {
+        if channels()[message.channel].topic != EVENTS {
+            return Ok(());
+        }
+        self.write(self.events[side.index()], message)
+    }
+
+    fn difference(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        match self.places[message.channel] {
+            Some(place) => self.write(place, message),
+            None => Ok(()),
+        }
+    }
+}
+
+fn raw_channel(topic: String, of: &ChannelInfo, encoding: Encoding, meaning: &str) -> RawChannel {
+    RawChannel {
+        topic,
+        encoding: encoding.name().to_owned(),
+        schema: Some((
+            of.schema.to_owned(),
+            encoding.schema_encoding().to_owned(),
+            encoding.schema(of),
+        )),
+        metadata: Entries::from([("meaning".to_owned(), meaning.to_owned())]),
+    }
+}
+
+fn names(a: Subject<'_>, b: Subject<'_>) -> Entries {
+    let entry = |key: &str, value: String| (key.to_owned(), value);
+    let digest = |subject: Subject<'_>| subject.scenario().map(|scenario| scenario.digest());
+    Entries::from([
+        entry("a", a.name()),
+        entry("b", b.name()),
+        entry("a_scenario_digest", digest(a).unwrap_or_default()),
+        entry("b_scenario_digest", digest(b).unwrap_or_default()),
+        entry("epoch", "simulation start".to_owned()),
+    ])
+}

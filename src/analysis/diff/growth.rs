@@ -1,0 +1,161 @@
+//! The law by which a difference grows.
+
+use super::report::{Growth, GrowthLaw};
+use crate::physics::math::ln;
+
+/// At most so many windows are kept.
+const WINDOWS: usize = 256;
+/// With fewer, nothing can be said.
+const FEWEST: usize = 8;
+/// A power law with a smaller exponent is none: the difference is bounded.
+const SMALLEST_EXPONENT: f64 = 0.2;
+
+/// The largest difference in each of some hundred windows of equal length, whose number doesn't grow.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Envelope {
+    /// The length of a window, ns.
+    window: u64,
+    /// The window, when the difference was largest in it (s), and how large.
+    peaks: Vec<(u64, f64, f64)>,
+}
+
+impl Envelope {
+    pub(super) fn add(&mut self, time_ns: u64, difference: f64) {
+        let size = difference.abs();
+        if time_ns == 0 || !size.is_finite() || size == 0.0 {
+            return;
+        }
+        if self.window == 0 {
+            self.window = 1_000_000;
+        }
+        let time = time_ns as f64 / 1e9;
+        let window = time_ns / self.window;
+        match self.peaks.last_mut() {
+            Some((last, at, peak)) if *last == window => {
+                if size > *peak {
+                    (*at, *peak) = (time, size);
+                }
+            }
+            _ => self.peaks.push((window, time, size)),
+        }
+        if self.peaks.len() > WINDOWS {
+            self.merge();
+        }
+    }
+
+    /// Makes the windows twice as long.
+    fn merge(&mut self) {
+        self.window *= 2;
+        let mut merged: Vec<(u64, f64, f64)> = Vec::with_capacity(WINDOWS);
+        for (window, at, peak) in self.peaks.drain(..) {
+            match merged.last_mut() {
+                Some((last, time, highest)) if *last == window / 2 => {
+                    if peak > *highest {
+                        (*time, *highest) = (at, peak);
+                    }
+                }
+                _ => merged.push((window / 2, at, peak)),
+            }
+        }
+        self.peaks = merged;
+    }
+
+    /// The law that fits best.
+    pub(super) fn law(&self, field: String) -> Option<Growth> {
+        if self.peaks.len() < FEWEST {
+            return None;
+        }
+        let logarithms: Vec<f64> = self.peaks.iter().map(|peak| ln(peak.2)).collect();
+        let power = Line::through(self.peaks.iter().map(|peak| ln(peak.1)), &logarithms);
+        let exponential = Line::through(self.peaks.iter().map(|peak| peak.1), &logarithms);
+        let (law, parameter, quality) = if power.slope.abs() < SMALLEST_EXPONENT {
+            (GrowthLaw::Bounded, 0.0, 1.0 - power.explained)
+        } else if power.explained >= exponential.explained {
+            (GrowthLaw::Power, power.slope, power.explained)
+        } else {
+            (
+                GrowthLaw::Exponential,
+                exponential.slope,
+                exponential.explained,
+            )
+        };
+        Some(Growth {
+            field,
+            law,
+            parameter,
+            quality,
+        })
+    }
+}
+
+/// A straight line of least squares.
+struct Line {
+    slope: f64,
+    /// The part of the variance of y that it explains.
+    explained: f64,
+}
+
+impl Line {
+    fn through(x: impl Iterator<Item = f64>, y: &[f64]) -> Self {
+        let x: Vec<f64> = x.collect();
+        let count = y.len() as f64;
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
+        let (mean_x, mean_y) = (mean(&x), mean(y));
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for (x, y) in x.iter().zip(y) {
+            let (x, y) = (x - mean_x, y - mean_y);
+            xx += x * x;
+            xy += x * y;
+            yy += y * y;
+        }
+        Self {
+            slope: if xx > 0.0 { xy / xx } else { 0.0 },
+            explained: if xx > 0.0 && yy > 0.0 {
+                xy * xy / (xx * yy)
+            } else {
+                0.0
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::math::{exp, sin};
+
+    fn law(difference: impl Fn(f64) -> f64) -> Growth {
+        let mut envelope = Envelope::default();
+        for i in 0..20_000_u64 {
+            envelope.add(i * 1_000_000, difference(i as f64 / 1e3));
+        }
+        envelope.law("x".to_owned()).unwrap()
+    }
+
+    #[test]
+    fn val_known_laws_are_recognised() {
+        let linear = law(|t| 1e-6 * t * (1.0 + 0.5 * sin(140.0 * t)));
+        assert_eq!(linear.law, GrowthLaw::Power);
+        assert!((linear.parameter - 1.0).abs() < 0.02, "{linear:?}");
+        let square = law(|t| -3e-4 * t * t);
+        assert_eq!(square.law, GrowthLaw::Power);
+        assert!(
+            (square.parameter - 2.0).abs() < 1e-9 && square.quality > 0.999_999,
+            "{square:?}"
+        );
+        let exponential = law(|t| 1e-9 * exp(0.7 * t) * sin(140.0 * t));
+        assert_eq!(exponential.law, GrowthLaw::Exponential);
+        assert!(
+            (exponential.parameter - 0.7).abs() < 0.01,
+            "{exponential:?}"
+        );
+        assert_eq!(law(|t| 1e-3 * sin(140.0 * t)).law, GrowthLaw::Bounded);
+    }
+
+    #[test]
+    fn nothing_is_said_of_no_difference() {
+        let mut envelope = Envelope::default();
+        envelope.add(5, 0.0);
+        assert_eq!(envelope.law("x".to_owned()), None);
+    }
+}

@@ -1,0 +1,317 @@
+//! How far two numbers may lie apart and still count as equal.
+
+use super::DiffError;
+use crate::physics::math::ulp_distance;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Two numbers are equal within it if any of its three bounds holds. By default they must be equal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Tolerance {
+    /// Largest difference, in the unit of the field.
+    pub abs: f64,
+    /// Largest difference as a part of the larger magnitude.
+    pub rel: f64,
+    /// Largest number of doubles from one to the other.
+    pub ulp: u64,
+}
+
+impl Tolerance {
+    /// Whether two numbers count as equal. Two that are not numbers do.
+    #[must_use]
+    pub fn allows(&self, a: f64, b: f64) -> bool {
+        if a == b || (a.is_nan() && b.is_nan()) {
+            return true;
+        }
+        // An infinite magnitude would allow everything.
+        if !(a.is_finite() && b.is_finite()) {
+            return false;
+        }
+        let difference = (b - a).abs();
+        difference <= self.abs
+            || difference <= self.rel * a.abs().max(b.abs())
+            || (self.ulp > 0 && ulp_distance(a, b) <= self.ulp)
+    }
+}
+
+/// A general tolerance, and others for some of the fields.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tolerances {
+    /// For fields that no pattern matches.
+    pub general: Tolerance,
+    /// Patterns of fields with their tolerances; of several that match, the last counts.
+    pub fields: Vec<(String, Tolerance)>,
+}
+
+/// A file of tolerances.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    abs: f64,
+    #[serde(default)]
+    rel: f64,
+    #[serde(default)]
+    ulp: u64,
+    #[serde(default)]
+    fields: toml::Table,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Bound {
+    Absolute(f64),
+    Whole(Tolerance),
+}
+
+impl Tolerances {
+    /// Reads a file of tolerances:
+    ///
+    /// ```toml
+    /// rel = 1e-9
+    /// [fields]
+    /// "/top/state.theta" = 1e-9
+    /// "/top/torque.*" = { rel = 1e-6, ulp = 4 }
+    /// ```
+    ///
+    /// # Errors
+    /// [`DiffError::Tolerance`] naming what is wrong.
+    pub fn from_toml(text: &str) -> Result<Self, DiffError> {
+        let malformed = |error: toml::de::Error| DiffError::Tolerance {
+            text: error.to_string().trim_end().to_owned(),
+            reason:
+                "a file of tolerances has abs, rel, ulp and a table [fields] of patterns with a \
+                     number or { abs, rel, ulp }"
+                    .to_owned(),
+        };
+        let file: File = toml::from_str(text).map_err(malformed)?;
+        let mut tolerances = Self {
+            general: Tolerance {
+                abs: file.abs,
+                rel: file.rel,
+                ulp: file.ulp,
+            },
+            fields: Vec::new(),
+        };
+        for (name, bound) in file.fields {
+            let tolerance = match Bound::deserialize(bound).map_err(malformed)? {
+                Bound::Absolute(abs) => Tolerance {
+                    abs,
+                    ..Tolerance::default()
+                },
+                Bound::Whole(tolerance) => tolerance,
+            };
+            tolerances.fields.push((name, tolerance));
+        }
+        tolerances.check()?;
+        Ok(tolerances)
+    }
+
+    /// Adds one as on the command line: `PATTERN=1e-9`, or `PATTERN=abs:1e-9,rel:1e-6,ulp:4`.
+    ///
+    /// # Errors
+    /// [`DiffError::Tolerance`] naming what is wrong.
+    pub fn add(&mut self, text: &str) -> Result<(), DiffError> {
+        let malformed = |reason: &str| DiffError::Tolerance {
+            text: text.to_owned(),
+            reason: reason.to_owned(),
+        };
+        let (pattern, bounds) = text
+            .rsplit_once('=')
+            .filter(|(pattern, _)| !pattern.is_empty())
+            .ok_or_else(|| malformed("it must be PATTERN=VALUE, as in /top/state.theta=1e-9"))?;
+        let mut tolerance = Tolerance::default();
+        for bound in bounds.split(',') {
+            let (kind, value) = bound.split_once(':').unwrap_or(("abs", bound));
+            let number = || value.trim().parse::<f64>().ok();
+            let understood = match kind.trim() {
+                "abs" => number().map(|abs| tolerance.abs = abs),
+                "rel" => number().map(|rel| tolerance.rel = rel),
+                "ulp" => value.trim().parse().ok().map(|ulp| tolerance.ulp = ulp),
+                _ => None,
+            };
+            understood.ok_or_else(|| {
+                malformed("after the = stands a number, or abs:NUMBER, rel:NUMBER and ulp:COUNT with commas between")
+            })?;
+        }
+        self.fields.push((pattern.to_owned(), tolerance));
+        self.check()
+    }
+
+    /// Whether all bounds are numbers that can bound something.
+    ///
+    /// # Errors
+    /// [`DiffError::Tolerance`] naming the first that isn't.
+    pub fn check(&self) -> Result<(), DiffError> {
+        let general = ("the general tolerance", &self.general);
+        let fields = self
+            .fields
+            .iter()
+            .map(|(name, bound)| (name.as_str(), bound));
+        for (name, bound) in std::iter::once(general).chain(fields) {
+            for (kind, value) in [("abs", bound.abs), ("rel", bound.rel)] {
+                if !(value >= 0.0 && value.is_finite()) {
+                    return Err(DiffError::Tolerance {
+                        text: format!("{name}: {kind} = {value}"),
+                        reason: "it must be a finite number that is not negative".to_owned(),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The tolerance of a field.
+    #[must_use]
+    pub fn of(&self, topic: &str, field: &str) -> Tolerance {
+        let name = full_name(topic, field);
+        let matching = |(pattern, _): &&(String, Tolerance)| matches(pattern, &name);
+        let last = self.fields.iter().rev().find(matching);
+        last.map_or(self.general, |(_, tolerance)| *tolerance)
+    }
+
+    /// The first pattern that matches none of the fields, with the names most like it.
+    pub(super) fn unmatched(&self, fields: &[String]) -> Option<DiffError> {
+        let is_idle = |pattern: &&String| !fields.iter().any(|field| matches(pattern, field));
+        let pattern = self
+            .fields
+            .iter()
+            .map(|(pattern, _)| pattern)
+            .find(is_idle)?;
+        let likeness = |field: &String| strsim::jaro_winkler(pattern, field);
+        let mut near: Vec<_> = fields
+            .iter()
+            .map(|field| (likeness(field), field))
+            .collect();
+        near.sort_by(|(a, x), (b, y)| b.total_cmp(a).then_with(|| x.cmp(y)));
+        let near: Vec<_> = near
+            .iter()
+            .take(3)
+            .map(|(_, field)| field.as_str())
+            .collect();
+        Some(DiffError::UnknownField {
+            pattern: pattern.clone(),
+            near: near.join(", "),
+        })
+    }
+}
+
+/// A field with its topic, as in `/top/state.theta`: what patterns are matched with.
+#[must_use]
+pub fn full_name(topic: &str, field: &str) -> String {
+    format!("{topic}.{field}")
+}
+
+/// Whether a pattern stands for a field: itself, a topic or an object that it is in, or with `*` for any
+/// characters.
+fn matches(pattern: &str, name: &str) -> bool {
+    let mut parts = pattern.split('*');
+    let first = parts.next().unwrap_or_default();
+    let Some(mut rest) = name.strip_prefix(first) else {
+        return false;
+    };
+    let mut is_open = false;
+    for part in parts {
+        let Some(at) = rest.find(part) else {
+            return false;
+        };
+        rest = &rest[at + part.len()..];
+        is_open = true;
+    }
+    if is_open {
+        // What stands behind the last star must be the end of the name.
+        let last = pattern.rsplit('*').next().unwrap_or_default();
+        return name.ends_with(last);
+    }
+    rest.is_empty() || rest.starts_with('.')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_name_fields_objects_topics_and_anything() {
+        let field = "/top/torque.friction_body.x";
+        for pattern in [
+            field,
+            "/top/torque",
+            "/top/torque.friction_body",
+            "*",
+            "/top/*",
+            "*.x",
+            "/top/*.friction_*.x",
+            "*friction*",
+        ] {
+            assert!(matches(pattern, field), "{pattern}");
+        }
+        for pattern in [
+            "/top/tor",
+            "/top/torque.friction",
+            "*.y",
+            "/top/*.friction_*.y",
+            "theta",
+            "",
+        ] {
+            assert!(!matches(pattern, field), "{pattern}");
+        }
+    }
+
+    #[test]
+    fn the_last_pattern_counts() {
+        let mut tolerances = Tolerances::default();
+        tolerances.add("*=1").unwrap();
+        tolerances.add("/a.x=rel:0.5,ulp:3").unwrap();
+        assert_eq!(tolerances.of("/a", "y").abs, 1.0);
+        let x = tolerances.of("/a", "x");
+        assert_eq!((x.abs, x.rel, x.ulp), (0.0, 0.5, 3));
+    }
+
+    #[test]
+    fn malformed_tolerances_are_refused_by_name() {
+        for text in [
+            "theta",
+            "=1",
+            "a=",
+            "a=x",
+            "a=-1",
+            "a=inf",
+            "a=abs:1,ulp:0.5",
+            "a=foo:1",
+        ] {
+            let error = Tolerances::default().add(text).unwrap_err().to_string();
+            assert!(
+                error.contains(text.split('=').next().unwrap()),
+                "{text}: {error}"
+            );
+        }
+        let last = Tolerances::from_toml("[fields]\n\"/x.y\" = 1\n\"*\" = 2\n").unwrap();
+        assert_eq!(last.of("/x", "y").abs, 2.0);
+        assert!(Tolerances::from_toml("abs = 'x'").is_err());
+        assert!(Tolerances::from_toml("abss = 1").is_err());
+        assert!(Tolerances::from_toml("[fields]\n'*' = { abs = 1, relative = 2 }").is_err());
+        let file = "ulp = 2\n[fields]\n\"/top/state.theta\" = 1e-9\n\"*.x\" = { rel = 1e-6 }\n";
+        let read = Tolerances::from_toml(file).unwrap();
+        assert_eq!(read.general.ulp, 2);
+        assert_eq!(read.of("/top/state", "theta").abs, 1e-9);
+        assert_eq!(read.of("/top/torque", "friction_body.x").rel, 1e-6);
+    }
+
+    #[test]
+    fn each_bound_suffices() {
+        let exact = Tolerance::default();
+        assert!(
+            exact.allows(1.0, 1.0) && exact.allows(f64::NAN, f64::NAN) && exact.allows(0.0, -0.0)
+        );
+        assert!(!exact.allows(1.0, 1.0_f64.next_up()) && !exact.allows(1.0, f64::NAN));
+        let ulp = Tolerance { ulp: 1, ..exact };
+        assert!(ulp.allows(1.0, 1.0_f64.next_up()) && !ulp.allows(1.0, f64::NAN));
+        let rel = Tolerance { rel: 0.1, ..exact };
+        assert!(rel.allows(-9.5, -10.0) && !rel.allows(8.9, 10.0));
+        assert!(!rel.allows(1.0, f64::INFINITY) && !rel.allows(f64::NEG_INFINITY, f64::INFINITY));
+        assert!(rel.allows(f64::INFINITY, f64::INFINITY));
+        let abs = Tolerance { abs: 0.5, ..exact };
+        assert!(abs.allows(0.0, 0.5) && !abs.allows(0.0, 0.6) && !abs.allows(0.0, f64::INFINITY));
+    }
+}

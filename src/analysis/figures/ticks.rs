@@ -1,0 +1,220 @@
+//! Where an axis has its ticks, and what stands at them.
+
+use crate::physics::math::log10;
+use std::ops::RangeInclusive;
+
+/// A range of values of an axis with its ticks.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Scale {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    /// A power of a thousand by which the numbers at the ticks are to be multiplied.
+    pub(super) exponent: i32,
+    step: Step,
+}
+
+/// The distance of two ticks: 1, 2 or 5 times a power of ten.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Step {
+    mantissa: i64,
+    exponent: i32,
+}
+
+impl Step {
+    fn value(self) -> f64 {
+        scaled(self.mantissa as f64, self.exponent)
+    }
+
+    fn next(self) -> Self {
+        let (mantissa, exponent) = match self.mantissa {
+            1 => (2, self.exponent),
+            2 => (5, self.exponent),
+            _ => (1, self.exponent + 1),
+        };
+        Self { mantissa, exponent }
+    }
+}
+
+/// A number times a power of ten, rounded once while the power is exact.
+fn scaled(number: f64, exponent: i32) -> f64 {
+    let mut power = 1.0;
+    for _ in 0..exponent.unsigned_abs() {
+        power *= 10.0;
+    }
+    if exponent < 0 {
+        number / power
+    } else {
+        number * power
+    }
+}
+
+/// A tick with its label.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tick {
+    pub(super) value: f64,
+    pub(super) label: String,
+}
+
+impl Scale {
+    /// A scale from `low` to `high` with at most `most` ticks that bear numbers, but three if they fit the range.
+    ///
+    /// A range of no length, or none that is finite, is given one.
+    pub(super) fn new(low: f64, high: f64, most: usize) -> Self {
+        let (low, high) = widened(low, high);
+        let magnitude = low.abs().max(high.abs());
+        let mut step = Step {
+            mantissa: 1,
+            exponent: log10(high - low).floor() as i32 - 3,
+        };
+        while count(low, high, step) > most.max(3) as f64 {
+            step = step.next();
+        }
+        let exponent = match log10(magnitude).floor() as i32 {
+            // Numbers that are read easily as they are.
+            -1..=3 => 0,
+            decade => decade.div_euclid(3) * 3,
+        };
+        Self {
+            low,
+            high,
+            exponent,
+            step,
+        }
+    }
+
+    /// Where a value lies in the range, from 0 to 1.
+    pub(super) fn place(&self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+
+    /// The ticks with numbers.
+    pub(super) fn ticks(&self) -> Vec<Tick> {
+        self.labelled(self.numbers(self.step.value()))
+    }
+
+    /// The same, and one more if the last does not nearly reach the upper end.
+    pub(super) fn ticks_beyond(&self) -> Vec<Tick> {
+        let numbers = self.numbers(self.step.value());
+        let last = *numbers.end();
+        let is_short = self.step.value() * (last as f64) < 0.99 * self.high;
+        self.labelled(*numbers.start()..=last + i64::from(is_short))
+    }
+
+    fn labelled(&self, numbers: RangeInclusive<i64>) -> Vec<Tick> {
+        let decimals = (self.exponent - self.step.exponent).max(0) as usize;
+        let tick = |number: i64| {
+            let value = scaled((number * self.step.mantissa) as f64, self.step.exponent);
+            let shown = scaled(
+                (number * self.step.mantissa) as f64,
+                self.step.exponent - self.exponent,
+            );
+            let label = format!("{shown:.decimals$}").replace('-', "−");
+            Tick { value, label }
+        };
+        numbers.map(tick).collect()
+    }
+
+    /// The ticks between those, without numbers.
+    pub(super) fn minor(&self) -> Vec<f64> {
+        let parts = if self.step.mantissa == 2 { 4 } else { 5 };
+        let step = self.step.value() / parts as f64;
+        self.numbers(step)
+            .filter(|number| number % parts != 0)
+            .map(|number| number as f64 * step)
+            .collect()
+    }
+
+    fn numbers(&self, step: f64) -> RangeInclusive<i64> {
+        // The end of a range that is meant to lie on a tick does so but for rounding.
+        let slack = 1e-9;
+        let first = (self.low / step - slack).ceil() as i64;
+        let last = (self.high / step + slack).floor() as i64;
+        first..=last
+    }
+}
+
+fn count(low: f64, high: f64, step: Step) -> f64 {
+    let step = step.value();
+    (high / step).floor() - (low / step).ceil() + 1.0
+}
+
+/// A range that has a length which numbers at ticks can tell.
+fn widened(low: f64, high: f64) -> (f64, f64) {
+    let magnitude = low.abs().max(high.abs());
+    // Not so for numbers that are not finite, or such as no run has.
+    let is_sound = magnitude < 1e100 && low <= high;
+    if !is_sound {
+        return (0.0, 1.0);
+    }
+    let least = (magnitude * 1e-6).max(1e-12);
+    if high - low < least {
+        return (low - least, high + least);
+    }
+    (low, high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn labels(low: f64, high: f64, most: usize) -> Vec<String> {
+        let ticks = Scale::new(low, high, most).ticks();
+        ticks.into_iter().map(|tick| tick.label).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_numbers() {
+        assert_eq!(labels(0.0, 24.72, 6), ["0", "5", "10", "15", "20"]);
+        assert_eq!(
+            labels(0.0, 0.52, 6),
+            ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5"]
+        );
+        assert_eq!(labels(-0.3, 0.1, 5), ["−0.3", "−0.2", "−0.1", "0.0", "0.1"]);
+        assert_eq!(labels(-1.0, 1.0, 3), ["−1", "0", "1"]);
+    }
+
+    #[test]
+    fn small_and_large_numbers_share_a_power() {
+        let scale = Scale::new(0.0, 0.000_23, 5);
+        assert_eq!(scale.exponent, -6);
+        assert_eq!(scale.ticks().last().unwrap().label, "200");
+        let scale = Scale::new(0.0, 25_000.0, 6);
+        assert_eq!((scale.exponent, scale.ticks()[1].label.as_str()), (3, "5"));
+    }
+
+    #[test]
+    fn ranges_without_length_have_one() {
+        for (low, high) in [
+            (1.0, 1.0),
+            (0.0, 0.0),
+            (f64::NAN, 1.0),
+            (-1e300, 1e300),
+            (f64::INFINITY, 2.0),
+        ] {
+            let scale = Scale::new(low, high, 5);
+            assert!(
+                scale.high > scale.low && scale.ticks().len() >= 2,
+                "{scale:?}"
+            );
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn ticks_lie_in_the_range_are_few_and_read_as_their_values(
+            middle in -1e6..1e6, span in 1e-3..1e6, most in 3_usize..10,
+        ) {
+            let scale = Scale::new(middle - span, middle + span, most);
+            let ticks = scale.ticks();
+            prop_assert!(ticks.len() <= most && !ticks.is_empty(), "{ticks:?}");
+            for tick in &ticks {
+                let place = scale.place(tick.value);
+                prop_assert!((-1e-6..=1.000_001).contains(&place));
+                let shown: f64 = tick.label.replace('−', "-").parse().unwrap();
+                let value = scaled(shown, scale.exponent);
+                prop_assert!((value - tick.value).abs() <= 1e-9 * tick.value.abs().max(1.0));
+            }
+        }
+    }
+}

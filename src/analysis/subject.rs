@@ -1,0 +1,219 @@
+//! A run: one that was recorded, or one that is simulated now. Its messages are the same either way.
+
+use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
+use crate::archive::writer::end_entries;
+use crate::run::scenario::Scenario;
+use crate::run::simulation::Simulation;
+use crate::telemetry::{Message, Telemetry, TelemetryError, channel_index, channels};
+use std::ops::ControlFlow;
+
+/// A run, recorded or not.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject<'a> {
+    /// One that was recorded, or any MCAP file.
+    Recording(&'a Recording),
+    /// One that is simulated now.
+    Scenario(&'a Scenario),
+}
+
+impl<'a> From<&'a Recording> for Subject<'a> {
+    fn from(recording: &'a Recording) -> Self {
+        Self::Recording(recording)
+    }
+}
+
+impl<'a> From<&'a Scenario> for Subject<'a> {
+    fn from(scenario: &'a Scenario) -> Self {
+        Self::Scenario(scenario)
+    }
+}
+
+/// What there is to say about a run once it has been read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ended {
+    /// The entries of its end record.
+    pub end: Option<Entries>,
+    /// What could not be read.
+    pub losses: Vec<String>,
+}
+
+impl Subject<'_> {
+    /// Gives its messages of some topics of the table to `take`, in the order of time, with the number of bytes
+    /// of the file that have been read since the last one; until `take` wants no more.
+    pub fn read(
+        self,
+        topics: &[String],
+        take: &mut dyn FnMut(&Message<'_>, u64) -> ControlFlow<()>,
+    ) -> Ended {
+        match self {
+            Self::Scenario(scenario) => simulate(scenario, topics, take),
+            Self::Recording(recording) => read(recording, topics, take),
+        }
+    }
+
+    /// Its scenario, if it has one that this version can read.
+    #[must_use]
+    pub fn scenario(self) -> Option<Scenario> {
+        match self {
+            Self::Scenario(scenario) => Some(scenario.clone()),
+            Self::Recording(recording) => recording.scenario().ok(),
+        }
+    }
+
+    /// What it is called: its scenario's name, or its file's.
+    #[must_use]
+    pub fn name(self) -> String {
+        match self {
+            Self::Scenario(scenario) => scenario.name().to_owned(),
+            Self::Recording(recording) => {
+                let stem = recording.path().file_stem().unwrap_or_default();
+                stem.to_string_lossy().into_owned()
+            }
+        }
+    }
+
+    /// The topics of the table that it has.
+    #[must_use]
+    pub fn topics(self) -> Vec<String> {
+        match self {
+            Self::Scenario(_) => channels().iter().map(|c| c.topic.to_owned()).collect(),
+            Self::Recording(recording) => recording.topics(),
+        }
+    }
+
+    /// Whether it has a channel.
+    #[must_use]
+    pub fn has_topic(self, topic: &str) -> bool {
+        match self {
+            Self::Scenario(_) => channel_index(topic).is_some(),
+            Self::Recording(recording) => recording.channels().iter().any(|c| c.topic == topic),
+        }
+    }
+
+    /// Whether it is of toprise: other files have but numbers.
+    #[must_use]
+    pub fn is_ours(self) -> bool {
+        match self {
+            Self::Scenario(_) => true,
+            Self::Recording(recording) => recording.condition() != Condition::Foreign,
+        }
+    }
+
+    /// Whether it is known not to be there as a whole.
+    pub(crate) fn is_cut(self) -> bool {
+        match self {
+            Self::Scenario(_) => false,
+            Self::Recording(recording) => {
+                !matches!(recording.condition(), Condition::Whole | Condition::Foreign)
+            }
+        }
+    }
+}
+
+fn read(
+    recording: &Recording,
+    topics: &[String],
+    take: &mut dyn FnMut(&Message<'_>, u64) -> ControlFlow<()>,
+) -> Ended {
+    let selection = Selection {
+        topics: topics.to_vec(),
+        ..Selection::default()
+    };
+    let mut undecodable = Undecodable::default();
+    let mut reader = recording.reader(selection).in_order_of_time();
+    loop {
+        let bytes = reader.progress();
+        match reader.next() {
+            Some(Ok(message)) => {
+                if take(&message, bytes).is_break() {
+                    break;
+                }
+            }
+            Some(Err(error)) => undecodable.add(error),
+            None => break,
+        }
+    }
+    Ended {
+        end: recording.end().cloned(),
+        losses: undecodable.losses(&reader),
+    }
+}
+
+/// Messages that can't be decoded: the first, and how many.
+#[derive(Default)]
+pub(crate) struct Undecodable(Option<(String, u64)>);
+
+impl Undecodable {
+    pub(crate) fn add(&mut self, error: impl ToString) {
+        match &mut self.0 {
+            Some((_, count)) => *count += 1,
+            none => *none = Some((error.to_string(), 1)),
+        }
+    }
+
+    /// These and what else the reader could not read.
+    pub(crate) fn losses(self, reader: &Reader<'_>) -> Vec<String> {
+        let mut losses: Vec<_> = reader.losses().iter().map(ToString::to_string).collect();
+        losses.extend(self.0.map(|(first, count)| match count {
+            1 => first,
+            _ => format!("{first} (the first of {count} messages that can't be decoded)"),
+        }));
+        losses
+    }
+}
+
+/// Why a simulation is not carried on.
+enum Stopped {
+    Telemetry(TelemetryError),
+    Unwanted,
+}
+
+impl From<TelemetryError> for Stopped {
+    fn from(error: TelemetryError) -> Self {
+        Self::Telemetry(error)
+    }
+}
+
+fn simulate(
+    scenario: &Scenario,
+    topics: &[String],
+    take: &mut dyn FnMut(&Message<'_>, u64) -> ControlFlow<()>,
+) -> Ended {
+    let lost = |reason: String| Ended {
+        end: None,
+        losses: vec![reason],
+    };
+    let mut simulation = match Simulation::new(scenario) {
+        Ok(simulation) => simulation,
+        Err(error) => return lost(error.to_string()),
+    };
+    let mut telemetry = match Telemetry::with_topics(topics) {
+        Ok(telemetry) => telemetry,
+        Err(error) => return lost(error.to_string()),
+    };
+    let mut losses = Vec::new();
+    for record in simulation.by_ref() {
+        let sent = match &record {
+            Ok(record) => telemetry.messages(record, |message| match take(message, 0) {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => Err(Stopped::Unwanted),
+            }),
+            Err(error) => {
+                losses.push(error.to_string());
+                break;
+            }
+        };
+        match sent {
+            Ok(()) => {}
+            Err(Stopped::Unwanted) => break,
+            Err(Stopped::Telemetry(error)) => {
+                losses.push(error.to_string());
+                break;
+            }
+        }
+    }
+    Ended {
+        end: Some(end_entries(&simulation.outcome())),
+        losses,
+    }
+}

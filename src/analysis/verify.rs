@@ -1,0 +1,101 @@
+//! Whether a recording can be trusted: its container, its messages, its physics, and whether the
+//! simulation gives it again, bit for bit.
+//!
+//! [`verify`] reads a recording twice, once as a container and once message by message, in bounded
+//! memory. The second time the scenario that is attached is simulated alongside.
+
+mod content;
+mod physics;
+mod reproduction;
+
+pub use crate::archive::check::{Check, Group, Verdict};
+use crate::archive::container;
+use crate::archive::recording::{Condition, Recording};
+use serde_json::{Value, json};
+
+/// What to check.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Whether to simulate the scenario again, which takes longest.
+    pub reproduce: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { reproduce: true }
+    }
+}
+
+/// What was found out about a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// What kind of file it is.
+    pub condition: Condition,
+    /// All checks, in order.
+    pub checks: Vec<Check>,
+}
+
+impl Report {
+    /// How it ended as a whole: the worst of all checks.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        let has = |verdict| self.checks.iter().any(|check| check.verdict == verdict);
+        if has(Verdict::Failed) {
+            Verdict::Failed
+        } else if has(Verdict::Incomplete) {
+            Verdict::Incomplete
+        } else {
+            Verdict::Passed
+        }
+    }
+
+    /// For programs.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let check = |check: &Check| {
+            json!({
+                "group": check.group.name(),
+                "name": check.name,
+                "verdict": check.verdict.name(),
+                "finding": check.finding,
+            })
+        };
+        json!({
+            "state": self.condition.name(),
+            "verdict": self.verdict().name(),
+            "checks": self.checks.iter().map(check).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// Checks a recording. `progress` is told how many more bytes of the file have been looked at; in the end
+/// they are twice the file's.
+#[must_use]
+pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -> Report {
+    let mut checks = container::check(recording, progress);
+    if recording.condition() == Condition::Foreign {
+        let finding = format!(
+            "written by {:?}, not by toprise: its messages can't be judged (`toprise info` lists them)",
+            recording.library()
+        );
+        checks.push(Check::new(
+            Group::Telemetry,
+            "messages",
+            Verdict::Failed,
+            finding,
+        ));
+    } else {
+        checks.extend(content::check(recording, options, progress));
+    }
+    let is_damaged = checks
+        .iter()
+        .any(|check| check.group == Group::Container && check.verdict == Verdict::Failed);
+    Report {
+        condition: match recording.condition() {
+            Condition::Foreign => Condition::Foreign,
+            _ if is_damaged => Condition::Damaged,
+            condition => condition,
+        },
+        checks,
+    }
+}

@@ -1,0 +1,586 @@
+//! What the recorded motion must keep, judged from its own numbers.
+//!
+//! Identities between quantities hold up to rounding: their tolerances count the roundings in units of
+//! the last place, ε. Quantities that are computed from angles inherit the rounding of the angles, which
+//! grows with the turns: a factor 1 + |φ| + |ψ|. Balances hold up to the integrator's error: no step errs
+//! by more than the relative tolerance, and there are at most five steps per radian of the fastest rate.
+
+use super::{Check, Group, Verdict};
+use crate::physics::dynamics::Model;
+use crate::physics::friction::Dissipation;
+use crate::physics::math;
+use crate::run::scenario::{FormulationKind, Scenario};
+use crate::telemetry::{Message, channel_index, channels};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+const EPS: f64 = f64::EPSILON;
+/// So many steps the integrator takes at most per radian of the fastest rate.
+const STEPS_PER_RADIAN: f64 = 5.0;
+
+/// The violation of a law at an instant, and how much is allowed there.
+type Judge = Box<dyn Fn(&Instant<'_>, &History) -> (f64, f64)>;
+
+/// A law, and how well it has been kept.
+struct Law {
+    name: &'static str,
+    unit: &'static str,
+    judge: Judge,
+    instants: u64,
+    worst: Worst,
+    /// The first instant at which more was off than is allowed.
+    broken: Option<Worst>,
+}
+
+/// A violation, what was allowed, and when, ns.
+#[derive(Clone, Copy, Default)]
+struct Worst {
+    violation: f64,
+    allowed: f64,
+    time_ns: u64,
+}
+
+/// Watches over all laws that a scenario's motion must keep.
+pub(super) struct Physics {
+    laws: Vec<Law>,
+    /// For each channel of the table its numbers at this instant.
+    rows: Vec<Option<Vec<f64>>>,
+    time_ns: u64,
+    history: Option<History>,
+    fields: HistoryFields,
+    scenario: Scenario,
+}
+
+/// What must be remembered of earlier instants.
+struct History {
+    /// Energy, work of friction and momenta when they were first recorded; NaN until then.
+    energy: f64,
+    work: f64,
+    vertical: f64,
+    axial: f64,
+    largest_energy: f64,
+    largest_momentum: f64,
+    fastest: f64,
+    relative_tolerance: f64,
+    absolute_tolerance: f64,
+    /// Angular momentum per unit of what the integrator's state has in its place: a rate or itself.
+    momentum_unit: f64,
+    /// M g l, N m.
+    gravity_moment: f64,
+}
+
+struct HistoryFields {
+    kinetic: Number,
+    potential: Number,
+    energy: Number,
+    work: Number,
+    vertical: Number,
+    axial: Number,
+    omega: Vector,
+    momentum: Vector,
+}
+
+impl Physics {
+    pub(super) fn new(scenario: &Scenario) -> Self {
+        Self {
+            laws: laws(scenario),
+            rows: vec![None; channels().len()],
+            time_ns: 0,
+            history: None,
+            fields: HistoryFields {
+                kinetic: number("/top/energy", "kinetic"),
+                potential: number("/top/energy", "potential"),
+                energy: number("/top/energy", "total"),
+                work: number("/top/energy", "friction_work"),
+                vertical: number("/top/momentum", "vertical"),
+                axial: number("/top/momentum", "axial"),
+                omega: vector("/top/pose", "omega_world"),
+                momentum: vector("/top/momentum", "world"),
+            },
+            scenario: scenario.clone(),
+        }
+    }
+
+    /// Takes a message; those of one instant come one after the other.
+    pub(super) fn take(&mut self, message: &Message<'_>) {
+        if message.time_ns != self.time_ns {
+            self.judge();
+            self.time_ns = message.time_ns;
+        }
+        let row = self.rows[message.channel].get_or_insert_default();
+        row.clear();
+        row.extend_from_slice(message.numbers);
+    }
+
+    /// Judges the instant whose messages have been taken.
+    fn judge(&mut self) {
+        if self.rows.iter().all(Option::is_none) {
+            return;
+        }
+        let instant = Instant {
+            rows: &self.rows,
+            time: self.time_ns as f64 / 1e9,
+        };
+        let history = match &mut self.history {
+            Some(history) => {
+                history.take(&instant, &self.fields);
+                history
+            }
+            none => none.insert(History::new(&instant, &self.fields, &self.scenario)),
+        };
+        for law in &mut self.laws {
+            let (violation, allowed) = (law.judge)(&instant, history);
+            // Quantities that are not recorded make it NaN: there is nothing to judge.
+            if violation.is_nan() || allowed.is_nan() {
+                continue;
+            }
+            law.instants += 1;
+            let found = Worst {
+                violation,
+                allowed,
+                time_ns: self.time_ns,
+            };
+            if violation > law.worst.violation {
+                law.worst = found;
+            }
+            if violation > allowed && law.broken.is_none() {
+                law.broken = Some(found);
+            }
+        }
+        self.rows.iter_mut().for_each(|row| *row = None);
+    }
+
+    pub(super) fn checks(mut self) -> Vec<Check> {
+        self.judge();
+        self.laws.iter().map(Law::check).collect()
+    }
+}
+
+impl Law {
+    fn check(&self) -> Check {
+        let group = Group::Physics;
+        if self.instants == 0 {
+            let finding = "what it is about is not recorded".to_owned();
+            return Check::new(group, self.name, Verdict::Skipped, finding);
+        }
+        let told = |worst: &Worst| {
+            let unit = if self.unit.is_empty() { "" } else { " " };
+            format!(
+                "{:.1e}{unit}{} at t = {} s, where {:.1e} is allowed",
+                worst.violation,
+                self.unit,
+                worst.time_ns as f64 / 1e9,
+                worst.allowed
+            )
+        };
+        if let Some(broken) = &self.broken {
+            let finding = format!("off by {}", told(broken));
+            return Check::new(group, self.name, Verdict::Failed, finding);
+        }
+        let finding = if self.worst.violation > 0.0 {
+            format!("off by at most {}", told(&self.worst))
+        } else {
+            format!("kept exactly at {} instants", self.instants)
+        };
+        Check::new(group, self.name, Verdict::Passed, finding)
+    }
+}
+
+impl History {
+    fn new(now: &Instant<'_>, fields: &HistoryFields, scenario: &Scenario) -> Self {
+        let top = &scenario.model.top;
+        let mut history = Self {
+            energy: f64::NAN,
+            work: f64::NAN,
+            vertical: f64::NAN,
+            axial: f64::NAN,
+            largest_energy: 0.0,
+            largest_momentum: 0.0,
+            // A top that doesn't turn is a pendulum.
+            fastest: (top.gravity_moment().abs() / top.transverse_moment).sqrt(),
+            relative_tolerance: scenario.tolerances.relative,
+            absolute_tolerance: scenario.tolerances.absolute,
+            momentum_unit: match scenario.formulation {
+                FormulationKind::Euler => top.transverse_moment.max(top.axial_moment),
+                FormulationKind::Body => 1.0,
+            },
+            gravity_moment: top.gravity_moment(),
+        };
+        history.take(now, fields);
+        history
+    }
+
+    fn take(&mut self, now: &Instant<'_>, fields: &HistoryFields) {
+        let remember = |first: &mut f64, field: Number| {
+            if first.is_nan() {
+                *first = now.number(field);
+            }
+        };
+        remember(&mut self.energy, fields.energy);
+        remember(&mut self.work, fields.work);
+        remember(&mut self.vertical, fields.vertical);
+        remember(&mut self.axial, fields.axial);
+        let energy = now.number(fields.kinetic) + now.number(fields.potential).abs();
+        // f64::max leaves out what is not a number, because it is not recorded.
+        self.largest_energy = self.largest_energy.max(energy);
+        self.largest_momentum = self
+            .largest_momentum
+            .max(now.vector(fields.momentum).norm());
+        self.fastest = self.fastest.max(now.vector(fields.omega).norm());
+    }
+
+    /// A bound on the integrator's steps up to an instant.
+    fn steps(&self, now: &Instant<'_>) -> f64 {
+        1.0 + STEPS_PER_RADIAN * self.fastest * now.time
+    }
+
+    /// The error of an angular momentum that the integrator may have made up to an instant, kg m²/s: relative to
+    /// it, or by the absolute tolerance of what stands for it in the integrator's state.
+    fn momentum_error(&self, now: &Instant<'_>) -> f64 {
+        let relative = self.relative_tolerance.max(EPS) * self.largest_momentum;
+        self.steps(now) * (relative + self.absolute_tolerance * self.momentum_unit)
+    }
+
+    /// The error of the energy, J: the same, and that of an angle or a part of a quaternion.
+    fn energy_error(&self, now: &Instant<'_>) -> f64 {
+        let relative = self.relative_tolerance.max(EPS) * self.largest_energy;
+        let per_state = self.fastest * self.momentum_unit + 2.0 * self.gravity_moment;
+        self.steps(now) * (relative + self.absolute_tolerance * per_state)
+    }
+}
+
+/// The numbers of all channels at one instant.
+struct Instant<'a> {
+    rows: &'a [Option<Vec<f64>>],
+    /// Seconds.
+    time: f64,
+}
+
+/// Where a number of the table stands: channel and index.
+#[derive(Clone, Copy)]
+struct Number(usize, usize);
+
+/// Where the first component of a vector or quaternion stands.
+#[derive(Clone, Copy)]
+struct Vector(usize, usize);
+
+fn number(topic: &str, path: &str) -> Number {
+    let at = channel_index(topic).unwrap_or_else(|| unreachable!("the table has no {topic}"));
+    let index = channels()[at].number_index(path);
+    Number(
+        at,
+        index.unwrap_or_else(|| unreachable!("{topic} has no {path}")),
+    )
+}
+
+fn vector(topic: &str, path: &str) -> Vector {
+    let Number(channel, index) = number(topic, &format!("{path}.x"));
+    Vector(channel, index)
+}
+
+impl Instant<'_> {
+    fn component(&self, channel: usize, index: usize) -> f64 {
+        self.rows[channel]
+            .as_ref()
+            .map_or(f64::NAN, |row| row[index])
+    }
+
+    fn number(&self, Number(channel, index): Number) -> f64 {
+        self.component(channel, index)
+    }
+
+    fn vector(&self, Vector(channel, index): Vector) -> Vector3<f64> {
+        Vector3::from_fn(|row, _| self.component(channel, index + row))
+    }
+
+    fn quaternion(&self, Vector(channel, index): Vector) -> Quaternion<f64> {
+        let [x, y, z, w] = [0, 1, 2, 3].map(|part| self.component(channel, index + part));
+        Quaternion::new(w, x, y, z)
+    }
+}
+
+fn law(
+    name: &'static str,
+    unit: &'static str,
+    judge: impl Fn(&Instant<'_>, &History) -> (f64, f64) + 'static,
+) -> Law {
+    Law {
+        name,
+        unit,
+        judge: Box::new(judge),
+        instants: 0,
+        worst: Worst::default(),
+        broken: None,
+    }
+}
+
+/// All laws that hold in a scenario.
+fn laws(scenario: &Scenario) -> Vec<Law> {
+    let friction = scenario.model.friction;
+    let mut laws = vec![
+        orientation(),
+        slip(scenario),
+        sum_of_torques(),
+        sum_of_accelerations(),
+        energies_and_momenta(),
+        regular_precession(scenario),
+        bound_of_force(scenario),
+    ];
+    if !friction.dissipation.drops_euler_terms() {
+        laws.push(torque_of_friction(scenario));
+    }
+    if friction.dissipation.is_of_force() {
+        laws.push(only_takes(scenario));
+    }
+    laws.push(energy_balance());
+    if !friction.turns_about_vertical() || scenario.is_frictionless() {
+        laws.push(constant("vertical momentum", "vertical", |history| {
+            history.vertical
+        }));
+    }
+    let tilts_only = friction.dissipation == Dissipation::TiltTorqueOnly;
+    if scenario.is_frictionless() || (tilts_only && !friction.has_losses()) {
+        laws.push(constant("axial momentum", "axial", |history| history.axial));
+    }
+    laws
+}
+
+/// Friction gives no energy. Torques that mix directions, like those of the air, do so up to rounding.
+fn only_takes(scenario: &Scenario) -> Law {
+    let power = number("/top/energy", "friction_power");
+    let torque = vector("/top/torque", "friction_node");
+    let omega = vector("/top/pose", "omega_world");
+    let mixes = scenario.model.friction.has_losses();
+    law("friction only takes", "W", move |now, _| {
+        let allowed = if mixes {
+            8.0 * EPS * now.vector(torque).norm() * now.vector(omega).norm()
+        } else {
+            0.0
+        };
+        (now.number(power), allowed)
+    })
+}
+
+/// A momentum stays what it was.
+fn constant(name: &'static str, field: &str, first: fn(&History) -> f64) -> Law {
+    let momentum = number("/top/momentum", field);
+    law(name, "kg m²/s", move |now, history| {
+        let error = (now.number(momentum) - first(history)).abs();
+        (error, history.momentum_error(now))
+    })
+}
+
+/// The torque of friction is that of the force, as far as it acts, and of what acts beside it.
+fn torque_of_friction(scenario: &Scenario) -> Law {
+    let friction = &scenario.model.friction;
+    if friction.dissipation.is_of_force() && !friction.has_losses() {
+        torque_of_force(scenario)
+    } else {
+        torque_of_parts(scenario)
+    }
+}
+
+/// How the rounding of the angles grows with their turns.
+fn turns() -> impl Fn(&Instant<'_>) -> f64 {
+    let phi = number("/top/state", "phi");
+    let psi = number("/top/state", "psi");
+    move |now| 1.0 + now.number(phi).abs() + now.number(psi).abs()
+}
+
+/// The quaternion is a rotation, and turns body components of axis and rates into those in the world.
+fn orientation() -> Law {
+    let quaternion = vector("/top/pose", "orientation");
+    let axis = vector("/top/pose", "axis");
+    let omega_body = vector("/top/pose", "omega_body");
+    let omega_world = vector("/top/pose", "omega_world");
+    let turns = turns();
+    law("orientation", "", move |now, _| {
+        let quaternion = now.quaternion(quaternion);
+        let rotation = UnitQuaternion::new_unchecked(quaternion);
+        let length = (quaternion.norm() - 1.0).abs();
+        let axis = (rotation * Vector3::z() - now.vector(axis)).norm();
+        let omega = rotation * now.vector(omega_body) - now.vector(omega_world);
+        let rate = now.vector(omega_world).norm();
+        let rates = omega.norm() / rate.max(f64::MIN_POSITIVE);
+        (length + axis + rates, 16.0 * EPS * turns(now))
+    })
+}
+
+/// The contact point slips at ω × r with r = −R z′.
+fn slip(scenario: &Scenario) -> Law {
+    let radius = scenario.model.top.peg_radius;
+    let omega = vector("/top/pose", "omega_world");
+    let slip = vector("/top/contact", "slip_world");
+    let speed = number("/top/contact", "slip_speed");
+    let turns = turns();
+    law("slip velocity", "m/s", move |now, _| {
+        let omega = now.vector(omega);
+        let slip = now.vector(slip);
+        let error = radius * Vector3::new(-omega.y, omega.x, 0.0) - slip;
+        let of_speed = (slip.norm() - now.number(speed)).abs();
+        let allowed = 16.0 * EPS * turns(now) * radius * omega.norm();
+        (error.norm() + of_speed, allowed)
+    })
+}
+
+fn sum_of_torques() -> Law {
+    let part = |part: &str| ["body", "node"].map(|f| vector("/top/torque", &format!("{part}_{f}")));
+    let [gravity, friction, total] = ["gravity", "friction", "total"].map(part);
+    law("sum of torques", "N m", move |now, _| {
+        let sum = |frame: usize| {
+            let (gravity, friction) = (now.vector(gravity[frame]), now.vector(friction[frame]));
+            let error = (gravity + friction - now.vector(total[frame])).norm();
+            (error, gravity.norm() + friction.norm())
+        };
+        let ((body, _), (node, size)) = (sum(0), sum(1));
+        (body + node, 8.0 * EPS * size)
+    })
+}
+
+/// r × f has the length R |f| in every frame.
+fn torque_of_force(scenario: &Scenario) -> Law {
+    let radius = scenario.model.top.peg_radius;
+    let force = vector("/top/contact", "friction_force");
+    let torques = ["friction_body", "friction_node"].map(|path| vector("/top/torque", path));
+    law("torque of the force", "N m", move |now, _| {
+        let expected = radius * now.vector(force).norm();
+        let error = torques.map(|torque| (now.vector(torque).norm() - expected).abs());
+        (error[0] + error[1], 32.0 * EPS * expected)
+    })
+}
+
+/// Parts of r × f, and the torques beside it that follow from rates and slip speed.
+fn torque_of_parts(scenario: &Scenario) -> Law {
+    let Model { top, friction } = scenario.model;
+    let [force, slip] = ["friction_force", "slip_world"].map(|path| vector("/top/contact", path));
+    let normal = number("/top/contact", "normal_force");
+    let [omega, axis, rotation] =
+        ["omega_world", "axis", "orientation"].map(|path| vector("/top/pose", path));
+    let [body, node] = ["friction_body", "friction_node"].map(|path| vector("/top/torque", path));
+    let turns = turns();
+    law("torque of friction", "N m", move |now, _| {
+        let (normal, axis) = (now.number(normal), now.vector(axis));
+        let slip_speed = now.vector(slip).norm();
+        let force = now.vector(force);
+        let of_force = top.peg_radius * Vector3::new(force.y, -force.x, 0.0);
+        let sliding = kept(friction.dissipation, &of_force, &axis);
+        let losses = friction
+            .torque_of_losses(slip_speed, normal, now.vector(omega), axis)
+            .unwrap_or_default();
+        // The resistance of a peg that doesn't roll is what it has to be, up to a bound.
+        let unknown = if slip_speed > 0.0 {
+            0.0
+        } else {
+            friction.rolling_arm() * normal
+        };
+        let rotation = UnitQuaternion::new_unchecked(now.quaternion(rotation));
+        let torque = rotation * now.vector(body);
+        let error = (torque - sliding - losses).norm();
+        let of_node = (now.vector(node).norm() - torque.norm()).abs();
+        let size = of_force.norm() + losses.norm() + unknown;
+        (error + of_node, unknown + 32.0 * EPS * turns(now) * size)
+    })
+}
+
+/// The components of a torque of sliding that act, in the world.
+fn kept(part: Dissipation, torque: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
+    let perpendicular = axis.cross(&Vector3::z().cross(axis));
+    let kept = match part {
+        Dissipation::TiltTorqueOnly => perpendicular,
+        Dissipation::SpinTorqueOnly => *axis,
+        _ => return *torque,
+    };
+    let direction = kept.try_normalize(0.0).unwrap_or_default();
+    direction * direction.dot(torque)
+}
+
+/// The accelerations are the sums of their terms.
+fn sum_of_accelerations() -> Law {
+    let angle = |angle: &str, terms: &[&str]| {
+        let term = |term: &&str| number("/top/acceleration", &format!("{angle}_ddot.{term}"));
+        let total = number("/top/state", &format!("{angle}_ddot"));
+        (total, terms.iter().map(term).collect::<Vec<_>>())
+    };
+    let theta = ["gyroscopic", "centrifugal", "gravitational", "frictional"];
+    let others = ["gyroscopic", "coriolis", "frictional"];
+    let angles = [
+        angle("theta", &theta),
+        angle("phi", &others),
+        angle("psi", &others),
+    ];
+    law("sum of accelerations", "of the terms", move |now, _| {
+        let error = |(total, terms): &(Number, Vec<Number>)| {
+            let terms = terms.iter().map(|term| now.number(*term));
+            let (sum, size) = terms.fold((0.0, 0.0), |(s, a), t| (s + t, a + t.abs()));
+            (sum - now.number(*total)).abs() / f64::max(size, f64::MIN_POSITIVE)
+        };
+        (angles.iter().map(error).sum(), 16.0 * EPS)
+    })
+}
+
+/// Kinetic and potential energy add up; the kinetic is ω·L/2; the momenta are components of L.
+fn energies_and_momenta() -> Law {
+    let [kinetic, potential, total] =
+        ["kinetic", "potential", "total"].map(|path| number("/top/energy", path));
+    let [vertical, axial] = ["vertical", "axial"].map(|path| number("/top/momentum", path));
+    let momentum = vector("/top/momentum", "world");
+    let omega = vector("/top/pose", "omega_world");
+    let axis = vector("/top/pose", "axis");
+    let turns = turns();
+    law("energies and momenta", "of their size", move |now, _| {
+        let (kinetic, potential) = (now.number(kinetic), now.number(potential));
+        let momentum = now.vector(momentum);
+        let of_size = |error: f64, size: f64| error.abs() / size.max(f64::MIN_POSITIVE);
+        let size = kinetic.abs() + potential.abs();
+        let sum = of_size(kinetic + potential - now.number(total), size);
+        let of_rates = of_size(kinetic - 0.5 * momentum.dot(&now.vector(omega)), kinetic);
+        let vertical = of_size(momentum.z - now.number(vertical), momentum.norm());
+        let axial = momentum.dot(&now.vector(axis)) - now.number(axial);
+        let axial = of_size(axial, momentum.norm());
+        (sum + of_rates + vertical + axial, 32.0 * EPS * turns(now))
+    })
+}
+
+/// The slow root solves (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0.
+fn regular_precession(scenario: &Scenario) -> Law {
+    let top = scenario.model.top;
+    let root = number("/top/precession", "slow_root");
+    let theta = number("/top/state", "theta");
+    let psi_dot = number("/top/state", "psi_dot");
+    law("regular precession", "of the terms", move |now, _| {
+        let root = now.number(root);
+        let cos = math::cos(now.number(theta));
+        let square = (top.transverse_moment - top.axial_moment) * cos * root * root;
+        let linear = -top.axial_moment * now.number(psi_dot) * root;
+        let constant = top.gravity_moment();
+        let size = square.abs() + linear.abs() + constant.abs();
+        ((square + linear + constant).abs() / size, 32.0 * EPS)
+    })
+}
+
+/// The friction force is no larger than the law's and doesn't push along the slip.
+fn bound_of_force(scenario: &Scenario) -> Law {
+    let friction_law = scenario.model.friction.law;
+    let force = vector("/top/contact", "friction_force");
+    let normal = number("/top/contact", "normal_force");
+    let slip = vector("/top/contact", "slip_world");
+    let speed = number("/top/contact", "slip_speed");
+    law("bound of the force", "N", move |now, _| {
+        let force = now.vector(force);
+        let bound = friction_law.bound(now.number(speed), now.number(normal));
+        let along = force.dot(&now.vector(slip));
+        let excess = force.norm() - bound;
+        (excess.max(along).max(0.0), 8.0 * EPS * bound)
+    })
+}
+
+/// The change of energy is the work of friction.
+fn energy_balance() -> Law {
+    let energy = number("/top/energy", "total");
+    let work = number("/top/energy", "friction_work");
+    law("energy balance", "J", move |now, history| {
+        let change = now.number(energy) - history.energy;
+        let allowed = 2.0 * history.energy_error(now);
+        let work = now.number(work) - history.work;
+        ((change - work).abs(), allowed)
+    })
+}

@@ -1,0 +1,221 @@
+//! Whether the simulation gives the recording again, bit for bit.
+
+use super::{Check, Group, Verdict};
+use crate::archive::memory::Owned;
+use crate::archive::recording::{Entries, Recording};
+use crate::archive::writer::end_entries;
+use crate::physics::math::ulp_distance;
+use crate::run::scenario::Scenario;
+use crate::run::simulation::{Simulation, StopReason};
+use crate::telemetry::{Message, Telemetry, TelemetryError, channels};
+use std::collections::VecDeque;
+
+/// A simulation that runs alongside a recording.
+pub(super) struct Reproduction {
+    simulation: Result<Simulation, String>,
+    telemetry: Telemetry,
+    /// Messages that have been simulated and not been met.
+    ahead: VecDeque<Owned>,
+    /// The time up to which everything has been simulated.
+    reached_ns: Option<u64>,
+    equal: u64,
+    missing: u64,
+    difference: Option<String>,
+    end: Option<Entries>,
+    version: Option<String>,
+}
+
+impl Reproduction {
+    pub(super) fn new(recording: &Recording, scenario: &Scenario) -> Self {
+        let version = recording.run().and_then(|run| run.get("version"));
+        Self {
+            simulation: Simulation::new(scenario).map_err(|error| error.to_string()),
+            telemetry: Telemetry::with_topics(&recording.topics()).unwrap_or_default(),
+            ahead: VecDeque::new(),
+            reached_ns: None,
+            equal: 0,
+            missing: 0,
+            difference: None,
+            end: recording.end().cloned(),
+            version: version.filter(|v| *v != env!("CARGO_PKG_VERSION")).cloned(),
+        }
+    }
+
+    /// Compares a recorded message with the simulated one.
+    pub(super) fn take(&mut self, recorded: &Message<'_>) {
+        if self.difference.is_some() {
+            return;
+        }
+        self.simulate_past(recorded.time_ns);
+        let found = self.ahead.iter().position(|simulated| {
+            simulated.channel == recorded.channel && simulated.sequence == recorded.sequence
+        });
+        match found.and_then(|at| self.ahead.remove(at)) {
+            Some(simulated) => {
+                self.difference = difference(recorded, &simulated);
+                self.equal += 1;
+            }
+            None => {
+                self.difference = Some(format!(
+                    "{}: the simulation gives no such message",
+                    place(recorded)
+                ));
+            }
+        }
+    }
+
+    /// Simulates until everything up to a time is known.
+    fn simulate_past(&mut self, time_ns: u64) {
+        while self.reached_ns.is_none_or(|reached| reached <= time_ns) {
+            if !self.simulate_one() {
+                self.reached_ns = Some(u64::MAX);
+            }
+            self.leave_behind(time_ns);
+        }
+        self.leave_behind(time_ns);
+    }
+
+    /// What is earlier than what is recorded next, and was not met, is not recorded.
+    fn leave_behind(&mut self, time_ns: u64) {
+        while self.ahead.front().is_some_and(|m| m.time_ns < time_ns) {
+            self.ahead.pop_front();
+            self.missing += 1;
+        }
+    }
+
+    /// Simulates one record; false at the end.
+    fn simulate_one(&mut self) -> bool {
+        let Ok(simulation) = &mut self.simulation else {
+            return false;
+        };
+        let Some(Ok(record)) = simulation.next() else {
+            return false;
+        };
+        self.reached_ns = Some(record.time_ns());
+        let ahead = &mut self.ahead;
+        let logged = self.telemetry.messages(&record, |message| {
+            ahead.push_back(Owned::from(message));
+            Ok::<(), TelemetryError>(())
+        });
+        // What could not be logged ended the run that was recorded, too.
+        logged.is_ok()
+    }
+
+    /// `is_all_there` tells whether the recording is whole.
+    pub(super) fn check(mut self, is_all_there: bool) -> Check {
+        let (verdict, finding) = self.conclude(is_all_there);
+        let finding = match &self.version {
+            Some(version) if verdict == Verdict::Failed => {
+                let this = env!("CARGO_PKG_VERSION");
+                format!("{finding}; recorded by toprise {version}, simulated by {this}")
+            }
+            _ => finding,
+        };
+        Check::new(Group::Reproduction, "simulated again", verdict, finding)
+    }
+
+    fn conclude(&mut self, is_all_there: bool) -> (Verdict, String) {
+        if let Err(error) = &self.simulation {
+            return (Verdict::Failed, error.clone());
+        }
+        if let Some(difference) = &self.difference {
+            return (Verdict::Failed, difference.clone());
+        }
+        let equal = format!("all {} messages are equal, bit for bit", self.equal);
+        if is_all_there {
+            return match self.compare_ends() {
+                Ok(()) => (Verdict::Passed, equal),
+                Err(problem) => (Verdict::Failed, problem),
+            };
+        }
+        let finding = match self.missing {
+            0 => format!("{equal}, as far as they go"),
+            missing => format!("{equal}; {missing} are missing in between"),
+        };
+        (Verdict::Incomplete, finding)
+    }
+
+    /// Compares the end of the run that was recorded with the simulation's.
+    fn compare_ends(&mut self) -> Result<(), String> {
+        if self.missing > 0 {
+            return Err(format!(
+                "{} messages of the simulation are not recorded",
+                self.missing
+            ));
+        }
+        let recorded = self.end.take().unwrap_or_default();
+        let reason = recorded.get("stop_reason").map_or("", String::as_str);
+        // A run that was broken off says so; the simulation would go on.
+        if reason == StopReason::Interrupted.name() || reason == StopReason::Failed.name() {
+            return Ok(());
+        }
+        while self.ahead.is_empty() && self.simulate_one() {}
+        if let Some(next) = self.ahead.front() {
+            return Err(format!(
+                "the recording ends, but the simulation goes on with {} at {} s",
+                channels()[next.channel].topic,
+                next.time_ns as f64 / 1e9
+            ));
+        }
+        let Ok(simulation) = &self.simulation else {
+            return Ok(());
+        };
+        for (key, simulated) in end_entries(&simulation.outcome()) {
+            let noted = recorded.get(&key).map_or("nothing", String::as_str);
+            if noted != simulated {
+                return Err(format!(
+                    "the end record says {key} = {noted}, the simulation {simulated}"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The first difference between two messages, for people.
+fn difference(recorded: &Message<'_>, simulated: &Owned) -> Option<String> {
+    let info = &channels()[recorded.channel];
+    if recorded.time_ns != simulated.time_ns {
+        let time = simulated.time_ns as f64 / 1e9;
+        return Some(format!("{}: simulated at {time} s", place(recorded)));
+    }
+    for (leaf, (a, b)) in info
+        .numbers
+        .iter()
+        .zip(recorded.numbers.iter().zip(&simulated.numbers))
+    {
+        if a.to_bits() != b.to_bits() {
+            return Some(format!(
+                "t = {} s {}.{}: recorded {a:?}, simulated {b:?}, {} ulp apart",
+                recorded.time_ns as f64 / 1e9,
+                info.topic,
+                leaf.path,
+                ulp_distance(*a, *b)
+            ));
+        }
+    }
+    for (leaf, (a, b)) in info
+        .texts
+        .iter()
+        .zip(recorded.texts.iter().zip(&simulated.texts))
+    {
+        if a != b {
+            return Some(format!(
+                "t = {} s {}.{}: recorded {a:?}, simulated {b:?}",
+                recorded.time_ns as f64 / 1e9,
+                info.topic,
+                leaf.path
+            ));
+        }
+    }
+    None
+}
+
+fn place(message: &Message<'_>) -> String {
+    format!(
+        "{} message {} at {} s",
+        channels()[message.channel].topic,
+        message.sequence,
+        message.time_ns as f64 / 1e9
+    )
+}

@@ -1,0 +1,12 @@
+//! Recordings as files: writing, publishing, reading, checking, converting, recovering and replaying MCAP files.
+
+pub mod check;
+pub(crate) mod container;
+pub mod convert;
+pub mod memory;
+pub mod publish;
+pub mod recording;
+pub mod recover;
+pub mod replay;
+pub mod sink;
+pub mod writer;

@@ -1,0 +1,240 @@
+//! A recording in another encoding: the same content, metadata and attachments.
+
+use crate::archive::publish::{Existing, Place};
+use crate::archive::recording::{
+    Any, Condition, Entries, FileChannel, MessageError, Recording, Selection, Undecoded,
+};
+use crate::archive::sink::{Sink as _, SinkError};
+use crate::archive::writer::{
+    Archived, END_RECORD, Ending, LIBRARY, McapSink, Opening, RECOVERY_RECORD, RawChannel,
+    RawMessage,
+};
+use crate::telemetry::channels;
+use crate::telemetry::encoding::Encoding;
+use std::borrow::Cow;
+use std::path::Path;
+use thiserror::Error;
+
+/// Why a recording can't be converted.
+#[derive(Debug, Error)]
+pub enum ConvertError {
+    /// It is not ours, or not all there.
+    #[error("it is {}: {advice}", condition.name())]
+    Condition {
+        /// What it is.
+        condition: Condition,
+        /// What can be done.
+        advice: &'static str,
+    },
+    /// It has other fields than this version, which would be lost.
+    #[error("it is from another version of toprise: {topic} differs in {}", fields.join(", "))]
+    Version {
+        /// The first topic that differs.
+        topic: String,
+        /// The fields.
+        fields: Vec<String>,
+    },
+    /// An attachment is damaged.
+    #[error("its attachment {name} is damaged: {reason}")]
+    Attachment {
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A message can't be decoded.
+    #[error(transparent)]
+    Message(#[from] MessageError),
+    /// Parts of it can't be read.
+    #[error("it is damaged: {0}; save what there is with toprise recover")]
+    Damage(String),
+    /// It can't be written.
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+}
+
+/// Writes `recording` to `path` with the channels of the table in `encoding`.
+///
+/// The content digest of the new recording is checked against the end record before the file gets its
+/// name. `progress` is told how many more bytes have been read.
+///
+/// # Errors
+/// [`ConvertError`]; nothing is left at `path` then.
+pub fn convert(
+    recording: &Recording,
+    path: &Path,
+    existing: Existing,
+    encoding: Encoding,
+    progress: &dyn Fn(u64),
+) -> Result<Archived, ConvertError> {
+    check_condition(recording)?;
+    let opening = opening(recording, encoding)?;
+    let ending = ending(recording);
+    let mut sink = McapSink::open(Place::reserve_derived(path, existing)?, &opening)?;
+    match copy(recording, &mut sink, progress) {
+        Ok(()) => Ok(sink.finish_with(ending)?),
+        Err(error) => {
+            sink.discard();
+            Err(error)
+        }
+    }
+}
+
+fn check_condition(recording: &Recording) -> Result<(), ConvertError> {
+    let condition = recording.condition();
+    let advice = match condition {
+        Condition::Whole | Condition::Recovered => {
+            return match recording.differences().into_iter().next() {
+                None => Ok(()),
+                Some((topic, fields)) => Err(ConvertError::Version {
+                    topic,
+                    fields: [fields.missing, fields.unknown].concat(),
+                }),
+            };
+        }
+        Condition::Foreign => "only recordings of toprise can be converted",
+        Condition::Interrupted | Condition::Damaged => {
+            "save what there is with toprise recover, and convert that"
+        }
+    };
+    Err(ConvertError::Condition { condition, advice })
+}
+
+/// Everything that comes before the messages.
+fn opening(recording: &Recording, encoding: Encoding) -> Result<Opening, ConvertError> {
+    let attachments = attachments(recording).collect::<Result<_, _>>()?;
+    Ok(Opening {
+        library: LIBRARY,
+        metadata: metadata_but(recording, &[END_RECORD, RECOVERY_RECORD]).collect(),
+        attachments,
+        encoding,
+        wanted: wanted(recording),
+        raw: raw(recording),
+    })
+}
+
+/// The metadata records of a recording, but for those with some names.
+pub(crate) fn metadata_but(
+    recording: &Recording,
+    names: &[&str],
+) -> impl Iterator<Item = (String, Entries)> {
+    let kept = recording.all_metadata();
+    let kept = kept.filter(move |(name, _)| !names.contains(name));
+    kept.map(|(name, entries)| (name.to_owned(), entries.clone()))
+}
+
+/// The attachments of a recording, or what is wrong with them.
+pub(crate) fn attachments(
+    recording: &Recording,
+) -> impl Iterator<Item = Result<mcap::Attachment<'static>, ConvertError>> {
+    recording.layout.attachments.iter().map(|attachment| {
+        let read = recording.attachment(&attachment.place);
+        let (header, data) = read.map_err(|reason| ConvertError::Attachment {
+            name: attachment.name.clone(),
+            reason,
+        })?;
+        Ok(mcap::Attachment {
+            log_time: header.log_time,
+            create_time: header.create_time,
+            name: header.name,
+            media_type: header.media_type,
+            data: Cow::Owned(data),
+        })
+    })
+}
+
+/// Which channels of the table a recording has.
+pub(crate) fn wanted(recording: &Recording) -> Vec<bool> {
+    (0..channels().len())
+        .map(|table| recording.has(table))
+        .collect()
+}
+
+/// The channels of a recording that are copied as they are.
+fn raw_channels(recording: &Recording) -> impl Iterator<Item = &FileChannel> {
+    recording.channels().iter().filter(|c| c.table.is_none())
+}
+
+/// The same as they are written.
+pub(crate) fn raw(recording: &Recording) -> Vec<RawChannel> {
+    raw_channels(recording).map(raw_channel).collect()
+}
+
+fn raw_channel(channel: &FileChannel) -> RawChannel {
+    let schema = channel.schema.as_deref().cloned();
+    RawChannel {
+        topic: channel.topic.clone(),
+        encoding: channel.encoding.clone(),
+        schema: schema.map(|schema| (schema.name, schema.encoding, schema.data)),
+        metadata: channel.metadata.clone(),
+    }
+}
+
+fn ending(recording: &Recording) -> Ending {
+    let end = recording.end().cloned().unwrap_or_default();
+    let recovery = recording.recovery().cloned();
+    Ending {
+        metadata: recovery
+            .map(|entries| (RECOVERY_RECORD.to_owned(), entries))
+            .into_iter()
+            .collect(),
+        digest: end.get("content_digest").cloned(),
+        end: Some(end),
+    }
+}
+
+fn copy(
+    recording: &Recording,
+    sink: &mut McapSink,
+    progress: &dyn Fn(u64),
+) -> Result<(), ConvertError> {
+    let copier = Copier::new(recording);
+    let mut reader = recording.reader(Selection::default());
+    while let Some(message) = reader.next_of_any() {
+        match message? {
+            Any::Decoded(message) => sink.write(&message)?,
+            Any::Other(other) => copier.copy(&other, sink)?,
+        }
+        progress(reader.progress());
+    }
+    match reader.losses().first() {
+        None => Ok(()),
+        Some(loss) => Err(ConvertError::Damage(loss.to_string())),
+    }
+}
+
+/// Copies messages of other channels than the table's as they are.
+pub(crate) struct Copier {
+    /// For each channel of the recording that is read its place in [`Opening::raw`], if it has one.
+    places: Vec<Option<usize>>,
+}
+
+impl Copier {
+    pub(crate) fn new(recording: &Recording) -> Self {
+        let mut raw = 0..;
+        let place = |channel: &FileChannel| match channel.table {
+            None => raw.next(),
+            Some(_) => None,
+        };
+        Self {
+            places: recording.channels().iter().map(place).collect(),
+        }
+    }
+
+    pub(crate) fn copy(
+        &self,
+        message: &Undecoded<'_>,
+        sink: &mut McapSink,
+    ) -> Result<(), SinkError> {
+        let Some(channel) = self.places[message.position] else {
+            return Ok(());
+        };
+        sink.write_raw(&RawMessage {
+            channel,
+            sequence: message.sequence,
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+            data: message.data,
+        })
+    }
+}

@@ -1,0 +1,195 @@
+//! What is in a file.
+
+use super::{Condition, Entries, Loss, Recording, RecordingError, Selection};
+use crate::run::scenario::Scenario;
+use crate::telemetry::encoding::{Decoder, Row};
+use crate::telemetry::{ChannelInfo, channels};
+use std::path::Path;
+
+/// The topic of events.
+const EVENTS: &str = "/events";
+
+/// What is in an MCAP file, after reading all of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overview {
+    /// What kind of file it is.
+    pub condition: Condition,
+    /// What wrote it, by its own words.
+    pub library: String,
+    /// The entries of the `toprise.run` record; `None` if the file is not a recording of toprise.
+    pub run: Option<Entries>,
+    /// The entries of the `toprise.end` record; `None` if the run did not reach its end.
+    pub end: Option<Entries>,
+    /// The entries of the `toprise.recovery` record: what was lost before it was saved.
+    pub recovery: Option<Entries>,
+    /// The scenario as TOML.
+    pub scenario: Option<String>,
+    /// The channels, in the order of the file.
+    pub channels: Vec<ChannelOverview>,
+    /// The messages on `/events`.
+    pub events: Vec<EventOverview>,
+    /// What can't be read.
+    pub losses: Vec<Loss>,
+}
+
+/// A channel of a file.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct ChannelOverview {
+    /// MCAP channel id.
+    pub id: u16,
+    /// Topic.
+    pub topic: String,
+    /// Encoding of its messages.
+    pub encoding: String,
+    /// Name of its message type, empty if it has none.
+    pub schema: String,
+    /// Number of messages.
+    pub messages: u64,
+    /// Bytes of all messages.
+    pub bytes: u64,
+    /// Time of the first message, ns.
+    pub first_ns: u64,
+    /// Time of the last message, ns.
+    pub last_ns: u64,
+}
+
+impl ChannelOverview {
+    /// Mean rate of the messages, Hz; `None` for fewer than two.
+    #[must_use]
+    pub fn rate(&self) -> Option<f64> {
+        let span = self.last_ns.saturating_sub(self.first_ns);
+        (self.messages > 1 && span > 0).then(|| (self.messages - 1) as f64 * 1e9 / span as f64)
+    }
+
+    fn count(&mut self, time_ns: u64, bytes: usize) {
+        if self.messages == 0 {
+            self.first_ns = time_ns;
+        }
+        self.last_ns = time_ns;
+        self.messages += 1;
+        self.bytes += bytes as u64;
+    }
+}
+
+/// An event of a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventOverview {
+    /// Kind.
+    pub name: String,
+    /// When, s.
+    pub time: f64,
+    /// A sentence for people.
+    pub description: String,
+}
+
+impl Overview {
+    /// Opens a file and reads it as far as it can be read.
+    ///
+    /// # Errors
+    /// [`RecordingError`] if it can't be opened or is not MCAP. Damage is no error: it is told in
+    /// `losses`.
+    pub fn read(path: &Path) -> Result<Self, RecordingError> {
+        Ok(Self::of(&Recording::open(path)?))
+    }
+
+    /// Reads a recording as far as it can be read.
+    #[must_use]
+    pub fn of(recording: &Recording) -> Self {
+        let of_channel = |channel: &super::FileChannel| ChannelOverview {
+            id: channel.id,
+            topic: channel.topic.clone(),
+            encoding: channel.encoding.clone(),
+            schema: channel.schema_name().to_owned(),
+            ..ChannelOverview::default()
+        };
+        let mut counted: Vec<_> = recording.channels().iter().map(of_channel).collect();
+        let mut events = Events::find(recording);
+        let mut reader = recording.reader(Selection::default());
+        while let Some(message) = reader.next_undecoded() {
+            counted[message.position].count(message.log_time, message.data.len());
+            if message.channel.topic == EVENTS
+                && let Some(events) = &mut events
+            {
+                events.take(message.data);
+            }
+        }
+        let mut losses = recording.losses().to_vec();
+        losses.extend_from_slice(reader.losses());
+        let condition = match recording.condition() {
+            whole if reader.losses().is_empty() => whole,
+            Condition::Foreign => Condition::Foreign,
+            _ => Condition::Damaged,
+        };
+        Self {
+            condition,
+            library: recording.library().to_owned(),
+            run: recording.run().cloned(),
+            end: recording.end().cloned(),
+            recovery: recording.recovery().cloned(),
+            scenario: recording.scenario_text().ok(),
+            channels: counted,
+            events: events.map(|events| events.found).unwrap_or_default(),
+            losses,
+        }
+    }
+
+    /// The scenario, if it is there and this version can read it.
+    #[must_use]
+    pub fn parsed_scenario(&self) -> Option<Scenario> {
+        Scenario::from_toml(self.scenario.as_deref()?).ok()
+    }
+
+    /// Whether it is a recording of toprise that reached its end and is readable throughout.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.condition == Condition::Whole
+    }
+
+    /// Number of messages in all channels.
+    #[must_use]
+    pub fn messages(&self) -> u64 {
+        self.channels.iter().map(|channel| channel.messages).sum()
+    }
+
+    /// Time of the last message, ns.
+    #[must_use]
+    pub fn last_ns(&self) -> u64 {
+        self.channels.iter().map(|c| c.last_ns).max().unwrap_or(0)
+    }
+}
+
+/// Collects events.
+struct Events {
+    decoder: Decoder,
+    name: usize,
+    description: usize,
+    time: usize,
+    row: Row,
+    found: Vec<EventOverview>,
+}
+
+impl Events {
+    fn find(recording: &Recording) -> Option<Self> {
+        let channel = recording.channels().iter().find(|c| c.topic == EVENTS)?;
+        let info: &ChannelInfo = &channels()[channel.table?];
+        let text = |path| info.texts.iter().position(|leaf| leaf.path == path);
+        Some(Self {
+            decoder: channel.decoder()?.ok()?,
+            name: text("name")?,
+            description: text("description")?,
+            time: info.number_index("time")?,
+            row: Row::default(),
+            found: Vec::new(),
+        })
+    }
+
+    fn take(&mut self, data: &[u8]) {
+        if self.decoder.decode(data, &mut self.row).is_ok() {
+            self.found.push(EventOverview {
+                name: self.row.texts[self.name].clone(),
+                time: self.row.numbers[self.time],
+                description: self.row.texts[self.description].clone(),
+            });
+        }
+    }
+}

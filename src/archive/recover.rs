@@ -1,0 +1,336 @@
+//! What can be saved of an interrupted or damaged recording.
+
+use crate::archive::container::is_sound_container;
+use crate::archive::convert::{Copier, attachments, metadata_but, raw, wanted};
+use crate::archive::publish::{Existing, Place};
+use crate::archive::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
+use crate::archive::sink::{RecordError, Sink, SinkError};
+use crate::archive::writer::{
+    Archived, COUNTS, END_RECORD, Ending, LIBRARY, McapSink, Opening, RECOVERY_RECORD, RUN_RECORD,
+    run_entries,
+};
+use crate::telemetry::digest::ContentDigest;
+use crate::telemetry::encoding::Encoding;
+use crate::telemetry::{channel_index, channels};
+use std::collections::BTreeMap;
+use std::path::Path;
+use thiserror::Error;
+
+/// Why a recording can't be recovered.
+#[derive(Debug, Error)]
+pub enum RecoverError {
+    /// It is not ours.
+    #[error(
+        "it is not a toprise recording, but written by {library:?}: `mcap recover` may save it"
+    )]
+    Foreign {
+        /// What wrote it.
+        library: String,
+    },
+    /// Nothing is wrong with it.
+    #[error("it is complete and readable throughout: there is nothing to recover")]
+    Whole,
+    /// Not a single channel can be read.
+    #[error("nothing can be saved: no description of its channels is readable{}", scenario_hint(*has_scenario))]
+    Nothing {
+        /// Whether its scenario is.
+        has_scenario: bool,
+    },
+    /// Without its scenario the run can't be simulated again.
+    #[error(transparent)]
+    Scenario(#[from] NoScenario),
+    /// The simulation gives other numbers than the recording has.
+    #[error("the simulation gives another run than the one recorded: {0}")]
+    Different(String),
+    /// The simulation or the writing failed.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// It can't be written.
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+}
+
+fn scenario_hint(has_scenario: bool) -> &'static str {
+    if has_scenario {
+        "; its scenario is, so --complete can simulate the run again"
+    } else {
+        ""
+    }
+}
+
+/// What was saved, and what was not.
+#[derive(Debug)]
+pub struct Recovered {
+    /// The new recording.
+    pub archived: Archived,
+    /// Messages in it.
+    pub messages: u64,
+    /// Messages that could not be decoded.
+    pub undecodable: u64,
+    /// Parts of the file that could not be read.
+    pub losses: Vec<Loss>,
+    /// What is lost, in a sentence; none if all the content is there.
+    pub lost: Option<String>,
+}
+
+/// Writes everything of `recording` that can be read to `path`, as a well-formed recording that says
+/// what was lost.
+///
+/// # Errors
+/// [`RecoverError`]; nothing is left at `path` then.
+pub fn recover(
+    recording: &Recording,
+    path: &Path,
+    existing: Existing,
+    progress: &dyn Fn(u64),
+) -> Result<Recovered, RecoverError> {
+    if recording.condition() == Condition::Foreign {
+        return Err(RecoverError::Foreign {
+            library: recording.library().to_owned(),
+        });
+    }
+    if !recording
+        .channels()
+        .iter()
+        .any(|channel| channel.table.is_some())
+    {
+        return Err(RecoverError::Nothing {
+            has_scenario: recording.scenario().is_ok(),
+        });
+    }
+    let mut sink = McapSink::open(Place::reserve_derived(path, existing)?, &opening(recording))?;
+    let saved = match salvage(recording, &mut sink, progress) {
+        Ok(saved) if saved.is_whole(recording) => {
+            sink.discard();
+            return Err(RecoverError::Whole);
+        }
+        Ok(saved) => saved,
+        Err(error) => {
+            sink.discard();
+            return Err(error.into());
+        }
+    };
+    let lost = saved.lost(recording);
+    let archived = sink.finish_with(ending(recording, &saved, lost.as_deref()))?;
+    Ok(Recovered {
+        archived,
+        messages: saved.counts.iter().sum(),
+        undecodable: saved.undecodable,
+        losses: saved.losses,
+        lost,
+    })
+}
+
+fn opening(recording: &Recording) -> Opening {
+    let run = run_record(recording).map(|entries| (RUN_RECORD.to_owned(), entries));
+    let others = metadata_but(recording, &[RUN_RECORD, END_RECORD, RECOVERY_RECORD]);
+    let metadata = run.into_iter().chain(others).collect();
+    Opening {
+        library: LIBRARY,
+        metadata,
+        attachments: attachments(recording).filter_map(Result::ok).collect(),
+        encoding: recording.encoding().unwrap_or(Encoding::Json),
+        wanted: wanted(recording),
+        raw: raw(recording),
+    }
+}
+
+/// The record of the run, written again from the scenario if it is lost or doesn't fit it.
+fn run_record(recording: &Recording) -> Option<Entries> {
+    let noted = recording.run().cloned();
+    let Ok(scenario) = recording.scenario() else {
+        return noted;
+    };
+    let mut entries = run_entries(&scenario);
+    if let Some(noted) = noted
+        && noted.get("scenario_digest") == entries.get("scenario_digest")
+    {
+        return Some(noted);
+    }
+    if let Some(version) = recording.library().strip_prefix("toprise/") {
+        entries.insert("version".to_owned(), version.to_owned());
+    }
+    Some(entries)
+}
+
+/// What was found.
+struct Saved {
+    /// Messages on each channel of the table.
+    counts: Vec<u64>,
+    undecodable: u64,
+    /// Messages that stand behind later ones of their channel, as where a chunk is repeated.
+    repeated: u64,
+    last_ns: u64,
+    losses: Vec<Loss>,
+    digest: String,
+}
+
+fn salvage(
+    recording: &Recording,
+    sink: &mut McapSink,
+    progress: &dyn Fn(u64),
+) -> Result<Saved, SinkError> {
+    let copier = Copier::new(recording);
+    let mut digest = ContentDigest::default();
+    let mut counts = vec![0; channels().len()];
+    let (mut undecodable, mut repeated, mut last_ns) = (0, 0, 0);
+    let mut latest = Latest::default();
+    let mut reader = recording.reader(Selection::default()).in_order_of_time();
+    while let Some(message) = reader.next_of_any() {
+        match message {
+            // Another version's message lacks numbers that this one's have.
+            Ok(Any::Decoded(message)) if message.numbers.iter().any(|n| !n.is_finite()) => {
+                undecodable += 1;
+            }
+            Ok(Any::Decoded(message))
+                if latest.has_passed(Channel::OfTable(message.channel), message.sequence) =>
+            {
+                repeated += 1;
+            }
+            Ok(Any::Decoded(message)) => {
+                sink.write(&message)?;
+                digest.update(&message);
+                counts[message.channel] += 1;
+                last_ns = message.time_ns;
+            }
+            Ok(Any::Other(view))
+                if view.channel.is_view()
+                    && latest.has_passed(Channel::Other(view.channel.id), view.sequence) => {}
+            Ok(Any::Other(other)) => copier.copy(&other, sink)?,
+            Err(_) => undecodable += 1,
+        }
+        progress(reader.progress());
+    }
+    let mut losses = recording.losses().to_vec();
+    losses.extend_from_slice(reader.losses());
+    Ok(Saved {
+        counts,
+        undecodable,
+        repeated,
+        last_ns,
+        losses,
+        digest: digest.finish(),
+    })
+}
+
+impl Saved {
+    /// Whether all content is there, as the end record proves.
+    fn has_all(&self, recording: &Recording) -> bool {
+        let noted = recording.end().and_then(|end| end.get("content_digest"));
+        noted == Some(&self.digest)
+    }
+
+    /// Whether the recording needs no saving.
+    fn is_whole(&self, recording: &Recording) -> bool {
+        recording.condition() == Condition::Whole
+            && self.lost(recording).is_none()
+            && self.repeated == 0
+            && is_sound_container(recording)
+    }
+
+    /// What is lost, in a sentence.
+    fn lost(&self, recording: &Recording) -> Option<String> {
+        let mut parts: Vec<String> = Vec::new();
+        if recording.scenario_text().is_err() {
+            parts.push("the scenario".to_owned());
+        }
+        for damaged in attachments(recording).filter_map(Result::err) {
+            parts.push(damaged.to_string());
+        }
+        if self.has_all(recording) {
+            if self.losses.is_empty() && !recording.data_checksum_is_right() {
+                let doubt = "perhaps some of the metadata: the checksum of the data is wrong";
+                parts.push(doubt.to_owned());
+            }
+        } else {
+            self.name_lost_messages(recording, &mut parts);
+        }
+        (!parts.is_empty()).then(|| parts.join("; "))
+    }
+
+    fn name_lost_messages(&self, recording: &Recording, parts: &mut Vec<String>) {
+        let before = parts.len();
+        for loss in &self.losses {
+            parts.extend(loss.span.map(|span| format!("messages {span}")));
+        }
+        if self.undecodable > 0 {
+            parts.push(format!(
+                "{} messages that can't be decoded",
+                self.undecodable
+            ));
+        }
+        if self.repeated > 0 {
+            let repeated = self.repeated;
+            parts.push(format!(
+                "{repeated} messages that come twice or out of order"
+            ));
+        }
+        if recording.end().is_none() {
+            parts.push(format!(
+                "the end of the run after {} s",
+                self.last_ns as f64 / 1e9
+            ));
+        }
+        if parts.len() == before {
+            parts.push("some of the messages: the content digest is another one".to_owned());
+        }
+    }
+}
+
+/// A channel of the table by its index, or another by its MCAP id.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Channel {
+    OfTable(usize),
+    Other(u16),
+}
+
+/// The sequence number of the last message of each channel.
+#[derive(Default)]
+struct Latest(BTreeMap<Channel, u32>);
+
+impl Latest {
+    /// Whether a message is no later than the last of its channel; if it is later, it is the last now.
+    fn has_passed(&mut self, channel: Channel, sequence: u32) -> bool {
+        let has_passed = self.0.get(&channel).is_some_and(|last| sequence <= *last);
+        if !has_passed {
+            self.0.insert(channel, sequence);
+        }
+        has_passed
+    }
+}
+
+fn ending(recording: &Recording, saved: &Saved, lost: Option<&str>) -> Ending {
+    let Some(lost) = lost else {
+        let end = recording.end().cloned().unwrap_or_default();
+        return Ending {
+            end: Some(end),
+            ..Ending::default()
+        };
+    };
+    let count = |topic: &str| {
+        let table = channel_index(topic);
+        table.map_or(0, |table| saved.counts[table]).to_string()
+    };
+    let original = recording.end().cloned();
+    let mut recovery = Entries::from([("lost".to_owned(), lost.to_owned())]);
+    if let Some(digest) = original.as_ref().and_then(|end| end.get("content_digest")) {
+        recovery.insert("original_content_digest".to_owned(), digest.clone());
+    }
+    let mut end = original.unwrap_or_else(|| {
+        Entries::from([
+            ("stop_reason".to_owned(), "interrupted".to_owned()),
+            (
+                "stop_time".to_owned(),
+                format!("{:?}", saved.last_ns as f64 / 1e9),
+            ),
+        ])
+    });
+    for (key, topic) in COUNTS {
+        end.insert(key.to_owned(), count(topic));
+    }
+    Ending {
+        metadata: vec![(RECOVERY_RECORD.to_owned(), recovery)],
+        end: Some(end),
+        digest: None,
+    }
+}

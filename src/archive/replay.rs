@@ -1,0 +1,53 @@
+//! Replaying a recording into any sink: the messages of the run come again as they were.
+
+use crate::archive::recording::{Loss, MessageError, Recording, Selection};
+use crate::archive::sink::{Sink, SinkError};
+use std::ops::ControlFlow;
+
+/// What a replay has passed on, and what it could not.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Replayed {
+    /// Messages passed on.
+    pub messages: u64,
+    /// Messages that could not be decoded: the first, and how many.
+    pub undecodable: Option<(MessageError, u64)>,
+    /// Parts of the file that could not be read.
+    pub losses: Vec<Loss>,
+}
+
+/// Gives the selected messages of a recording's channels to `sink`.
+///
+/// `between` is called after each message with the number of bytes of the file that have been read since the
+/// last one; it may break the replay off.
+///
+/// # Errors
+/// The first error of the sink.
+pub fn replay(
+    recording: &Recording,
+    selection: Selection,
+    sink: &mut dyn Sink,
+    mut between: impl FnMut(u64) -> ControlFlow<()>,
+) -> Result<Replayed, SinkError> {
+    let mut replayed = Replayed {
+        losses: recording.losses().to_vec(),
+        ..Replayed::default()
+    };
+    let mut reader = recording.reader(selection);
+    while let Some(message) = reader.next() {
+        match message {
+            Ok(message) => {
+                sink.write(&message)?;
+                replayed.messages += 1;
+            }
+            Err(error) => match &mut replayed.undecodable {
+                Some((_, count)) => *count += 1,
+                none => *none = Some((error, 1)),
+            },
+        }
+        if between(reader.progress()).is_break() {
+            break;
+        }
+    }
+    replayed.losses.extend_from_slice(reader.losses());
+    Ok(replayed)
+}

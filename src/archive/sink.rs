@@ -1,0 +1,128 @@
+//! Where messages go: MCAP files, Rerun, memory.
+
+use crate::run::simulation::{Outcome, Record, Simulation, SimulationError};
+use crate::telemetry::{Message, Telemetry, TelemetryError};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Something that takes messages in the order of their times.
+pub trait Sink {
+    /// Takes a message. It may still be buffered when this returns.
+    ///
+    /// # Errors
+    /// [`SinkError`] if this message or an earlier one could not be stored.
+    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError>;
+
+    /// Passes on everything that is buffered: what was written before a flush survives the death of
+    /// the process.
+    ///
+    /// # Errors
+    /// [`SinkError`] if an earlier message could not be stored.
+    fn flush(&mut self) -> Result<(), SinkError>;
+}
+
+/// Why messages can't be stored.
+#[derive(Debug, Error)]
+pub enum SinkError {
+    /// The file can't be made, because something is there that must not be lost.
+    #[error("{} exists: {advice}", path.display())]
+    Exists {
+        /// What is there.
+        path: PathBuf,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// The file system refused.
+    #[error("cannot {action} {}: {reason}", path.display())]
+    Io {
+        /// What was tried.
+        action: &'static str,
+        /// On which file.
+        path: PathBuf,
+        /// Why, according to the system.
+        reason: std::io::Error,
+    },
+    /// The MCAP writer failed.
+    #[error("cannot write {}: {}", path.display(), with_causes(reason))]
+    Mcap {
+        /// The file.
+        path: PathBuf,
+        /// Why, according to the writer.
+        reason: ::mcap::McapError,
+    },
+    /// The content is not what it must be.
+    #[error(
+        "{} holds other content than it must: digest {found}, not {expected}",
+        path.display()
+    )]
+    Digest {
+        /// The file.
+        path: PathBuf,
+        /// The digest that the content must have.
+        expected: String,
+        /// The digest that it has.
+        found: String,
+    },
+    /// What shows the messages failed.
+    #[error(transparent)]
+    Viewer(Box<dyn std::error::Error + Send + Sync>),
+    /// A thread that writes died.
+    #[error("the thread that writes {} died", path.display())]
+    WriterDied {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// Why a run could not be recorded to its end.
+#[derive(Debug, Error)]
+pub enum RecordError {
+    /// The motion could not be computed further.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// A quantity could not be logged.
+    #[error(transparent)]
+    Telemetry(#[from] TelemetryError),
+    /// A sink failed.
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+}
+
+/// Runs a simulation and gives every message to every sink, in one pass.
+///
+/// `between` is called after each record, and may flush the sinks, wait, or break off the run.
+///
+/// # Errors
+/// The first error of the simulation, the telemetry or a sink.
+pub fn record(
+    simulation: &mut Simulation,
+    telemetry: &mut Telemetry,
+    sinks: &mut [&mut dyn Sink],
+    mut between: impl FnMut(&Record, &mut [&mut dyn Sink]) -> Result<ControlFlow<()>, SinkError>,
+) -> Result<Outcome, RecordError> {
+    for record in simulation.by_ref() {
+        let record = record?;
+        telemetry.messages(&record, |message| {
+            for sink in &mut *sinks {
+                sink.write(message)?;
+            }
+            Ok::<(), RecordError>(())
+        })?;
+        if between(&record, sinks)?.is_break() {
+            break;
+        }
+    }
+    Ok(simulation.outcome())
+}
+
+/// An error with its chain of causes: the MCAP crate's messages alone hide the operating system's.
+fn with_causes(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text.push_str(&format!(": {error}"));
+        cause = error.source();
+    }
+    text
+}

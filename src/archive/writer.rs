@@ -1,0 +1,655 @@
+//! The archive: a run as an MCAP file.
+//!
+//! Order in the file: the metadata record `toprise.run` and the scenario as an attachment; the schemas
+//! and channels; the messages; the metadata record `toprise.end`. A file without the last was
+//! interrupted. Nothing in it depends on when or where it was made.
+//!
+//! Beside the channels of the table there are those for viewers ([`crate::telemetry::views`]), which
+//! don't enter the content digest.
+//!
+//! Messages are encoded on the caller's thread; another takes their digest, compresses and writes them, one
+//! after the other: the bytes are those of a single thread.
+
+use crate::archive::publish::{Existing, Place};
+use crate::archive::sink::{Sink, SinkError};
+use crate::run::scenario::Scenario;
+use crate::run::simulation::Outcome;
+use crate::telemetry::digest::{ContentDigest, append_content};
+use crate::telemetry::encoding::{Encoder, Encoding};
+use crate::telemetry::views::{Views, view_channels};
+use crate::telemetry::{Message, Telemetry, channels};
+use ::mcap::records::{MessageHeader, Metadata};
+use ::mcap::write::NoSeek;
+use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::thread::{self, JoinHandle};
+
+/// Name of the metadata record at the start.
+pub const RUN_RECORD: &str = "toprise.run";
+/// Name of the metadata record at the end.
+pub const END_RECORD: &str = "toprise.end";
+/// Name of the metadata record of what was saved of an interrupted or damaged recording.
+pub const RECOVERY_RECORD: &str = "toprise.recovery";
+/// Name of the attachment that holds the scenario.
+pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
+
+/// What writes recordings, by its own words.
+pub const LIBRARY: &str = concat!("toprise/", env!("CARGO_PKG_VERSION"));
+
+/// What is lost at most when the process is killed, uncompressed.
+const CHUNK_SIZE: u64 = 256 * 1024;
+/// Encoded messages travel to the writing thread in batches of about this size.
+const BATCH_BYTES: usize = 128 * 1024;
+/// So many batches may wait for the writing thread: it bounds the memory.
+const BATCHES: usize = 8;
+
+type FileWriter = Writer<NoSeek<BufWriter<File>>>;
+
+/// How a run is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Form {
+    /// The encoding of the table's channels.
+    pub encoding: Encoding,
+    /// Whether the channels for viewers are written too.
+    pub views: bool,
+}
+
+impl Default for Form {
+    /// JSON, with views.
+    fn default() -> Self {
+        Self {
+            encoding: Encoding::Json,
+            views: true,
+        }
+    }
+}
+
+/// Entries of a metadata record.
+pub type Entries = BTreeMap<String, String>;
+
+/// What a recording begins with.
+#[derive(Debug)]
+pub struct Opening {
+    /// What writes the file, by its own words; the name and version of the program that reads it as its own is
+    /// [`LIBRARY`].
+    pub library: &'static str,
+    /// Metadata records: names and entries.
+    pub metadata: Vec<(String, Entries)>,
+    /// Attachments.
+    pub attachments: Vec<Attachment<'static>>,
+    /// The encoding of the table's channels.
+    pub encoding: Encoding,
+    /// Which of the table's channels there will be.
+    pub wanted: Vec<bool>,
+    /// Channels whose messages come ready encoded, and are not part of the content.
+    pub raw: Vec<RawChannel>,
+}
+
+/// A channel whose messages come ready encoded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RawChannel {
+    /// Topic.
+    pub topic: String,
+    /// Encoding of the messages.
+    pub encoding: String,
+    /// Name, encoding and data of the schema, if there is one.
+    pub schema: Option<(String, String, Vec<u8>)>,
+    /// What there is to say beside that.
+    pub metadata: Entries,
+}
+
+/// A message of a raw channel.
+#[derive(Clone, Copy, Debug)]
+pub struct RawMessage<'a> {
+    /// Index in [`Opening::raw`].
+    pub channel: usize,
+    /// Sequence number.
+    pub sequence: u32,
+    /// Time of logging, ns.
+    pub log_time: u64,
+    /// Time of publishing, ns.
+    pub publish_time: u64,
+    /// The message.
+    pub data: &'a [u8],
+}
+
+/// What a recording ends with.
+#[derive(Clone, Debug, Default)]
+pub struct Ending {
+    /// Metadata records before the last: names and entries.
+    pub metadata: Vec<(String, Entries)>,
+    /// The entries of `toprise.end`, the last; the content digest is added.
+    pub end: Option<Entries>,
+    /// The content digest that must come out, if that is known.
+    pub digest: Option<String>,
+}
+
+/// Writes an MCAP file.
+#[derive(Debug)]
+pub struct McapSink {
+    encoder: Encoder,
+    /// MCAP ids of the table's channels; 0 for those that are not logged.
+    channel_ids: Vec<u16>,
+    /// MCAP ids of the raw channels.
+    raw_ids: Vec<u16>,
+    /// The views, and where each of them stands among the raw channels.
+    views: Option<(Views, Vec<usize>)>,
+    batch: Batch,
+    worker: Worker,
+    place: Place,
+}
+
+/// A finished file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Archived {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: u64,
+    /// Digest of its content.
+    pub digest: String,
+}
+
+/// Encoded messages on their way to the writing thread.
+#[derive(Debug, Default)]
+struct Batch {
+    /// Their encoded bytes, one after the other.
+    data: Vec<u8>,
+    /// What the digest takes in of them, likewise.
+    content: Vec<u8>,
+    messages: Vec<Entry>,
+}
+
+/// A message in a batch.
+#[derive(Debug)]
+struct Entry {
+    header: MessageHeader,
+    /// Its channel in the table, if it is one of them.
+    channel: Option<usize>,
+    /// Where its encoded bytes end.
+    data_end: usize,
+    /// Where its content ends.
+    content_end: usize,
+}
+
+enum Job {
+    Write(Batch),
+    Flush,
+    Finish(Box<Ending>),
+}
+
+/// The writing thread, and the way to it.
+#[derive(Debug)]
+struct Worker {
+    jobs: Option<SyncSender<Job>>,
+    /// Batches come back empty, to be filled again.
+    empty: Receiver<Batch>,
+    thread: Option<JoinHandle<Result<Option<Archived>, SinkError>>>,
+}
+
+impl McapSink {
+    /// Starts the recording of `scenario` with the channels that `telemetry` wants.
+    ///
+    /// # Errors
+    /// [`SinkError`] if the file can't be made or written.
+    pub fn create(
+        path: &Path,
+        existing: Existing,
+        scenario: &Scenario,
+        telemetry: &Telemetry,
+        form: Form,
+    ) -> Result<Self, SinkError> {
+        let reserved = Place::reserve(path, existing)?;
+        Self::create_in(reserved, scenario, telemetry, form)
+    }
+
+    /// The same in a place that has been reserved.
+    ///
+    /// # Errors
+    /// [`SinkError`] if the file can't be written.
+    pub fn create_in(
+        reserved: (Place, File),
+        scenario: &Scenario,
+        telemetry: &Telemetry,
+        form: Form,
+    ) -> Result<Self, SinkError> {
+        let views = form
+            .views
+            .then(|| Views::new(scenario, |channel| telemetry.wants(channel)));
+        let opening = Opening {
+            library: LIBRARY,
+            metadata: vec![(RUN_RECORD.to_owned(), run_entries(scenario))],
+            attachments: vec![scenario_attachment(scenario.to_toml())],
+            encoding: form.encoding,
+            wanted: (0..channels().len()).map(|i| telemetry.wants(i)).collect(),
+            raw: views.as_ref().map_or_else(Vec::new, raw_views),
+        };
+        let mut sink = Self::open(reserved, &opening)?;
+        sink.views = views.map(|views| {
+            let wanted = |view: &usize| views.wants(*view);
+            let position = |view: usize| (0..view).filter(wanted).count();
+            let positions = (0..view_channels().len()).map(position).collect();
+            (views, positions)
+        });
+        Ok(sink)
+    }
+
+    /// Starts a recording that begins with `opening`, in a place that has been reserved.
+    ///
+    /// # Errors
+    /// [`SinkError`] if the file can't be written.
+    pub fn open((place, file): (Place, File), opening: &Opening) -> Result<Self, SinkError> {
+        let started = start(file, opening).map_err(|reason| {
+            place.withdraw();
+            SinkError::Mcap {
+                path: place.partial(),
+                reason,
+            }
+        })?;
+        Ok(Self {
+            encoder: Encoder::new(opening.encoding),
+            channel_ids: started.channel_ids,
+            raw_ids: started.raw_ids,
+            views: None,
+            batch: Batch::default(),
+            worker: Worker::start(started.writer, place.clone()),
+            place,
+        })
+    }
+
+    /// Ends the recording of a run and gives the file its name.
+    ///
+    /// # Errors
+    /// [`SinkError`] if anything could not be written; the partial file is kept.
+    pub fn finish(self, outcome: &Outcome) -> Result<Archived, SinkError> {
+        self.finish_with(Ending {
+            end: Some(end_entries(outcome)),
+            ..Ending::default()
+        })
+    }
+
+    /// Ends the recording with `ending` and gives the file its name.
+    ///
+    /// # Errors
+    /// [`SinkError::Digest`] if the content is not what it must be, others if anything could not be
+    /// written; the partial file is kept.
+    pub fn finish_with(mut self, ending: Ending) -> Result<Archived, SinkError> {
+        self.send_batch()?;
+        let path = self.place.path();
+        self.worker.send(Job::Finish(Box::new(ending)), path)?;
+        self.worker.join(path)?.ok_or_else(|| died(path))
+    }
+
+    /// Gives up a recording that has not begun, and removes its file.
+    pub fn discard(self) {
+        let place = self.place.clone();
+        drop(self);
+        place.withdraw();
+    }
+
+    /// Writes a message of a raw channel as it is.
+    ///
+    /// # Errors
+    /// [`SinkError`] if this message or an earlier one could not be written.
+    pub fn write_raw(&mut self, message: &RawMessage<'_>) -> Result<(), SinkError> {
+        push_raw(&mut self.batch, &self.raw_ids, message);
+        self.send_full_batch()
+    }
+
+    fn send_full_batch(&mut self) -> Result<(), SinkError> {
+        if self.batch.data.len() < BATCH_BYTES {
+            return Ok(());
+        }
+        self.send_batch()
+    }
+
+    fn send_batch(&mut self) -> Result<(), SinkError> {
+        if self.batch.messages.is_empty() {
+            return Ok(());
+        }
+        let empty = self.worker.empty.try_recv().unwrap_or_default();
+        let batch = std::mem::replace(&mut self.batch, empty);
+        self.worker.send(Job::Write(batch), self.place.path())
+    }
+}
+
+fn push_raw(batch: &mut Batch, ids: &[u16], message: &RawMessage<'_>) {
+    batch.data.extend_from_slice(message.data);
+    batch.messages.push(Entry {
+        header: MessageHeader {
+            channel_id: ids[message.channel],
+            sequence: message.sequence,
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+        },
+        channel: None,
+        data_end: batch.data.len(),
+        content_end: batch.content.len(),
+    });
+}
+
+impl Sink for McapSink {
+    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        let batch = &mut self.batch;
+        self.encoder.encode(message, &mut batch.data);
+        append_content(message, &mut batch.content);
+        batch.messages.push(Entry {
+            header: MessageHeader {
+                channel_id: self.channel_ids[message.channel],
+                sequence: message.sequence,
+                log_time: message.time_ns,
+                publish_time: message.time_ns,
+            },
+            channel: Some(message.channel),
+            data_end: batch.data.len(),
+            content_end: batch.content.len(),
+        });
+        if let Some((views, positions)) = &mut self.views {
+            views.take(message, |view, sequence, data| {
+                let view = RawMessage {
+                    channel: positions[view],
+                    sequence,
+                    log_time: message.time_ns,
+                    publish_time: message.time_ns,
+                    data,
+                };
+                push_raw(batch, &self.raw_ids, &view);
+            });
+        }
+        self.send_full_batch()
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        self.send_batch()?;
+        self.worker.send(Job::Flush, self.place.path())
+    }
+}
+
+impl Worker {
+    fn start(writer: FileWriter, place: Place) -> Self {
+        let (jobs, received) = sync_channel(BATCHES);
+        let (returned, empty) = channel();
+        let thread = thread::spawn(move || work(writer, &place, &received, &returned));
+        Self {
+            jobs: Some(jobs),
+            empty,
+            thread: Some(thread),
+        }
+    }
+
+    fn send(&mut self, job: Job, path: &Path) -> Result<(), SinkError> {
+        let sent = self
+            .jobs
+            .as_ref()
+            .is_some_and(|jobs| jobs.send(job).is_ok());
+        if sent {
+            return Ok(());
+        }
+        // The thread only goes away before the end when it has failed.
+        self.join(path)?;
+        Err(died(path))
+    }
+
+    /// Waits for the thread: what it has finished, or nothing if it was not asked to finish.
+    fn join(&mut self, path: &Path) -> Result<Option<Archived>, SinkError> {
+        self.jobs = None;
+        let thread = self.thread.take().ok_or_else(|| died(path))?;
+        thread.join().map_err(|_| died(path))?
+    }
+}
+
+fn died(path: &Path) -> SinkError {
+    SinkError::WriterDied {
+        path: path.to_owned(),
+    }
+}
+
+impl Drop for Worker {
+    /// A recording that was not finished keeps what it has: the thread writes out what it was given
+    /// and leaves the partial file.
+    fn drop(&mut self) {
+        self.jobs = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The writing thread: returns the finished file, or nothing if it was abandoned.
+fn work(
+    mut writer: FileWriter,
+    place: &Place,
+    jobs: &Receiver<Job>,
+    returned: &Sender<Batch>,
+) -> Result<Option<Archived>, SinkError> {
+    let mut digest = ContentDigest::default();
+    for job in jobs {
+        let done = match job {
+            Job::Write(mut batch) => {
+                let written = write_batch(&mut writer, &mut digest, &batch);
+                batch.data.clear();
+                batch.content.clear();
+                batch.messages.clear();
+                // Nobody waits for it once the sink is gone.
+                let _ = returned.send(batch);
+                written
+            }
+            Job::Flush => writer.flush(),
+            Job::Finish(ending) => {
+                let found = digest.finish();
+                if let Some(expected) = ending.digest.clone().filter(|expected| *expected != found)
+                {
+                    abandon(writer);
+                    place.withdraw();
+                    return Err(SinkError::Digest {
+                        path: place.partial(),
+                        expected,
+                        found,
+                    });
+                }
+                match end(&mut writer, *ending, &found) {
+                    Ok(()) => return publish(writer, place, found).map(Some),
+                    Err(error) => Err(error),
+                }
+            }
+        };
+        if let Err(reason) = done {
+            abandon(writer);
+            return Err(SinkError::Mcap {
+                path: place.partial(),
+                reason,
+            });
+        }
+    }
+    let _ = writer.flush();
+    abandon(writer);
+    Ok(None)
+}
+
+fn write_batch(
+    writer: &mut FileWriter,
+    digest: &mut ContentDigest,
+    batch: &Batch,
+) -> Result<(), McapError> {
+    let (mut data_start, mut content_start) = (0, 0);
+    for entry in &batch.messages {
+        if let Some(channel) = entry.channel {
+            let content = &batch.content[content_start..entry.content_end];
+            digest.absorb(channel, content);
+        }
+        writer.write_to_known_channel(&entry.header, &batch.data[data_start..entry.data_end])?;
+        (data_start, content_start) = (entry.data_end, entry.content_end);
+    }
+    Ok(())
+}
+
+fn end(writer: &mut FileWriter, ending: Ending, digest: &str) -> Result<(), McapError> {
+    for (name, entries) in ending.metadata {
+        writer.write_metadata(&metadata(&name, entries))?;
+    }
+    if let Some(mut end) = ending.end {
+        end.insert("content_digest".to_owned(), digest.to_owned());
+        writer.write_metadata(&metadata(END_RECORD, end))?;
+    }
+    writer.finish().map(|_| ())
+}
+
+/// Lets go of a writer without completing its file, which dropping it would do.
+fn abandon(writer: FileWriter) {
+    let _ = writer.into_inner().into_inner().into_inner();
+}
+
+fn publish(writer: FileWriter, place: &Place, digest: String) -> Result<Archived, SinkError> {
+    let partial = |reason: io::Error| SinkError::Io {
+        action: "write",
+        path: place.partial(),
+        reason,
+    };
+    let file = writer
+        .into_inner()
+        .into_inner()
+        .into_inner()
+        .map_err(|error| partial(error.into_error()))?;
+    let bytes = file.metadata().map_err(partial)?.len();
+    place.publish(&file)?;
+    Ok(Archived {
+        path: place.path().to_owned(),
+        bytes,
+        digest,
+    })
+}
+
+/// A file that has everything that comes before the messages.
+struct Started {
+    writer: FileWriter,
+    channel_ids: Vec<u16>,
+    raw_ids: Vec<u16>,
+}
+
+fn start(file: File, opening: &Opening) -> Result<Started, McapError> {
+    let file = NoSeek::new(BufWriter::with_capacity(64 * 1024, file));
+    let mut writer = WriteOptions::new()
+        .compression(Some(Compression::Zstd))
+        .compression_level(1)
+        .compression_threads(0)
+        .chunk_size(Some(CHUNK_SIZE))
+        .disable_seeking(true)
+        .profile("")
+        .library(opening.library)
+        .create(file)?;
+    for (name, entries) in &opening.metadata {
+        writer.write_metadata(&metadata(name, entries.clone()))?;
+    }
+    for attachment in &opening.attachments {
+        writer.attach(attachment)?;
+    }
+    let mut channel_ids = Vec::with_capacity(channels().len());
+    let encoding = opening.encoding;
+    for (channel, wanted) in channels().iter().zip(&opening.wanted) {
+        channel_ids.push(if *wanted {
+            let schema = encoding.schema(channel);
+            let schema = writer.add_schema(channel.schema, encoding.schema_encoding(), &schema)?;
+            writer.add_channel(schema, channel.topic, encoding.name(), &Entries::new())?
+        } else {
+            0
+        });
+    }
+    let mut raw_ids = Vec::with_capacity(opening.raw.len());
+    for raw in &opening.raw {
+        let schema = match &raw.schema {
+            Some((name, encoding, data)) => writer.add_schema(name, encoding, data)?,
+            None => 0,
+        };
+        raw_ids.push(writer.add_channel(schema, &raw.topic, &raw.encoding, &raw.metadata)?);
+    }
+    Ok(Started {
+        writer,
+        channel_ids,
+        raw_ids,
+    })
+}
+
+/// The channels for viewers, as raw channels.
+fn raw_views(views: &Views) -> Vec<RawChannel> {
+    let wanted = view_channels().iter().enumerate();
+    let wanted = wanted.filter(|(index, _)| views.wants(*index));
+    wanted
+        .map(|(_, view)| RawChannel {
+            topic: view.topic.to_owned(),
+            encoding: "cdr".to_owned(),
+            schema: Some((
+                view.schema.to_owned(),
+                "ros2msg".to_owned(),
+                view.definition.as_bytes().to_vec(),
+            )),
+            metadata: Entries::new(),
+        })
+        .collect()
+}
+
+/// The scenario as it is attached to its recording.
+#[must_use]
+pub fn scenario_attachment(toml: String) -> Attachment<'static> {
+    Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: SCENARIO_ATTACHMENT.to_owned(),
+        media_type: "application/toml".to_owned(),
+        data: toml.into_bytes().into(),
+    }
+}
+
+/// The entries of `toprise.run`.
+#[must_use]
+pub fn run_entries(scenario: &Scenario) -> Entries {
+    entries([
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("scenario", scenario.name().to_owned()),
+        ("scenario_digest", scenario.digest()),
+        ("formulation", scenario.word("formulation").to_owned()),
+        ("friction_law", scenario.word("friction.law").to_owned()),
+        ("sample_period_ns", scenario.sample_period_ns.to_string()),
+        ("epoch", "simulation start".to_owned()),
+    ])
+}
+
+/// What `toprise.end` counts, and the topic that has as many messages.
+pub const COUNTS: [(&str, &str); 3] = [
+    ("samples", "/top/state"),
+    ("events", "/events"),
+    ("nutations", "/top/nutation"),
+];
+
+/// The entries of `toprise.end`, but for the content digest.
+#[must_use]
+pub fn end_entries(outcome: &Outcome) -> Entries {
+    let statistics = &outcome.statistics;
+    entries([
+        ("stop_reason", outcome.stop.name().to_owned()),
+        ("stop_time", format!("{:?}", outcome.time)),
+        ("samples", outcome.samples.to_string()),
+        ("events", outcome.events.to_string()),
+        ("nutations", outcome.nutations.to_string()),
+        ("steps_accepted", statistics.accepted.to_string()),
+        ("steps_rejected", statistics.rejected.to_string()),
+        ("evaluations", statistics.evaluations.to_string()),
+        ("smallest_step", format!("{:?}", statistics.smallest_step)),
+        ("largest_step", format!("{:?}", statistics.largest_step)),
+    ])
+}
+
+fn entries<const N: usize>(entries: [(&str, String); N]) -> Entries {
+    let owned = |(key, value): (&str, String)| (key.to_owned(), value);
+    entries.into_iter().map(owned).collect()
+}
+
+fn metadata(name: &str, entries: Entries) -> Metadata {
+    Metadata {
+        name: name.to_owned(),
+        metadata: entries,
+    }
+}

@@ -1,0 +1,175 @@
+//! Variables without a singularity: orientation as a quaternion and angular momentum.
+
+use super::{Formulation, INTEGRALS, Model, Motion, Regime, integrals};
+use crate::physics::integrate::System;
+use crate::physics::kinematics::{Euler, Tilt, euler_angles, lean_to_world, world_from_body};
+use crate::physics::math::{atan2, hypot};
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+
+/// The motion as a rotation of the body: regular in every position.
+///
+/// State: quaternion x, y, z, w (turns body components into world components), angular momentum about
+/// the peg's centre in world components (kg m²/s), then the running integrals.
+///
+/// The angular momentum in the world varies with the slow precession, while the angular velocity in
+/// the body turns with the spin; it takes longer steps, and what no torque changes stays exactly
+/// constant. The quaternion's length drifts by rounding only and is divided out wherever it is used.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyRotation {
+    /// The physics.
+    pub model: Model,
+    /// What the contact point does. Where it sticks, only the vertical component of the angular momentum
+    /// is looked at: the others follow from it.
+    pub regime: Regime,
+}
+
+const SIZE: usize = 7 + INTEGRALS;
+
+/// The lean of the symmetry axis: where it points, as seen from above.
+struct Lean {
+    sin: f64,
+    cos: f64,
+    /// Horizontal unit vector in which the axis leans, world; the x direction where it leans nowhere.
+    direction: [f64; 2],
+}
+
+impl Lean {
+    #[inline]
+    fn of(q: &Quaternion<f64>) -> Self {
+        let per_square = 1.0 / q.norm_squared();
+        let x = 2.0 * (q.i * q.k + q.j * q.w) * per_square;
+        let y = 2.0 * (q.j * q.k - q.i * q.w) * per_square;
+        let cos = (q.w * q.w + q.k * q.k - q.i * q.i - q.j * q.j) * per_square;
+        let sin = hypot(x, y);
+        let direction = if sin > 0.0 {
+            [x / sin, y / sin]
+        } else {
+            [1.0, 0.0]
+        };
+        Self {
+            sin,
+            cos,
+            direction,
+        }
+    }
+
+    /// World components turned into lean components.
+    #[inline]
+    fn of_world(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        let [x, y] = self.direction;
+        Vector3::new(x * v.x + y * v.y, x * v.y - y * v.x, v.z)
+    }
+
+    /// Lean components turned into world components.
+    #[inline]
+    fn in_world(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        let [x, y] = self.direction;
+        Vector3::new(x * v.x - y * v.y, y * v.x + x * v.y, v.z)
+    }
+}
+
+impl BodyRotation {
+    /// Slipping.
+    #[must_use]
+    pub fn new(model: Model) -> Self {
+        Self {
+            model,
+            regime: Regime::Slipping,
+        }
+    }
+
+    /// Angular velocity in the lean frame, rad/s: `ω = L/I_x + (1/I_z − 1/I_x)(L·n) n`.
+    #[inline]
+    fn tilt(&self, lean: &Lean, momentum: &Vector3<f64>) -> Tilt {
+        let top = &self.model.top;
+        if self.regime == Regime::Sticking {
+            let rate = momentum.z / top.vertical_moment(lean.sin, lean.cos);
+            return Tilt::from_omega(lean.sin, lean.cos, Vector3::new(0.0, 0.0, rate));
+        }
+        let momentum_lean = lean.of_world(momentum);
+        let axial = lean.sin * momentum_lean.x + lean.cos * momentum_lean.z;
+        let excess = axial * (1.0 / top.axial_moment - 1.0 / top.transverse_moment);
+        let omega =
+            momentum_lean / top.transverse_moment + excess * Vector3::new(lean.sin, 0.0, lean.cos);
+        Tilt::from_omega(lean.sin, lean.cos, omega)
+    }
+}
+
+impl System<SIZE> for BodyRotation {
+    const CONTROLLED: usize = 7;
+
+    #[inline]
+    fn derivative(&self, _t: f64, y: &[f64; SIZE]) -> [f64; SIZE] {
+        let q = quaternion(y);
+        let lean = Lean::of(&q);
+        let tilt = self.tilt(&lean, &momentum(y));
+        let contact = self.model.contact(&tilt);
+        let friction = self.model.friction_torque(&contact, &tilt);
+        let torque = lean.in_world(&(self.model.top.gravity_torque(&tilt) + friction));
+        let omega = lean.in_world(&tilt.omega_lean);
+        let turning = Quaternion::from_imag(omega) * q * 0.5;
+        let theta = atan2(lean.sin, lean.cos);
+        let [work, path, theta] = self.model.integrands(&contact, &friction, &tilt, theta);
+        [
+            turning.i, turning.j, turning.k, turning.w, torque.x, torque.y, torque.z, work, path,
+            theta,
+        ]
+    }
+}
+
+impl Formulation<SIZE> for BodyRotation {
+    fn state(angles: Euler, rates: Euler, model: &Model) -> [f64; SIZE] {
+        let q = world_from_body(angles);
+        let tilt = Tilt::from_rates(angles.theta, rates);
+        let momentum_lean = tilt.node_to_lean(&model.top.angular_momentum_node(&tilt));
+        let momentum = lean_to_world(&momentum_lean, angles.phi);
+        [
+            q.i, q.j, q.k, q.w, momentum.x, momentum.y, momentum.z, 0.0, 0.0, 0.0,
+        ]
+    }
+
+    fn motion(&self, y: &[f64; SIZE], reference: Euler) -> Motion {
+        let q = quaternion(y);
+        Motion {
+            angles: euler_angles(&q, reference),
+            tilt: self.tilt(&Lean::of(&q), &momentum(y)),
+            integrals: integrals(y),
+        }
+    }
+
+    fn world_from_body(&self, y: &[f64; SIZE]) -> UnitQuaternion<f64> {
+        Unit::new_normalize(quaternion(y))
+    }
+
+    fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn regime(&self) -> Regime {
+        self.regime
+    }
+
+    fn in_regime(self, regime: Regime) -> Self {
+        Self { regime, ..self }
+    }
+
+    fn brought_to_rest(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
+        let lean = Lean::of(&quaternion(y));
+        let tilt = self.in_regime(Regime::Sticking).tilt(&lean, &momentum(y));
+        let top = &self.model.top;
+        let momentum = lean.in_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
+        let mut rested = *y;
+        (rested[4], rested[5]) = (momentum.x, momentum.y);
+        rested
+    }
+}
+
+#[inline]
+fn quaternion(y: &[f64; SIZE]) -> Quaternion<f64> {
+    Quaternion::new(y[3], y[0], y[1], y[2])
+}
+
+#[inline]
+fn momentum(y: &[f64; SIZE]) -> Vector3<f64> {
+    Vector3::new(y[4], y[5], y[6])
+}

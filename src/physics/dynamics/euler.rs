@@ -1,0 +1,127 @@
+//! The paper's own variables: Euler angles and their rates, equations (7).
+
+use super::{Formulation, INTEGRALS, Model, Motion, Regime, integrals};
+use crate::physics::integrate::System;
+use crate::physics::kinematics::{Euler, Tilt, world_from_body};
+use nalgebra::UnitQuaternion;
+
+/// Equations (7) in Euler angles, as printed. Singular at θ = 0 and θ = π.
+///
+/// State: φ, θ, ψ (rad), φ̇, θ̇, ψ̇ (rad/s), then the running integrals.
+#[derive(Clone, Copy, Debug)]
+pub struct EulerAngles {
+    /// The physics.
+    pub model: Model,
+    /// What the contact point does. Where it sticks, θ and ψ stay as they are.
+    pub regime: Regime,
+}
+
+impl EulerAngles {
+    /// Slipping.
+    #[must_use]
+    pub fn new(model: Model) -> Self {
+        Self {
+            model,
+            regime: Regime::Slipping,
+        }
+    }
+}
+
+const SIZE: usize = 6 + INTEGRALS;
+
+impl System<SIZE> for EulerAngles {
+    const CONTROLLED: usize = 6;
+
+    #[inline]
+    fn derivative(&self, _t: f64, y: &[f64; SIZE]) -> [f64; SIZE] {
+        let rates = rates(y);
+        let tilt = Tilt::from_rates(y[1], rates);
+        let contact = self.model.contact(&tilt);
+        let mut acceleration = self.model.accelerations(&contact, &tilt).total();
+        if self.regime == Regime::Sticking {
+            (acceleration.theta, acceleration.psi) = (0.0, 0.0);
+        }
+        let torque = self.model.friction_torque(&contact, &tilt);
+        let [work, path, theta] = self.model.integrands(&contact, &torque, &tilt, y[1]);
+        [
+            rates.phi,
+            rates.theta,
+            rates.psi,
+            acceleration.phi,
+            acceleration.theta,
+            acceleration.psi,
+            work,
+            path,
+            theta,
+        ]
+    }
+}
+
+impl Formulation<SIZE> for EulerAngles {
+    fn state(angles: Euler, rates: Euler, _model: &Model) -> [f64; SIZE] {
+        [
+            angles.phi,
+            angles.theta,
+            angles.psi,
+            rates.phi,
+            rates.theta,
+            rates.psi,
+            0.0,
+            0.0,
+            0.0,
+        ]
+    }
+
+    fn motion(&self, y: &[f64; SIZE], _reference: Euler) -> Motion {
+        let angles = angles(y);
+        Motion {
+            angles,
+            tilt: Tilt::from_rates(angles.theta, rates(y)),
+            integrals: integrals(y),
+        }
+    }
+
+    fn world_from_body(&self, y: &[f64; SIZE]) -> UnitQuaternion<f64> {
+        world_from_body(angles(y))
+    }
+
+    fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn regime(&self) -> Regime {
+        self.regime
+    }
+
+    fn in_regime(self, regime: Regime) -> Self {
+        Self { regime, ..self }
+    }
+
+    fn brought_to_rest(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
+        let top = &self.model.top;
+        let tilt = Tilt::from_rates(y[1], rates(y));
+        let vertical = tilt.node_to_lean(&top.angular_momentum_node(&tilt)).z;
+        let mut rested = *y;
+        rested[3] = vertical / top.vertical_moment(tilt.sin, tilt.cos);
+        (rested[4], rested[5]) = (0.0, 0.0);
+        rested
+    }
+}
+
+#[inline]
+fn angles(y: &[f64; SIZE]) -> Euler {
+    Euler {
+        phi: y[0],
+        theta: y[1],
+        psi: y[2],
+    }
+}
+
+#[inline]
+fn rates(y: &[f64; SIZE]) -> Euler {
+    Euler {
+        phi: y[3],
+        theta: y[4],
+        psi: y[5],
+    }
+}

@@ -1,0 +1,362 @@
+//! Friction: which force and which torques answer the motion, and which parts of them enter it.
+//!
+//! [`FrictionLaw`] gives the force of sliding at the point of contact. [`Losses`] are torques that belong
+//! to no slip: rolling resistance, drilling, air. [`Dissipation`] chooses parts of the sliding's torque.
+
+#![allow(
+    clippy::inline_always,
+    reason = "with hints alone the friction is called and not unrolled into the derivative, and runs take a quarter longer"
+)]
+
+mod law;
+mod losses;
+
+pub use law::{FrictionLaw, Smoothing, drilling_torque};
+pub use losses::{Air, Drilling, Losses};
+
+use crate::physics::kinematics::{Euler, Tilt};
+use crate::physics::top::Top;
+use nalgebra::Vector3;
+
+/// Which parts of the torque of sliding friction enter the equations of motion. [`Losses`] always do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dissipation {
+    /// All of it: the paper's equation (4).
+    Full,
+    /// Without the part that opposes the nutation θ̇: the paper's equations (6) and (7). The slip speed
+    /// in its denominator keeps its θ̇.
+    WithoutNutationPart,
+    /// Of (7), the term in φ̈ alone: the paper's figure 4a. Not a torque of any force.
+    PrecessionTermOnly,
+    /// Of (7), the term in ψ̈ alone: the paper's figure 4b. Not a torque of any force.
+    SpinTermOnly,
+    /// Of the torque of (6), the component `τ_2` about `n × e_N`, which tilts the axis: what the figure 4a
+    /// leaves out of an equation is here left out of the torque. `L_n` stays constant.
+    TiltTorqueOnly,
+    /// Of the torque of (6), the component `τ_3` about the symmetry axis, which takes spin: the
+    /// counterpart for figure 4b.
+    SpinTorqueOnly,
+}
+
+impl Dissipation {
+    /// Whether terms of the Euler-angle equations are dropped, which divides by sin θ.
+    #[must_use]
+    pub fn drops_euler_terms(self) -> bool {
+        matches!(self, Self::PrecessionTermOnly | Self::SpinTermOnly)
+    }
+
+    /// Whether what acts is the torque of a force at the point of contact: it then has no component about
+    /// the vertical and gives no energy.
+    #[must_use]
+    pub fn is_of_force(self) -> bool {
+        matches!(self, Self::Full | Self::WithoutNutationPart)
+    }
+}
+
+/// What happens at the point of contact. Vectors are in the lean frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Slip velocity of the contact point over the table, m/s.
+    pub slip: Vector3<f64>,
+    /// Its magnitude, m/s.
+    pub slip_speed: f64,
+    /// Normal force, N.
+    pub normal_force: f64,
+    /// Friction force of the law, N (without the nutation part if the model leaves it out).
+    pub force: Vector3<f64>,
+    /// Torque beside that of the force, N m: rolling resistance, drilling, air. None if nothing of that kind
+    /// acts.
+    pub losses: Option<Vector3<f64>>,
+}
+
+/// A friction law together with the parts of it that act, and what acts beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// The law of sliding.
+    pub law: FrictionLaw,
+    /// The parts of it that act.
+    pub dissipation: Dissipation,
+    /// What acts beside it.
+    pub losses: Option<Losses>,
+}
+
+/// What it takes to keep a contact point at rest, and what friction can give.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grip {
+    /// The torque about the peg's centre that friction would have to have in the lean frame, N m.
+    pub needed: Vector3<f64>,
+    /// The largest that it can have, N m.
+    pub strongest: f64,
+}
+
+impl Grip {
+    /// Whether the contact point stays at rest.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.strongest > 0.0 && self.margin() >= 0.0
+    }
+
+    /// How much stronger it is than it has to be, N m; negative where it gives way.
+    #[must_use]
+    pub fn margin(&self) -> f64 {
+        self.strongest - self.needed.norm()
+    }
+
+    /// The torque that friction has: what is needed, as far as it goes. N m.
+    fn torque(&self) -> Vector3<f64> {
+        let needed = self.needed.norm();
+        if needed > self.strongest {
+            self.needed * (self.strongest / needed)
+        } else {
+            self.needed
+        }
+    }
+}
+
+impl Friction {
+    /// Sliding by `law` alone.
+    #[must_use]
+    pub fn sliding(law: FrictionLaw, dissipation: Dissipation) -> Self {
+        Self {
+            law,
+            dissipation,
+            losses: None,
+        }
+    }
+
+    /// The contact of `top` in the state `tilt` under the normal force `normal_force` (N).
+    #[must_use]
+    #[inline(always)]
+    pub fn contact(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Contact {
+        let slip = tilt.slip_velocity(top.peg_radius);
+        let slip_speed = top.slip_speed(tilt);
+        let axis = tilt.axis();
+        let losses = self.torque_of_losses(slip_speed, normal_force, tilt.omega_lean, axis);
+        let (force, losses) = if slip_speed > 0.0 {
+            (self.force(&slip, slip_speed, normal_force, tilt), losses)
+        } else {
+            self.held(top, normal_force, *tilt, losses)
+        };
+        Contact {
+            slip,
+            slip_speed,
+            normal_force,
+            force,
+            losses,
+        }
+    }
+
+    /// Force of a contact point that slips, N.
+    #[inline(always)]
+    fn force(
+        &self,
+        slip: &Vector3<f64>,
+        slip_speed: f64,
+        normal_force: f64,
+        tilt: &Tilt,
+    ) -> Vector3<f64> {
+        let drilling = tilt.omega_lean.z;
+        let mut force = -self.law.resistance(slip_speed, drilling, normal_force) * slip;
+        // Upright there is no line of nodes, so no part along it that could be left out.
+        if self.dissipation != Dissipation::Full && !tilt.is_upright() {
+            force.x = 0.0;
+        }
+        force
+    }
+
+    /// Whether the torque jumps where the slip stops.
+    #[must_use]
+    #[inline]
+    pub fn is_set_valued(&self) -> bool {
+        self.law.static_bound(1.0) + self.rolling_arm() > 0.0
+    }
+
+    /// Whether a contact point at rest can stay so: whether the law is set-valued there, and acts whole.
+    #[must_use]
+    #[inline]
+    pub fn can_stick(&self) -> bool {
+        self.dissipation == Dissipation::Full && self.is_set_valued()
+    }
+
+    /// What it takes to keep the contact point at rest while the top turns about the vertical as a whole.
+    ///
+    /// Without losses it is `((I_z − I_x) Ω² cos θ − M g l) sin θ` about the line of nodes.
+    #[must_use]
+    pub fn grip(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Grip {
+        let omega = Vector3::new(0.0, 0.0, tilt.omega_lean.z);
+        let losses = self
+            .torque_of_losses(0.0, normal_force, omega, tilt.axis())
+            .unwrap_or_default();
+        let needed = top.turning_torque(tilt, losses.z) - top.gravity_torque(tilt) - losses;
+        Grip {
+            needed: Vector3::new(needed.x, needed.y, 0.0),
+            strongest: top.peg_radius * self.law.static_bound(normal_force)
+                + self.rolling_arm() * normal_force,
+        }
+    }
+
+    /// Arm of rolling resistance, m.
+    #[must_use]
+    #[inline]
+    pub fn rolling_arm(&self) -> f64 {
+        self.losses.map_or(0.0, |losses| losses.rolling_arm)
+    }
+
+    /// Force and losses of a contact point at rest: both take their share of what holds it. Rare, and so
+    /// kept out of the integrator's inner loop.
+    #[cold]
+    fn held(
+        &self,
+        top: &Top,
+        normal_force: f64,
+        tilt: Tilt,
+        losses: Option<Vector3<f64>>,
+    ) -> (Vector3<f64>, Option<Vector3<f64>>) {
+        if !self.can_stick() {
+            return (Vector3::zeros(), losses);
+        }
+        let grip = self.grip(top, normal_force, &tilt);
+        let torque = grip.torque();
+        let share = top.peg_radius * self.law.static_bound(normal_force) / grip.strongest;
+        let force = share / top.peg_radius * Vector3::new(-torque.y, torque.x, 0.0);
+        (force, losses.map(|losses| losses + (1.0 - share) * torque))
+    }
+
+    /// Torque of friction about the peg's centre beside that of the force, N m, in any frame whose z axis
+    /// is vertical, from slip speed (m/s), normal force (N), and in that frame angular velocity (rad/s) and
+    /// direction of the symmetry axis. None if nothing of that kind acts.
+    #[must_use]
+    #[inline(always)]
+    pub fn torque_of_losses(
+        &self,
+        slip_speed: f64,
+        normal_force: f64,
+        omega: Vector3<f64>,
+        axis: Vector3<f64>,
+    ) -> Option<Vector3<f64>> {
+        // What most runs don't have stays out of the integrator's inner loop.
+        self.has_losses()
+            .then(|| self.sum_of_losses(slip_speed, normal_force, omega, axis))
+    }
+
+    #[inline(never)]
+    fn sum_of_losses(
+        &self,
+        slip_speed: f64,
+        normal_force: f64,
+        omega: Vector3<f64>,
+        axis: Vector3<f64>,
+    ) -> Vector3<f64> {
+        let mut torque = match &self.losses {
+            Some(losses) => losses.torque(normal_force, &omega, &axis),
+            None => Vector3::zeros(),
+        };
+        if let FrictionLaw::Contensou { k, patch_radius } = self.law {
+            torque.z += drilling_torque(k, patch_radius, normal_force, slip_speed, omega.z);
+        }
+        torque
+    }
+
+    /// Torque of friction about the peg's centre that enters the motion, in the lean frame, N m.
+    ///
+    /// For the two ablations of the paper it is the torque that would produce the accelerations that are
+    /// kept.
+    #[must_use]
+    #[inline(always)]
+    pub fn torque(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
+        let sliding = self.torque_of_sliding(top, contact, tilt);
+        match contact.losses {
+            None => sliding,
+            Some(losses) => sliding + losses,
+        }
+    }
+
+    /// The terms that friction adds to θ̈, φ̈ and ψ̈, rad/s² (the last terms of the paper's equation (7)).
+    ///
+    /// They grow without bound toward upright; upright itself only their sum about the vertical has
+    /// a meaning and φ̈ is taken as 0, as for the rates.
+    #[must_use]
+    #[inline(always)]
+    pub fn euler_accelerations(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Euler {
+        let sliding = self.accelerations_of_sliding(top, contact, tilt);
+        match contact.losses {
+            None => sliding,
+            Some(losses) => sliding + top.euler_accelerations(&tilt.lean_to_node(&losses), tilt),
+        }
+    }
+
+    /// Whether nothing takes energy from the top.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        self.law.is_none() && self.losses.is_none_or(|losses| losses.is_none())
+    }
+
+    /// Whether there are torques beside that of the force: [`Contact::losses`].
+    #[must_use]
+    #[inline]
+    pub fn has_losses(&self) -> bool {
+        self.losses.is_some() || matches!(self.law, FrictionLaw::Contensou { .. })
+    }
+
+    /// Whether a torque about the vertical acts.
+    #[must_use]
+    pub fn turns_about_vertical(&self) -> bool {
+        let drills = matches!(self.law, FrictionLaw::Contensou { .. }) && !self.law.is_none();
+        !self.dissipation.is_of_force()
+            || drills
+            || self
+                .losses
+                .is_some_and(|losses| losses.turns_about_vertical())
+    }
+
+    #[inline(always)]
+    fn torque_of_sliding(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
+        if self.dissipation.is_of_force() || tilt.is_upright() {
+            return contact_torque(top, contact);
+        }
+        if !self.dissipation.drops_euler_terms() {
+            return tilt.node_to_lean(&self.kept_torque(top, contact, tilt));
+        }
+        let kept = self.accelerations_of_sliding(top, contact, tilt);
+        let (transverse, axial) = (top.transverse_moment, top.axial_moment);
+        let (sin, cos) = (tilt.sin, tilt.cos);
+        // 𝕀 α with α = φ̈ z′ + ψ̈ n, in lean components.
+        Vector3::new(
+            sin * ((axial - transverse) * cos * kept.phi + axial * kept.psi),
+            0.0,
+            (transverse * sin * sin + axial * cos * cos) * kept.phi + axial * cos * kept.psi,
+        )
+    }
+
+    /// The components in the node frame of the force's torque that are kept, N m.
+    #[inline(always)]
+    fn kept_torque(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
+        let torque = tilt.lean_to_node(&contact_torque(top, contact));
+        match self.dissipation {
+            Dissipation::TiltTorqueOnly if !tilt.is_upright() => Vector3::new(0.0, torque.y, 0.0),
+            Dissipation::SpinTorqueOnly if !tilt.is_upright() => Vector3::new(0.0, 0.0, torque.z),
+            _ => torque,
+        }
+    }
+
+    #[inline(always)]
+    fn accelerations_of_sliding(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Euler {
+        let mut kept = top.euler_accelerations(&self.kept_torque(top, contact, tilt), tilt);
+        match self.dissipation {
+            Dissipation::PrecessionTermOnly => kept.psi = 0.0,
+            Dissipation::SpinTermOnly => kept.phi = 0.0,
+            _ => {}
+        }
+        kept
+    }
+}
+
+/// Torque of the contact force about the peg's centre in the lean frame, N m: `r × f`, `r = −R z′`.
+#[inline]
+fn contact_torque(top: &Top, contact: &Contact) -> Vector3<f64> {
+    Vector3::new(
+        top.peg_radius * contact.force.y,
+        -top.peg_radius * contact.force.x,
+        0.0,
+    )
+}

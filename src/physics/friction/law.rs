@@ -1,0 +1,176 @@
+//! Laws of sliding: how large the friction force is, and how the contact patch resists drilling.
+
+use crate::physics::math::{exp, tanh};
+use std::f64::consts::PI;
+
+/// From this multiple of Stribeck's speed on, e^(−ratio²) is less than 1e-21.
+const NEGLIGIBLE_RATIO: f64 = 7.0;
+
+/// A law of sliding friction: the force `f` that answers the slip velocity `v` under a normal force `N`.
+///
+/// `k` is always the dimensionless coefficient of friction, speeds are in m/s. The force points against
+/// the slip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FrictionLaw {
+    /// No friction at all.
+    None,
+    /// Coulomb's law `f = −k N v / |v|` (the paper, section 2). At rest the force is any up to `k N`.
+    Coulomb {
+        /// Coefficient of friction `k`, dimensionless.
+        k: f64,
+    },
+    /// Coulomb's law made smooth at rest, over a scale `v_ε` of the slip speed.
+    Regularised {
+        /// Coefficient of friction at speeds far above `v_ε`.
+        k: f64,
+        /// Scale of the slip speed `v_ε`, m/s.
+        speed: f64,
+        /// The function that replaces the jump.
+        shape: Smoothing,
+    },
+    /// Viscous friction `f = −k N v / v_0` (N. M. Bou-Rabee, J. E. Marsden, L. A. Romero, SIAM J. Appl.
+    /// Dyn. Syst. 3 (2004) 352).
+    Viscous {
+        /// Coefficient of friction at the speed `v_0`.
+        k: f64,
+        /// Speed `v_0` at which the force is `k N`, m/s.
+        speed: f64,
+    },
+    /// Stribeck's law `f = −N (k + (k_s − k) e^(−(v/v_s)²) + c_v |v|) v / |v|` (B. Armstrong-Hélouvry,
+    /// P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083). At rest the force is any up to `k_s N`.
+    Stribeck {
+        /// Coefficient of kinetic friction `k`.
+        k: f64,
+        /// Coefficient of static friction `k_s`.
+        static_k: f64,
+        /// Stribeck's speed `v_s`, m/s.
+        speed: f64,
+        /// Slope of the viscous part `c_v`, s/m.
+        slope: f64,
+    },
+    /// Coulomb's law integrated over a patch that also drills, in V. F. Zhuravlev's approximation (J. Appl.
+    /// Math. Mech. 62 (1998) 705): `f = −k N v / (|v| + 8 a |ω_z′| / 3π)`, with the drilling torque of
+    /// [`drilling_torque`].
+    Contensou {
+        /// Coefficient of friction in the patch.
+        k: f64,
+        /// Radius `a` of the patch of contact, m.
+        patch_radius: f64,
+    },
+}
+
+/// The function that replaces the jump of Coulomb's law: `f = −k N g(|v|) v / |v|`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Smoothing {
+    /// `g = v / √(v² + v_ε²)`.
+    SquareRoot,
+    /// `g = tanh(v / v_ε)`.
+    Tanh,
+    /// `g = v / (v + v_ε)` (T. Ueda, K. Sasaki, S. Watanabe, SIAM J. Appl. Dyn. Syst. 4 (2005) 1159).
+    Rational,
+}
+
+impl FrictionLaw {
+    /// Friction force per slip velocity, N s/m: `|f| / |v|` at a slip speed above 0 (m/s), with the angular
+    /// velocity `drilling` about the vertical (rad/s) under a normal force (N).
+    #[must_use]
+    #[inline]
+    pub fn resistance(&self, slip_speed: f64, drilling: f64, normal_force: f64) -> f64 {
+        match *self {
+            Self::None => 0.0,
+            Self::Coulomb { k } => k * normal_force / slip_speed,
+            Self::Regularised { k, speed, shape } => {
+                k * normal_force * shape.per_speed(slip_speed, speed)
+            }
+            Self::Viscous { k, speed } => k * normal_force / speed,
+            Self::Stribeck {
+                k,
+                static_k,
+                speed,
+                slope,
+            } => {
+                let ratio = slip_speed / speed;
+                // Farther out the exponential is below the rounding of its sum, and only costs time.
+                let excess = if ratio < NEGLIGIBLE_RATIO {
+                    (static_k - k) * exp(-ratio * ratio)
+                } else {
+                    0.0
+                };
+                let coefficient = k + excess + slope * slip_speed;
+                coefficient * normal_force / slip_speed
+            }
+            Self::Contensou { k, patch_radius } => {
+                let rim_speed = patch_radius * drilling.abs();
+                k * normal_force / (slip_speed + 8.0 / (3.0 * PI) * rim_speed)
+            }
+        }
+    }
+
+    /// No friction force of the law is larger at this slip speed (m/s) under this normal force, N.
+    #[must_use]
+    pub fn bound(&self, slip_speed: f64, normal_force: f64) -> f64 {
+        match *self {
+            Self::None => 0.0,
+            Self::Coulomb { k } | Self::Regularised { k, .. } | Self::Contensou { k, .. } => {
+                k * normal_force
+            }
+            Self::Viscous { k, speed } => k * normal_force * slip_speed / speed,
+            Self::Stribeck {
+                k, static_k, slope, ..
+            } => (k.max(static_k) + slope * slip_speed) * normal_force,
+        }
+    }
+
+    /// Largest force that holds a contact point at rest, N; 0 for laws whose force fades with the slip.
+    #[must_use]
+    #[inline]
+    pub fn static_bound(&self, normal_force: f64) -> f64 {
+        match *self {
+            Self::Coulomb { k } => k * normal_force,
+            Self::Stribeck { static_k, .. } => static_k * normal_force,
+            _ => 0.0,
+        }
+    }
+
+    /// Whether there is no friction force at any slip.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        match *self {
+            Self::None => true,
+            Self::Coulomb { k }
+            | Self::Regularised { k, .. }
+            | Self::Viscous { k, .. }
+            | Self::Contensou { k, .. } => k == 0.0,
+            Self::Stribeck {
+                k, static_k, slope, ..
+            } => k == 0.0 && static_k == 0.0 && slope == 0.0,
+        }
+    }
+}
+
+impl Smoothing {
+    /// `g(v) / v` in s/m.
+    #[inline]
+    fn per_speed(self, slip_speed: f64, scale: f64) -> f64 {
+        match self {
+            Self::SquareRoot => 1.0 / (slip_speed * slip_speed + scale * scale).sqrt(),
+            Self::Tanh => tanh(slip_speed / scale) / slip_speed,
+            Self::Rational => 1.0 / (slip_speed + scale),
+        }
+    }
+}
+
+/// Torque about the vertical, N m, of a patch of contact with radius `a` (m) under the pressure of Hertz
+/// that turns with `ω` (rad/s) and slips (m/s): `−(3π/16) k N a · a ω / (a |ω| + 15π |v| / 16)`
+/// (V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705). Without slip it is that of pure drilling.
+#[must_use]
+#[inline]
+pub fn drilling_torque(k: f64, a: f64, normal_force: f64, slip_speed: f64, omega: f64) -> f64 {
+    let rim_velocity = a * omega;
+    let speed = rim_velocity.abs() + 15.0 * PI / 16.0 * slip_speed;
+    if speed > 0.0 {
+        -3.0 * PI / 16.0 * k * normal_force * a * (rim_velocity / speed)
+    } else {
+        0.0
+    }
+}

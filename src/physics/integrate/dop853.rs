@@ -1,0 +1,488 @@
+//! DOP853: step control, the stages and the dense output.
+
+#![allow(
+    clippy::inline_always,
+    reason = "with hints alone the stages are not unrolled into one function, and steps take twice the time"
+)]
+
+use super::coefficients::{
+    ALL_STAGES, DENSE, ERROR_3, ERROR_5, NODES, Row, SOLUTION, STAGE_1, STAGE_2, STAGE_3, STAGE_4,
+    STAGE_5, STAGE_6, STAGE_7, STAGE_8, STAGE_9, STAGE_10, STAGE_11, STAGE_13, STAGE_14, STAGE_15,
+    STAGES,
+};
+use super::{Direction, IntegrateError, Statistics, System, Tolerances};
+
+// Step control: the default values of `dop853.f`.
+/// A step aims at this fraction of the length that the error estimate allows.
+const SAFETY: f64 = 0.9;
+/// A step is at least this multiple of the one before.
+const LARGEST_SHRINKAGE: f64 = 0.333;
+/// A step is at most this multiple of the one before.
+const LARGEST_GROWTH: f64 = 6.0;
+/// Weight of the third-order error estimate (squared) beside the fifth-order one.
+const WEIGHT_OF_THIRD: f64 = 0.01;
+
+/// The shortest step that can still advance t well, as a multiple of |t|.
+const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
+
+/// The explicit Runge–Kutta method of order 8(5,3) of Dormand and Prince, advanced one accepted step at a
+/// time.
+///
+/// It is not told where the integration ends: a shorter run is an exact prefix of a longer one. Values
+/// between the steps come from [`Dop853::dense`] and never alter the steps.
+///
+/// ```
+/// use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};
+///
+/// struct Decay;
+/// impl System<1> for Decay {
+///     fn derivative(&self, _: f64, y: &[f64; 1]) -> [f64; 1] {
+///         [-y[0]]
+///     }
+/// }
+///
+/// let tolerances = Tolerances { relative: 1e-10, absolute: 1e-10 };
+/// let mut decay = Dop853::new(Decay, 0.0, [1.0], tolerances, Direction::Forward)?;
+/// while decay.t() < 1.0 {
+///     decay.step()?;
+/// }
+/// let step = decay.dense();
+/// let [y] = step.at((1.0 - step.t0) / step.h);
+/// assert!((y - 0.367_879_441_171).abs() < 1e-9);
+/// # Ok::<(), toprise::physics::integrate::IntegrateError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Dop853<S, const N: usize> {
+    system: S,
+    tolerances: Tolerances,
+    t: f64,
+    y: [f64; N],
+    dy: [f64; N],
+    /// The step to try next, with its sign.
+    next_h: f64,
+    last: Step<N>,
+    statistics: Statistics,
+}
+
+/// What the dense output needs of an accepted step.
+#[derive(Clone, Debug)]
+struct Step<const N: usize> {
+    t: f64,
+    h: f64,
+    y: [f64; N],
+    k: Stages<N>,
+}
+
+/// The derivatives at the stages of a step.
+type Stages<const N: usize> = [[f64; N]; STAGES];
+
+impl<S: System<N>, const N: usize> Dop853<S, N> {
+    /// Starts at (`t0`, `y0`) and chooses a first step from the sizes of the state and its first two
+    /// derivatives, as `dop853.f` does.
+    ///
+    /// # Errors
+    /// [`IntegrateError::NonFiniteState`] if `t0`, `y0` or the derivative there is not finite.
+    pub fn new(
+        system: S,
+        t0: f64,
+        y0: [f64; N],
+        tolerances: Tolerances,
+        direction: Direction,
+    ) -> Result<Self, IntegrateError> {
+        const {
+            assert!(S::CONTROLLED >= 1 && S::CONTROLLED <= N);
+        }
+        let dy = system.derivative(t0, &y0);
+        if !(t0.is_finite() && all_finite(&y0) && all_finite(&dy)) {
+            return Err(IntegrateError::NonFiniteState { t: t0 });
+        }
+        let mut integrator = Self {
+            system,
+            tolerances,
+            t: t0,
+            y: y0,
+            dy,
+            next_h: 0.0,
+            // Before the first step the dense output is the constant y0.
+            last: Step {
+                t: t0,
+                h: 0.0,
+                y: y0,
+                k: [[0.0; N]; STAGES],
+            },
+            statistics: Statistics {
+                evaluations: 1,
+                ..Statistics::default()
+            },
+        };
+        integrator.next_h = integrator.first_step(direction);
+        Ok(integrator)
+    }
+
+    /// Goes on from (`t`, `y`) with another system, as after an impact. The statistics go on too.
+    ///
+    /// # Errors
+    /// As [`Dop853::new`]; nothing has changed then.
+    pub fn restart(
+        &mut self,
+        system: S,
+        t: f64,
+        y: [f64; N],
+        direction: Direction,
+    ) -> Result<(), IntegrateError> {
+        let before = self.statistics;
+        *self = Self::new(system, t, y, self.tolerances, direction)?;
+        self.statistics = self.statistics.after(before);
+        Ok(())
+    }
+
+    /// The system that is integrated.
+    pub fn system(&self) -> &S {
+        &self.system
+    }
+
+    /// The end of the last accepted step, or the start.
+    pub fn t(&self) -> f64 {
+        self.t
+    }
+
+    /// The state at [`Dop853::t`].
+    pub fn y(&self) -> &[f64; N] {
+        &self.y
+    }
+
+    /// The derivative at [`Dop853::t`], the very numbers with which the next step begins.
+    pub fn dy(&self) -> &[f64; N] {
+        &self.dy
+    }
+
+    /// The cost so far.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    /// Advances by one accepted step.
+    ///
+    /// A step tried in vain, because its error is too large or its numbers are not finite, is tried again
+    /// shorter.
+    ///
+    /// # Errors
+    /// [`IntegrateError::StepSizeUnderflow`] if no step that t can resolve succeeds, and
+    /// [`IntegrateError::NonFiniteState`] if one succeeds, but it ends where a quadrature or a derivative is
+    /// not finite. The state and the dense output are then still those of the last accepted step.
+    pub fn step(&mut self) -> Result<(), IntegrateError> {
+        let mut growth_limit = LARGEST_GROWTH;
+        loop {
+            let h = self.resolvable_step()?;
+            let k = self.stages(h);
+            let y = advance(&self.y, h, &combine(&SOLUTION, &k));
+            self.statistics.evaluations += 11;
+            let error = self.error(h, &y, &k);
+            let factor = step_factor(error, growth_limit);
+            if error <= 1.0 && all_finite(&y[..S::CONTROLLED]) {
+                self.accept(h, y, k)?;
+                self.next_h = h * factor;
+                return Ok(());
+            }
+            self.statistics.rejected += 1;
+            self.next_h = h * if error > 1.0 {
+                factor
+            } else {
+                LARGEST_SHRINKAGE
+            };
+            // What has just failed would fail again.
+            growth_limit = 1.0;
+        }
+    }
+
+    /// The solution within the last accepted step.
+    ///
+    /// Costs three evaluations of the derivative. Before the first step it is the constant start.
+    pub fn dense(&mut self) -> Dense<N> {
+        let Step { t, h, y, .. } = self.last;
+        let k = self.all_stages();
+        self.statistics.evaluations += 3;
+        let rise = difference(&self.y, &y);
+        let start_bend = difference(&k[0].map(|dy| h * dy), &rise);
+        let end_bend = difference(&rise, &k[STAGES].map(|dy| h * dy));
+        let high = |row| combine(row, &k).map(|dy| h * dy);
+        let coefficients = [
+            y,
+            rise,
+            start_bend,
+            difference(&end_bend, &start_bend),
+            high(&DENSE[0]),
+            high(&DENSE[1]),
+            high(&DENSE[2]),
+            high(&DENSE[3]),
+        ];
+        Dense {
+            t0: t,
+            h,
+            coefficients,
+        }
+    }
+
+    /// The step to try, rounded so that t + h is exact; without that, t and the state would drift
+    /// apart by half an ulp of t per step.
+    fn resolvable_step(&self) -> Result<f64, IntegrateError> {
+        let (t, step) = (self.t, self.next_h);
+        let resolvable = step.abs() > SHORTEST_STEP * t.abs();
+        if !resolvable {
+            return Err(IntegrateError::StepSizeUnderflow { t, step });
+        }
+        let end = t + step;
+        if !end.is_finite() {
+            return Err(IntegrateError::NonFiniteState { t: end });
+        }
+        Ok(end - t)
+    }
+
+    /// Stages 0 to 11 of a step of length `h`.
+    #[inline]
+    fn stages(&self, h: f64) -> Stages<N> {
+        let mut k = [[0.0; N]; STAGES];
+        k[0] = self.dy;
+        k[1] = self.stage(h, NODES[1], &STAGE_1, &k);
+        k[2] = self.stage(h, NODES[2], &STAGE_2, &k);
+        k[3] = self.stage(h, NODES[3], &STAGE_3, &k);
+        k[4] = self.stage(h, NODES[4], &STAGE_4, &k);
+        k[5] = self.stage(h, NODES[5], &STAGE_5, &k);
+        k[6] = self.stage(h, NODES[6], &STAGE_6, &k);
+        k[7] = self.stage(h, NODES[7], &STAGE_7, &k);
+        k[8] = self.stage(h, NODES[8], &STAGE_8, &k);
+        k[9] = self.stage(h, NODES[9], &STAGE_9, &k);
+        k[10] = self.stage(h, NODES[10], &STAGE_10, &k);
+        k[11] = self.stage(h, NODES[11], &STAGE_11, &k);
+        k
+    }
+
+    /// The derivative at one stage of a step from the current state.
+    #[inline(always)]
+    fn stage<const M: usize>(&self, h: f64, node: f64, row: &Row<M>, k: &Stages<N>) -> [f64; N] {
+        let y = advance(&self.y, h, &combine(row, k));
+        self.system.derivative(self.t + node * h, &y)
+    }
+
+    /// The stages of the last accepted step with those that only the dense output needs.
+    fn all_stages(&self) -> [[f64; N]; ALL_STAGES] {
+        let mut k = [[0.0; N]; ALL_STAGES];
+        k[..STAGES].copy_from_slice(&self.last.k);
+        k[12] = self.dy;
+        k[13] = self.extra_stage(NODES[13], &STAGE_13, &k);
+        k[14] = self.extra_stage(NODES[14], &STAGE_14, &k);
+        k[15] = self.extra_stage(NODES[15], &STAGE_15, &k);
+        k
+    }
+
+    /// The derivative at one more stage of the last accepted step.
+    #[inline(always)]
+    fn extra_stage<const M: usize>(
+        &self,
+        node: f64,
+        row: &Row<M>,
+        k: &[[f64; N]; ALL_STAGES],
+    ) -> [f64; N] {
+        let Step { t, h, y, .. } = &self.last;
+        let y = advance(y, *h, &combine(row, k));
+        self.system.derivative(t + node * h, &y)
+    }
+
+    /// The local error of a tried step in units of the tolerances, at most 1 if the step is good; NaN if
+    /// its numbers are not finite.
+    ///
+    /// The fifth-order estimate, damped by the third-order one where they differ much (book, II.10).
+    #[inline]
+    fn error(&self, h: f64, y: &[f64; N], k: &Stages<N>) -> f64 {
+        let third = combine(&ERROR_3, k);
+        let fifth = combine(&ERROR_5, k);
+        let (mut third_squared, mut fifth_squared) = (0.0, 0.0);
+        for i in 0..S::CONTROLLED {
+            let scale = self.scale(larger(self.y[i].abs(), y[i].abs()));
+            third_squared += square(third[i] / scale);
+            fifth_squared += square(fifth[i] / scale);
+        }
+        let damped = fifth_squared + WEIGHT_OF_THIRD * third_squared;
+        if damped == 0.0 {
+            return 0.0;
+        }
+        h.abs() * fifth_squared / (Self::controlled() * damped).sqrt()
+    }
+
+    /// Makes the step of length `h` to `y` the last accepted one, unless it ends in numbers that are not
+    /// finite.
+    #[inline]
+    fn accept(&mut self, h: f64, y: [f64; N], k: Stages<N>) -> Result<(), IntegrateError> {
+        let t = self.t + h;
+        let dy = self.system.derivative(t, &y);
+        self.statistics.evaluations += 1;
+        if !(all_finite(&y) && all_finite(&dy)) {
+            return Err(IntegrateError::NonFiniteState { t });
+        }
+        self.last = Step {
+            t: self.t,
+            h,
+            y: self.y,
+            k,
+        };
+        (self.t, self.y, self.dy) = (t, y, dy);
+        self.statistics.count_step(h.abs());
+        Ok(())
+    }
+
+    /// A first step such that the terms of the Taylor series behind it are small (book, II.4; `hinit` of
+    /// `dop853.f`).
+    fn first_step(&mut self, direction: Direction) -> f64 {
+        let sign = match direction {
+            Direction::Forward => 1.0,
+            Direction::Backward => -1.0,
+        };
+        let (size, speed) = (self.size(&self.y), self.size(&self.dy));
+        let guess = if size <= 1e-5 || speed <= 1e-5 {
+            1e-6
+        } else {
+            0.01 * (size / speed)
+        };
+        let probe = advance(&self.y, sign * guess, &self.dy);
+        let dy = self.system.derivative(self.t + sign * guess, &probe);
+        self.statistics.evaluations += 1;
+        let curvature = self.size(&difference(&dy, &self.dy)) / guess;
+        let steepest = larger(curvature, speed);
+        let careful = if !curvature.is_finite() {
+            // The probe left the domain of the equations.
+            1e-3 * guess
+        } else if steepest <= 1e-15 {
+            larger(1e-6, 1e-3 * guess)
+        } else {
+            eighth_root(0.01 / steepest)
+        };
+        sign * smaller(100.0 * guess, careful)
+    }
+
+    /// Length of the controlled part of a vector in units of the tolerances at the current state.
+    fn size(&self, v: &[f64; N]) -> f64 {
+        let mut squared = 0.0;
+        for (v, y) in v.iter().zip(&self.y).take(S::CONTROLLED) {
+            squared += square(v / self.scale(y.abs()));
+        }
+        squared.sqrt()
+    }
+
+    /// The error allowed to a component of this magnitude.
+    #[inline]
+    fn scale(&self, magnitude: f64) -> f64 {
+        self.tolerances.absolute + self.tolerances.relative * magnitude
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "no state has 2⁵³ components")]
+    fn controlled() -> f64 {
+        S::CONTROLLED as f64
+    }
+}
+
+impl Statistics {
+    fn count_step(&mut self, length: f64) {
+        if self.accepted == 0 || length < self.smallest_step {
+            self.smallest_step = length;
+        }
+        self.largest_step = larger(self.largest_step, length);
+        self.accepted += 1;
+    }
+}
+
+/// The solution within one accepted step: a polynomial of degree 7 that agrees with the steps in value and
+/// slope at both ends (Hairer, Nørsett, Wanner, II.6).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dense<const N: usize> {
+    /// Where the step starts.
+    pub t0: f64,
+    /// Its length, negative for steps backward. The step ends at exactly `t0 + h`.
+    pub h: f64,
+    coefficients: [[f64; N]; 8],
+}
+
+impl<const N: usize> Dense<N> {
+    /// The state at `t0 + s h`, with `s` in [0, 1].
+    #[must_use]
+    #[inline]
+    pub fn at(&self, s: f64) -> [f64; N] {
+        std::array::from_fn(|i| self.component(i, s))
+    }
+
+    /// Component `i` of the state at `t0 + s h`, with `s` in [0, 1]: cheaper than [`Dense::at`], and the
+    /// same bits.
+    ///
+    /// # Panics
+    /// If `i` is not less than `N`.
+    #[must_use]
+    #[inline]
+    pub fn component(&self, i: usize, s: f64) -> f64 {
+        // The factors s and 1 − s alternate; a published crate has them the wrong way round here.
+        let [c0, c1, c2, c3, c4, c5, c6, c7] = self.coefficients.each_ref().map(|c| c[i]);
+        let r = 1.0 - s;
+        c0 + s * (c1 + r * (c2 + s * (c3 + r * (c4 + s * (c5 + r * (c6 + s * c7))))))
+    }
+}
+
+/// The linear combination of stages that `row` describes, summed in the order of the stages.
+#[inline(always)]
+fn combine<const N: usize, const M: usize, const K: usize>(
+    row: &Row<M>,
+    k: &[[f64; N]; K],
+) -> [f64; N] {
+    let (first, a) = row[0];
+    let mut sum = k[first].map(|dy| a * dy);
+    for &(stage, a) in &row[1..] {
+        for i in 0..N {
+            sum[i] += a * k[stage][i];
+        }
+    }
+    sum
+}
+
+/// y + h y′.
+#[inline]
+fn advance<const N: usize>(y: &[f64; N], h: f64, dy: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| y[i] + h * dy[i])
+}
+
+#[inline]
+fn difference<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+/// The next step's length as a multiple of this one's, if this one had such an error.
+#[inline]
+fn step_factor(error: f64, growth_limit: f64) -> f64 {
+    // An error of 0 makes the quotient infinite, which the limit catches.
+    let factor = SAFETY / eighth_root(error);
+    larger(LARGEST_SHRINKAGE, smaller(growth_limit, factor))
+}
+
+/// The eighth root by square roots, which are exactly rounded; `powf` differs between machines.
+#[inline]
+fn eighth_root(x: f64) -> f64 {
+    x.sqrt().sqrt().sqrt()
+}
+
+#[inline]
+fn square(x: f64) -> f64 {
+    x * x
+}
+
+/// The larger number; unlike [`f64::max`] it is defined for zeros of both signs: `b`, unless `a` is larger.
+#[inline]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller number; `b`, unless `a` is smaller.
+#[inline]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline]
+fn all_finite(values: &[f64]) -> bool {
+    values.iter().all(|value| value.is_finite())
+}

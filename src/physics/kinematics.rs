@@ -1,0 +1,223 @@
+//! Orientation, rates and slip velocity of a top: geometry without forces.
+//!
+//! Conventions are the paper's (V. Tanrıverdi, arXiv:2204.14060): z-x-z Euler angles, φ the
+//! precession about the vertical, θ the nutation (inclination) about the line of nodes, ψ the spin
+//! about the symmetry axis.
+//!
+//! Four frames are used, all right-handed:
+//!
+//! | frame | x | y | z |
+//! |---|---|---|---|
+//! | world | horizontal, where the line of nodes is at φ = 0 | horizontal | vertical, up |
+//! | body | fixed in the top | fixed in the top | symmetry axis `n` |
+//! | node | line of nodes `e_N` | `e_2 = n × e_N` | symmetry axis `n` |
+//! | lean | direction in which the top leans | line of nodes `e_N` | vertical, up |
+//!
+//! The lean frame turns with the precession only: contact forces are simplest there.
+
+use crate::physics::math::{atan2, hypot, sin_cos, unwrap_near};
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use std::ops::Add;
+
+/// Below this sine of θ the precession and the spin can't be told apart in double precision:
+/// their rates would overflow. Only their sum has a meaning there.
+const UPRIGHT_SINE: f64 = 1e-60;
+
+/// One number per Euler angle: the angles, their rates or their accelerations.
+///
+/// Units: rad, rad/s or rad/s².
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Euler {
+    /// Precession, about the vertical.
+    pub phi: f64,
+    /// Nutation (inclination), about the line of nodes.
+    pub theta: f64,
+    /// Spin, about the symmetry axis.
+    pub psi: f64,
+}
+
+impl Add for Euler {
+    type Output = Self;
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self {
+            phi: self.phi + other.phi,
+            theta: self.theta + other.theta,
+            psi: self.psi + other.psi,
+        }
+    }
+}
+
+/// The inclination and the angular velocity as the contact and gravity see them: everything that
+/// does not depend on the directions in which φ and ψ point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tilt {
+    /// sin θ.
+    pub sin: f64,
+    /// cos θ.
+    pub cos: f64,
+    /// Angular velocity in the lean frame, rad/s: `(ψ̇ sin θ, θ̇, φ̇ + ψ̇ cos θ)`.
+    pub omega_lean: Vector3<f64>,
+    /// Euler rates, rad/s.
+    pub rates: Euler,
+}
+
+impl Tilt {
+    /// From the inclination θ in rad and the Euler rates in rad/s.
+    #[must_use]
+    #[inline]
+    pub fn from_rates(theta: f64, rates: Euler) -> Self {
+        let (sin, cos) = sin_cos(theta);
+        let omega_lean = Vector3::new(rates.psi * sin, rates.theta, rates.phi + rates.psi * cos);
+        Self {
+            sin,
+            cos,
+            omega_lean,
+            rates,
+        }
+    }
+
+    /// From the lean of the symmetry axis and the angular velocity in the lean frame, rad/s.
+    ///
+    /// Upright (sin θ = 0) only the sum of precession and spin exists: φ̇ is then taken as 0.
+    #[must_use]
+    #[inline]
+    pub fn from_omega(sin: f64, cos: f64, omega_lean: Vector3<f64>) -> Self {
+        let psi_dot = if sin > UPRIGHT_SINE {
+            omega_lean.x / sin
+        } else {
+            omega_lean.z * cos
+        };
+        let rates = Euler {
+            phi: if sin > UPRIGHT_SINE {
+                omega_lean.z - psi_dot * cos
+            } else {
+                0.0
+            },
+            theta: omega_lean.y,
+            psi: psi_dot,
+        };
+        Self {
+            sin,
+            cos,
+            omega_lean,
+            rates,
+        }
+    }
+
+    /// Whether the axis is so near the vertical that precession and spin have no meaning of their
+    /// own.
+    #[must_use]
+    #[inline]
+    pub fn is_upright(&self) -> bool {
+        self.sin <= UPRIGHT_SINE
+    }
+
+    /// Direction of the symmetry axis in the lean frame.
+    #[must_use]
+    #[inline]
+    pub fn axis(&self) -> Vector3<f64> {
+        Vector3::new(self.sin, 0.0, self.cos)
+    }
+
+    /// Angular velocity about the symmetry axis, `ψ̇ + φ̇ cos θ`, in rad/s.
+    #[must_use]
+    #[inline]
+    pub fn axial_rate(&self) -> f64 {
+        self.sin * self.omega_lean.x + self.cos * self.omega_lean.z
+    }
+
+    /// Angular velocity in the node frame, in rad/s: `(θ̇, φ̇ sin θ, ψ̇ + φ̇ cos θ)`.
+    #[must_use]
+    #[inline]
+    pub fn omega_node(&self) -> Vector3<f64> {
+        self.lean_to_node(&self.omega_lean)
+    }
+
+    /// A vector's lean components turned into its node components.
+    #[must_use]
+    #[inline]
+    pub fn lean_to_node(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(
+            v.y,
+            self.sin * v.z - self.cos * v.x,
+            self.sin * v.x + self.cos * v.z,
+        )
+    }
+
+    /// A vector's node components turned into its lean components.
+    #[must_use]
+    #[inline]
+    pub fn node_to_lean(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(
+            self.sin * v.z - self.cos * v.y,
+            v.x,
+            self.sin * v.y + self.cos * v.z,
+        )
+    }
+
+    /// Velocity of the contact point of a sphere of radius `radius` (m) about its resting centre,
+    /// in the lean frame, m/s: `ω × r` with `r = −R z′` (the paper's equation (3)).
+    #[must_use]
+    #[inline]
+    pub fn slip_velocity(&self, radius: f64) -> Vector3<f64> {
+        Vector3::new(-radius * self.omega_lean.y, radius * self.omega_lean.x, 0.0)
+    }
+}
+
+/// Orientation of the top: turns body components into world components.
+#[must_use]
+pub fn world_from_body(angles: Euler) -> UnitQuaternion<f64> {
+    let (sin_tilt, cos_tilt) = sin_cos(0.5 * angles.theta);
+    let (sin_sum, cos_sum) = sin_cos(0.5 * (angles.phi + angles.psi));
+    let (sin_difference, cos_difference) = sin_cos(0.5 * (angles.phi - angles.psi));
+    Unit::new_unchecked(Quaternion::new(
+        cos_tilt * cos_sum,
+        sin_tilt * cos_difference,
+        sin_tilt * sin_difference,
+        cos_tilt * sin_sum,
+    ))
+}
+
+/// Euler angles of an orientation, φ and ψ unwrapped to lie nearest to those of `reference`.
+///
+/// The quaternion need not be of unit length, but it must follow `reference` continuously (not jump
+/// to its negative), so that half a turn can be told from none. Upright, where only φ + ψ exists,
+/// φ − ψ is kept as it was.
+#[must_use]
+pub fn euler_angles(quaternion: &Quaternion<f64>, reference: Euler) -> Euler {
+    let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
+    let half_sum = unwrap_near(atan2(z, w), 0.5 * (reference.phi + reference.psi));
+    let half_difference_before = 0.5 * (reference.phi - reference.psi);
+    let half_difference = if x == 0.0 && y == 0.0 {
+        half_difference_before
+    } else {
+        unwrap_near(atan2(y, x), half_difference_before)
+    };
+    Euler {
+        phi: half_sum + half_difference,
+        theta: 2.0 * atan2(hypot(x, y), hypot(w, z)),
+        psi: half_sum - half_difference,
+    }
+}
+
+/// Turns the components of a vector about the z axis by `angle` rad.
+#[must_use]
+pub fn turn_about_z(v: &Vector3<f64>, angle: f64) -> Vector3<f64> {
+    let (sin, cos) = sin_cos(angle);
+    Vector3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
+}
+
+/// A vector's node components turned into its body components, given the spin ψ in rad.
+#[must_use]
+pub fn node_to_body(v: &Vector3<f64>, psi: f64) -> Vector3<f64> {
+    turn_about_z(v, -psi)
+}
+
+/// A vector's lean components turned into its world components, given the precession φ in rad.
+#[must_use]
+pub fn lean_to_world(v: &Vector3<f64>, phi: f64) -> Vector3<f64> {
+    let (sin, cos) = sin_cos(phi);
+    Vector3::new(sin * v.x + cos * v.y, sin * v.y - cos * v.x, v.z)
+}

@@ -1,0 +1,163 @@
+//! The rigid body: a heavy symmetric top with a spherical peg, and what gravity does to it.
+
+use crate::physics::kinematics::{Euler, Tilt};
+use nalgebra::Vector3;
+
+/// A symmetric top whose peg is a sphere, on a horizontal table, in uniform gravity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Top {
+    /// Mass `M`, kg.
+    pub mass: f64,
+    /// Transverse moment of inertia `I_x = I_y` about the centre of the peg, kg m².
+    pub transverse_moment: f64,
+    /// Axial moment of inertia `I_z`, about the symmetry axis, kg m².
+    pub axial_moment: f64,
+    /// Distance `l` from the centre of the peg to the centre of mass, m.
+    pub center_distance: f64,
+    /// Radius `R` of the peg, m.
+    pub peg_radius: f64,
+    /// Acceleration of gravity `g`, m/s².
+    pub gravity: f64,
+}
+
+/// The two rates of regular precession, rad/s (Klein and Sommerfeld, The Theory of the Top).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrecessionRoots {
+    /// The slow root: gravity against spin.
+    pub slow: f64,
+    /// The fast root: nearly free of gravity.
+    pub fast: f64,
+}
+
+impl Top {
+    /// Weight `M g`, N.
+    #[must_use]
+    #[inline]
+    pub fn weight(&self) -> f64 {
+        self.mass * self.gravity
+    }
+
+    /// Largest torque of gravity, `M g l`, N m.
+    #[must_use]
+    #[inline]
+    pub fn gravity_moment(&self) -> f64 {
+        self.mass * self.gravity * self.center_distance
+    }
+
+    /// Torque of gravity about the peg's centre in the lean frame, N m: `M g l sin θ` about the line
+    /// of nodes (the paper's equation (5)).
+    #[must_use]
+    #[inline]
+    pub fn gravity_torque(&self, tilt: &Tilt) -> Vector3<f64> {
+        Vector3::new(0.0, self.gravity_moment() * tilt.sin, 0.0)
+    }
+
+    /// Speed of the contact point over the table, m/s.
+    #[must_use]
+    #[inline]
+    pub fn slip_speed(&self, tilt: &Tilt) -> f64 {
+        let slip = tilt.slip_velocity(self.peg_radius);
+        (slip.x * slip.x + slip.y * slip.y).sqrt()
+    }
+
+    /// What a torque about the peg's centre (node frame, N m) adds to θ̈, φ̈ and ψ̈, rad/s².
+    ///
+    /// Upright only the sum of φ̈ and ψ̈ has a meaning: φ̈ is then taken as 0.
+    #[must_use]
+    #[inline]
+    pub fn euler_accelerations(&self, torque: &Vector3<f64>, tilt: &Tilt) -> Euler {
+        let phi = if tilt.is_upright() {
+            0.0
+        } else {
+            torque.y / (self.transverse_moment * tilt.sin)
+        };
+        Euler {
+            phi,
+            theta: torque.x / self.transverse_moment,
+            psi: torque.z / self.axial_moment - phi * tilt.cos,
+        }
+    }
+
+    /// Moment of inertia about the vertical through the peg's centre, kg m², given sine and cosine of θ.
+    #[must_use]
+    #[inline]
+    pub fn vertical_moment(&self, sin: f64, cos: f64) -> f64 {
+        self.transverse_moment * sin * sin + self.axial_moment * cos * cos
+    }
+
+    /// Angular momentum in the lean frame, kg m²/s, of a top that turns about the vertical as a whole with
+    /// `omega` rad/s.
+    #[must_use]
+    #[inline]
+    pub fn turning_momentum(&self, tilt: &Tilt, omega: f64) -> Vector3<f64> {
+        let product = (self.axial_moment - self.transverse_moment) * tilt.sin * tilt.cos;
+        omega * Vector3::new(product, 0.0, self.vertical_moment(tilt.sin, tilt.cos))
+    }
+
+    /// The torque in the lean frame, N m, that keeps a top turning about the vertical as a whole, if
+    /// `vertical` N m act about the vertical.
+    #[must_use]
+    #[inline]
+    pub fn turning_torque(&self, tilt: &Tilt, vertical: f64) -> Vector3<f64> {
+        let omega = tilt.omega_lean.z;
+        let change =
+            self.turning_momentum(tilt, vertical / self.vertical_moment(tilt.sin, tilt.cos));
+        let carried = omega * self.turning_momentum(tilt, omega).x;
+        change + Vector3::new(0.0, carried, 0.0)
+    }
+
+    /// Angular momentum about the peg's centre in the node frame, kg m²/s.
+    #[must_use]
+    pub fn angular_momentum_node(&self, tilt: &Tilt) -> Vector3<f64> {
+        let omega = tilt.omega_node();
+        Vector3::new(
+            self.transverse_moment * omega.x,
+            self.transverse_moment * omega.y,
+            self.axial_moment * omega.z,
+        )
+    }
+
+    /// Kinetic energy, J.
+    #[must_use]
+    pub fn kinetic_energy(&self, tilt: &Tilt) -> f64 {
+        let omega = tilt.omega_node();
+        0.5 * (self.transverse_moment * (omega.x * omega.x + omega.y * omega.y)
+            + self.axial_moment * omega.z * omega.z)
+    }
+
+    /// Potential energy `M g l cos θ`, J; zero at the height of the peg's centre.
+    #[must_use]
+    pub fn potential_energy(&self, tilt: &Tilt) -> f64 {
+        self.gravity_moment() * tilt.cos
+    }
+
+    /// The precession rates at which θ̈ would vanish at this inclination and spin rate ψ̇: the roots of
+    /// `(I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0`.
+    ///
+    /// `None` where they are not real, or where the fast root has gone to infinity.
+    #[must_use]
+    pub fn precession_roots(&self, tilt: &Tilt) -> Option<PrecessionRoots> {
+        let quadratic = (self.transverse_moment - self.axial_moment) * tilt.cos;
+        let spin = self.axial_moment * tilt.rates.psi;
+        let constant = self.gravity_moment();
+        let discriminant = spin * spin - 4.0 * quadratic * constant;
+        if discriminant < 0.0 {
+            return None;
+        }
+        // The sum without cancellation; the other root follows from the product of the two.
+        let half_sum = 0.5 * (spin + discriminant.sqrt().copysign(spin));
+        let roots = PrecessionRoots {
+            slow: constant / half_sum,
+            fast: half_sum / quadratic,
+        };
+        (roots.slow.is_finite() && roots.fast.is_finite()).then_some(roots)
+    }
+
+    /// `|a| / sqrt(4 M g l / I_x)` with `a = I_z (ψ̇ + φ̇ cos θ) / I_x`: above 1 the top is strong, below
+    /// it is weak and an upright top would not stay so (Klein and Sommerfeld; the paper, section 3).
+    #[must_use]
+    pub fn strength_ratio(&self, tilt: &Tilt) -> f64 {
+        let a = self.axial_moment * tilt.axial_rate() / self.transverse_moment;
+        a.abs() / (4.0 * self.gravity_moment() / self.transverse_moment).sqrt()
+    }
+}

@@ -1,0 +1,121 @@
+//! Where entities stand in a recording, and how two runs are told apart that are compared in one.
+//!
+//! In a recording of one run colours tell quantities apart. Where two are compared each run has one
+//! colour in the scene, the plots and the list of events, and their difference a third.
+
+use super::style;
+use crate::telemetry::side::Side;
+
+/// How opaque the top of run B is, of 255: the one of run A shines through.
+const GHOST: u32 = 0x88;
+
+/// What entities show, and so where they stand and how they look.
+#[derive(Clone, Debug)]
+pub(super) enum Look {
+    /// The only run of a recording.
+    Alone,
+    /// One of two runs, and what it is called.
+    Compared(Side, String),
+    /// The difference of two runs.
+    Difference,
+    /// The decimal logarithm of its magnitude.
+    Magnitude,
+}
+
+impl Look {
+    /// Whether there is no other run in the recording.
+    pub(super) fn is_alone(&self) -> bool {
+        matches!(self, Self::Alone)
+    }
+
+    /// Where an entity stands in the recording.
+    pub(super) fn entity(&self, path: &str) -> String {
+        let path = path.trim_start_matches('/');
+        match self {
+            Self::Alone => format!("/{path}"),
+            Self::Compared(side, _) => format!("/{}/{path}", side.letter()),
+            Self::Difference => format!("/diff/{path}"),
+            Self::Magnitude => format!("/diff_log10/{path}"),
+        }
+    }
+
+    /// What a quantity is called.
+    pub(super) fn name(&self, own: &str) -> String {
+        match self {
+            Self::Alone => own.to_owned(),
+            Self::Compared(_, run) => format!("{run} {own}"),
+            Self::Difference => format!("Δ {own}"),
+            Self::Magnitude => format!("log₁₀ |Δ {own}|"),
+        }
+    }
+
+    /// The colour of what has its `own` in a recording of one run and is the `place`th in its plot.
+    pub(super) fn color(&self, own: u32, place: usize) -> u32 {
+        let color = match self {
+            Self::Alone => return own,
+            Self::Compared(Side::A, _) => style::SKY,
+            Self::Compared(Side::B, _) => style::ORANGE,
+            Self::Difference | Self::Magnitude => style::PURPLE,
+        };
+        shade(color, place) & !0xFF | own & 0xFF
+    }
+
+    /// The width of what is `own` points wide in a recording of one run. What belongs to run B lies on
+    /// what belongs to run A and leaves it visible at both sides.
+    pub(super) fn width(&self, own: f32) -> f32 {
+        match self {
+            Self::Alone => own,
+            // Ripple and dots stay as they are: they form bands that others shine through.
+            Self::Compared(Side::A, _) if own > 1.0 => 3.5,
+            Self::Compared(Side::A, _) => own,
+            Self::Compared(Side::B, _) | Self::Difference | Self::Magnitude => own.min(1.2),
+        }
+    }
+
+    /// The factor by which arrows are thicker than in a recording of one run.
+    pub(super) fn thickness(&self) -> f64 {
+        match self {
+            Self::Compared(Side::B, _) => 0.7,
+            _ => 1.0,
+        }
+    }
+
+    /// How far the names of arrows are moved up, in heights of the top: those of two runs would hide each
+    /// other.
+    pub(super) fn lift(&self) -> f64 {
+        match self {
+            Self::Compared(Side::A, _) => 0.11,
+            Self::Compared(Side::B, _) => -0.11,
+            _ => 0.0,
+        }
+    }
+
+    /// The factor by which the top is drawn larger. Where both tops stand alike, that of run B is a veil
+    /// around the other.
+    pub(super) fn size(&self) -> f64 {
+        match self {
+            Self::Compared(Side::B, _) => 1.015,
+            _ => 1.0,
+        }
+    }
+
+    /// What the colours of the top are multiplied with, if they aren't shown as they are.
+    pub(super) fn albedo(&self) -> Option<u32> {
+        match self {
+            Self::Compared(Side::B, _) => Some(style::ORANGE & !0xFF | GHOST),
+            _ => None,
+        }
+    }
+}
+
+/// Shades of a colour for the components of a vector: itself, a lighter and a darker one.
+fn shade(color: u32, place: usize) -> u32 {
+    color.to_be_bytes().into_iter().fold(0, |shaded, value| {
+        let value = match place % 3 {
+            0 => value,
+            1 => value + (0xFF - value) / 5 * 3,
+            _ => value / 5 * 3,
+        };
+        shaded << 8 | u32::from(value)
+    })
+}

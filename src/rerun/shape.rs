@@ -1,0 +1,259 @@
+//! The bodies of the scene: surfaces of revolution, as a lathe would turn them.
+//!
+//! Lengths in metres. The body frame has its origin at the centre of the spherical peg and its z
+//! axis along the symmetry axis; the world frame has the table at z = 0.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use rerun::{Color, LineStrips3D, Mesh3D, Radius};
+
+use crate::physics::math;
+use crate::telemetry::proportions::Proportions;
+
+/// Steps around the axis; a multiple of the number of sectors.
+const STEPS: usize = 96;
+/// Sectors of alternating colour, so that the spin is visible.
+const SECTORS: usize = 6;
+
+/// Distance from the axis and height, and the direction of the surface's normal in that plane.
+#[derive(Clone, Copy)]
+struct ProfilePoint {
+    radius: f64,
+    height: f64,
+    normal: [f64; 2],
+}
+
+/// Where the camera stands at first, in the world frame.
+pub(super) fn camera(proportions: &Proportions) -> [f32; 3] {
+    [2.4, 3.05, 1.4].map(|x| (x * proportions.tip) as f32)
+}
+
+/// What the camera looks at.
+pub(super) fn focus(proportions: &Proportions) -> [f32; 3] {
+    [0.0, 0.0, (0.55 * proportions.tip) as f32]
+}
+
+/// The surface of the top in body axes.
+pub(super) fn top(proportions: &Proportions) -> Mesh3D {
+    let mut surface = Surface::default();
+    for (part, palette) in parts(proportions) {
+        surface.turn(&part, palette);
+    }
+    surface.mesh()
+}
+
+type Palette = [u32; SECTORS];
+
+const WOOD: u32 = 0xC9A2_6BFF;
+const CREAM: u32 = 0xF2E8_D5FF;
+const INK: u32 = 0x2F3B_52FF;
+const MARK: u32 = 0xC855_3DFF;
+const STEEL: u32 = 0xB9C0_C8FF;
+
+const DISC: Palette = [CREAM, INK, CREAM, INK, MARK, INK];
+const CONE: Palette = [WOOD; SECTORS];
+const METAL: Palette = [STEEL; SECTORS];
+
+/// From the bottom to the tip; each part is smooth, edges lie between parts.
+fn parts(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
+    let half = 0.5 * p.thickness();
+    let (low, high) = (p.disc_height - half, p.disc_height + half);
+    let neck = p.neck();
+    let shoulder = p.shoulder();
+    let seam = math::atan2((p.peg * p.peg - neck * neck).sqrt(), neck);
+    let knob = 1.5 * p.stem_radius;
+    vec![
+        (arc([0.0, 0.0], p.peg, -FRAC_PI_2, seam), METAL),
+        (line([neck, p.peg * math::sin(seam)], [shoulder, low]), CONE),
+        (line([shoulder, low], [p.disc_radius - half, low]), DISC),
+        (
+            arc(
+                [p.disc_radius - half, p.disc_height],
+                half,
+                -FRAC_PI_2,
+                FRAC_PI_2,
+            ),
+            DISC,
+        ),
+        (line([p.disc_radius - half, high], [shoulder, high]), DISC),
+        (
+            line([shoulder, high], [p.stem_radius, high + 0.4 * shoulder]),
+            CONE,
+        ),
+        (
+            line(
+                [p.stem_radius, high + 0.4 * shoulder],
+                [p.stem_radius, p.tip - knob],
+            ),
+            METAL,
+        ),
+        (arc([0.0, p.tip - knob], knob, -FRAC_PI_2, FRAC_PI_2), METAL),
+    ]
+}
+
+/// Part of a circle in the plane of the profile, between two angles from the horizontal in rad.
+fn arc(center: [f64; 2], radius: f64, from: f64, to: f64) -> Vec<ProfilePoint> {
+    const PIECES: u32 = 16;
+    (0..=PIECES)
+        .map(|piece| {
+            let angle = from + (to - from) * f64::from(piece) / f64::from(PIECES);
+            let (sin, cos) = math::sin_cos(angle);
+            ProfilePoint {
+                radius: (center[0] + radius * cos).max(0.0),
+                height: center[1] + radius * sin,
+                normal: [cos, sin],
+            }
+        })
+        .collect()
+}
+
+/// A straight piece of the profile; outside is to the right of its direction.
+fn line(from: [f64; 2], to: [f64; 2]) -> Vec<ProfilePoint> {
+    let direction = [to[0] - from[0], to[1] - from[1]];
+    let length = math::hypot(direction[0], direction[1]).max(f64::MIN_POSITIVE);
+    let normal = [direction[1] / length, -direction[0] / length];
+    [from, to]
+        .map(|[radius, height]| ProfilePoint {
+            radius,
+            height,
+            normal,
+        })
+        .to_vec()
+}
+
+/// A growing triangle mesh.
+#[derive(Default)]
+struct Surface {
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    colors: Vec<Color>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Surface {
+    /// Turns a profile around the z axis. Each sector has its own vertices, so that colours
+    /// change at once from one sector to the next.
+    fn turn(&mut self, profile: &[ProfilePoint], palette: Palette) {
+        let steps = STEPS / SECTORS;
+        for (sector, color) in palette.into_iter().enumerate() {
+            let first = self.positions.len();
+            for step in 0..=steps {
+                let turn = (sector * steps + step) as f64 / STEPS as f64;
+                self.meridian(profile, TAU * turn, color);
+            }
+            self.stitch(first, profile.len(), steps);
+        }
+    }
+
+    fn meridian(&mut self, profile: &[ProfilePoint], angle: f64, color: u32) {
+        let (sin, cos) = math::sin_cos(angle);
+        for point in profile {
+            self.positions
+                .push(around(point.radius, point.height, sin, cos));
+            self.normals
+                .push(around(point.normal[0], point.normal[1], sin, cos));
+            self.colors.push(Color::from_u32(color));
+        }
+    }
+
+    /// Joins neighbouring meridians, counter-clockwise as seen from outside.
+    fn stitch(&mut self, first: usize, points: usize, steps: usize) {
+        for step in 0..steps {
+            for point in 0..points - 1 {
+                let a = (first + step * points + point) as u32;
+                let b = a + points as u32;
+                self.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+            }
+        }
+    }
+
+    fn mesh(self) -> Mesh3D {
+        Mesh3D::new(self.positions)
+            .with_vertex_normals(self.normals)
+            .with_vertex_colors(self.colors)
+            .with_triangle_indices(self.triangles)
+    }
+}
+
+fn around(radius: f64, height: f64, sin: f64, cos: f64) -> [f32; 3] {
+    [(radius * cos) as f32, (radius * sin) as f32, height as f32]
+}
+
+/// A round table top of the given radius, just below z = 0.
+pub(super) fn table(radius: f64) -> Mesh3D {
+    let depth = 0.03 * radius;
+    let mut surface = Surface::default();
+    let color = [0x2B30_3AFF; SECTORS];
+    // The surface lies a trace below zero, so that what is drawn at z = 0 stays visible.
+    let top = -2e-4;
+    surface.turn(&line([radius, top], [0.0, top]), color);
+    surface.turn(&line([radius, top - depth], [radius, top]), color);
+    surface.mesh()
+}
+
+/// Circles and rays on the table.
+pub(super) fn table_marks(radius: f64) -> LineStrips3D {
+    let circles = (1..=5).map(|ring| circle(0.2 * radius * f64::from(ring)));
+    let rays = (0..6).map(|ray| {
+        let (sin, cos) = math::sin_cos(PI * f64::from(ray) / 6.0);
+        vec![
+            around(radius, 0.0, sin, cos),
+            around(-radius, 0.0, sin, cos),
+        ]
+    });
+    LineStrips3D::new(circles.chain(rays))
+        .with_colors([Color::from_u32(0x4A52_60FF)])
+        .with_radii([Radius::new_ui_points(0.5)])
+}
+
+fn circle(radius: f64) -> Vec<[f32; 3]> {
+    (0..=STEPS)
+        .map(|step| {
+            let (sin, cos) = math::sin_cos(TAU * step as f64 / STEPS as f64);
+            around(radius, 0.0, sin, cos)
+        })
+        .collect()
+}
+
+/// The vertical through the peg, up to the given height.
+pub(super) fn vertical(height: f64) -> LineStrips3D {
+    LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
+        .with_colors([Color::from_u32(0x8A93_A3FF)])
+        .with_radii([Radius::new_ui_points(0.7)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+        [0, 1, 2].map(|i| a[i] - b[i])
+    }
+
+    #[test]
+    fn the_front_of_each_triangle_faces_outwards() {
+        let proportions = Proportions {
+            peg: 0.007,
+            disc_height: 0.02,
+            disc_radius: 0.036,
+            stem_radius: 0.0025,
+            tip: 0.053,
+        };
+        let mut surface = Surface::default();
+        for (part, palette) in parts(&proportions) {
+            surface.turn(&part, palette);
+        }
+        for [a, b, c] in surface.triangles.iter().map(|t| t.map(|i| i as usize)) {
+            let u = difference(surface.positions[b], surface.positions[a]);
+            let v = difference(surface.positions[c], surface.positions[a]);
+            let face = [
+                u[1] * v[2] - u[2] * v[1],
+                u[2] * v[0] - u[0] * v[2],
+                u[0] * v[1] - u[1] * v[0],
+            ];
+            let normal = surface.normals[a];
+            let outwards: f32 = (0..3).map(|i| face[i] * normal[i]).sum();
+            assert!(outwards >= -1e-12, "{face:?} {normal:?}");
+        }
+    }
+}

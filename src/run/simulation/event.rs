@@ -1,0 +1,187 @@
+//! What can happen to a top, and why a run ends.
+
+use crate::physics::dynamics::Motion;
+
+/// Something that happened at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// What.
+    pub kind: EventKind,
+    /// When, s; exact to the integrator's tolerance.
+    pub time: f64,
+    /// The same rounded to nanoseconds.
+    pub time_ns: u64,
+    /// Counts the run's events from 0.
+    pub index: u32,
+    /// The motion at that moment.
+    pub motion: Motion,
+    /// A sentence for people.
+    pub description: String,
+}
+
+/// Kinds of events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum EventKind {
+    /// The run begins.
+    Start,
+    /// θ has fallen to `stop.theta_risen`.
+    Risen,
+    /// θ has grown to `stop.theta_fallen`, or to π/2.
+    Fallen,
+    /// θ passes a minimum.
+    NutationMinimum,
+    /// θ passes a maximum.
+    NutationMaximum,
+    /// θ passes a minimum within 0.01 rad of zero: the axis swings through the vertical.
+    UprightPassage,
+    /// The precession turns retrograde: the axis makes loops.
+    LoopingBegins,
+    /// The precession turns back to its normal sense.
+    LoopingEnds,
+    /// The spin has become too weak to hold an upright top: a² = 4 M g l / I_x (Klein and Sommerfeld).
+    WeakTop,
+    /// The reverse of [`EventKind::WeakTop`].
+    StrongTop,
+    /// The contact point has stopped slipping.
+    SlipStops,
+    /// The contact point has stopped slipping, and friction holds it: the top turns about the vertical as a
+    /// whole.
+    Stick,
+    /// Friction does not hold the contact point any longer.
+    SlipResumes,
+    /// A top whose contact point sticks has stopped turning too.
+    Rest,
+    /// The Euler angles have become singular: sin θ is nearly 0.
+    Singular,
+}
+
+/// A nutation minimum below this angle counts as a passage through upright, rad.
+pub const UPRIGHT: f64 = 0.01;
+
+impl EventKind {
+    /// The name in recordings.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::Risen => "risen",
+            Self::Fallen => "fallen",
+            Self::NutationMinimum => "nutation_minimum",
+            Self::NutationMaximum => "nutation_maximum",
+            Self::UprightPassage => "upright_passage",
+            Self::LoopingBegins => "looping_begins",
+            Self::LoopingEnds => "looping_ends",
+            Self::WeakTop => "weak_top",
+            Self::StrongTop => "strong_top",
+            Self::SlipStops => "slip_stops",
+            Self::Stick => "stick",
+            Self::SlipResumes => "slip_resumes",
+            Self::Rest => "rest",
+            Self::Singular => "singular",
+        }
+    }
+
+    /// What happened, for people.
+    #[must_use]
+    pub(super) fn describe(self, motion: &Motion) -> String {
+        let theta = motion.angles.theta;
+        let rates = &motion.tilt.rates;
+        match self {
+            Self::Start => format!(
+                "The top starts inclined by {theta:.4} rad, spinning at {:.2} rad/s and precessing at {:.4} rad/s.",
+                rates.psi, rates.phi
+            ),
+            Self::Risen => format!("The top has risen to within {theta:.4} rad of upright."),
+            Self::Fallen => format!(
+                "The top has fallen to {theta:.4} rad; its spin is down to {:.2} rad/s.",
+                rates.psi
+            ),
+            Self::NutationMinimum => format!("Nutation: the inclination is least, {theta:.6} rad."),
+            Self::NutationMaximum => {
+                format!("Nutation: the inclination is greatest, {theta:.6} rad.")
+            }
+            Self::UprightPassage => {
+                format!("The axis swings through upright, {theta:.2e} rad from the vertical.")
+            }
+            Self::LoopingBegins => {
+                format!("The precession turns backward: the axis loops, at {theta:.4} rad.")
+            }
+            Self::LoopingEnds => format!("The precession turns forward again, at {theta:.4} rad."),
+            Self::WeakTop => format!(
+                "The spin, {:.2} rad/s, has become too weak to hold an upright top.",
+                rates.psi
+            ),
+            Self::StrongTop => format!(
+                "The spin, {:.2} rad/s, is strong enough to hold an upright top.",
+                rates.psi
+            ),
+            Self::SlipStops => format!("The contact point stops slipping, at {theta:.4} rad."),
+            Self::Stick => format!(
+                "The contact point sticks: the top turns as a whole, inclined by {theta:.4} rad, at {:.2} rad/s.",
+                motion.tilt.omega_lean.z
+            ),
+            Self::SlipResumes => format!("The contact point slips again, at {theta:.4} rad."),
+            Self::Rest => format!("The top rests, inclined by {theta:.4} rad."),
+            Self::Singular => {
+                format!("The Euler angles are singular here, {theta:.2e} rad from the vertical.")
+            }
+        }
+    }
+}
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopReason {
+    /// θ fell to `stop.theta_risen`.
+    Risen,
+    /// θ grew to `stop.theta_fallen`.
+    Fallen,
+    /// `stop.duration` is over.
+    Duration,
+    /// The contact point stopped slipping; `stop.on_stick = "continue"` goes on.
+    SlipStopped,
+    /// The contact point sticks and the top has stopped turning: nothing will change.
+    Rest,
+    /// The Euler angles became singular; the `body` formulation goes on there.
+    Singular,
+    /// Nobody asked for more.
+    Interrupted,
+    /// The integrator could not go on.
+    Failed,
+}
+
+impl StopReason {
+    /// The name in recordings.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Risen => "risen",
+            Self::Fallen => "fallen",
+            Self::Duration => "duration",
+            Self::SlipStopped => "slip_stopped",
+            Self::Rest => "rest",
+            Self::Singular => "singular",
+            Self::Interrupted => "interrupted",
+            Self::Failed => "failed",
+        }
+    }
+
+    /// The same for people.
+    #[must_use]
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Risen => "the top has risen",
+            Self::Fallen => "the top has fallen",
+            Self::Duration => "the duration is over",
+            Self::SlipStopped => {
+                "the contact point stopped slipping (stop.on_stick = \"continue\" goes on)"
+            }
+            Self::Rest => "the top rests",
+            Self::Singular => {
+                "the Euler angles became singular upright (formulation = \"body\" goes on)"
+            }
+            Self::Interrupted => "interrupted",
+            Self::Failed => "the motion could not be integrated further",
+        }
+    }
+}

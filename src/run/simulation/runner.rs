@@ -1,0 +1,517 @@
+//! The loop: step, look for events, hand out records in the order of their times.
+
+use super::event::{Event, EventKind, StopReason, UPRIGHT};
+use super::nutation::{NutationCycle, NutationTracker};
+use super::sample::Sample;
+use super::{Outcome, Record, SimulationError};
+use crate::physics::dynamics::{Formulation, Model, Motion, Regime};
+use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope};
+use crate::physics::kinematics::{Euler, Tilt};
+use crate::run::scenario::{FormulationKind, Scenario, Stop};
+use std::collections::VecDeque;
+use std::f64::consts::FRAC_PI_2;
+
+/// Angles nearer than this to θ = 0 or θ = π can't be integrated as Euler angles, rad.
+const SINGULAR: f64 = 1e-6;
+
+/// Slip slower than this is none, m/s: on the scale of a top a nanometre per second.
+const NO_SLIP: f64 = 1e-9;
+
+/// θ̇ and θ̈ within these of zero are rounding, not nutation: rad/s and rad/s².
+const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
+
+/// A run, whatever its formulation.
+pub(super) trait Run {
+    /// The next record; `None` after the last.
+    fn next_record(&mut self) -> Result<Option<Record>, SimulationError>;
+
+    /// What has happened so far.
+    fn outcome(&self) -> Outcome;
+}
+
+/// So many steps that take less than this time (s) together don't get on: a torque that jumps changes its sign
+/// with each of them.
+const STALLED_STEPS: u32 = 1_000_000;
+const STALLED_TIME: f64 = 0.05;
+
+/// A run in one formulation.
+pub(super) struct Runner<F, const N: usize> {
+    integrator: Dop853<F, N>,
+    scenario: Setup,
+    watches: Vec<Watch>,
+    nutation: NutationTracker,
+    /// The step that records are being read from; none before the first.
+    dense: Option<Dense<N>>,
+    /// Euler angles at the start of that step.
+    reference: Euler,
+    /// Events and cycles within that step that have not been handed out.
+    pending: VecDeque<Pending>,
+    next_sample: u32,
+    events: u32,
+    /// Nutation cycles that have been handed out.
+    cycles: u32,
+    /// Steps since, and when, it was last looked whether time passes (s).
+    watched: (u32, f64),
+    energy_at_start: f64,
+    /// Where the step is left before its end, once that is known.
+    end: Option<(f64, End)>,
+    /// The time up to which records have been handed out, and the motion there.
+    last: (f64, Motion),
+    /// Set once nothing more will come.
+    stopped: Option<StopReason>,
+}
+
+/// What the loop needs of a scenario.
+struct Setup {
+    period_ns: u64,
+    stop: Stop,
+    is_euler: bool,
+    /// The sense of the precession: +1 or −1.
+    sense: f64,
+}
+
+/// Why a step is left before its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum End {
+    /// The run is over.
+    Stop(StopReason),
+    /// The contact point is at rest for a moment, and what follows is this.
+    Switch(Regime),
+}
+
+/// A function of the motion whose zeros mean something.
+struct Watch {
+    meaning: Meaning,
+    tracker: SignTracker,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Meaning {
+    Nutation,
+    NutationRate,
+    Precession,
+    Strength,
+    Risen(f64),
+    Fallen(f64),
+    Slip,
+    Singular,
+    /// By how much friction holds the contact point.
+    Grip,
+    /// How fast a top turns whose contact point sticks.
+    Turning,
+}
+
+enum Pending {
+    Event(EventKind, f64, Motion),
+    Nutation(NutationCycle),
+}
+
+impl Pending {
+    fn time_ns(&self) -> u64 {
+        match self {
+            Self::Event(_, time, _) => to_nanoseconds(*time),
+            Self::Nutation(cycle) => cycle.time_ns,
+        }
+    }
+}
+
+impl<F: Formulation<N>, const N: usize> Runner<F, N> {
+    pub(super) fn new(formulation: F, scenario: &Scenario) -> Result<Self, SimulationError> {
+        let state = F::state(scenario.angles, scenario.rates, &scenario.model);
+        let motion = formulation.motion(&state, scenario.angles);
+        let sticks = !scenario.stop.on_stick
+            && scenario.slip_speed_at_start() == 0.0
+            && scenario.model.grip(&motion.tilt).holds();
+        let formulation = formulation.in_regime(if sticks {
+            Regime::Sticking
+        } else {
+            Regime::Slipping
+        });
+        let mut pending = VecDeque::from([Pending::Event(EventKind::Start, 0.0, motion)]);
+        if sticks {
+            pending.push_back(Pending::Event(EventKind::Stick, 0.0, motion));
+        }
+        let integrator = Dop853::new(
+            formulation,
+            0.0,
+            state,
+            scenario.tolerances,
+            Direction::Forward,
+        )?;
+        let sense = if motion.tilt.axial_rate() < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        let setup = Setup {
+            period_ns: scenario.sample_period_ns,
+            stop: scenario.stop,
+            is_euler: scenario.formulation == FormulationKind::Euler,
+            sense,
+        };
+        Ok(Self {
+            watches: watches(&setup, integrator.system()),
+            integrator,
+            scenario: setup,
+            nutation: NutationTracker::default(),
+            dense: None,
+            reference: scenario.angles,
+            pending,
+            next_sample: 0,
+            events: 0,
+            cycles: 0,
+            watched: (0, 0.0),
+            energy_at_start: energy(&scenario.model, &motion),
+            end: None,
+            last: (0.0, motion),
+            stopped: None,
+        })
+    }
+
+    fn model(&self) -> &Model {
+        self.integrator.system().model()
+    }
+
+    /// Takes a step and finds what happens in it.
+    fn step(&mut self) -> Result<(), SimulationError> {
+        if let Some(dense) = &self.dense {
+            self.reference = self.motion(dense, 1.0).angles;
+        }
+        self.integrator.step()?;
+        let dense = self.integrator.dense();
+        self.watch_time(dense.t0 + dense.h)?;
+        for (s, meaning, slope) in self.crossings(&dense) {
+            self.note(&dense, s, meaning, slope);
+            if self.end.is_some() {
+                break;
+            }
+        }
+        self.end_at_duration(&dense);
+        self.dense = Some(dense);
+        Ok(())
+    }
+
+    /// All zeros of the watched functions in a step, in the order of time.
+    fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, Meaning, Slope)> {
+        let motions = KNOTS.map(|s| self.motion(dense, s));
+        let mut watches = std::mem::take(&mut self.watches);
+        let mut found: Vec<Crossing> = Vec::new();
+        let mut all = Vec::new();
+        for Watch { meaning, tracker } in &mut watches {
+            let values = motions.map(|motion| self.watched(*meaning, &motion));
+            tracker.scan(
+                &KNOTS,
+                &values,
+                |s| self.watched(*meaning, &self.motion(dense, s)),
+                &mut found,
+            );
+            all.extend(found.drain(..).map(|c| (c.s, *meaning, c.slope)));
+        }
+        self.watches = watches;
+        // Stable: simultaneous events keep the order of the watches.
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all
+    }
+
+    /// The value of a watched function. Factors of sin θ keep it regular upright.
+    fn watched(&self, meaning: Meaning, motion: &Motion) -> f64 {
+        let tilt = &motion.tilt;
+        match meaning {
+            Meaning::Nutation => tilt.sin * tilt.rates.theta,
+            Meaning::NutationRate => {
+                let contact = self.model().contact(tilt);
+                self.model().accelerations(&contact, tilt).total().theta
+            }
+            Meaning::Precession => self.scenario.sense * tilt.rates.phi * tilt.sin * tilt.sin,
+            Meaning::Strength => self.model().top.strength_ratio(tilt) - 1.0,
+            Meaning::Risen(limit) | Meaning::Fallen(limit) => motion.angles.theta - limit,
+            Meaning::Slip => self.model().top.slip_speed(tilt) - NO_SLIP,
+            Meaning::Singular => tilt.sin - SINGULAR,
+            Meaning::Grip => self.grip_margin(tilt),
+            Meaning::Turning => self.scenario.sense * tilt.omega_lean.z,
+        }
+    }
+
+    #[cold]
+    fn grip_margin(&self, tilt: &Tilt) -> f64 {
+        self.model().grip(tilt).margin()
+    }
+
+    /// Turns a zero of a watched function into what it means.
+    fn note(&mut self, dense: &Dense<N>, s: f64, meaning: Meaning, slope: Slope) {
+        let motion = self.motion(dense, s);
+        let time = dense.t0 + s * dense.h;
+        let mut event = |kind| self.pending.push_back(Pending::Event(kind, time, motion));
+        match (meaning, slope) {
+            (Meaning::Nutation, slope) => {
+                event(match slope {
+                    Slope::Falling => EventKind::NutationMaximum,
+                    Slope::Rising if motion.angles.theta < UPRIGHT => EventKind::UprightPassage,
+                    Slope::Rising => EventKind::NutationMinimum,
+                });
+                self.nutation.extreme(motion.angles.theta);
+            }
+            (Meaning::NutationRate, Slope::Falling) => {
+                let cycle = self.nutation.boundary(time, to_nanoseconds(time), motion);
+                self.pending.extend(cycle.map(Pending::Nutation));
+            }
+            (Meaning::Precession, Slope::Falling) => event(EventKind::LoopingBegins),
+            (Meaning::Precession, Slope::Rising) => event(EventKind::LoopingEnds),
+            (Meaning::Strength, Slope::Falling) => event(EventKind::WeakTop),
+            (Meaning::Strength, Slope::Rising) => event(EventKind::StrongTop),
+            (Meaning::Risen(_), Slope::Falling) => {
+                event(EventKind::Risen);
+                self.end = Some((time, End::Stop(StopReason::Risen)));
+            }
+            (Meaning::Fallen(_), Slope::Rising) => {
+                event(EventKind::Fallen);
+                if self.scenario.stop.theta_fallen.is_some() {
+                    self.end = Some((time, End::Stop(StopReason::Fallen)));
+                }
+            }
+            (Meaning::Slip, Slope::Falling) => {
+                let (kind, end) = self.rest_of_contact(&motion);
+                self.pending.push_back(Pending::Event(kind, time, motion));
+                self.end = Some((time, end));
+            }
+            (Meaning::Grip, Slope::Falling) => {
+                event(EventKind::SlipResumes);
+                self.end = Some((time, End::Switch(Regime::Slipping)));
+            }
+            (Meaning::Turning, Slope::Falling) => {
+                event(EventKind::Rest);
+                self.end = Some((time, End::Stop(StopReason::Rest)));
+            }
+            (Meaning::Singular, Slope::Falling) => {
+                event(EventKind::Singular);
+                self.end = Some((time, End::Stop(StopReason::Singular)));
+            }
+            (
+                Meaning::NutationRate
+                | Meaning::Risen(_)
+                | Meaning::Slip
+                | Meaning::Singular
+                | Meaning::Grip
+                | Meaning::Turning,
+                Slope::Rising,
+            )
+            | (Meaning::Fallen(_), Slope::Falling) => {}
+        }
+    }
+
+    /// What a contact point means that has come to rest, and what follows.
+    fn rest_of_contact(&self, motion: &Motion) -> (EventKind, End) {
+        if self.scenario.stop.on_stick {
+            (EventKind::SlipStops, End::Stop(StopReason::SlipStopped))
+        } else if self.model().grip(&motion.tilt).holds() {
+            (EventKind::Stick, End::Switch(Regime::Sticking))
+        } else {
+            (EventKind::SlipStops, End::Switch(Regime::Slipping))
+        }
+    }
+
+    /// Ends the run within this step if its duration is over in it.
+    /// Gives up where steps have become so short that the run would never end.
+    fn watch_time(&mut self, time: f64) -> Result<(), SimulationError> {
+        let (steps, since) = &mut self.watched;
+        *steps += 1;
+        if *steps < STALLED_STEPS {
+            return Ok(());
+        }
+        if time - *since < STALLED_TIME {
+            return Err(SimulationError::Stalled { time });
+        }
+        self.watched = (0, time);
+        Ok(())
+    }
+
+    fn end_at_duration(&mut self, dense: &Dense<N>) {
+        let Some(duration) = self.scenario.stop.duration else {
+            return;
+        };
+        let step_end = dense.t0 + dense.h;
+        let earliest = self.end.map_or(step_end, |(time, _)| time);
+        if duration <= earliest {
+            self.end = Some((duration, End::Stop(StopReason::Duration)));
+            let limit = to_nanoseconds(duration);
+            self.pending.retain(|record| record.time_ns() <= limit);
+        }
+    }
+
+    #[inline]
+    fn motion(&self, dense: &Dense<N>, s: f64) -> Motion {
+        self.integrator
+            .system()
+            .motion(&dense.at(s), self.reference)
+    }
+
+    /// The time of the next sample, if it lies within what has been integrated and before the end.
+    fn next_sample_time(&self) -> Option<u64> {
+        let time_ns = u64::from(self.next_sample) * self.scenario.period_ns;
+        let reached = match (self.end, &self.dense) {
+            (Some((end, _)), _) => time_ns <= to_nanoseconds(end),
+            (None, Some(dense)) => to_seconds(time_ns) <= dense.t0 + dense.h,
+            (None, None) => to_seconds(time_ns) <= self.integrator.t(),
+        };
+        reached.then_some(time_ns)
+    }
+
+    fn sample(&mut self, time_ns: u64) -> Record {
+        let time = to_seconds(time_ns);
+        let state = match &self.dense {
+            Some(dense) => dense.at((time - dense.t0) / dense.h),
+            None => *self.integrator.y(),
+        };
+        let system = self.integrator.system();
+        let motion = system.motion(&state, self.reference);
+        let sample = Sample::new(
+            self.next_sample,
+            time_ns,
+            system.model(),
+            &motion,
+            system.world_from_body(&state),
+        );
+        self.next_sample += 1;
+        self.last = (time, motion);
+        Record::Sample(Box::new(sample))
+    }
+
+    fn hand_out(&mut self, pending: Pending) -> Record {
+        match pending {
+            Pending::Event(kind, time, motion) => {
+                let event = Event {
+                    kind,
+                    time,
+                    time_ns: to_nanoseconds(time),
+                    index: self.events,
+                    motion,
+                    description: kind.describe(&motion),
+                };
+                self.events += 1;
+                self.last = (time, motion);
+                Record::Event(Box::new(event))
+            }
+            Pending::Nutation(cycle) => {
+                self.cycles += 1;
+                Record::Nutation(Box::new(cycle))
+            }
+        }
+    }
+
+    /// Goes on from within the last step with the contact point at rest.
+    #[cold]
+    fn switch(&mut self, time: f64, regime: Regime) -> Result<(), SimulationError> {
+        let Some(dense) = self.dense.take() else {
+            return Ok(());
+        };
+        let state = dense.at((time - dense.t0) / dense.h);
+        let system = self.integrator.system().in_regime(regime);
+        let state = system.brought_to_rest(&state);
+        self.reference = system.motion(&state, self.reference).angles;
+        self.integrator
+            .restart(system, time, state, Direction::Forward)?;
+        self.watches = watches(&self.scenario, self.integrator.system());
+        self.nutation.interrupt();
+        self.end = None;
+        Ok(())
+    }
+
+    /// Ends the run: everything before its end has been handed out.
+    fn stop(&mut self, time: f64, reason: StopReason) {
+        if let Some(dense) = &self.dense {
+            let s = (time - dense.t0) / dense.h;
+            self.last = (time, self.motion(dense, s));
+        }
+        self.stopped = Some(reason);
+    }
+}
+
+impl<F: Formulation<N>, const N: usize> Run for Runner<F, N> {
+    fn next_record(&mut self) -> Result<Option<Record>, SimulationError> {
+        while self.stopped.is_none() {
+            let sample = self.next_sample_time();
+            let event = self.pending.front().map(Pending::time_ns);
+            if let Some(time_ns) = sample
+                && event.is_none_or(|event| time_ns <= event)
+            {
+                return Ok(Some(self.sample(time_ns)));
+            }
+            if let Some(pending) = self.pending.pop_front() {
+                return Ok(Some(self.hand_out(pending)));
+            }
+            let went_on = match self.end {
+                Some((time, End::Stop(reason))) => {
+                    self.stop(time, reason);
+                    Ok(())
+                }
+                Some((time, End::Switch(regime))) => self.switch(time, regime),
+                None => self.step(),
+            };
+            if let Err(error) = went_on {
+                self.stopped = Some(StopReason::Failed);
+                return Err(error);
+            }
+        }
+        Ok(None)
+    }
+
+    fn outcome(&self) -> Outcome {
+        let (time, motion) = self.last;
+        Outcome {
+            stop: self.stopped.unwrap_or(StopReason::Interrupted),
+            time,
+            motion,
+            energy: energy(self.model(), &motion),
+            energy_at_start: self.energy_at_start,
+            samples: u64::from(self.next_sample),
+            events: u64::from(self.events),
+            nutations: u64::from(self.cycles),
+            statistics: *self.integrator.statistics(),
+        }
+    }
+}
+
+/// What to look for in a run, as long as it stays in its regime.
+fn watches<F: Formulation<N>, const N: usize>(setup: &Setup, formulation: &F) -> Vec<Watch> {
+    let stop = &setup.stop;
+    let watch = |meaning, floor| Watch {
+        meaning,
+        tracker: SignTracker::with_floor(floor),
+    };
+    if formulation.regime() == Regime::Sticking {
+        let sticking = [Meaning::Strength, Meaning::Grip, Meaning::Turning];
+        return sticking.map(|meaning| watch(meaning, 0.0)).into();
+    }
+    let mut watches = vec![
+        watch(Meaning::Nutation, NUTATION_FLOOR.0),
+        watch(Meaning::NutationRate, NUTATION_FLOOR.1),
+        watch(Meaning::Precession, 0.0),
+        watch(Meaning::Strength, 0.0),
+        watch(Meaning::Fallen(stop.theta_fallen.unwrap_or(FRAC_PI_2)), 0.0),
+    ];
+    watches.extend(
+        stop.theta_risen
+            .map(|limit| watch(Meaning::Risen(limit), 0.0)),
+    );
+    if formulation.model().friction.is_set_valued() {
+        watches.push(watch(Meaning::Slip, 0.0));
+    }
+    if setup.is_euler {
+        watches.push(watch(Meaning::Singular, 0.0));
+    }
+    watches
+}
+
+fn energy(model: &Model, motion: &Motion) -> f64 {
+    model.top.kinetic_energy(&motion.tilt) + model.top.potential_energy(&motion.tilt)
+}
+
+/// Seconds of whole nanoseconds: correctly rounded.
+fn to_seconds(time_ns: u64) -> f64 {
+    time_ns as f64 / 1e9
+}
+
+/// The nearest whole number of nanoseconds to a time that is not negative.
+fn to_nanoseconds(time: f64) -> u64 {
+    (time * 1e9).round() as u64
+}

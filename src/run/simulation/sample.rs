@@ -1,0 +1,142 @@
+//! Everything that there is to know about the motion at one instant.
+
+use crate::physics::dynamics::{Accelerations, Integrals, Model, Motion};
+use crate::physics::friction::Contact;
+use crate::physics::kinematics::{Euler, Tilt, lean_to_world, node_to_body};
+use crate::physics::top::PrecessionRoots;
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// A vector in two frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frames {
+    /// Components along the body axes.
+    pub body: Vector3<f64>,
+    /// Components along the line of nodes, the perpendicular `n × e_N`, and the symmetry axis.
+    pub node: Vector3<f64>,
+}
+
+/// The state, its derivatives, and what caused them, at one instant. SI units and radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Counts the samples from 0.
+    pub index: u32,
+    /// Time since the start: `index` times the sample period, ns.
+    pub time_ns: u64,
+    /// Euler angles, unwrapped, rad.
+    pub angles: Euler,
+    /// Inclination and angular velocity.
+    pub tilt: Tilt,
+    /// Euler accelerations term by term, rad/s².
+    pub accelerations: Accelerations,
+    /// Orientation: turns body components into world components.
+    pub world_from_body: UnitQuaternion<f64>,
+    /// Direction of the symmetry axis, world.
+    pub axis: Vector3<f64>,
+    /// Angular velocity in body axes, rad/s.
+    pub omega_body: Vector3<f64>,
+    /// Angular velocity in the world, rad/s.
+    pub omega_world: Vector3<f64>,
+    /// Position of the peg's centre in the world, m; the table is z = 0.
+    pub peg_position: Vector3<f64>,
+    /// Torque of gravity about the peg's centre, N m.
+    pub gravity_torque: Frames,
+    /// Torque of friction about the peg's centre, N m.
+    pub friction_torque: Frames,
+    /// Their sum, N m.
+    pub total_torque: Frames,
+    /// What happens at the contact, in the lean frame.
+    pub contact: Contact,
+    /// Slip velocity in body axes, m/s.
+    pub slip_body: Vector3<f64>,
+    /// Slip velocity in the world, m/s.
+    pub slip_world: Vector3<f64>,
+    /// Friction force in the world, N.
+    pub friction_force: Vector3<f64>,
+    /// The contact point in the world, m.
+    pub contact_point: Vector3<f64>,
+    /// Kinetic energy, J.
+    pub kinetic_energy: f64,
+    /// Potential energy, J; zero at the height of the peg's centre.
+    pub potential_energy: f64,
+    /// Power of the friction torque, W.
+    pub friction_power: f64,
+    /// Integrals since the start.
+    pub integrals: Integrals,
+    /// Angular momentum about the vertical, kg m²/s.
+    pub vertical_momentum: f64,
+    /// Angular momentum about the symmetry axis, kg m²/s.
+    pub axial_momentum: f64,
+    /// Angular momentum in the world, kg m²/s.
+    pub momentum_world: Vector3<f64>,
+    /// The rates of regular precession at this inclination and spin, where they are real.
+    pub precession_roots: Option<PrecessionRoots>,
+    /// Above 1 a strong top, below 1 a weak one: see [`crate::physics::top::Top::strength_ratio`].
+    pub strength_ratio: f64,
+}
+
+impl Sample {
+    /// All quantities of a motion.
+    pub(super) fn new(
+        index: u32,
+        time_ns: u64,
+        model: &Model,
+        motion: &Motion,
+        world_from_body: UnitQuaternion<f64>,
+    ) -> Self {
+        let Motion {
+            angles,
+            tilt,
+            integrals,
+        } = *motion;
+        let top = &model.top;
+        let contact = model.contact(&tilt);
+        let friction = model.friction_torque(&contact, &tilt);
+        let gravity = top.gravity_torque(&tilt);
+        let frames = |lean: &Vector3<f64>| {
+            let node = tilt.lean_to_node(lean);
+            Frames {
+                body: node_to_body(&node, angles.psi),
+                node,
+            }
+        };
+        let world = |lean: &Vector3<f64>| lean_to_world(lean, angles.phi);
+        let momentum_node = top.angular_momentum_node(&tilt);
+        let momentum_lean = tilt.node_to_lean(&momentum_node);
+        let peg_position = Vector3::new(0.0, 0.0, top.peg_radius);
+        Self {
+            index,
+            time_ns,
+            angles,
+            tilt,
+            accelerations: model.accelerations(&contact, &tilt),
+            world_from_body,
+            axis: world(&Vector3::new(tilt.sin, 0.0, tilt.cos)),
+            omega_body: frames(&tilt.omega_lean).body,
+            omega_world: world(&tilt.omega_lean),
+            peg_position,
+            gravity_torque: frames(&gravity),
+            friction_torque: frames(&friction),
+            total_torque: frames(&(gravity + friction)),
+            slip_body: frames(&contact.slip).body,
+            slip_world: world(&contact.slip),
+            friction_force: world(&contact.force),
+            contact,
+            contact_point: peg_position - Vector3::new(0.0, 0.0, top.peg_radius),
+            kinetic_energy: top.kinetic_energy(&tilt),
+            potential_energy: top.potential_energy(&tilt),
+            friction_power: friction.dot(&tilt.omega_lean),
+            integrals,
+            vertical_momentum: momentum_lean.z,
+            axial_momentum: momentum_node.z,
+            momentum_world: world(&momentum_lean),
+            precession_roots: top.precession_roots(&tilt),
+            strength_ratio: top.strength_ratio(&tilt),
+        }
+    }
+
+    /// Total energy, J.
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        self.kinetic_energy + self.potential_energy
+    }
+}
