@@ -3,6 +3,7 @@
 pub mod check;
 pub(crate) mod container;
 pub mod convert;
+pub mod format;
 pub mod memory;
 pub mod publish;
 pub mod recording;

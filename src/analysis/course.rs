@@ -3,7 +3,7 @@
 pub(crate) mod curve;
 
 use self::curve::{Curve, Integral, extreme};
-use crate::archive::recording::Entries;
+use crate::archive::format::{Entries, STOP_REASON, STOP_TIME};
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::telemetry::{Message, channel_index, channels};
 use schemars::JsonSchema;
@@ -474,16 +474,16 @@ impl Course {
 
     pub(crate) fn report(&self) -> CourseReport {
         let entry = |key: &str| self.end.as_ref()?.get(key);
-        let stop_time = entry("stop_time").and_then(|time| time.parse::<f64>().ok());
+        let stop_time = entry(STOP_TIME).and_then(|time| time.parse::<f64>().ok());
         // The last event is the end of the run, unless its duration was over.
         let last = self
             .events
             .last()
             .filter(|event| Some(event.time) == stop_time);
-        let is_rise = entry("stop_reason").is_some_and(|reason| reason == "risen");
+        let is_rise = entry(STOP_REASON).is_some_and(|reason| reason == "risen");
         let risen = self.first("risen").map(|event| event.time);
         CourseReport {
-            stop_reason: entry("stop_reason").cloned(),
+            stop_reason: entry(STOP_REASON).cloned(),
             stop_time,
             rise_time: risen.or(stop_time.filter(|_| is_rise)),
             nutations: (!self.cycles.is_empty()).then_some(self.cycles.len() as u64),

@@ -49,9 +49,9 @@ pub use self::report::*;
 pub use self::tolerance::{Tolerance, Tolerances, full_name};
 pub use crate::analysis::course::CourseReport;
 pub use crate::analysis::subject::Subject;
+use crate::archive::format::{CONTENT_DIGEST, LIBRARY};
 use crate::archive::recording::Condition;
 use crate::archive::sink::SinkError;
-use crate::archive::writer::LIBRARY;
 use crate::telemetry::Message;
 use crate::telemetry::side::Side;
 use pass::Passed;
@@ -247,7 +247,7 @@ fn run(subject: Subject<'_>, passed: &Passed, side: usize, is_ours: bool) -> Run
         run.library = recording.library().to_owned();
         run.encoding = Some(setup::encodings(recording));
         let end = recording.end();
-        run.content_digest = end.and_then(|end| end.get("content_digest").cloned());
+        run.content_digest = end.and_then(|end| end.get(CONTENT_DIGEST).cloned());
         run.losses
             .splice(0..0, recording.losses().iter().map(ToString::to_string));
         if recording.condition() == Condition::Interrupted {

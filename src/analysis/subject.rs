@@ -1,7 +1,7 @@
 //! A run: one that was recorded, or one that is simulated now. Its messages are the same either way.
 
+use crate::archive::format::end_entries;
 use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
-use crate::archive::writer::end_entries;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::Simulation;
 use crate::telemetry::{Message, Telemetry, TelemetryError, channel_index, channels};

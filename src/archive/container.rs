@@ -1,6 +1,7 @@
 //! The file as an MCAP file: structure, checksums, indexes.
 
 use crate::archive::check::{Check, Group, Problems, Verdict};
+use crate::archive::format::{LOST, STOP_REASON};
 use crate::archive::recording::layout::{read_footer, summary_checksum};
 use crate::archive::recording::scan::{Found, HEAD, Place, Scanner, parse};
 use crate::archive::recording::section::{Buffers, RawMessage, Section, record_at};
@@ -475,9 +476,9 @@ impl<'a> Survey<'a> {
 
     fn end_record(&self) -> Check {
         let end = self.recording.end();
-        let reason = end.and_then(|end| end.get("stop_reason"));
+        let reason = end.and_then(|end| end.get(STOP_REASON));
         let recovery = self.recording.recovery();
-        let lost = recovery.and_then(|r| r.get("lost"));
+        let lost = recovery.and_then(|r| r.get(LOST));
         let (verdict, finding) = match (reason, lost) {
             (_, Some(lost)) => (Verdict::Incomplete, format!("recovered; lost: {lost}")),
             (Some(reason), None) => (Verdict::Passed, format!("the run ended: {reason}")),

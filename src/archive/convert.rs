@@ -1,14 +1,12 @@
 //! A recording in another encoding: the same content, metadata and attachments.
 
+use crate::archive::format::{CONTENT_DIGEST, END_RECORD, LIBRARY, RECOVERY_RECORD};
 use crate::archive::publish::{Existing, Place};
 use crate::archive::recording::{
     Any, Condition, Entries, FileChannel, MessageError, Recording, Selection, Undecoded,
 };
 use crate::archive::sink::{Sink as _, SinkError};
-use crate::archive::writer::{
-    Archived, END_RECORD, Ending, LIBRARY, McapSink, Opening, RECOVERY_RECORD, RawChannel,
-    RawMessage,
-};
+use crate::archive::writer::{Archived, Ending, McapSink, Opening, RawChannel, RawMessage};
 use crate::telemetry::channels;
 use crate::telemetry::encoding::Encoding;
 use std::borrow::Cow;
@@ -178,7 +176,7 @@ fn ending(recording: &Recording) -> Ending {
             .map(|entries| (RECOVERY_RECORD.to_owned(), entries))
             .into_iter()
             .collect(),
-        digest: end.get("content_digest").cloned(),
+        digest: end.get(CONTENT_DIGEST).cloned(),
         end: Some(end),
     }
 }

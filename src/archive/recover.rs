@@ -2,13 +2,14 @@
 
 use crate::archive::container::is_sound_container;
 use crate::archive::convert::{Copier, attachments, metadata_but, raw, wanted};
+use crate::archive::format::{
+    CONTENT_DIGEST, COUNTS, END_RECORD, LIBRARY, LIBRARY_PREFIX, LOST, ORIGINAL_CONTENT_DIGEST,
+    RECOVERY_RECORD, RUN_RECORD, SCENARIO_DIGEST, STOP_REASON, STOP_TIME, VERSION, run_entries,
+};
 use crate::archive::publish::{Existing, Place};
 use crate::archive::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
 use crate::archive::sink::{RecordError, Sink, SinkError};
-use crate::archive::writer::{
-    Archived, COUNTS, END_RECORD, Ending, LIBRARY, McapSink, Opening, RECOVERY_RECORD, RUN_RECORD,
-    run_entries,
-};
+use crate::archive::writer::{Archived, Ending, McapSink, Opening};
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::{channel_index, channels};
@@ -143,12 +144,12 @@ fn run_record(recording: &Recording) -> Option<Entries> {
     };
     let mut entries = run_entries(&scenario);
     if let Some(noted) = noted
-        && noted.get("scenario_digest") == entries.get("scenario_digest")
+        && noted.get(SCENARIO_DIGEST) == entries.get(SCENARIO_DIGEST)
     {
         return Some(noted);
     }
-    if let Some(version) = recording.library().strip_prefix("toprise/") {
-        entries.insert("version".to_owned(), version.to_owned());
+    if let Some(version) = recording.library().strip_prefix(LIBRARY_PREFIX) {
+        entries.insert(VERSION.to_owned(), version.to_owned());
     }
     Some(entries)
 }
@@ -216,7 +217,7 @@ fn salvage(
 impl Saved {
     /// Whether all content is there, as the end record proves.
     fn has_all(&self, recording: &Recording) -> bool {
-        let noted = recording.end().and_then(|end| end.get("content_digest"));
+        let noted = recording.end().and_then(|end| end.get(CONTENT_DIGEST));
         noted == Some(&self.digest)
     }
 
@@ -312,15 +313,15 @@ fn ending(recording: &Recording, saved: &Saved, lost: Option<&str>) -> Ending {
         table.map_or(0, |table| saved.counts[table]).to_string()
     };
     let original = recording.end().cloned();
-    let mut recovery = Entries::from([("lost".to_owned(), lost.to_owned())]);
-    if let Some(digest) = original.as_ref().and_then(|end| end.get("content_digest")) {
-        recovery.insert("original_content_digest".to_owned(), digest.clone());
+    let mut recovery = Entries::from([(LOST.to_owned(), lost.to_owned())]);
+    if let Some(digest) = original.as_ref().and_then(|end| end.get(CONTENT_DIGEST)) {
+        recovery.insert(ORIGINAL_CONTENT_DIGEST.to_owned(), digest.clone());
     }
     let mut end = original.unwrap_or_else(|| {
         Entries::from([
-            ("stop_reason".to_owned(), "interrupted".to_owned()),
+            (STOP_REASON.to_owned(), "interrupted".to_owned()),
             (
-                "stop_time".to_owned(),
+                STOP_TIME.to_owned(),
                 format!("{:?}", saved.last_ns as f64 / 1e9),
             ),
         ])

@@ -1,15 +1,14 @@
 //! The archive: a run as an MCAP file.
 //!
-//! Order in the file: the metadata record `toprise.run` and the scenario as an attachment; the schemas
-//! and channels; the messages; the metadata record `toprise.end`. A file without the last was
-//! interrupted. Nothing in it depends on when or where it was made.
-//!
-//! Beside the channels of the table there are those for viewers ([`crate::telemetry::views`]), which
-//! don't enter the content digest.
+//! [`crate::archive::format`] says what stands in the file, and in which order.
 //!
 //! Messages are encoded on the caller's thread; another takes their digest, compresses and writes them, one
 //! after the other: the bytes are those of a single thread.
 
+use crate::archive::format::{
+    CONTENT_DIGEST, END_RECORD, Entries, LIBRARY, RUN_RECORD, end_entries, run_entries,
+    scenario_attachment,
+};
 use crate::archive::publish::{Existing, Place};
 use crate::archive::sink::{Sink, SinkError};
 use crate::run::scenario::Scenario;
@@ -21,24 +20,11 @@ use crate::telemetry::{Message, Telemetry, channels};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::{self, JoinHandle};
-
-/// Name of the metadata record at the start.
-pub const RUN_RECORD: &str = "toprise.run";
-/// Name of the metadata record at the end.
-pub const END_RECORD: &str = "toprise.end";
-/// Name of the metadata record of what was saved of an interrupted or damaged recording.
-pub const RECOVERY_RECORD: &str = "toprise.recovery";
-/// Name of the attachment that holds the scenario.
-pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
-
-/// What writes recordings, by its own words.
-pub const LIBRARY: &str = concat!("toprise/", env!("CARGO_PKG_VERSION"));
 
 /// What is lost at most when the process is killed, uncompressed.
 const CHUNK_SIZE: u64 = 256 * 1024;
@@ -68,14 +54,10 @@ impl Default for Form {
     }
 }
 
-/// Entries of a metadata record.
-pub type Entries = BTreeMap<String, String>;
-
 /// What a recording begins with.
 #[derive(Debug)]
 pub struct Opening {
-    /// What writes the file, by its own words; the name and version of the program that reads it as its own is
-    /// [`LIBRARY`].
+    /// The name and version of the program that writes the file: [`LIBRARY`] for a recording of toprise.
     pub library: &'static str,
     /// Metadata records: names and entries.
     pub metadata: Vec<(String, Entries)>,
@@ -492,7 +474,7 @@ fn end(writer: &mut FileWriter, ending: Ending, digest: &str) -> Result<(), Mcap
         writer.write_metadata(&metadata(&name, entries))?;
     }
     if let Some(mut end) = ending.end {
-        end.insert("content_digest".to_owned(), digest.to_owned());
+        end.insert(CONTENT_DIGEST.to_owned(), digest.to_owned());
         writer.write_metadata(&metadata(END_RECORD, end))?;
     }
     writer.finish().map(|_| ())
@@ -589,62 +571,6 @@ fn raw_views(views: &Views) -> Vec<RawChannel> {
             metadata: Entries::new(),
         })
         .collect()
-}
-
-/// The scenario as it is attached to its recording.
-#[must_use]
-pub fn scenario_attachment(toml: String) -> Attachment<'static> {
-    Attachment {
-        log_time: 0,
-        create_time: 0,
-        name: SCENARIO_ATTACHMENT.to_owned(),
-        media_type: "application/toml".to_owned(),
-        data: toml.into_bytes().into(),
-    }
-}
-
-/// The entries of `toprise.run`.
-#[must_use]
-pub fn run_entries(scenario: &Scenario) -> Entries {
-    entries([
-        ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("scenario", scenario.name().to_owned()),
-        ("scenario_digest", scenario.digest()),
-        ("formulation", scenario.word("formulation").to_owned()),
-        ("friction_law", scenario.word("friction.law").to_owned()),
-        ("sample_period_ns", scenario.sample_period_ns.to_string()),
-        ("epoch", "simulation start".to_owned()),
-    ])
-}
-
-/// What `toprise.end` counts, and the topic that has as many messages.
-pub const COUNTS: [(&str, &str); 3] = [
-    ("samples", "/top/state"),
-    ("events", "/events"),
-    ("nutations", "/top/nutation"),
-];
-
-/// The entries of `toprise.end`, but for the content digest.
-#[must_use]
-pub fn end_entries(outcome: &Outcome) -> Entries {
-    let statistics = &outcome.statistics;
-    entries([
-        ("stop_reason", outcome.stop.name().to_owned()),
-        ("stop_time", format!("{:?}", outcome.time)),
-        ("samples", outcome.samples.to_string()),
-        ("events", outcome.events.to_string()),
-        ("nutations", outcome.nutations.to_string()),
-        ("steps_accepted", statistics.accepted.to_string()),
-        ("steps_rejected", statistics.rejected.to_string()),
-        ("evaluations", statistics.evaluations.to_string()),
-        ("smallest_step", format!("{:?}", statistics.smallest_step)),
-        ("largest_step", format!("{:?}", statistics.largest_step)),
-    ])
-}
-
-fn entries<const N: usize>(entries: [(&str, String); N]) -> Entries {
-    let owned = |(key, value): (&str, String)| (key.to_owned(), value);
-    entries.into_iter().map(owned).collect()
 }
 
 fn metadata(name: &str, entries: Entries) -> Metadata {

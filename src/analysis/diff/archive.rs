@@ -1,12 +1,10 @@
 //! The differences of two runs as an MCAP file: each channel of the table with B − A in its fields.
 
 use super::{Observer, Report, Subject};
+use crate::archive::format::{Entries, SCENARIO_ATTACHMENT, scenario_attachment};
 use crate::archive::publish::{Existing, Place};
 use crate::archive::sink::SinkError;
-use crate::archive::writer::{
-    Archived, Ending, Entries, McapSink, Opening, RawChannel, RawMessage, SCENARIO_ATTACHMENT,
-    scenario_attachment,
-};
+use crate::archive::writer::{Archived, Ending, McapSink, Opening, RawChannel, RawMessage};
 use crate::telemetry::encoding::{Encoder, Encoding};
 use crate::telemetry::side::Side;
 use crate::telemetry::{ChannelInfo, Message, channel_index, channels};

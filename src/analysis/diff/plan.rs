@@ -5,6 +5,7 @@ use super::stream::table_topics;
 use super::timing::TimeMap;
 use super::{Align, DiffError, Options, Subject};
 use crate::analysis::course::{Course, Cycle};
+use crate::archive::format::SAMPLE_PERIOD;
 use crate::archive::recording::{FileChannel, Recording, Selection};
 use crate::telemetry::channels;
 use crate::telemetry::side::Side;
@@ -246,7 +247,7 @@ fn period(subject: Subject<'_>) -> Option<u64> {
     };
     recording
         .run()?
-        .get("sample_period_ns")?
+        .get(SAMPLE_PERIOD)?
         .parse()
         .ok()
         .filter(|period| *period > 0)

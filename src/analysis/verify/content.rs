@@ -4,8 +4,8 @@ use super::Options;
 use super::physics::Physics;
 use super::reproduction::Reproduction;
 use crate::archive::check::{Check, Group, Problems, Verdict};
+use crate::archive::format::{CONTENT_DIGEST, COUNTS, SAMPLE_PERIOD, SCENARIO_DIGEST};
 use crate::archive::recording::{Any, Condition, NoScenario, Recording, Selection, Undecoded};
-use crate::archive::writer::COUNTS;
 use crate::run::scenario::Scenario;
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
@@ -82,7 +82,7 @@ fn attached(recording: &Recording, scenario: &Result<Scenario, NoScenario>) -> C
         Ok(scenario) => {
             finding = format!("{}, digest {:.16}…", scenario.name(), scenario.digest());
             let run = recording.run();
-            let noted = run.and_then(|run| run.get("scenario_digest"));
+            let noted = run.and_then(|run| run.get(SCENARIO_DIGEST));
             problems.unless(noted == Some(&scenario.digest()), || match noted {
                 Some(noted) => format!("its digest is {}, not {noted}", scenario.digest()),
                 None => "the record toprise.run, which names its digest, is lost".to_owned(),
@@ -121,7 +121,7 @@ struct Count {
 impl Content {
     fn new(recording: &Recording, scenario: Option<&Scenario>) -> Self {
         let run = recording.run();
-        let noted = run.and_then(|run| run.get("sample_period_ns")?.parse().ok());
+        let noted = run.and_then(|run| run.get(SAMPLE_PERIOD)?.parse().ok());
         let of_scenario = || scenario.map(|scenario| scenario.sample_period_ns);
         Self {
             messages: Problems::default(),
@@ -283,7 +283,7 @@ impl Content {
             });
         }
         let mut of_digest = Problems::default();
-        let noted = end.get("content_digest");
+        let noted = end.get(CONTENT_DIGEST);
         of_digest.unless(noted == Some(&digest), || {
             let noted = noted.map_or("nothing", String::as_str);
             format!("it is {digest}; the end record says {noted}")

@@ -1,9 +1,9 @@
 //! Whether the simulation gives the recording again, bit for bit.
 
 use super::{Check, Group, Verdict};
+use crate::archive::format::{STOP_REASON, VERSION, end_entries};
 use crate::archive::memory::Owned;
 use crate::archive::recording::{Entries, Recording};
-use crate::archive::writer::end_entries;
 use crate::physics::math::ulp_distance;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{Simulation, StopReason};
@@ -27,7 +27,7 @@ pub(super) struct Reproduction {
 
 impl Reproduction {
     pub(super) fn new(recording: &Recording, scenario: &Scenario) -> Self {
-        let version = recording.run().and_then(|run| run.get("version"));
+        let version = recording.run().and_then(|run| run.get(VERSION));
         Self {
             simulation: Simulation::new(scenario).map_err(|error| error.to_string()),
             telemetry: Telemetry::with_topics(&recording.topics()).unwrap_or_default(),
@@ -144,7 +144,7 @@ impl Reproduction {
             ));
         }
         let recorded = self.end.take().unwrap_or_default();
-        let reason = recorded.get("stop_reason").map_or("", String::as_str);
+        let reason = recorded.get(STOP_REASON).map_or("", String::as_str);
         // A run that was broken off says so; the simulation would go on.
         if reason == StopReason::Interrupted.name() || reason == StopReason::Failed.name() {
             return Ok(());

@@ -6,6 +6,7 @@ use super::scan::{Found, HEAD, Place, Scanner, parse};
 use super::section::{Buffers, Section, record_at};
 use super::source::Source;
 use super::{RecordingError, Span};
+use crate::archive::format::LIBRARY_PREFIX;
 use mcap::MAGIC;
 use mcap::records::{Footer, Metadata, Record, op};
 use std::io;
@@ -79,7 +80,7 @@ impl Layout {
 
     /// Whether the file calls itself written by toprise.
     pub(crate) fn is_ours(&self) -> bool {
-        self.library.starts_with("toprise/")
+        self.library.starts_with(LIBRARY_PREFIX)
     }
 
     fn take(&mut self, place: &Place, source: &Source) -> io::Result<()> {

@@ -1,6 +1,7 @@
 //! Which files a run writes.
 
 use super::RunArguments;
+use crate::archive::format::CONTENT_DIGEST;
 use crate::archive::publish::partial_name;
 use crate::archive::recording::Recording;
 use crate::archive::writer::Archived;
@@ -80,7 +81,7 @@ impl Plan {
         let same = |path: &&PathBuf| {
             let earlier = Recording::open(path).ok();
             let end = earlier.as_ref().and_then(Recording::end);
-            end.is_some_and(|end| end.get("content_digest") == Some(&archive.digest))
+            end.is_some_and(|end| end.get(CONTENT_DIGEST) == Some(&archive.digest))
         };
         self.earlier.iter().rev().find(same).map(PathBuf::as_path)
     }

@@ -1,0 +1,104 @@
+//! The format of recordings: the names of the records in an MCAP file and what stands in them, for the writer
+//! and the readers alike.
+//!
+//! A recording holds, in this order: the metadata record [`RUN_RECORD`] and the scenario as an attachment; the
+//! schemas and channels; the messages; the metadata record [`END_RECORD`]. A file without the last was
+//! interrupted. Nothing in a recording depends on when or where it was made.
+//!
+//! Beside the channels of the table there are those for viewers ([`crate::telemetry::views`]), which the content
+//! digest leaves out.
+
+use crate::run::scenario::Scenario;
+use crate::run::simulation::Outcome;
+use mcap::Attachment;
+use std::collections::BTreeMap;
+
+/// Name of the metadata record at the start: which run this is.
+pub const RUN_RECORD: &str = "toprise.run";
+/// Name of the metadata record at the end: how the run ended, and what the file must hold.
+pub const END_RECORD: &str = "toprise.end";
+/// Name of the metadata record that says what an interrupted or damaged recording had lost when it was recovered.
+pub const RECOVERY_RECORD: &str = "toprise.recovery";
+/// Name of the attachment that holds the scenario as TOML.
+pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
+
+/// What the library field of recordings begins with; the version follows.
+pub const LIBRARY_PREFIX: &str = "toprise/";
+/// The library field of the recordings that this version writes.
+pub const LIBRARY: &str = concat!("toprise/", env!("CARGO_PKG_VERSION"));
+
+/// Key of [`RUN_RECORD`]: the version of toprise that simulated the run.
+pub const VERSION: &str = "version";
+/// Key of [`RUN_RECORD`]: the digest of the scenario.
+pub const SCENARIO_DIGEST: &str = "scenario_digest";
+/// Key of [`RUN_RECORD`]: the time between samples, ns.
+pub const SAMPLE_PERIOD: &str = "sample_period_ns";
+/// Key of [`END_RECORD`]: why the run ended.
+pub const STOP_REASON: &str = "stop_reason";
+/// Key of [`END_RECORD`]: when the run ended, s.
+pub const STOP_TIME: &str = "stop_time";
+/// Key of [`END_RECORD`]: the digest of all messages of the table's channels.
+pub const CONTENT_DIGEST: &str = "content_digest";
+/// Key of [`RECOVERY_RECORD`]: what is lost, in a sentence.
+pub const LOST: &str = "lost";
+/// Key of [`RECOVERY_RECORD`]: the content digest that the whole recording had.
+pub const ORIGINAL_CONTENT_DIGEST: &str = "original_content_digest";
+
+/// Keys of [`END_RECORD`] that count messages, each with the topic whose messages it counts.
+pub const COUNTS: [(&str, &str); 3] = [
+    ("samples", "/top/state"),
+    ("events", "/events"),
+    ("nutations", "/top/nutation"),
+];
+
+/// Entries of a metadata record.
+pub type Entries = BTreeMap<String, String>;
+
+/// The attachment that holds a scenario.
+#[must_use]
+pub fn scenario_attachment(toml: String) -> Attachment<'static> {
+    Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: SCENARIO_ATTACHMENT.to_owned(),
+        media_type: "application/toml".to_owned(),
+        data: toml.into_bytes().into(),
+    }
+}
+
+/// The entries of [`RUN_RECORD`].
+#[must_use]
+pub fn run_entries(scenario: &Scenario) -> Entries {
+    entries([
+        (VERSION, env!("CARGO_PKG_VERSION").to_owned()),
+        ("scenario", scenario.name().to_owned()),
+        (SCENARIO_DIGEST, scenario.digest()),
+        ("formulation", scenario.word("formulation").to_owned()),
+        ("friction_law", scenario.word("friction.law").to_owned()),
+        (SAMPLE_PERIOD, scenario.sample_period_ns.to_string()),
+        ("epoch", "simulation start".to_owned()),
+    ])
+}
+
+/// The entries of [`END_RECORD`], but for the content digest.
+#[must_use]
+pub fn end_entries(outcome: &Outcome) -> Entries {
+    let statistics = &outcome.statistics;
+    entries([
+        (STOP_REASON, outcome.stop.name().to_owned()),
+        (STOP_TIME, format!("{:?}", outcome.time)),
+        ("samples", outcome.samples.to_string()),
+        ("events", outcome.events.to_string()),
+        ("nutations", outcome.nutations.to_string()),
+        ("steps_accepted", statistics.accepted.to_string()),
+        ("steps_rejected", statistics.rejected.to_string()),
+        ("evaluations", statistics.evaluations.to_string()),
+        ("smallest_step", format!("{:?}", statistics.smallest_step)),
+        ("largest_step", format!("{:?}", statistics.largest_step)),
+    ])
+}
+
+fn entries<const N: usize>(entries: [(&str, String); N]) -> Entries {
+    let owned = |(key, value): (&str, String)| (key.to_owned(), value);
+    entries.into_iter().map(owned).collect()
+}
