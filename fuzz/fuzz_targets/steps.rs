@@ -44,7 +44,7 @@ pub fn recording(data: &[u8], scratch: &Path) {
         Err(error) => told(&error.to_string()),
     }
     let report = verify(&recording, Options { reproduce: false }, &|_| {});
-    told(&report.json().to_string());
+    told(&format!("{report:?}"));
     let output = scratch.join("output.mcap");
     let write = |encoding: Option<Encoding>| match encoding {
         None => {

@@ -243,7 +243,7 @@ fn run(subject: Subject<'_>, passed: &Passed, side: usize, is_ours: bool) -> Run
     };
     if let Subject::Recording(recording) = subject {
         run.file = Some(recording.path().display().to_string());
-        run.condition = Some(recording.condition().name().to_owned());
+        run.condition = Some(recording.condition());
         run.library = recording.library().to_owned();
         run.encoding = Some(setup::encodings(recording));
         let end = recording.end();

@@ -23,6 +23,7 @@ mod story;
 use crate::analysis::course::Course;
 use crate::analysis::subject::Subject;
 use crate::run::scenario::Scenario;
+use schemars::JsonSchema;
 use serde::Serialize;
 use stages::Stages;
 use std::ops::ControlFlow;
@@ -32,7 +33,7 @@ use thiserror::Error;
 const NEEDED: [&str; 4] = ["/top/state", "/top/acceleration", "/top/energy", "/events"];
 
 /// A run in words.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Story {
     /// What happened, in a few words.
     pub title: String,
@@ -43,12 +44,14 @@ pub struct Story {
 }
 
 /// A part of a story.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Chapter {
     /// What it is about.
     pub heading: &'static str,
     /// Sentences.
     pub sentences: Vec<String>,
+    /// Whether each sentence stands by itself, as an entry of a list.
+    pub is_list: bool,
     /// Names of columns, and rows; none if there is nothing to tabulate.
     pub table: Option<(Vec<String>, Vec<Vec<String>>)>,
 }

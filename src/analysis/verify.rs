@@ -11,7 +11,6 @@ mod reproduction;
 pub use crate::archive::check::{Check, Group, Verdict};
 use crate::archive::container;
 use crate::archive::recording::{Condition, Recording};
-use serde_json::{Value, json};
 
 /// What to check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,24 +46,6 @@ impl Report {
         } else {
             Verdict::Passed
         }
-    }
-
-    /// For programs.
-    #[must_use]
-    pub fn json(&self) -> Value {
-        let check = |check: &Check| {
-            json!({
-                "group": check.group.name(),
-                "name": check.name,
-                "verdict": check.verdict.name(),
-                "finding": check.finding,
-            })
-        };
-        json!({
-            "state": self.condition.name(),
-            "verdict": self.verdict().name(),
-            "checks": self.checks.iter().map(check).collect::<Vec<_>>(),
-        })
     }
 }
 

@@ -1,7 +1,11 @@
 //! Checks of recordings and how they end.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 /// How a check ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// All is as it must be.
     Passed,
@@ -27,7 +31,8 @@ impl Verdict {
 }
 
 /// A group of checks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Group {
     /// The file as an MCAP file.
     Container,
@@ -53,7 +58,7 @@ impl Group {
 }
 
 /// One check and how it ended.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Check {
     /// What it belongs to.
     pub group: Group,

@@ -38,6 +38,8 @@ use crate::archive::format::{END_RECORD, RECOVERY_RECORD, RUN_RECORD, SCENARIO_A
 use crate::run::scenario::{Scenario, ScenarioError};
 use crate::telemetry::encoding::{DecodeError, Encoding, FieldDifferences};
 use mcap::records::Record;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -94,11 +96,14 @@ pub enum NoScenario {
 }
 
 /// What kind of file it is, as far as opening it tells: damage inside of chunks is found in reading.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Condition {
     /// An MCAP file that toprise did not write.
+    #[serde(rename = "not a toprise recording")]
     Foreign,
     /// A recording with its end record, readable throughout.
+    #[serde(rename = "complete")]
     Whole,
     /// A recording without an end record: the run was cut off, but nothing else is wrong.
     Interrupted,

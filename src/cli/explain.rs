@@ -60,7 +60,7 @@ fn page(story: &Story) -> Page {
 
 fn section(chapter: &Chapter) -> Section {
     let mut section = Section::new(chapter.heading, String::new());
-    if chapter.heading == "What happened" {
+    if chapter.is_list {
         section
             .parts
             .extend(chapter.sentences.iter().cloned().map(Part::Line));

@@ -163,7 +163,11 @@ fn conclusion(report: &Report) -> String {
 
 fn value(file: &Path, answer: &Answer) -> Value {
     let mut value = match answer {
-        Ok(report) => report.json(),
+        Ok(report) => json!({
+            "state": report.condition,
+            "verdict": report.verdict(),
+            "checks": report.checks,
+        }),
         Err(error) => json!({ "verdict": "unreadable", "error": error.to_string() }),
     };
     value["file"] = json!(file.display().to_string());

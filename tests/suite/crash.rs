@@ -58,14 +58,14 @@ fn killed_after(directory: &Path, encoding: &str, milliseconds: u64) {
         overview.messages()
     );
     let report = verify(&recording, Options::default(), &|_| {});
-    assert_eq!(report.verdict(), Verdict::Incomplete, "{:#}", report.json());
+    assert_eq!(report.verdict(), Verdict::Incomplete, "{report:#?}");
 
     let saved = directory.join("saved.mcap");
     let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
     assert!(recovered.lost.unwrap().contains("the end of the run"));
     let saved = Recording::open(&saved).unwrap();
     let report = verify(&saved, Options::default(), &|_| {});
-    assert_eq!(report.verdict(), Verdict::Incomplete, "{:#}", report.json());
+    assert_eq!(report.verdict(), Verdict::Incomplete, "{report:#?}");
     assert_eq!(Overview::of(&saved).messages(), overview.messages());
     // Not one sample is missing in what was saved.
     let mut reader = saved.reader(Selection {
@@ -128,6 +128,6 @@ fn a_full_file_system_is_a_clear_error() {
     let recording = Recording::open(&partial).unwrap();
     assert_eq!(recording.condition(), Condition::Interrupted);
     let report = verify(&recording, Options::default(), &|_| {});
-    assert_eq!(report.verdict(), Verdict::Incomplete, "{:#}", report.json());
+    assert_eq!(report.verdict(), Verdict::Incomplete, "{report:#?}");
     assert!(messages(&partial) > 100);
 }

@@ -33,7 +33,7 @@ fn endures(path: &Path) {
     if recover(&recording, &saved, Existing::Replace, &|_| {}).is_ok() {
         let saved = Recording::open(&saved).unwrap();
         let report = verify(&saved, QUICK, &|_| {});
-        assert_ne!(report.verdict(), Verdict::Failed, "{:#}", report.json());
+        assert_ne!(report.verdict(), Verdict::Failed, "{report:#?}");
     }
 }
 
@@ -185,7 +185,7 @@ fn the_rest_of_a_damaged_recording_is_saved_and_can_be_completed() {
         Options::default(),
         &|_| {},
     );
-    assert_eq!(report.verdict(), Verdict::Incomplete, "{:#}", report.json());
+    assert_eq!(report.verdict(), Verdict::Incomplete, "{report:#?}");
     assert_eq!(report.condition, Condition::Recovered);
     let kept = Overview::read(&saved).unwrap().messages();
     assert!(kept < all && kept > all / 2, "{kept} of {all}");

@@ -87,7 +87,7 @@ fn regress_the_reference_recordings_are_verified() {
         let path = directory.join(name).with_extension("mcap");
         let recording = Recording::open(&path).unwrap();
         let report = verify(&recording, Options::default(), &|_| {});
-        assert_eq!(report.verdict(), Verdict::Passed, "{:#}", report.json());
+        assert_eq!(report.verdict(), Verdict::Passed, "{report:#?}");
         let digest = &recording.end().unwrap()["content_digest"];
         assert!(
             readme.contains(digest),

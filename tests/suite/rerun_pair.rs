@@ -10,10 +10,10 @@ use std::path::Path;
 use std::sync::LazyLock;
 use tempfile::tempdir;
 use toprise::archive::memory::Owned;
-use toprise::archive::sink::Side;
 use toprise::physics::math::log10;
 use toprise::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
 use toprise::run::scenario::Scenario;
+use toprise::telemetry::side::Side;
 use toprise::telemetry::{Message, channels};
 
 const DURATION: (&str, &str) = ("stop.duration", "0.3");

@@ -5,6 +5,7 @@
 
 use super::tolerance::Tolerance;
 use crate::analysis::course::CourseReport;
+use crate::archive::recording::Condition;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -57,7 +58,7 @@ pub struct Run {
     /// Its file; absent for a scenario that was run on the fly.
     pub file: Option<String>,
     /// What kind of file it is.
-    pub condition: Option<String>,
+    pub condition: Option<Condition>,
     /// What wrote it.
     pub library: String,
     /// The encoding of its messages.

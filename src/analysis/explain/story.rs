@@ -67,7 +67,7 @@ fn chapter(heading: &'static str, sentences: Vec<String>) -> Option<Chapter> {
     let chapter = Chapter {
         heading,
         sentences,
-        table: None,
+        ..Chapter::default()
     };
     Some(chapter).filter(|chapter| !chapter.sentences.is_empty())
 }
@@ -159,6 +159,7 @@ fn motion(facts: &Facts) -> Option<Chapter> {
         heading: "Why the axis moves",
         sentences,
         table: Some((header(), stages.iter().map(row).collect())),
+        ..Chapter::default()
     })
 }
 
@@ -481,5 +482,9 @@ fn events(facts: &Facts) -> Option<Chapter> {
         };
         format!("{}  {}{again}", moment(event.time), event.description)
     };
-    chapter("What happened", kinds.into_iter().map(told).collect())
+    let chapter = chapter("What happened", kinds.into_iter().map(told).collect())?;
+    Some(Chapter {
+        is_list: true,
+        ..chapter
+    })
 }

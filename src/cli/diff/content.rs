@@ -6,6 +6,7 @@ use crate::analysis::diff::{
     Verdict,
 };
 use crate::analysis::phrase::{duration, quantity, significant, symbol};
+use crate::archive::recording::Condition;
 use crate::cli::format;
 use crate::cli::page::{Page, Part, Section, Table, Tone};
 use unicode_width::{UnicodeWidthChar as _, UnicodeWidthStr as _};
@@ -55,12 +56,9 @@ fn runs(report: &Report) -> Table {
     let row = |letter: &str, run: &Run| {
         let what = match &run.condition {
             None => "simulated now",
-            Some(condition)
-                if ["complete", "not a toprise recording"].contains(&condition.as_str()) =>
-            {
-                if run.losses.is_empty() { "" } else { "damaged" }
-            }
-            Some(condition) => condition,
+            Some(Condition::Whole | Condition::Foreign) if run.losses.is_empty() => "",
+            Some(Condition::Whole | Condition::Foreign) => "damaged",
+            Some(condition) => condition.name(),
         };
         vec![
             letter.to_owned(),
