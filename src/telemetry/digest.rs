@@ -1,6 +1,7 @@
 //! The content digest: a fingerprint of what was recorded, whatever the file looks like.
 
-use super::{Message, channels};
+use super::channel::channels;
+use super::message::Message;
 use crate::run::scenario::hex;
 use sha2::{Digest as _, Sha256};
 

@@ -1,9 +1,10 @@
 //! The encodings that messages of a recording can have, each way.
 
+use super::channel::ChannelInfo;
 use super::json::{JsonDecoder, JsonEncoder};
+use super::message::Message;
 use super::protobuf::{ProtobufDecoder, ProtobufEncoder, file_descriptor_set};
 use super::schema::json_schema;
-use super::{ChannelInfo, Message};
 use thiserror::Error;
 
 /// An encoding of messages, with the description of its messages that goes with it.

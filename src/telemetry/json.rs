@@ -1,7 +1,8 @@
 //! Messages as JSON: `{"timestamp":{"sec":…,"nsec":…},"theta":…,…}`.
 
+use super::channel::{ChannelInfo, Content, channels};
 use super::encoding::{DecodeError, Object, Paths, Row, Target};
-use super::{ChannelInfo, Content, Message, channels};
+use super::message::Message;
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
 use std::fmt;

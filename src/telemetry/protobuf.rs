@@ -4,9 +4,10 @@
 //!
 //! All numbers are doubles and are written even when they are zero, so that the sign of a zero stays.
 
+use super::channel::{ChannelInfo, Content, Member, channels};
 use super::encoding::{DecodeError, Object, Paths, Row, Target};
+use super::message::Message;
 use super::schema::described;
-use super::{ChannelInfo, Content, Member, Message, channels};
 use prost::Message as _;
 use prost::encoding::{
     DecodeContext, WireType, decode_key, decode_varint, encode_key, encode_varint, skip_field,

@@ -1,6 +1,6 @@
 //! JSON Schemas, generated from the table.
 
-use super::{ChannelInfo, Content, Leaf, Member};
+use super::channel::{ChannelInfo, Content, Leaf, Member};
 use serde_json::{Map, Value, json};
 
 /// The JSON Schema of a channel's messages, as the text that stands in recordings and in `schemas/`.

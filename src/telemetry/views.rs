@@ -13,7 +13,8 @@ mod cdr;
 mod urdf;
 
 use self::cdr::Cdr;
-use super::{Message, channel_index, channels};
+use super::channel::{channel_index, channels};
+use super::message::Message;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
 use crate::telemetry::proportions::Proportions;

@@ -1,0 +1,175 @@
+//! The channels as sinks and readers see them: what the table says, without where it comes from.
+
+use super::table::{Channel, EVENTS, Field, NUTATION, SAMPLES, Source};
+use std::sync::OnceLock;
+
+/// A channel as the sinks see it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChannelInfo {
+    /// Topic, as in `/top/state`.
+    pub topic: &'static str,
+    /// Name of the message type.
+    pub schema: &'static str,
+    /// What the channel carries.
+    pub meaning: &'static str,
+    /// Its texts, which stand first in a message: as in [`Message::texts`].
+    pub texts: Vec<Leaf>,
+    /// Its numbers: as in [`Message::numbers`].
+    pub numbers: Vec<Leaf>,
+    /// Whether there is a message for each sample; else for each event or cycle.
+    pub is_sampled: bool,
+    /// Whether a sample may be without a message of this channel.
+    pub is_optional: bool,
+}
+
+/// One number or text of a message.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leaf {
+    /// Where it stands in the message: a name, or an object's name and a component, `omega_body.x`.
+    pub path: String,
+    /// Unit, empty for pure numbers and texts.
+    pub unit: &'static str,
+    /// Frame of a vector's components, empty for others.
+    pub frame: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+    /// The plot in which its channel shows it; those with the same plot belong together.
+    pub plot: &'static str,
+}
+
+/// A member of a message: a leaf, or an object of numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member<'a> {
+    /// Its name in the message.
+    pub name: &'a str,
+    /// What it is.
+    pub content: Content<'a>,
+}
+
+/// What a member of a message is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content<'a> {
+    /// The text with this index.
+    Text(usize),
+    /// The number with this index.
+    Number(usize),
+    /// Numbers, with their names in the object and their indices.
+    Object(Vec<(&'a str, usize)>),
+}
+
+impl ChannelInfo {
+    /// How a message is built from its leaves: a dot in a path makes an object.
+    #[must_use]
+    pub fn members(&self) -> Vec<Member<'_>> {
+        let mut members: Vec<Member<'_>> = Vec::new();
+        for (index, leaf) in self.texts.iter().enumerate() {
+            members.push(Member {
+                name: &leaf.path,
+                content: Content::Text(index),
+            });
+        }
+        for (index, leaf) in self.numbers.iter().enumerate() {
+            let Some((parent, name)) = leaf.path.split_once('.') else {
+                members.push(Member {
+                    name: &leaf.path,
+                    content: Content::Number(index),
+                });
+                continue;
+            };
+            match members.last_mut() {
+                Some(Member {
+                    name: open,
+                    content: Content::Object(inner),
+                }) if *open == parent => inner.push((name, index)),
+                _ => members.push(Member {
+                    name: parent,
+                    content: Content::Object(vec![(name, index)]),
+                }),
+            }
+        }
+        members
+    }
+
+    /// Texts and numbers, in the order of a message.
+    pub fn leaves(&self) -> impl Iterator<Item = &Leaf> {
+        self.texts.iter().chain(&self.numbers)
+    }
+
+    /// Where the number `path` stands in [`Message::numbers`].
+    #[must_use]
+    pub fn number_index(&self, path: &str) -> Option<usize> {
+        self.numbers.iter().position(|leaf| leaf.path == path)
+    }
+}
+
+/// All channels, in table order.
+pub fn channels() -> &'static [ChannelInfo] {
+    static CHANNELS: OnceLock<Vec<ChannelInfo>> = OnceLock::new();
+    CHANNELS.get_or_init(|| {
+        let samples = SAMPLES.iter().map(|channel| info(channel, true));
+        let others = [info(&NUTATION, false), info(&EVENTS, false)];
+        samples.chain(others).collect()
+    })
+}
+
+/// Where the channel with a topic stands in [`channels`].
+#[must_use]
+pub fn channel_index(topic: &str) -> Option<usize> {
+    channels().iter().position(|channel| channel.topic == topic)
+}
+
+fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
+    let (texts, numbers): (Vec<_>, Vec<_>) = channel
+        .fields
+        .iter()
+        .partition(|field| matches!(field.source, Source::Text(_)));
+    let leaves = |fields: Vec<&Field<S>>| fields.into_iter().flat_map(leaves).collect();
+    ChannelInfo {
+        topic: channel.topic,
+        schema: channel.schema,
+        meaning: channel.meaning,
+        texts: leaves(texts),
+        numbers: leaves(numbers),
+        is_sampled,
+        is_optional: channel.present.is_some(),
+    }
+}
+
+fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
+    let components: &[&str] = match field.source {
+        Source::Number(_) | Source::Text(_) => &[""],
+        Source::Vector(_) => &[".x", ".y", ".z"],
+        Source::Rotation(_) => &[".x", ".y", ".z", ".w"],
+    };
+    let leaf = |component: &&str| Leaf {
+        path: format!("{}{component}", field.name),
+        unit: field.unit,
+        frame: field.frame,
+        meaning: field.meaning,
+        plot: field.plot,
+    };
+    components.iter().map(leaf).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_unique_and_objects_are_contiguous() {
+        for channel in channels() {
+            let mut closed: Vec<&str> = Vec::new();
+            for leaf in channel.leaves() {
+                let parent = leaf.path.split('.').next().unwrap_or_default();
+                if closed.last() != Some(&parent) {
+                    assert!(!closed.contains(&parent), "{} {}", channel.topic, leaf.path);
+                    closed.push(parent);
+                }
+            }
+            let mut paths: Vec<_> = channel.leaves().map(|leaf| &leaf.path).collect();
+            paths.sort();
+            paths.dedup();
+            assert_eq!(paths.len(), channel.leaves().count(), "{}", channel.topic);
+        }
+    }
+}

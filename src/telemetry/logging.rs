@@ -1,0 +1,157 @@
+//! The messages of a run: the table applied to its records.
+
+use super::channel::{channel_index, channels};
+use super::message::Message;
+use super::table::{Channel, EVENTS, NUTATION, SAMPLES, Source};
+use crate::run::simulation::Record;
+use thiserror::Error;
+
+/// Why a record can't be logged.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum TelemetryError {
+    /// A quantity became infinite or not a number.
+    #[error("{topic} {field} is {value} at t = {} s: only finite numbers are recorded", *time_ns as f64 / 1e9)]
+    NonFinite {
+        /// The channel.
+        topic: &'static str,
+        /// The field.
+        field: String,
+        /// What it was.
+        value: f64,
+        /// When, ns.
+        time_ns: u64,
+    },
+    /// A topic that does not exist was asked for.
+    #[error("there is no topic {topic}; topics: {allowed}")]
+    UnknownTopic {
+        /// The topic.
+        topic: String,
+        /// Those that exist.
+        allowed: String,
+    },
+}
+
+/// Turns records into messages.
+#[derive(Debug)]
+pub struct Telemetry {
+    wanted: Vec<bool>,
+    numbers: Vec<f64>,
+    texts: Vec<String>,
+}
+
+impl Default for Telemetry {
+    /// All topics.
+    fn default() -> Self {
+        Self {
+            wanted: vec![true; channels().len()],
+            numbers: Vec::new(),
+            texts: Vec::new(),
+        }
+    }
+}
+
+impl Telemetry {
+    /// Only some topics.
+    ///
+    /// # Errors
+    /// [`TelemetryError::UnknownTopic`] for one that does not exist.
+    pub fn with_topics(topics: &[String]) -> Result<Self, TelemetryError> {
+        let mut telemetry = Self::default();
+        telemetry.wanted.fill(false);
+        for topic in topics {
+            let channel = channel_index(topic).ok_or_else(|| TelemetryError::UnknownTopic {
+                topic: topic.clone(),
+                allowed: channels()
+                    .iter()
+                    .map(|c| c.topic)
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            })?;
+            telemetry.wanted[channel] = true;
+        }
+        Ok(telemetry)
+    }
+
+    /// Whether the channel with this index is logged.
+    #[must_use]
+    pub fn wants(&self, channel: usize) -> bool {
+        self.wanted[channel]
+    }
+
+    /// Gives the messages of `record` to `emit`, in table order.
+    ///
+    /// # Errors
+    /// [`TelemetryError::NonFinite`], or the first error of `emit`.
+    pub fn messages<E: From<TelemetryError>>(
+        &mut self,
+        record: &Record,
+        mut emit: impl FnMut(&Message<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        match record {
+            Record::Sample(sample) => {
+                for (channel, row) in SAMPLES.iter().enumerate() {
+                    let at = (channel, sample.index, sample.time_ns);
+                    self.message(row, at, sample.as_ref(), &mut emit)?;
+                }
+                Ok(())
+            }
+            Record::Nutation(cycle) => {
+                let at = (SAMPLES.len(), cycle.index, cycle.time_ns);
+                self.message(&NUTATION, at, cycle.as_ref(), &mut emit)
+            }
+            Record::Event(event) => {
+                let at = (SAMPLES.len() + 1, event.index, event.time_ns);
+                self.message(&EVENTS, at, event.as_ref(), &mut emit)
+            }
+        }
+    }
+
+    fn message<S, E: From<TelemetryError>>(
+        &mut self,
+        row: &Channel<S>,
+        (channel, sequence, time_ns): (usize, u32, u64),
+        source: &S,
+        emit: &mut impl FnMut(&Message<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        if !self.wanted[channel] || row.present.is_some_and(|present| !present(source)) {
+            return Ok(());
+        }
+        self.numbers.clear();
+        self.texts.clear();
+        for field in row.fields {
+            match field.source {
+                Source::Number(get) => self.numbers.push(get(source)),
+                Source::Vector(get) => self.numbers.extend(get(source).iter()),
+                Source::Rotation(get) => self.numbers.extend(get(source).coords.iter()),
+                Source::Text(get) => self.texts.push(get(source).to_owned()),
+            }
+        }
+        if let Some(wrong) = self.numbers.iter().position(|number| !number.is_finite()) {
+            let leaf = channels()[channel].numbers.get(wrong);
+            return Err(E::from(TelemetryError::NonFinite {
+                topic: row.topic,
+                field: leaf.map(|leaf| leaf.path.clone()).unwrap_or_default(),
+                value: self.numbers[wrong],
+                time_ns,
+            }));
+        }
+        emit(&Message {
+            channel,
+            sequence,
+            time_ns,
+            numbers: &self.numbers,
+            texts: &self.texts,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknown_topics_are_refused() {
+        let error = Telemetry::with_topics(&["/top/stat".to_owned()]).unwrap_err();
+        assert!(error.to_string().contains("/top/state"), "{error}");
+    }
+}
