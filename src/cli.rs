@@ -53,6 +53,12 @@ struct Arguments {
     command: Command,
 }
 
+/// The command line's definition, from which help pages, completions and other documents can be made.
+#[must_use]
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
+
 const AFTER_HELP: &str = "\
 Examples:
   toprise run                              the rise of the paper

@@ -11,6 +11,7 @@ mod crash;
 mod damage;
 mod diff;
 mod diff_command;
+mod documents;
 mod explain;
 mod figures;
 mod fuzz_corpus;

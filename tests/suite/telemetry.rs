@@ -61,18 +61,24 @@ fn regress_the_committed_schemas_are_those_of_the_table() {
 }
 
 #[test]
-fn the_readme_lists_every_channel() {
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+fn the_documents_list_every_channel() {
+    let page = fs::read_to_string(root().join("docs/recordings.md")).unwrap();
     for channel in channels() {
         let row = format!("| `{}` | {} |", channel.topic, channel.meaning);
-        assert!(readme.contains(&row), "README.md lacks the row {row}");
+        assert!(
+            page.contains(&row),
+            "docs/recordings.md lacks the row {row}"
+        );
     }
     for view in view_channels() {
         let row = format!(
             "| `{}` | `{}` | {} |",
             view.topic, view.schema, view.meaning
         );
-        assert!(readme.contains(&row), "README.md lacks the row {row}");
+        assert!(
+            page.contains(&row),
+            "docs/recordings.md lacks the row {row}"
+        );
     }
 }
 

@@ -1,0 +1,169 @@
+//! The documents stay true: links lead somewhere, commands are understood, and what they are said to print is what
+//! they print.
+
+use assert_cmd::Command;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What stands for any text within a line of output, and alone on a line for any lines.
+const ANYTHING: &str = "…";
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn documents() -> Vec<(PathBuf, String)> {
+    let mut paths: Vec<PathBuf> = ["", "docs", "recordings"]
+        .iter()
+        .flat_map(|folder| fs::read_dir(root().join(folder)).unwrap())
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "md"))
+        .collect();
+    paths.sort();
+    assert!(paths.len() > 8, "only {} documents are found", paths.len());
+    paths
+        .into_iter()
+        .map(|path| {
+            let text = fs::read_to_string(&path).unwrap();
+            (path, text)
+        })
+        .collect()
+}
+
+/// Blocks of code in a language, as lines.
+fn blocks<'a>(text: &'a str, language: &str) -> Vec<Vec<&'a str>> {
+    let mut blocks = Vec::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        if let Some(found) = line.strip_prefix("```") {
+            let block: Vec<&str> = lines
+                .by_ref()
+                .take_while(|l| !l.starts_with("```"))
+                .collect();
+            if found == language {
+                blocks.push(block);
+            }
+        }
+    }
+    blocks
+}
+
+#[test]
+fn links_lead_to_files() {
+    let mut links = 0;
+    for (path, text) in documents() {
+        for rest in text.split("](").skip(1) {
+            let target = rest.split(')').next().unwrap().split('#').next().unwrap();
+            if target.is_empty() || target.contains("://") {
+                continue;
+            }
+            links += 1;
+            let file = path.parent().unwrap().join(target);
+            assert!(file.exists(), "{} links to {target}", path.display());
+        }
+    }
+    assert!(links > 20, "only {links} links are found");
+}
+
+#[test]
+fn commands_are_understood() {
+    let mut commands = 0;
+    for (path, text) in documents() {
+        for line in blocks(&text, "sh").into_iter().flatten() {
+            let line = line.split(" #").next().unwrap().trim();
+            let Some(line) = line.strip_prefix("toprise ") else {
+                continue;
+            };
+            let line = line.split(" > ").next().unwrap();
+            if cfg!(not(feature = "rerun")) && needs_rerun(line) {
+                continue;
+            }
+            commands += 1;
+            let words = line.split_whitespace().map(|word| word.trim_matches('\''));
+            let parsed = toprise::cli::command()
+                .try_get_matches_from(std::iter::once("toprise").chain(words));
+            assert!(
+                parsed.is_ok(),
+                "{}: toprise {line}: {}",
+                path.display(),
+                parsed.unwrap_err()
+            );
+        }
+    }
+    assert!(commands > 10, "only {commands} commands are found");
+}
+
+fn needs_rerun(line: &str) -> bool {
+    ["view", "--rrd", "--spawn", "--connect", "--serve"]
+        .iter()
+        .any(|word| line.split_whitespace().any(|other| other == *word))
+}
+
+/// Runs what the documents show with its output, and compares.
+#[test]
+#[cfg(feature = "rerun")]
+fn commands_print_what_the_documents_show() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::create_dir(directory.path().join("recordings")).unwrap();
+    fs::write(directory.path().join("Cargo.toml"), "").unwrap();
+    let run = |line: &str| {
+        let output = Command::cargo_bin("toprise")
+            .unwrap()
+            .args(line.split_whitespace())
+            .current_dir(directory.path())
+            .output()
+            .unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let paper = run("run");
+    let mut sessions = 0;
+    for (path, text) in documents() {
+        for block in blocks(&text, "text") {
+            let Some(line) = block.first().and_then(|l| l.strip_prefix("$ toprise ")) else {
+                continue;
+            };
+            sessions += 1;
+            let printed = if line == "run" {
+                paper.clone()
+            } else {
+                run(line)
+            };
+            let printed: Vec<&str> = printed.lines().collect();
+            assert!(
+                is_shown(&block[1..], &printed),
+                "{}: toprise {line} prints now:\n{}",
+                path.display(),
+                printed.join("\n")
+            );
+        }
+    }
+    assert!(sessions >= 4, "only {sessions} sessions are found");
+}
+
+/// Whether the lines of a document are those of an output.
+fn is_shown(shown: &[&str], printed: &[&str]) -> bool {
+    match (shown.split_first(), printed.split_first()) {
+        (None, None) => true,
+        (Some((&ANYTHING, rest)), _) => {
+            (0..=printed.len()).any(|from| is_shown(rest, &printed[from..]))
+        }
+        (Some((line, shown)), Some((other, printed))) => {
+            is_line(line, other) && is_shown(shown, printed)
+        }
+        _ => false,
+    }
+}
+
+/// Whether a line is the shown one; the time that something took is another one each time.
+fn is_line(shown: &str, printed: &str) -> bool {
+    let of_time = |line: &str| line.trim_start().starts_with("took ");
+    if of_time(shown) && of_time(printed) {
+        return shown.split(';').skip(1).eq(printed.split(';').skip(1));
+    }
+    match shown.split_once(ANYTHING) {
+        Some((before, after)) => printed
+            .strip_prefix(before)
+            .is_some_and(|rest| rest.ends_with(after)),
+        None => shown.trim_end() == printed.trim_end(),
+    }
+}
