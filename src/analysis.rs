@@ -6,5 +6,6 @@ pub mod diff;
 pub mod explain;
 pub mod figures;
 pub(crate) mod phrase;
+pub(crate) mod plot;
 pub mod subject;
 pub mod verify;

@@ -18,31 +18,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod decimate;
-mod drawing;
-mod frame;
-mod key;
 #[cfg(test)]
 mod layout_tests;
 mod locus;
-mod page;
-mod png;
+mod looks;
+mod need;
 mod run;
-mod style;
-mod svg;
-mod text;
-mod ticks;
 mod time;
 
-pub use self::drawing::Drawing;
 pub use self::run::Run;
+pub use crate::analysis::plot::drawing::Drawing;
 
-/// Numbers of a channel that a figure draws.
-#[derive(Debug, PartialEq, Eq)]
-struct Need {
-    topic: &'static str,
-    fields: &'static [&'static str],
-}
+use self::need::{NUTATION, Need};
+use crate::analysis::subject::Subject;
 
 /// A kind of figure.
 #[derive(Debug)]
@@ -66,7 +54,7 @@ const ANGLES: Need = Need {
 };
 
 const NUTATIONS: Need = Need {
-    topic: run::NUTATION,
+    topic: NUTATION,
     fields: &[
         "start",
         "period",
@@ -196,6 +184,22 @@ pub const FIGURES: &[Figure] = &[
         draw: time::energy,
     },
 ];
+
+impl Run {
+    /// Reads what some figures need of a recording or a simulation.
+    ///
+    /// `progress` is told how many more bytes have been read.
+    #[must_use]
+    pub fn read<'a>(
+        subject: impl Into<Subject<'a>>,
+        name: &str,
+        figures: &[&Figure],
+        progress: &dyn Fn(u64),
+    ) -> Self {
+        let needs = figures.iter().flat_map(|figure| figure.all_needs());
+        Self::collect(subject.into(), name, needs, progress)
+    }
+}
 
 impl Figure {
     /// The figure with this name.

@@ -60,6 +60,24 @@ fn no_files_of_a_room_use_each_other() {
 }
 
 #[test]
+fn plotting_knows_nothing_of_tops() {
+    let is_plot = |module: &Module| module.starts_with(&["analysis", "plot"].map(str::to_owned));
+    let plot: Vec<_> = graph()
+        .into_iter()
+        .filter(|(file, _)| is_plot(file))
+        .collect();
+    assert!(
+        plot.len() > 5,
+        "only {} files of plotting are found",
+        plot.len()
+    );
+    for (file, used) in plot {
+        let other = used.iter().find(|other| !is_plot(other));
+        assert_eq!(other, None, "{} uses more than plotting", name(&file));
+    }
+}
+
+#[test]
 fn the_rooms_are_those_of_the_table_in_architecture_md() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = fs::read_to_string(root.join("ARCHITECTURE.md")).unwrap();

@@ -2,6 +2,7 @@
 
 use crate::support::{archive, scenario};
 use assert_cmd::Command;
+use roxmltree::{Document, Node};
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::Path;
@@ -39,36 +40,102 @@ fn error_of(command: &mut Command, code: i32) -> String {
     String::from_utf8(output.stderr).unwrap()
 }
 
-/// Asserts that a document is one element whose tags and quotes match; tells how many elements it has.
-fn elements(xml: &str) -> usize {
-    let body = xml
-        .strip_prefix("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n")
-        .unwrap();
-    let (mut open, mut count) = (Vec::new(), 0);
-    for (index, piece) in body.split('<').enumerate() {
-        let Some((tag, text)) = piece.split_once('>') else {
-            assert!(index == 0 && piece.is_empty(), "{piece}");
-            continue;
-        };
-        assert!(!text.contains('&') || text.contains(';'), "{text}");
-        assert!(tag.matches('"').count() % 2 == 0, "{tag}");
-        let name = tag.split([' ', '/']).next().unwrap();
-        if let Some(closed) = tag.strip_prefix('/') {
-            assert_eq!(open.pop(), Some(closed), "{closed}");
-        } else {
-            count += 1;
-            assert!(count == 1 || !open.is_empty(), "{name} stands outside");
-            if !tag.ends_with('/') {
-                open.push(name);
-            }
+const SVG: &str = "http://www.w3.org/2000/svg";
+const XLINK: &str = "http://www.w3.org/1999/xlink";
+
+fn parsed(svg: &str) -> Document<'_> {
+    Document::parse(svg).unwrap_or_else(|error| panic!("{error} in {}", &svg[..400.min(svg.len())]))
+}
+
+/// The labels of all groups, as a reader of the document gets them.
+fn labels(svg: &str) -> Vec<String> {
+    let document = parsed(svg);
+    let labels = document
+        .descendants()
+        .filter_map(|node| node.attribute("aria-label"));
+    labels.map(str::to_owned).collect()
+}
+
+/// Asserts that a document is an SVG image of this size in mm, made of known elements, whose references lead somewhere.
+fn check_svg(svg: &str, (width, height): (f64, f64), what: &str) {
+    let document = parsed(svg);
+    let root = document.root_element();
+    assert!(
+        root.has_tag_name((SVG, "svg")),
+        "{what}: {:?}",
+        root.tag_name()
+    );
+    let length = |name| {
+        let text = root.attribute(name).unwrap().strip_suffix("mm").unwrap();
+        text.parse::<f64>().unwrap()
+    };
+    // Lengths are whole hundredths of a millimetre, and the view box counts these.
+    assert!((length("width") - width).abs() <= 0.005, "{what}");
+    assert!((length("height") - height).abs() <= 0.005, "{what}");
+    let view: Vec<f64> = root
+        .attribute("viewBox")
+        .unwrap()
+        .split(' ')
+        .map(|number| number.parse().unwrap())
+        .collect();
+    let expected = [0.0, 0.0, 100.0 * length("width"), 100.0 * length("height")];
+    assert!(
+        view.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6),
+        "{what}: {view:?}"
+    );
+    let title = root.first_element_child().unwrap();
+    assert!(
+        title.has_tag_name((SVG, "title")) && title.text().is_some(),
+        "{what}"
+    );
+    let known = ["svg", "title", "defs", "path", "rect", "g", "circle", "use"];
+    let mut counts = [0; 8];
+    for node in document.descendants().filter(Node::is_element) {
+        assert_eq!(
+            node.tag_name().namespace(),
+            Some(SVG),
+            "{what}: {:?}",
+            node.tag_name()
+        );
+        let name = known
+            .iter()
+            .position(|name| *name == node.tag_name().name());
+        counts[name.unwrap_or_else(|| panic!("{what}: {:?}", node.tag_name()))] += 1;
+        if node.has_tag_name((SVG, "use")) {
+            let target = node
+                .attribute((XLINK, "href"))
+                .unwrap()
+                .strip_prefix('#')
+                .unwrap();
+            let glyph = document
+                .descendants()
+                .find(|node| node.attribute("id") == Some(target));
+            assert!(
+                glyph.is_some_and(|glyph| glyph.has_attribute("d")),
+                "{what}: no {target}"
+            );
+        }
+        if node.has_tag_name((SVG, "path")) {
+            let data = node.attribute("d").unwrap();
+            // Spaces are the only glyphs without an outline.
+            let is_glyph = node.has_attribute("id");
+            assert!(
+                data.starts_with('M') || (is_glyph && data.is_empty()),
+                "{what}: {data}"
+            );
+            assert!(
+                !data.contains("NaN") && !data.contains("inf"),
+                "{what}: {data}"
+            );
         }
     }
-    assert!(open.is_empty(), "{open:?}");
-    count
+    let [svgs, titles, defs, paths, .., groups, _, uses] = counts;
+    assert_eq!((svgs, titles, defs), (1, 1, 1), "{what}");
+    assert!(paths > 10 && groups > 5 && uses > 10, "{what}: {counts:?}");
 }
 
 #[test]
-fn every_figure_of_a_short_run_draws_and_is_well_formed() {
+fn every_figure_is_an_svg_image_and_a_png_of_its_size() {
     let runs = [short("paper"), short("full-coulomb"), short("frictionless")];
     let runs: Vec<_> = runs.iter().collect();
     for figure in FIGURES {
@@ -83,17 +150,19 @@ fn every_figure_of_a_short_run_draws_and_is_well_formed() {
             );
             for width in [85.0, 170.0] {
                 let drawing = figure.draw(runs, width);
-                let svg = drawing.svg();
-                assert!(elements(&svg) > 50, "{}", figure.name);
-                assert!(
-                    svg.contains(&format!("width=\"{width}mm\"")),
-                    "{}",
-                    figure.name
-                );
+                let what = format!("{} of {} runs, {width} mm", figure.name, runs.len());
+                assert_eq!(drawing.size().0, width);
+                check_svg(&drawing.svg(), drawing.size(), &what);
                 let png = drawing.png().unwrap();
                 assert!(png.starts_with(b"\x89PNG"));
-                let pixels = u32::from_be_bytes(png[16..20].try_into().unwrap());
-                assert_eq!(pixels, (width / 25.4 * 300.0).round() as u32);
+                let pixels = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+                let expected = |length: f64| (length / 25.4 * 300.0).round() as u32;
+                let (width, height) = drawing.size();
+                assert_eq!(
+                    (pixels(16), pixels(20)),
+                    (expected(width), expected(height)),
+                    "{what}"
+                );
             }
         }
     }
@@ -103,7 +172,7 @@ fn every_figure_of_a_short_run_draws_and_is_well_formed() {
 fn axes_are_named_with_symbols_and_units() {
     let run = short("paper");
     let svg = |name| Figure::find(name).unwrap().draw(&[&run], 85.0).svg();
-    for (name, labels) in [
+    for (name, expected) in [
         (
             "figure-2",
             &[
@@ -123,10 +192,12 @@ fn axes_are_named_with_symbols_and_units() {
         ("slip", &["|v| (m/s)", "s (m)"]),
         ("energy", &["E (J)", "ΔE (10^−3 J)"]),
     ] {
-        let svg = svg(name);
-        for label in labels {
-            let found = svg.contains(&format!("aria-label=\"{label}\""));
-            assert!(found, "{name} doesn't name {label}");
+        let found = labels(&svg(name));
+        for label in expected {
+            assert!(
+                found.iter().any(|found| found == label),
+                "{name} doesn't name {label}"
+            );
         }
     }
 }
@@ -139,12 +210,19 @@ fn names_of_runs_are_escaped() {
         .unwrap()
         .draw(&[&run, &run], 85.0)
         .svg();
-    assert!(elements(&svg) > 50);
-    assert!(
-        svg.contains("&lt;a &amp; &quot;b&quot;&gt;\u{fffd}"),
-        "{}",
-        &svg[..500]
+    // XML has no way to write the control character.
+    let name = "<a & \"b\">\u{fffd}";
+    let title = format!("θ, θ\u{307}, φ\u{307} and ψ\u{307} over time — {name}, {name}");
+    let document = parsed(&svg);
+    assert_eq!(
+        document
+            .root_element()
+            .first_element_child()
+            .unwrap()
+            .text(),
+        Some(title.as_str())
     );
+    assert!(labels(&svg).contains(&format!("key: {name}")));
 }
 
 /// Figures, and the SHA-256 of their SVG and PNG.

@@ -1,7 +1,8 @@
 //! That nothing in a figure overlaps or sticks out, whatever it shows.
 
-use super::drawing::{Bounds, Drawing, Label, Shape};
 use super::*;
+use crate::analysis::plot::drawing::{Drawing, Label};
+use crate::analysis::plot::shape::{Bounds, Shape};
 use crate::run::scenario::{Preset, Scenario};
 
 /// A run that is drawn quickly, and differs from others.

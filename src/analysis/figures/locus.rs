@@ -1,19 +1,17 @@
 //! The paper's figure 3: where the symmetry axis points.
 
 mod sphere;
+mod trace;
 
 use self::sphere::Sphere;
-use super::drawing::{Bounds, Drawing, Point, Shape, Stroke};
-use super::frame::{self, Frame, Quantity, extremes};
-use super::key::{self, Entry};
+use self::trace::{Direction, Trace};
+use super::looks::{self, Looks};
 use super::run::Run;
-use super::style::{LINE, Looks, MARGIN, TWO_COLUMNS};
-
-/// A direction: x and y horizontal, z upwards.
-type Direction = [f64; 3];
-
-/// The end that is magnified, as a part of the run.
-const END: f64 = 0.02;
+use crate::analysis::plot::drawing::Drawing;
+use crate::analysis::plot::frame::{self, Frame, Quantity, extremes};
+use crate::analysis::plot::legend::{self, Entry};
+use crate::analysis::plot::shape::{Bounds, Point};
+use crate::analysis::plot::style::{LINE, MARGIN, TWO_COLUMNS};
 
 /// The greatest height of the sphere, as a part of its width.
 const TALLEST: f64 = 0.8;
@@ -40,9 +38,9 @@ pub(super) fn locus(runs: &[&Run], width: f64) -> Drawing {
         .collect();
     let ends: Vec<_> = traces.iter().map(Trace::end).collect();
     let mut drawing = Drawing::new(width);
-    let mut key = key::of_runs(runs, Looks::run_in_key);
-    key.extend([Entry::dot(false, "start"), Entry::dot(true, "end")]);
-    let top = key::draw_at_top(&mut drawing, &key) + LINE + 0.6;
+    let mut legend = looks::legend(runs, Looks::run_in_legend);
+    legend.extend([Entry::dot(false, "start"), Entry::dot(true, "end")]);
+    let top = legend::draw_at_top(&mut drawing, &legend) + LINE + 0.6;
     let usable = width - 2.0 * MARGIN;
     let sphere = Sphere::around(&traces);
     let squares = [traces.as_slice(), ends.as_slice()];
@@ -128,56 +126,4 @@ fn around_origin(traces: &[Trace]) -> [(f64, f64); 2] {
     let ends = ranges(traces).map(|(low, high)| high.max(-low));
     let end = ends[0].max(ends[1]);
     [(-end, end); 2]
-}
-
-/// The way of a run's symmetry axis.
-struct Trace {
-    name: String,
-    times: Vec<f64>,
-    axes: Vec<Direction>,
-    stroke: Stroke,
-    /// Whether it begins where the run began.
-    has_start: bool,
-}
-
-impl Trace {
-    fn of(run: &Run, stroke: Stroke) -> Self {
-        let component = |field| run.series("/top/pose", field);
-        let [x, y, z] = ["axis.x", "axis.y", "axis.z"].map(component);
-        let both = x.iter().zip(&y).zip(&z);
-        Self {
-            name: run.name.clone(),
-            times: x.iter().map(|(time, _)| *time).collect(),
-            axes: both.map(|((x, y), z)| [x.1, y.1, z.1]).collect(),
-            stroke,
-            has_start: true,
-        }
-    }
-
-    /// Its last part.
-    fn end(&self) -> Self {
-        let (first, last) = extremes(self.times.iter().copied());
-        let from = last - END * (last - first);
-        let skipped = self.times.partition_point(|time| *time < from);
-        Self {
-            name: self.name.clone(),
-            times: self.times[skipped..].to_vec(),
-            axes: self.axes[skipped..].to_vec(),
-            stroke: self.stroke,
-            has_start: false,
-        }
-    }
-
-    fn projected(&self) -> Vec<Point> {
-        self.axes.iter().map(|axis| (axis[0], axis[1])).collect()
-    }
-
-    /// The dots at its start and end.
-    fn dots(&self, place: impl Fn(&Direction) -> Point) -> Vec<Shape> {
-        let dot = |axis, is_end| key::dot(place(axis), is_end, self.stroke.colour);
-        let start = self.axes.first().filter(|_| self.has_start);
-        let start = start.map(|axis| dot(axis, false));
-        let end = self.axes.last().map(|axis| dot(axis, true));
-        start.into_iter().chain(end).collect()
-    }
 }

@@ -1,7 +1,7 @@
 //! What figures need of a run: some of its numbers over time.
 
-use super::drawing::Point;
-use super::{Figure, Need};
+use super::need::{NUTATION, Need};
+use crate::analysis::plot::shape::Point;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
 use crate::telemetry::{Message, channel_index, channels};
@@ -38,18 +38,14 @@ struct Column {
 }
 
 impl Run {
-    /// Reads what some figures need, from a recording or a simulation.
-    ///
-    /// `progress` is told how many more bytes have been read.
-    #[must_use]
-    pub fn read<'a>(
-        subject: impl Into<Subject<'a>>,
+    /// Reads what is needed of a recording or a simulation.
+    pub(super) fn collect<'n>(
+        subject: Subject<'_>,
         name: &str,
-        figures: &[&Figure],
+        needs: impl Iterator<Item = &'n Need>,
         progress: &dyn Fn(u64),
     ) -> Self {
-        let subject = subject.into();
-        let mut run = Self::new(name, figures);
+        let mut run = Self::new(name, needs);
         run.tracks.retain(|track| subject.has_topic(track.topic));
         let topics: Vec<_> = run.tracks.iter().map(|t| t.topic.to_owned()).collect();
         // No topics would mean all.
@@ -75,9 +71,9 @@ impl Run {
         run
     }
 
-    fn new(name: &str, figures: &[&Figure]) -> Self {
+    fn new<'n>(name: &str, needs: impl Iterator<Item = &'n Need>) -> Self {
         let mut tracks: Vec<Track> = Vec::new();
-        for need in figures.iter().flat_map(|figure| figure.all_needs()) {
+        for need in needs {
             let Some(channel) = channel_index(need.topic) else {
                 continue;
             };
@@ -214,9 +210,6 @@ impl Track {
     }
 }
 
-/// The channel of nutation averages.
-pub(super) const NUTATION: &str = "/top/nutation";
-
 /// The integral of samples from the first on, with straight lines between them.
 struct Integral {
     points: Vec<Point>,
@@ -251,9 +244,13 @@ impl Integral {
 mod tests {
     use super::*;
 
+    const SLIP: Need = Need {
+        topic: "/top/contact",
+        fields: &["slip_speed", "slip_path"],
+    };
+
     fn run(times: &[f64], values: &[f64]) -> Run {
-        let figure = Figure::find("slip").unwrap();
-        let mut run = Run::new("run", &[figure]);
+        let mut run = Run::new("run", [&SLIP].into_iter());
         run.tracks[0].times = times.to_vec();
         run.tracks[0].columns[0].values = values.to_vec();
         run
@@ -277,8 +274,7 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_named() {
-        let need = &Figure::find("slip").unwrap().needs[0];
-        let missing = |run: &Run| run.missing(need);
+        let missing = |run: &Run| run.missing(&SLIP);
         let none = Run {
             tracks: Vec::new(),
             ..run(&[], &[])

@@ -1,12 +1,19 @@
 //! The figures over time.
 
-use super::drawing::{Drawing, Point};
-use super::frame::{Band, extremes};
-use super::key::{self, Entry, Sample};
-use super::page::{Page, Panel};
+use super::looks::{self, Looks, PALE, SHADE};
 use super::run::Run;
-use super::style::{Looks, PALE, SHADE};
-use super::text::Text;
+use crate::analysis::plot::drawing::Drawing;
+use crate::analysis::plot::frame::{Band, Quantity, extremes};
+use crate::analysis::plot::legend::Entry;
+use crate::analysis::plot::page::{Page, Panel};
+use crate::analysis::plot::shape::Point;
+use crate::analysis::plot::text::Text;
+
+/// Time, as on axes.
+const TIME: Quantity = Quantity {
+    symbol: "*t*",
+    unit: "s",
+};
 
 const STATE: &str = "/top/state";
 
@@ -23,12 +30,7 @@ pub(super) fn motion(runs: &[&Run], width: f64) -> Drawing {
         motion_and_average(&mut panel, runs, (STATE, field), |run| run.averages(mean));
         panel
     });
-    Page {
-        key: motion_key(runs),
-        panels: panels.into(),
-        shares_time: true,
-    }
-    .draw(width)
+    page(motion_legend(runs), panels.into()).draw(width)
 }
 
 /// A number of all runs, and over it their averages.
@@ -59,7 +61,7 @@ fn averages(panel: &mut Panel, runs: &[&Run], field: &str, average: impl Fn(&Run
 }
 
 /// The legend of runs and their averages.
-fn motion_key(runs: &[&Run]) -> Vec<Entry> {
+fn motion_legend(runs: &[&Run]) -> Vec<Entry> {
     let looks = Looks { runs: runs.len() };
     if runs.len() == 1 {
         return vec![
@@ -67,19 +69,19 @@ fn motion_key(runs: &[&Run]) -> Vec<Entry> {
             Entry::line(looks.average(0), "average over each nutation"),
         ];
     }
-    let mut key = key::of_runs(runs, Looks::average);
-    key.push(Entry::area(
+    let mut legend = looks::legend(runs, Looks::average);
+    legend.push(Entry::area(
         PALE,
         "simulation; lines: average over each nutation",
     ));
-    key
+    legend
 }
 
 /// The paper's figure 4: θ of each further run with the averages of the first.
 pub(super) fn compared(runs: &[&Run], width: f64) -> Drawing {
     let looks = Looks { runs: 1 };
     let Some((reference, others)) = runs.split_first() else {
-        return Page::default().draw(width);
+        return page(Vec::new(), Vec::new()).draw(width);
     };
     let panel = |run: &&Run| {
         let mut panel = Panel::new("*θ*", "rad");
@@ -87,19 +89,17 @@ pub(super) fn compared(runs: &[&Run], width: f64) -> Drawing {
         panel.curve(format!("{}: theta", run.name), points, looks.motion(0));
         let meaning = format!("{}: average of theta", reference.name);
         panel.curve(meaning, reference.averages("theta_mean"), looks.average(0));
-        panel.key.push(Entry {
-            sample: Sample::Line(looks.motion(0)),
-            text: Text::name(&run.name),
-        });
+        let name = Text::name(&run.name);
+        panel.legend.push(Entry::of(looks.motion(0), name));
         panel
     };
+    let name = Text::name(&reference.name).followed_by(", average over each nutation");
     Page {
-        key: vec![Entry {
-            sample: Sample::Line(looks.average(0)),
-            text: Text::name(&reference.name).followed_by(", average over each nutation"),
-        }],
-        panels: others.iter().map(panel).collect(),
-        shares_time: false,
+        shares_x: false,
+        ..page(
+            vec![Entry::of(looks.average(0), name)],
+            others.iter().map(panel).collect(),
+        )
     }
     .draw(width)
 }
@@ -125,24 +125,33 @@ impl<'a> Terms<'a> {
         let looks = Looks {
             runs: self.runs.len(),
         };
-        let entry = Entry::line(looks.term_in_key(self.count), name);
+        let entry = Entry::line(looks.term_in_legend(self.count), name);
         for (index, run) in self.runs.iter().enumerate() {
             let meaning = format!("{}: {}", run.name, entry.text.spoken);
             let stroke = looks.term(index, self.count);
             self.panel.curve(meaning, points(run), stroke);
         }
-        self.panel.key.push(entry);
+        self.panel.legend.push(entry);
         self.count += 1;
         self
     }
 }
 
-/// Panels of several quantities each.
-fn page(runs: &[&Run], panels: Vec<Terms<'_>>) -> Page {
+/// A page of panels with several quantities each.
+fn terms(runs: &[&Run], panels: Vec<Terms<'_>>) -> Page {
+    page(
+        looks::legend(runs, Looks::run_in_legend),
+        panels.into_iter().map(|terms| terms.panel).collect(),
+    )
+}
+
+/// A page of panels over the same time.
+fn page(legend: Vec<Entry>, panels: Vec<Panel>) -> Page {
     Page {
-        key: key::of_runs(runs, Looks::run_in_key),
-        panels: panels.into_iter().map(|terms| terms.panel).collect(),
-        shares_time: true,
+        x: TIME,
+        legend,
+        panels,
+        shares_x: true,
     }
 }
 
@@ -158,7 +167,7 @@ pub(super) fn acceleration(runs: &[&Run], width: f64) -> Drawing {
         .term("frictional", mean("phi_ddot.frictional"))
         .term("gyroscopic", mean("phi_ddot.gyroscopic"))
         .term("Coriolis", mean("phi_ddot.coriolis"));
-    page(runs, vec![theta, phi]).draw(width)
+    terms(runs, vec![theta, phi]).draw(width)
 }
 
 /// φ̇ and the rates of regular precession, with the region between them in which θ̈ is negative.
@@ -188,20 +197,15 @@ pub(super) fn precession(runs: &[&Run], width: f64) -> Drawing {
             panel.bands = rising(run);
         }
     }
-    let mut key = motion_key(runs);
-    key.push(Entry::line(
-        looks.root_in_key(),
+    let mut legend = motion_legend(runs);
+    legend.push(Entry::line(
+        looks.root_in_legend(),
         "regular precession, slow and fast",
     ));
     if !slow.bands.is_empty() {
-        key.push(Entry::area(SHADE, "*θ\u{308}* < 0: the top rises"));
+        legend.push(Entry::area(SHADE, "*θ\u{308}* < 0: the top rises"));
     }
-    Page {
-        key,
-        panels: vec![fast, slow],
-        shares_time: true,
-    }
-    .draw(width)
+    page(legend, vec![fast, slow]).draw(width)
 }
 
 /// Where θ̈ is negative: it is positive at φ̇ = 0, and changes its sign at the roots.
@@ -240,7 +244,7 @@ pub(super) fn torque(runs: &[&Run], width: f64) -> Drawing {
         .term("friction, *τ*_{*y*}", component("friction_node.y"))
         .term("*τ*_{*z*}", component("friction_node.z"))
         .term("*τ*_{*x*}", component("friction_node.x"));
-    page(runs, vec![gravity, friction]).draw(width)
+    terms(runs, vec![gravity, friction]).draw(width)
 }
 
 /// How fast and how far the contact point slips.
@@ -249,7 +253,7 @@ pub(super) fn slip(runs: &[&Run], width: f64) -> Drawing {
     let series = |field: &'static str| move |run: &Run| run.series(topic, field);
     let speed = Terms::new(runs, "|*v*|", "m/s").term("slip speed", series("slip_speed"));
     let path = Terms::new(runs, "*s*", "m").term("path slipped", series("slip_path"));
-    page(runs, vec![speed, path]).draw(width)
+    terms(runs, vec![speed, path]).draw(width)
 }
 
 /// Where the energy is, and where it goes.
@@ -268,5 +272,5 @@ pub(super) fn energy(runs: &[&Run], width: f64) -> Drawing {
         .term("change of the total", change)
         .term("work of friction", energy("friction_work"));
     let power = Terms::new(runs, "*P*", "W").term("power of friction", energy("friction_power"));
-    page(runs, vec![kinetic, potential, work, power]).draw(width)
+    terms(runs, vec![kinetic, potential, work, power]).draw(width)
 }

@@ -1,13 +1,14 @@
 //! The unit sphere as far down as the axis leans, seen from aside.
 
-use super::{Direction, Trace};
-use crate::analysis::figures::decimate;
-use crate::analysis::figures::drawing::{Anchor, Bounds, Drawing, Point, Shape, Stroke};
-use crate::analysis::figures::frame::extremes;
-use crate::analysis::figures::png::RESOLUTION;
-use crate::analysis::figures::style::{self, LINE, MARGIN};
-use crate::analysis::figures::text::Text;
-use crate::analysis::figures::ticks::Scale;
+use super::trace::{Direction, Trace};
+use crate::analysis::figures::looks::SURFACE;
+use crate::analysis::plot::decimate;
+use crate::analysis::plot::drawing::{Anchor, Drawing};
+use crate::analysis::plot::frame::extremes;
+use crate::analysis::plot::shape::{Bounds, Point, Shape, Stroke};
+use crate::analysis::plot::style::{self, LINE, MARGIN, RESOLUTION};
+use crate::analysis::plot::text::Text;
+use crate::analysis::plot::ticks::Scale;
 use crate::physics::math::{atan2, hypot, sin_cos};
 use std::f64::consts::{PI, TAU};
 
@@ -174,7 +175,7 @@ impl Sphere {
         if let Some(edge) = edge.filter(|edge| edge.iter().all(|axis| seen(axis)[2] >= 0.0)) {
             shapes.push(Shape::Area {
                 points: edge.iter().map(|axis| view.place(axis)).collect(),
-                fill: style::SURFACE,
+                fill: SURFACE,
             });
         }
         let thin = style::line(style::GREY, style::HAIRLINE / 2.0);

@@ -2,7 +2,8 @@
 //!
 //! All coordinates are whole hundredths of a millimetre: short, and the same on every machine.
 
-use super::drawing::{Colour, Drawing, Label, Point, Shape, Stroke};
+use super::drawing::{Drawing, Label};
+use super::shape::{Colour, Point, Shape, Stroke};
 use super::text::{self, Style, UNITS};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

@@ -8,7 +8,7 @@ use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// Upright for units and words, italic for symbols.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Style {
+pub(crate) enum Style {
     Upright,
     Italic,
 }
@@ -18,7 +18,7 @@ const UPRIGHT: &[u8] = include_bytes!("font/STIXTwoText-Regular.ttf");
 const ITALIC: &[u8] = include_bytes!("font/STIXTwoText-Italic.ttf");
 
 /// Units of the font in an em.
-pub(super) const UNITS: f64 = 1000.0;
+pub(crate) const UNITS: f64 = 1000.0;
 
 /// How large subscripts and superscripts are, and how far they are shifted, em.
 const SCRIPT: f64 = 0.7;
@@ -42,7 +42,7 @@ fn face(style: Style) -> Option<&'static Face<'static>> {
 }
 
 /// The outline of a glyph, in units of the font.
-pub(super) fn outline(style: Style, id: u16, builder: &mut dyn OutlineBuilder) {
+pub(crate) fn outline(style: Style, id: u16, builder: &mut dyn OutlineBuilder) {
     if let Some(face) = face(style) {
         face.outline_glyph(GlyphId(id), builder);
     }
@@ -50,35 +50,35 @@ pub(super) fn outline(style: Style, id: u16, builder: &mut dyn OutlineBuilder) {
 
 /// A glyph of a text. Lengths are in em.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Glyph {
-    pub(super) style: Style,
-    pub(super) id: u16,
-    pub(super) x: f64,
+pub(crate) struct Glyph {
+    pub(crate) style: Style,
+    pub(crate) id: u16,
+    pub(crate) x: f64,
     /// Upward from the baseline.
-    pub(super) y: f64,
-    pub(super) scale: f64,
+    pub(crate) y: f64,
+    pub(crate) scale: f64,
 }
 
 /// A text that has been set. Lengths are in em.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Text {
-    pub(super) glyphs: Vec<Glyph>,
-    pub(super) width: f64,
+pub(crate) struct Text {
+    pub(crate) glyphs: Vec<Glyph>,
+    pub(crate) width: f64,
     /// How far its ink reaches above the baseline, and below.
-    pub(super) above: f64,
-    pub(super) below: f64,
+    pub(crate) above: f64,
+    pub(crate) below: f64,
     /// The same without what makes it look so.
-    pub(super) spoken: String,
+    pub(crate) spoken: String,
 }
 
 impl Text {
     /// Sets a text as it is: a name that somebody gave.
-    pub(super) fn plain(source: &str) -> Self {
+    pub(crate) fn plain(source: &str) -> Self {
         Self::default().followed_by(source)
     }
 
     /// Sets the name of a run; of a long one the end, in which names of files differ.
-    pub(super) fn name(source: &str) -> Self {
+    pub(crate) fn name(source: &str) -> Self {
         let mut text = Self::plain(source);
         let mut rest = source.chars();
         while text.width > LONGEST_NAME && rest.next().is_some() {
@@ -89,7 +89,7 @@ impl Text {
 
     /// Sets a text in which `*` begins and ends symbols, `_{…}` and `^{…}` are scripts, and combining dots
     /// stand over the letter before them.
-    pub(super) fn markup(source: &str) -> Self {
+    pub(crate) fn markup(source: &str) -> Self {
         let mut text = Self::default();
         let mut style = Style::Upright;
         let mut script = Script::None;
@@ -116,7 +116,7 @@ impl Text {
     }
 
     /// Adds words to it.
-    pub(super) fn followed_by(mut self, words: &str) -> Self {
+    pub(crate) fn followed_by(mut self, words: &str) -> Self {
         for letter in words.chars() {
             self.push(letter, Style::Upright, Script::None);
         }

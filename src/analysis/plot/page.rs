@@ -1,50 +1,51 @@
-//! Plots over time: panels one below the other or in two columns, with legends above them.
+//! Pages: panels that share a horizontal axis, one below the other or in two columns, with legends above them.
 
-use super::drawing::{Bounds, Drawing, Point, Stroke};
+use super::drawing::Drawing;
 use super::frame::{self, Band, Frame, Quantity, extremes};
-use super::key::{self, Entry};
+use super::legend::{self, Entry};
+use super::shape::{Bounds, Point, Stroke};
 use super::style::{LINE, MARGIN, TWO_COLUMNS};
 use super::ticks::Scale;
 
 /// A line through data.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Curve {
-    pub(super) meaning: String,
-    pub(super) points: Vec<Point>,
-    pub(super) stroke: Stroke,
+pub(crate) struct Curve {
+    pub(crate) meaning: String,
+    pub(crate) points: Vec<Point>,
+    pub(crate) stroke: Stroke,
 }
 
-/// A plot over time.
+/// One plot of a page.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Panel {
-    pub(super) quantity: Quantity,
-    pub(super) bands: Vec<Band>,
+pub(crate) struct Panel {
+    pub(crate) quantity: Quantity,
+    pub(crate) bands: Vec<Band>,
     /// In the order of drawing.
-    pub(super) curves: Vec<Curve>,
+    pub(crate) curves: Vec<Curve>,
     /// Its own legend.
-    pub(super) key: Vec<Entry>,
+    pub(crate) legend: Vec<Entry>,
     /// Its height as a part of the usual one.
-    pub(super) height: f64,
+    pub(crate) height: f64,
     /// Whether its axis is broken below it, and goes on in the next panel.
-    pub(super) is_broken: bool,
+    pub(crate) is_broken: bool,
     /// Values beyond this magnitude may lie outside.
-    pub(super) limit: f64,
+    pub(crate) limit: f64,
 }
 
 impl Panel {
-    pub(super) fn new(symbol: &'static str, unit: &'static str) -> Self {
+    pub(crate) fn new(symbol: &'static str, unit: &'static str) -> Self {
         Self {
             quantity: Quantity { symbol, unit },
             bands: Vec::new(),
             curves: Vec::new(),
-            key: Vec::new(),
+            legend: Vec::new(),
             height: 1.0,
             is_broken: false,
             limit: f64::INFINITY,
         }
     }
 
-    pub(super) fn curve(&mut self, meaning: impl Into<String>, points: Vec<Point>, stroke: Stroke) {
+    pub(crate) fn curve(&mut self, meaning: impl Into<String>, points: Vec<Point>, stroke: Stroke) {
         self.curves.push(Curve {
             meaning: meaning.into(),
             points,
@@ -72,34 +73,35 @@ fn name_all_y(drawing: &mut Drawing, frames: &[(&Frame, &Panel)]) {
     }
 }
 
-/// Panels over time and their common legend.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Page {
-    pub(super) key: Vec<Entry>,
-    pub(super) panels: Vec<Panel>,
-    /// Whether all panels show the same span of time.
-    pub(super) shares_time: bool,
+/// Panels and their common legend.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Page {
+    /// What the horizontal axes show.
+    pub(crate) x: Quantity,
+    pub(crate) legend: Vec<Entry>,
+    pub(crate) panels: Vec<Panel>,
+    /// Whether all panels show the same range of x.
+    pub(crate) shares_x: bool,
 }
 
-/// Time, as on axes.
-const TIME: Quantity = Quantity {
-    symbol: "*t*",
-    unit: "s",
-};
-
-/// Height of a panel, as a part of its width, and at most so many mm.
+/// The height of a panel as a part of its width.
 const PROPORTION: f64 = 0.46;
+
+/// The greatest height of a panel, mm.
 const TALLEST: f64 = 48.0;
 
-/// Between columns, mm.
+/// A range that starts after zero by less than this part of its end is drawn from zero on.
+const NEARLY_ZERO: f64 = 0.02;
+
+/// The distance between columns, mm.
 const COLUMN_GAP: f64 = 4.0;
 
 impl Page {
     /// Draws it with a width in mm; the height follows.
-    pub(super) fn draw(&self, width: f64) -> Drawing {
+    pub(crate) fn draw(&self, width: f64) -> Drawing {
         let columns = self.columns(width);
         let mut drawing = Drawing::new(width);
-        let mut top = key::draw_at_top(&mut drawing, &self.key);
+        let mut top = legend::draw_at_top(&mut drawing, &self.legend);
         let frames = self.frames(width, columns, &mut top);
         for (index, frame) in frames.iter().enumerate() {
             self.draw_panel(&mut drawing, index, columns, frame);
@@ -125,18 +127,17 @@ impl Page {
         }
     }
 
-    /// The span of time of a panel.
-    fn times(&self, panel: &Panel) -> (f64, f64) {
-        let all = if self.shares_time {
+    /// The range of x of a panel.
+    fn range(&self, panel: &Panel) -> (f64, f64) {
+        let all = if self.shares_x {
             &self.panels[..]
         } else {
             std::slice::from_ref(panel)
         };
         let curves = all.iter().flat_map(|panel| &panel.curves);
-        let times = curves.flat_map(|curve| curve.points.iter().map(|point| point.0));
-        let (first, last) = extremes(times);
-        // Averages begin half a nutation later than the run.
-        let first = if first < 0.02 * last {
+        let (first, last) =
+            extremes(curves.flat_map(|curve| curve.points.iter().map(|point| point.0)));
+        let first = if first < NEARLY_ZERO * last {
             first.min(0.0)
         } else {
             first
@@ -145,8 +146,8 @@ impl Page {
     }
 
     /// Whether the panel has numbers of its own below it.
-    fn has_time_axis(&self, index: usize, columns: usize) -> bool {
-        !self.shares_time || index + columns >= self.panels.len()
+    fn has_x_axis(&self, index: usize, columns: usize) -> bool {
+        !self.shares_x || index + columns >= self.panels.len()
     }
 
     /// Places the frames from `top` downwards, and moves `top` below them.
@@ -167,7 +168,7 @@ impl Page {
             let tall = panels.iter().map(|panel| panel.height * height);
             let bottom = *top + tall.fold(0.0, f64::max);
             for (panel, (left, right)) in panels.iter().zip(sides) {
-                let (low, high) = self.times(panel);
+                let (low, high) = self.range(panel);
                 let bounds = Bounds {
                     left,
                     top: *top,
@@ -180,7 +181,7 @@ impl Page {
                     bounds,
                 });
             }
-            let has_axis = (0..panels.len()).any(|n| self.has_time_axis(first + n, columns));
+            let has_axis = (0..panels.len()).any(|n| self.has_x_axis(first + n, columns));
             *top = bottom + if has_axis { frame::ROOM_BELOW } else { 0.0 };
         }
         frames
@@ -201,8 +202,8 @@ impl Page {
             return frame::BREAK;
         }
         let panels = self.panels[first..].iter().zip(sides);
-        let lines =
-            panels.map(|(panel, (left, right))| key::lines(&panel.key, right - left - INDENT));
+        let lines = panels
+            .map(|(panel, (left, right))| legend::lines(&panel.legend, right - left - INDENT));
         let letters = usize::from(self.letter(first).is_some());
         lines.max().unwrap_or(0).max(letters) as f64 * LINE + 0.6
     }
@@ -224,8 +225,8 @@ impl Page {
         if panel.is_broken {
             frame.draw_break(drawing);
         }
-        if self.has_time_axis(index, columns) {
-            frame.name_x(drawing, TIME);
+        if self.has_x_axis(index, columns) {
+            frame.name_x(drawing, self.x);
         }
         self.draw_heading(drawing, index, frame);
     }
@@ -235,12 +236,12 @@ impl Page {
         let Bounds {
             left, right, top, ..
         } = frame.bounds;
-        let lines = key::lines(&panel.key, right - left - INDENT);
+        let lines = legend::lines(&panel.legend, right - left - INDENT);
         let baseline = top - frame::ABOVE - lines.saturating_sub(1) as f64 * LINE;
         if let Some(letter) = self.letter(index) {
             frame::draw_letter(drawing, letter, (left, baseline));
         }
-        key::draw(drawing, &panel.key, (left + INDENT, right), baseline);
+        legend::draw(drawing, &panel.legend, (left + INDENT, right), baseline);
     }
 
     /// The letter of a panel; the parts of a broken axis have one together.

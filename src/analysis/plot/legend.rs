@@ -1,51 +1,55 @@
-//! Legends.
+//! Legends: what the lines, areas and dots of a drawing stand for.
 
-use super::drawing::{Anchor, Bounds, Colour, Drawing, Point, Shape, Stroke};
-use super::run::Run;
-use super::style::{self, FONT, LINE, Looks, MARGIN};
+use super::drawing::{Anchor, Drawing};
+use super::shape::{Bounds, Colour, Point, Shape, Stroke};
+use super::style::{self, FONT, LINE, MARGIN};
 use super::text::Text;
 
 /// An entry of a legend.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Entry {
-    pub(super) sample: Sample,
-    pub(super) text: Text,
+pub(crate) struct Entry {
+    sample: Sample,
+    pub(crate) text: Text,
 }
 
-/// What stands before the words of an entry.
+/// The sample that stands before the text of an entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Sample {
+enum Sample {
     Line(Stroke),
     Area(Colour),
-    /// A dot, filled or not.
+    /// A dot; whether it is filled.
     Dot(bool),
 }
 
 impl Entry {
-    pub(super) fn line(stroke: Stroke, markup: &str) -> Self {
-        Self {
-            sample: Sample::Line(stroke),
-            text: Text::markup(markup),
-        }
+    /// The entry of a line whose text is set already.
+    pub(crate) fn of(stroke: Stroke, text: Text) -> Self {
+        let sample = Sample::Line(stroke);
+        Self { sample, text }
     }
 
-    pub(super) fn area(fill: Colour, markup: &str) -> Self {
+    pub(crate) fn line(stroke: Stroke, markup: &str) -> Self {
+        Self::of(stroke, Text::markup(markup))
+    }
+
+    pub(crate) fn area(fill: Colour, markup: &str) -> Self {
         Self {
             sample: Sample::Area(fill),
             text: Text::markup(markup),
         }
     }
 
-    /// A dot, for a place.
-    pub(super) fn dot(is_filled: bool, markup: &str) -> Self {
+    pub(crate) fn dot(is_filled: bool, markup: &str) -> Self {
         Self {
             sample: Sample::Dot(is_filled),
             text: Text::markup(markup),
         }
     }
 
-    /// From what stands before the words to the words, and to the next entry, mm.
+    /// The space between the sample and the text, mm.
     const AFTER_SAMPLE: f64 = 1.2;
+
+    /// The space after an entry, mm.
     const AFTER: f64 = 4.0;
 
     fn width(&self) -> f64 {
@@ -91,11 +95,11 @@ impl Sample {
     }
 }
 
-/// Radius of dots, mm.
+/// The radius of dots, mm.
 const DOT: f64 = 0.7;
 
 /// A dot at a place.
-pub(super) fn dot(centre: Point, is_filled: bool, colour: Colour) -> Shape {
+pub(crate) fn dot(centre: Point, is_filled: bool, colour: Colour) -> Shape {
     Shape::Dot {
         centre,
         radius: DOT,
@@ -104,26 +108,13 @@ pub(super) fn dot(centre: Point, is_filled: bool, colour: Colour) -> Shape {
     }
 }
 
-/// The entries of several runs; one needs none.
-pub(super) fn of_runs(runs: &[&Run], look: impl Fn(Looks, usize) -> Stroke) -> Vec<Entry> {
-    let looks = Looks { runs: runs.len() };
-    let entry = |(index, run): (usize, &&Run)| Entry {
-        sample: Sample::Line(look(looks, index)),
-        text: Text::name(&run.name),
-    };
-    if runs.len() == 1 {
-        return Vec::new();
-    }
-    runs.iter().enumerate().map(entry).collect()
-}
-
-/// How many lines entries need.
-pub(super) fn lines(entries: &[Entry], width: f64) -> usize {
+/// The number of lines that a legend takes.
+pub(crate) fn lines(entries: &[Entry], width: f64) -> usize {
     wrapped(entries, width).len()
 }
 
 /// Draws a legend at the top of a figure, and returns the height below it.
-pub(super) fn draw_at_top(drawing: &mut Drawing, entries: &[Entry]) -> f64 {
+pub(crate) fn draw_at_top(drawing: &mut Drawing, entries: &[Entry]) -> f64 {
     let sides = (MARGIN, drawing.width - MARGIN);
     draw(drawing, entries, sides, MARGIN + 0.75 * FONT);
     MARGIN + lines(entries, sides.1 - sides.0) as f64 * LINE
@@ -147,7 +138,7 @@ fn wrapped(entries: &[Entry], width: f64) -> Vec<&[Entry]> {
 }
 
 /// Draws a legend whose first baseline is at `baseline`.
-pub(super) fn draw(
+pub(crate) fn draw(
     drawing: &mut Drawing,
     entries: &[Entry],
     (left, right): (f64, f64),

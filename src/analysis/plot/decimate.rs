@@ -1,12 +1,12 @@
 //! Fewer points that look the same.
 
-use super::drawing::Point;
+use super::shape::Point;
 
 /// Of the points in each column of this width it keeps the first, the lowest, the highest and the last:
 /// the envelope of what oscillates within a column stays as it is.
 ///
 /// The points must be in the order of their columns. One that is not finite divides the line.
-pub(super) fn by_column(points: impl IntoIterator<Item = Point>, width: f64) -> Vec<Vec<Point>> {
+pub(crate) fn by_column(points: impl IntoIterator<Item = Point>, width: f64) -> Vec<Vec<Point>> {
     let mut lines = vec![Vec::new()];
     let mut column: Option<Column> = None;
     for point in points {
@@ -78,7 +78,7 @@ impl Column {
 }
 
 /// Leaves out points that lie nearer than `distance` to the last that is kept; the last one stays.
-pub(super) fn by_distance(points: &[Point], distance: f64) -> Vec<Point> {
+pub(crate) fn by_distance(points: &[Point], distance: f64) -> Vec<Point> {
     let mut kept: Vec<Point> = Vec::new();
     for (index, point) in points.iter().enumerate() {
         let is_far = kept.last().is_none_or(|last| {

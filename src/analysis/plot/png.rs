@@ -1,13 +1,12 @@
 //! Drawings as PNG.
 
-use super::drawing::{Colour, Drawing, Label, Point, Shape, Stroke};
+use super::drawing::{Drawing, Label};
+use super::shape::{Colour, Point, Shape, Stroke};
+use super::style::RESOLUTION;
 use super::text::{self, UNITS};
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, PixelDimensions, Unit};
 use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, StrokeDash, Transform};
 use ttf_parser::OutlineBuilder;
-
-/// Pixels per millimetre: 300 per inch.
-pub(super) const RESOLUTION: f64 = 300.0 / 25.4;
 
 impl Drawing {
     /// The figure as a PNG file with 300 pixels per inch.

@@ -1,9 +1,9 @@
 //! Frames with axes, and lines within them.
 
 use super::decimate;
-use super::drawing::{Anchor, Bounds, Colour, Drawing, Point, Shape, Stroke};
-use super::png::RESOLUTION;
-use super::style::{self, FONT, LINE};
+use super::drawing::{Anchor, Drawing};
+use super::shape::{Bounds, Colour, Point, Shape, Stroke};
+use super::style::{self, FONT, LINE, RESOLUTION};
 use super::text::Text;
 use super::ticks::Scale;
 
@@ -20,11 +20,11 @@ const TICK_ROOM_UP: f64 = 6.5;
 
 /// A quantity and its unit, as on axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Quantity {
+pub(crate) struct Quantity {
     /// Markup of its symbol.
-    pub(super) symbol: &'static str,
+    pub(crate) symbol: &'static str,
     /// Its unit, empty for pure numbers.
-    pub(super) unit: &'static str,
+    pub(crate) unit: &'static str,
 }
 
 impl Quantity {
@@ -44,26 +44,26 @@ impl Quantity {
     }
 }
 
-/// A shaded region between two lines with the same times.
+/// A shaded region between two curves over the same x.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Band {
-    pub(super) meaning: String,
-    pub(super) lower: Vec<Point>,
-    pub(super) upper: Vec<Point>,
-    pub(super) fill: Colour,
+pub(crate) struct Band {
+    pub(crate) meaning: String,
+    pub(crate) lower: Vec<Point>,
+    pub(crate) upper: Vec<Point>,
+    pub(crate) fill: Colour,
 }
 
 /// A frame with two axes.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Frame {
-    pub(super) bounds: Bounds,
-    pub(super) x: Scale,
-    pub(super) y: Scale,
+pub(crate) struct Frame {
+    pub(crate) bounds: Bounds,
+    pub(crate) x: Scale,
+    pub(crate) y: Scale,
 }
 
 impl Frame {
     /// Where a point of the data is drawn.
-    pub(super) fn place(&self, (x, y): Point) -> Point {
+    pub(crate) fn place(&self, (x, y): Point) -> Point {
         let Bounds { left, bottom, .. } = self.bounds;
         (
             left + self.x.place(x) * self.bounds.width(),
@@ -71,8 +71,8 @@ impl Frame {
         )
     }
 
-    /// The shapes of a line whose points are in the order of time.
-    pub(super) fn line(&self, points: &[Point], stroke: Stroke) -> Vec<Shape> {
+    /// The shapes of a curve whose points are in the order of x.
+    pub(crate) fn line(&self, points: &[Point], stroke: Stroke) -> Vec<Shape> {
         let places = points.iter().map(|point| self.place(*point));
         decimate::by_column(places, 1.0 / RESOLUTION)
             .iter()
@@ -82,7 +82,7 @@ impl Frame {
     }
 
     /// The shapes of a line that goes anywhere.
-    pub(super) fn path(&self, points: &[Point], stroke: Stroke) -> Vec<Shape> {
+    pub(crate) fn path(&self, points: &[Point], stroke: Stroke) -> Vec<Shape> {
         let places: Vec<_> = points.iter().map(|point| self.place(*point)).collect();
         let places = decimate::by_distance(&places, 0.5 / RESOLUTION);
         let parts = self.bounds.clip_line(&places).into_iter();
@@ -90,7 +90,7 @@ impl Frame {
     }
 
     /// The shape of a shaded region.
-    pub(super) fn area(&self, band: &Band) -> Shape {
+    pub(crate) fn area(&self, band: &Band) -> Shape {
         let Bounds { top, bottom, .. } = self.bounds;
         let places = |points: &[Point]| {
             let places = points.iter().map(|point| {
@@ -108,7 +108,7 @@ impl Frame {
     }
 
     /// A frame of equal sides whose axes have the same scale, around the middle of two ranges.
-    pub(super) fn square(bounds: Bounds, [across, upward]: [(f64, f64); 2]) -> Self {
+    pub(crate) fn square(bounds: Bounds, [across, upward]: [(f64, f64); 2]) -> Self {
         let half = (across.1 - across.0).max(upward.1 - upward.0) / 2.0;
         let scale = |(low, high): (f64, f64)| {
             let middle = f64::midpoint(low, high);
@@ -123,7 +123,7 @@ impl Frame {
     }
 
     /// The frame and its ticks, which point inwards on all sides.
-    pub(super) fn draw(&self, drawing: &mut Drawing) {
+    pub(crate) fn draw(&self, drawing: &mut Drawing) {
         let mut border = self.bounds.corners();
         border.extend_from_within(..2);
         let mut lines = vec![border];
@@ -153,7 +153,7 @@ impl Frame {
     }
 
     /// The numbers below it, and what they are.
-    pub(super) fn name_x(&self, drawing: &mut Drawing, quantity: Quantity) {
+    pub(crate) fn name_x(&self, drawing: &mut Drawing, quantity: Quantity) {
         let Bounds {
             left,
             right,
@@ -171,7 +171,7 @@ impl Frame {
     }
 
     /// The numbers to its left, and what they are, beyond the `width` of the numbers.
-    pub(super) fn name_y(&self, drawing: &mut Drawing, quantity: Quantity, width: f64) {
+    pub(crate) fn name_y(&self, drawing: &mut Drawing, quantity: Quantity, width: f64) {
         let Bounds {
             left, top, bottom, ..
         } = self.bounds;
@@ -185,7 +185,7 @@ impl Frame {
     }
 
     /// Marks that the axis is broken at its lower end.
-    pub(super) fn draw_break(&self, drawing: &mut Drawing) {
+    pub(crate) fn draw_break(&self, drawing: &mut Drawing) {
         let Bounds {
             left,
             right,
@@ -203,39 +203,39 @@ impl Frame {
 }
 
 /// The room that numbers and label to the left of a frame take, mm.
-pub(super) fn room_left(scale: &Scale, quantity: Quantity) -> f64 {
+pub(crate) fn room_left(scale: &Scale, quantity: Quantity) -> f64 {
     let text = quantity.text(scale.exponent);
     2.0 * GAP + ticks_width(scale) + (text.above + text.below) * FONT
 }
 
 /// The width of the numbers at an upright axis, mm.
-pub(super) fn ticks_width(scale: &Scale) -> f64 {
+pub(crate) fn ticks_width(scale: &Scale) -> f64 {
     let ticks = scale.ticks().into_iter();
     let widths = ticks.map(|tick| Text::plain(&tick.label).width * FONT);
     widths.fold(0.0, f64::max)
 }
 
 /// The room that numbers and label below a frame take, mm.
-pub(super) const ROOM_BELOW: f64 = GAP + 0.66 * FONT + LINE + 0.25 * FONT;
+pub(crate) const ROOM_BELOW: f64 = GAP + 0.66 * FONT + LINE + 0.25 * FONT;
 
 /// Right of a frame, where half a number may stick out, mm.
-pub(super) const ROOM_RIGHT: f64 = 2.2;
+pub(crate) const ROOM_RIGHT: f64 = 2.2;
 
 /// Between the two parts of a broken axis, mm.
-pub(super) const BREAK: f64 = 1.6;
+pub(crate) const BREAK: f64 = 1.6;
 
 /// How many numbers an axis of this length has at most.
-pub(super) fn ticks_across(length: f64) -> usize {
+pub(crate) fn ticks_across(length: f64) -> usize {
     (length / TICK_ROOM_ACROSS) as usize
 }
 
 /// The same for an upright one.
-pub(super) fn ticks_up(length: f64) -> usize {
+pub(crate) fn ticks_up(length: f64) -> usize {
     (length / TICK_ROOM_UP) as usize
 }
 
 /// The least and the greatest of the numbers that are finite.
-pub(super) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values
         .filter(|value| value.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
@@ -244,9 +244,9 @@ pub(super) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// From the baseline of what stands above a frame down to it, mm.
-pub(super) const ABOVE: f64 = 1.1;
+pub(crate) const ABOVE: f64 = 1.1;
 
 /// Draws the letter of a panel.
-pub(super) fn draw_letter(drawing: &mut Drawing, letter: char, place: Point) {
+pub(crate) fn draw_letter(drawing: &mut Drawing, letter: char, place: Point) {
     drawing.label(Text::plain(&format!("({letter})")), place, Anchor::Start);
 }

@@ -1,15 +1,14 @@
 //! Where an axis has its ticks, and what stands at them.
 
-use crate::physics::math::log10;
 use std::ops::RangeInclusive;
 
 /// A range of values of an axis with its ticks.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Scale {
-    pub(super) low: f64,
-    pub(super) high: f64,
+pub(crate) struct Scale {
+    pub(crate) low: f64,
+    pub(crate) high: f64,
     /// A power of a thousand by which the numbers at the ticks are to be multiplied.
-    pub(super) exponent: i32,
+    pub(crate) exponent: i32,
     step: Step,
 }
 
@@ -50,26 +49,26 @@ fn scaled(number: f64, exponent: i32) -> f64 {
 
 /// A tick with its label.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Tick {
-    pub(super) value: f64,
-    pub(super) label: String,
+pub(crate) struct Tick {
+    pub(crate) value: f64,
+    pub(crate) label: String,
 }
 
 impl Scale {
     /// A scale from `low` to `high` with at most `most` ticks that bear numbers, but three if they fit the range.
     ///
     /// A range of no length, or none that is finite, is given one.
-    pub(super) fn new(low: f64, high: f64, most: usize) -> Self {
+    pub(crate) fn new(low: f64, high: f64, most: usize) -> Self {
         let (low, high) = widened(low, high);
         let magnitude = low.abs().max(high.abs());
         let mut step = Step {
             mantissa: 1,
-            exponent: log10(high - low).floor() as i32 - 3,
+            exponent: decade(high - low) - 3,
         };
         while count(low, high, step) > most.max(3) as f64 {
             step = step.next();
         }
-        let exponent = match log10(magnitude).floor() as i32 {
+        let exponent = match decade(magnitude) {
             // Numbers that are read easily as they are.
             -1..=3 => 0,
             decade => decade.div_euclid(3) * 3,
@@ -83,17 +82,17 @@ impl Scale {
     }
 
     /// Where a value lies in the range, from 0 to 1.
-    pub(super) fn place(&self, value: f64) -> f64 {
+    pub(crate) fn place(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 
     /// The ticks with numbers.
-    pub(super) fn ticks(&self) -> Vec<Tick> {
+    pub(crate) fn ticks(&self) -> Vec<Tick> {
         self.labelled(self.numbers(self.step.value()))
     }
 
     /// The same, and one more if the last does not nearly reach the upper end.
-    pub(super) fn ticks_beyond(&self) -> Vec<Tick> {
+    pub(crate) fn ticks_beyond(&self) -> Vec<Tick> {
         let numbers = self.numbers(self.step.value());
         let last = *numbers.end();
         let is_short = self.step.value() * (last as f64) < 0.99 * self.high;
@@ -115,7 +114,7 @@ impl Scale {
     }
 
     /// The ticks between those, without numbers.
-    pub(super) fn minor(&self) -> Vec<f64> {
+    pub(crate) fn minor(&self) -> Vec<f64> {
         let parts = if self.step.mantissa == 2 { 4 } else { 5 };
         let step = self.step.value() / parts as f64;
         self.numbers(step)
@@ -131,6 +130,15 @@ impl Scale {
         let last = (self.high / step + slack).floor() as i64;
         first..=last
     }
+}
+
+/// The exponent of a positive number in scientific notation: its decimal logarithm, rounded down.
+fn decade(number: f64) -> i32 {
+    let text = format!("{number:e}");
+    let exponent = text
+        .split_once('e')
+        .and_then(|(_, exponent)| exponent.parse().ok());
+    exponent.unwrap_or(0)
 }
 
 fn count(low: f64, high: f64, step: Step) -> f64 {

@@ -1,0 +1,117 @@
+//! The looks of runs and their quantities, so that they can be told apart.
+
+use super::run::Run;
+use crate::analysis::plot::legend::Entry;
+use crate::analysis::plot::shape::{Colour, Stroke};
+use crate::analysis::plot::style::{
+    BLACK, COLOURS, DASHED, DASHES, HAIRLINE, MEDIUM, POINT, SKY, THIN, VERMILLION, line,
+};
+use crate::analysis::plot::text::Text;
+
+/// The colour of shaded regions.
+pub(super) const SHADE: Colour = Colour(0xf4, 0xee, 0xd6);
+
+/// The colour that stands in legends for the motions of several runs.
+pub(super) const PALE: Colour = Colour(0xc8, 0xc8, 0xc8);
+
+/// The colour of the unit sphere.
+pub(super) const SURFACE: Colour = Colour(0xf6, 0xf6, 0xf6);
+
+/// The strokes that tell the runs of a figure apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Looks {
+    /// The number of runs.
+    pub(super) runs: usize,
+}
+
+impl Looks {
+    /// The colour of a run.
+    fn colour(self, run: usize) -> Colour {
+        COLOURS[run % COLOURS.len()]
+    }
+
+    /// The stroke of a motion over which averages are drawn.
+    pub(super) fn motion(self, run: usize) -> Stroke {
+        if self.runs == 1 {
+            return line(SKY, THIN);
+        }
+        Stroke {
+            opacity: 0.45,
+            ..line(self.colour(run), THIN)
+        }
+    }
+
+    /// The stroke of averages. Those of several runs often coincide: dashes let each be seen.
+    pub(super) fn average(self, run: usize) -> Stroke {
+        let (colour, dash) = if self.runs == 1 {
+            (BLACK, DASHED)
+        } else {
+            (self.colour(run), DASHES[run % DASHES.len()])
+        };
+        Stroke {
+            dash,
+            ..line(colour, MEDIUM)
+        }
+    }
+
+    /// The stroke of the locus of the axis.
+    pub(super) fn locus(self, run: usize) -> Stroke {
+        line(self.colour(run), HAIRLINE)
+    }
+
+    /// The stroke of one of several quantities in a plot. Where those of several runs coincide, the broader
+    /// line of the earlier run shows.
+    pub(super) fn term(self, run: usize, term: usize) -> Stroke {
+        let colour = if self.runs == 1 { term } else { run };
+        let broader = (self.runs - 1).saturating_sub(run).min(2) as f64 * 0.5 * POINT;
+        Stroke {
+            dash: DASHES[term % DASHES.len()],
+            ..line(COLOURS[colour % COLOURS.len()], MEDIUM + broader)
+        }
+    }
+
+    /// The stroke of a quantity in a legend, where it stands for all runs.
+    pub(super) fn term_in_legend(self, term: usize) -> Stroke {
+        let stroke = self.term(0, term);
+        if self.runs == 1 {
+            return stroke;
+        }
+        Stroke {
+            colour: BLACK,
+            width: MEDIUM,
+            ..stroke
+        }
+    }
+
+    /// The stroke of the rates of regular precession.
+    pub(super) fn root(self, run: usize) -> Stroke {
+        let colour = if self.runs == 1 {
+            VERMILLION
+        } else {
+            self.colour(run)
+        };
+        line(colour, THIN)
+    }
+
+    /// The stroke of the rates of regular precession in a legend.
+    pub(super) fn root_in_legend(self) -> Stroke {
+        let colour = if self.runs == 1 { VERMILLION } else { BLACK };
+        line(colour, THIN)
+    }
+
+    /// The stroke of a run in a legend.
+    pub(super) fn run_in_legend(self, run: usize) -> Stroke {
+        line(self.colour(run), MEDIUM)
+    }
+}
+
+/// The legend of several runs; a single run needs none.
+pub(super) fn legend(runs: &[&Run], stroke: impl Fn(Looks, usize) -> Stroke) -> Vec<Entry> {
+    let looks = Looks { runs: runs.len() };
+    if runs.len() == 1 {
+        return Vec::new();
+    }
+    let entry =
+        |(index, run): (usize, &&Run)| Entry::of(stroke(looks, index), Text::name(&run.name));
+    runs.iter().enumerate().map(entry).collect()
+}

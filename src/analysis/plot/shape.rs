@@ -1,0 +1,102 @@
+//! Shapes: lines, areas and dots. Lengths are in mm, from the upper left corner.
+
+/// A colour: red, green, blue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Colour(pub(crate) u8, pub(crate) u8, pub(crate) u8);
+
+/// A place: to the right, and downwards.
+pub(crate) type Point = (f64, f64);
+
+/// A rectangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bounds {
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) right: f64,
+    pub(crate) bottom: f64,
+}
+
+impl Bounds {
+    pub(crate) fn width(&self) -> f64 {
+        self.right - self.left
+    }
+
+    pub(crate) fn height(&self) -> f64 {
+        self.bottom - self.top
+    }
+
+    pub(crate) fn corners(&self) -> Vec<Point> {
+        vec![
+            (self.left, self.top),
+            (self.right, self.top),
+            (self.right, self.bottom),
+            (self.left, self.bottom),
+        ]
+    }
+
+    /// The part of a segment within it.
+    pub(crate) fn clip(&self, a: Point, b: Point) -> Option<(Point, Point)> {
+        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        let edges = [
+            (-dx, a.0 - self.left),
+            (dx, self.right - a.0),
+            (-dy, a.1 - self.top),
+            (dy, self.bottom - a.1),
+        ];
+        for (slope, room) in edges {
+            if slope == 0.0 && room < 0.0 {
+                return None;
+            }
+            let at = room / slope;
+            if slope < 0.0 {
+                from = from.max(at);
+            } else if slope > 0.0 {
+                to = to.min(at);
+            }
+        }
+        let point = |t: f64| (a.0 + t * dx, a.1 + t * dy);
+        (from <= to).then(|| (point(from), point(to)))
+    }
+
+    /// The parts of a line within it.
+    pub(crate) fn clip_line(&self, line: &[Point]) -> Vec<Vec<Point>> {
+        let mut parts: Vec<Vec<Point>> = Vec::new();
+        for pair in line.windows(2) {
+            let Some((from, to)) = self.clip(pair[0], pair[1]) else {
+                continue;
+            };
+            match parts.last_mut() {
+                Some(part) if part.last() == Some(&from) => part.push(to),
+                _ => parts.push(vec![from, to]),
+            }
+        }
+        parts
+    }
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stroke {
+    pub(crate) colour: Colour,
+    pub(crate) width: f64,
+    /// Lengths of dashes and gaps by turns; empty for a solid line.
+    pub(crate) dash: &'static [f64],
+    pub(crate) opacity: f64,
+}
+
+/// Something that is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Shape {
+    /// An open line.
+    Line { points: Vec<Point>, stroke: Stroke },
+    /// A filled polygon.
+    Area { points: Vec<Point>, fill: Colour },
+    /// A dot, filled or not.
+    Dot {
+        centre: Point,
+        radius: f64,
+        fill: Colour,
+        stroke: Stroke,
+    },
+}
