@@ -18,8 +18,9 @@ use toprise::archive::writer::{Form, McapSink};
 use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::Simulation;
-use toprise::telemetry::Telemetry;
 use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::fields::state;
+use toprise::telemetry::{Telemetry, Topics};
 
 const START: [f64; 6] = [0.0, 0.5, 0.0, 1.75, 0.0, 170.0];
 const SECONDS: u32 = 20;
@@ -117,7 +118,7 @@ fn archive(scenario: &Scenario, topics: &[String], directory: &Path) {
     let mut telemetry = if topics.is_empty() {
         Telemetry::default()
     } else {
-        Telemetry::with_topics(topics).expect("the topics exist")
+        Telemetry::with_topics(&Topics::named(topics).expect("the topics exist"))
     };
     let path = directory.join("bench.mcap");
     let mut sink = McapSink::create(
@@ -283,13 +284,7 @@ fn recordings(criterion: &mut Criterion) {
             });
         });
         group.bench_function("one column", |b| {
-            b.iter(|| {
-                black_box(
-                    recording
-                        .series("/top/state", "theta")
-                        .expect("it is there"),
-                )
-            });
+            b.iter(|| black_box(recording.series(state::THETA).expect("it is there")));
         });
         group.finish();
     }

@@ -43,8 +43,8 @@ pub use self::viewer::{Live, MISSING_VIEWER};
 use crate::archive::sink::{Sink, SinkError};
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
-use crate::telemetry::Message;
 use crate::telemetry::proportions::Proportions;
+use crate::telemetry::{Message, Topic};
 
 /// The application that all recordings belong to.
 const APPLICATION: &str = "toprise";
@@ -109,7 +109,7 @@ pub struct Identity {
     /// The top.
     pub geometry: Geometry,
     /// The topics that will be written; the layout leaves out the plots of others.
-    pub topics: Vec<String>,
+    pub topics: Vec<Topic>,
     /// What a viewer does at first.
     pub playback: Playback,
     /// Whether it is not shown together with other recordings.
@@ -121,7 +121,7 @@ impl Identity {
     ///
     /// Two runs of one scenario are two recordings to a viewer, as they are two files.
     #[must_use]
-    pub fn of(name: &str, scenario: &Scenario, topics: Vec<String>, playback: Playback) -> Self {
+    pub fn of(name: &str, scenario: &Scenario, topics: Vec<Topic>, playback: Playback) -> Self {
         let model = &scenario.model;
         Self {
             recording_id: format!("{name}-{:.16}", scenario.digest()),
@@ -145,7 +145,7 @@ impl Identity {
     }
 
     fn has_topic(&self, topic: &str) -> bool {
-        self.topics.iter().any(|known| known == topic)
+        self.topics.iter().any(|known| known.name() == topic)
     }
 
     /// Whether there will be data in one of these entities.

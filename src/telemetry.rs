@@ -25,4 +25,4 @@ pub mod views;
 pub use self::channel::{ChannelInfo, Content, Leaf, Member, channel_index, channels};
 pub use self::logging::{Telemetry, TelemetryError};
 pub use self::message::{Message, Numbers};
-pub use self::topic::Topic;
+pub use self::topic::{Topic, Topics, UnknownTopic};

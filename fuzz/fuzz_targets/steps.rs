@@ -11,6 +11,7 @@ use toprise::archive::recover::recover;
 use toprise::archive::writer::Archived;
 use toprise::run::scenario::{Scenario, Values};
 use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::fields::state;
 
 /// Reads `data` as a recording in every way there is. Files are written to the directory `scratch`.
 ///
@@ -39,7 +40,7 @@ pub fn recording(data: &[u8], scratch: &Path) {
         }
         reader.progress();
     }
-    match recording.series("/top/state", "theta") {
+    match recording.series(state::THETA) {
         Ok(series) => assert_eq!(series.times_ns.len(), series.values.len()),
         Err(error) => told(&error.to_string()),
     }

@@ -7,8 +7,8 @@ use crate::archive::recover::RecoverError;
 use crate::archive::sink::{RecordError, Sink, record};
 use crate::archive::writer::{Archived, Form, McapSink};
 use crate::run::simulation::Simulation;
-use crate::telemetry::Telemetry;
 use crate::telemetry::encoding::Encoding;
+use crate::telemetry::{Telemetry, Topics};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -34,10 +34,10 @@ pub fn complete(
     if let Some(check) = different {
         return Err(RecoverError::Different(check.finding.clone()));
     }
-    let mut telemetry = match recording.topics().as_slice() {
-        [] => Telemetry::default(),
-        topics => Telemetry::with_topics(topics).unwrap_or_default(),
-    };
+    let mut telemetry = Telemetry::with_topics(&match recording.topics() {
+        none if none.is_empty() => Topics::All,
+        topics => Topics::Only(topics),
+    });
     let form = Form {
         encoding: recording.encoding().unwrap_or(Encoding::Json),
         views: recording.channels().iter().any(|channel| channel.is_view()),

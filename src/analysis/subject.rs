@@ -4,7 +4,7 @@ use crate::archive::format::end_entries;
 use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::Simulation;
-use crate::telemetry::{Message, Telemetry, TelemetryError, channel_index, channels};
+use crate::telemetry::{Message, Telemetry, TelemetryError, Topic, Topics};
 use std::ops::ControlFlow;
 
 /// A run, recorded or not.
@@ -38,11 +38,11 @@ pub struct Ended {
 }
 
 impl Subject<'_> {
-    /// Gives its messages of some topics of the table to `take`, in the order of time, with the number of bytes
+    /// Gives its messages of topics of the table to `take`, in the order of time, with the number of bytes
     /// of the file that have been read since the last one; until `take` wants no more.
     pub fn read(
         self,
-        topics: &[String],
+        topics: &Topics,
         take: &mut dyn FnMut(&Message<'_>, u64) -> ControlFlow<()>,
     ) -> Ended {
         match self {
@@ -74,19 +74,19 @@ impl Subject<'_> {
 
     /// The topics of the table that it has.
     #[must_use]
-    pub fn topics(self) -> Vec<String> {
+    pub fn topics(self) -> Vec<Topic> {
         match self {
-            Self::Scenario(_) => channels().iter().map(|c| c.topic.to_owned()).collect(),
+            Self::Scenario(_) => Topic::all().collect(),
             Self::Recording(recording) => recording.topics(),
         }
     }
 
-    /// Whether it has a channel.
+    /// Whether it has a channel of the table.
     #[must_use]
-    pub fn has_topic(self, topic: &str) -> bool {
+    pub fn has_topic(self, topic: Topic) -> bool {
         match self {
-            Self::Scenario(_) => channel_index(topic).is_some(),
-            Self::Recording(recording) => recording.channels().iter().any(|c| c.topic == topic),
+            Self::Scenario(_) => true,
+            Self::Recording(recording) => recording.has(topic),
         }
     }
 
@@ -112,11 +112,15 @@ impl Subject<'_> {
 
 fn read(
     recording: &Recording,
-    topics: &[String],
+    topics: &Topics,
     take: &mut dyn FnMut(&Message<'_>, u64) -> ControlFlow<()>,
 ) -> Ended {
+    let names = |topics: &[Topic]| topics.iter().map(ToString::to_string).collect();
     let selection = Selection {
-        topics: topics.to_vec(),
+        topics: match topics {
+            Topics::All => Topics::Only(names(&recording.topics())),
+            Topics::Only(topics) => Topics::Only(names(topics)),
+        },
         ..Selection::default()
     };
     let mut undecodable = Undecodable::default();
@@ -176,7 +180,7 @@ impl From<TelemetryError> for Stopped {
 
 fn simulate(
     scenario: &Scenario,
-    topics: &[String],
+    topics: &Topics,
     take: &mut dyn FnMut(&Message<'_>, u64) -> ControlFlow<()>,
 ) -> Ended {
     let lost = |reason: String| Ended {
@@ -187,10 +191,7 @@ fn simulate(
         Ok(simulation) => simulation,
         Err(error) => return lost(error.to_string()),
     };
-    let mut telemetry = match Telemetry::with_topics(topics) {
-        Ok(telemetry) => telemetry,
-        Err(error) => return lost(error.to_string()),
-    };
+    let mut telemetry = Telemetry::with_topics(topics);
     let mut losses = Vec::new();
     for record in simulation.by_ref() {
         let sent = match &record {

@@ -7,7 +7,7 @@ use crate::archive::recording::{
 };
 use crate::archive::sink::{Sink as _, SinkError};
 use crate::archive::writer::{Archived, Ending, McapSink, Opening, RawChannel, RawMessage};
-use crate::telemetry::channels;
+use crate::telemetry::Topic;
 use crate::telemetry::encoding::Encoding;
 use std::borrow::Cow;
 use std::path::Path;
@@ -143,9 +143,7 @@ pub(crate) fn attachments(
 
 /// Which channels of the table a recording has.
 pub(crate) fn wanted(recording: &Recording) -> Vec<bool> {
-    (0..channels().len())
-        .map(|table| recording.has(table))
-        .collect()
+    Topic::all().map(|topic| recording.has(topic)).collect()
 }
 
 /// The channels of a recording that are copied as they are.

@@ -10,6 +10,8 @@
 
 use crate::run::scenario::Scenario;
 use crate::run::simulation::Outcome;
+use crate::telemetry::Topic;
+use crate::telemetry::fields::{EVENTS, NUTATION, STATE};
 use mcap::Attachment;
 use std::collections::BTreeMap;
 
@@ -45,10 +47,10 @@ pub const LOST: &str = "lost";
 pub const ORIGINAL_CONTENT_DIGEST: &str = "original_content_digest";
 
 /// Keys of [`END_RECORD`] that count messages, each with the topic whose messages it counts.
-pub const COUNTS: [(&str, &str); 3] = [
-    ("samples", "/top/state"),
-    ("events", "/events"),
-    ("nutations", "/top/nutation"),
+pub const COUNTS: [(&str, Topic); 3] = [
+    ("samples", STATE),
+    ("events", EVENTS),
+    ("nutations", NUTATION),
 ];
 
 /// Entries of a metadata record.

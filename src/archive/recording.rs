@@ -6,10 +6,11 @@
 //!
 //! ```no_run
 //! use toprise::archive::recording::Recording;
+//! use toprise::telemetry::fields::state;
 //!
 //! let recording = Recording::open("recordings/paper.mcap".as_ref())?;
-//! let theta = recording.series("/top/state", "theta")?;
-//! println!("{} {} at {} ns", theta.values[0], theta.unit, theta.times_ns[0]);
+//! let theta = recording.series(state::THETA)?;
+//! println!("{} {} at {} ns", theta.values[0], theta.field.unit(), theta.times_ns[0]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -36,6 +37,7 @@ use self::source::Source;
 pub use crate::archive::format::Entries;
 use crate::archive::format::{END_RECORD, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT};
 use crate::run::scenario::{Scenario, ScenarioError};
+use crate::telemetry::Topic;
 use crate::telemetry::encoding::{DecodeError, Encoding, FieldDifferences};
 use mcap::records::Record;
 use schemars::JsonSchema;
@@ -158,8 +160,7 @@ impl Recording {
                 .collect();
             tables.sort_unstable();
             if let Some(twice) = tables.windows(2).find(|pair| pair[0] == pair[1]) {
-                let topic = crate::telemetry::channels()[twice[0]].topic;
-                return Err(RecordingError::TwoChannels(topic.to_owned()));
+                return Err(RecordingError::TwoChannels(twice[0].to_string()));
             }
         }
         Ok(recording)
@@ -252,17 +253,16 @@ impl Recording {
             .then(|| Encoding::find(&first.encoding))?
     }
 
-    /// Whether it has the channel of the table with this index.
+    /// Whether it has this channel of the table.
     #[must_use]
-    pub fn has(&self, table: usize) -> bool {
-        self.channels().iter().any(|c| c.table == Some(table))
+    pub fn has(&self, topic: Topic) -> bool {
+        self.channels().iter().any(|c| c.table == Some(topic))
     }
 
     /// The topics of the table that it has, in the order of the file.
     #[must_use]
-    pub fn topics(&self) -> Vec<String> {
-        let ours = self.channels().iter().filter(|c| c.table.is_some());
-        ours.map(|channel| channel.topic.clone()).collect()
+    pub fn topics(&self) -> Vec<Topic> {
+        self.channels().iter().filter_map(|c| c.table).collect()
     }
 
     /// The damage that opening it met.

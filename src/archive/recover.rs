@@ -10,9 +10,9 @@ use crate::archive::publish::{Existing, Place};
 use crate::archive::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
 use crate::archive::sink::{RecordError, Sink, SinkError};
 use crate::archive::writer::{Archived, Ending, McapSink, Opening};
+use crate::telemetry::channels;
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
-use crate::telemetry::{channel_index, channels};
 use std::collections::BTreeMap;
 use std::path::Path;
 use thiserror::Error;
@@ -308,10 +308,6 @@ fn ending(recording: &Recording, saved: &Saved, lost: Option<&str>) -> Ending {
             ..Ending::default()
         };
     };
-    let count = |topic: &str| {
-        let table = channel_index(topic);
-        table.map_or(0, |table| saved.counts[table]).to_string()
-    };
     let original = recording.end().cloned();
     let mut recovery = Entries::from([(LOST.to_owned(), lost.to_owned())]);
     if let Some(digest) = original.as_ref().and_then(|end| end.get(CONTENT_DIGEST)) {
@@ -327,7 +323,7 @@ fn ending(recording: &Recording, saved: &Saved, lost: Option<&str>) -> Ending {
         ])
     });
     for (key, topic) in COUNTS {
-        end.insert(key.to_owned(), count(topic));
+        end.insert(key.to_owned(), saved.counts[topic.index()].to_string());
     }
     Ending {
         metadata: vec![(RECOVERY_RECORD.to_owned(), recovery)],

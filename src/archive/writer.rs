@@ -16,7 +16,7 @@ use crate::run::simulation::Outcome;
 use crate::telemetry::digest::{ContentDigest, append_content};
 use crate::telemetry::encoding::{Encoder, Encoding};
 use crate::telemetry::views::{Views, view_channels};
-use crate::telemetry::{Message, Telemetry, channels};
+use crate::telemetry::{Message, Telemetry, Topic, channels};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
@@ -201,13 +201,13 @@ impl McapSink {
     ) -> Result<Self, SinkError> {
         let views = form
             .views
-            .then(|| Views::new(scenario, |channel| telemetry.wants(channel)));
+            .then(|| Views::new(scenario, |topic| telemetry.wants(topic)));
         let opening = Opening {
             library: LIBRARY,
             metadata: vec![(RUN_RECORD.to_owned(), run_entries(scenario))],
             attachments: vec![scenario_attachment(scenario.to_toml())],
             encoding: form.encoding,
-            wanted: (0..channels().len()).map(|i| telemetry.wants(i)).collect(),
+            wanted: Topic::all().map(|topic| telemetry.wants(topic)).collect(),
             raw: views.as_ref().map_or_else(Vec::new, raw_views),
         };
         let mut sink = Self::open(reserved, &opening)?;

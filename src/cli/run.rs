@@ -13,7 +13,7 @@ use crate::archive::sink::{RecordError, Sink, record};
 use crate::archive::writer::{Archived, Form, McapSink};
 use crate::run::scenario::{PRESETS, Preset, Scenario, Values};
 use crate::run::simulation::{EventKind, Outcome, Record, Simulation, StopReason};
-use crate::telemetry::Telemetry;
+use crate::telemetry::{Telemetry, Topics};
 use anyhow::{Context as _, Error};
 use clap::Args;
 use files::Plan;
@@ -95,7 +95,7 @@ impl RunArguments {
         Ok(if self.topics.is_empty() {
             Telemetry::default()
         } else {
-            Telemetry::with_topics(&self.topics)?
+            Telemetry::with_topics(&Topics::named(&self.topics)?)
         })
     }
 }

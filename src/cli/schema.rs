@@ -3,7 +3,7 @@
 use super::{Done, EncodingName, format, output};
 use crate::telemetry::protobuf::{proto_file, proto_file_name};
 use crate::telemetry::schema::{file_name, json_schema};
-use crate::telemetry::{ChannelInfo, Telemetry, channels};
+use crate::telemetry::{ChannelInfo, Topic, UnknownTopic, channels};
 use anyhow::{Context as _, Error};
 use std::fs;
 use std::path::Path;
@@ -22,15 +22,13 @@ pub(super) fn schema(
         output::print(&list())?;
         return Ok(Done::Well);
     };
-    // Checks the name and tells which there are.
-    let one = Telemetry::with_topics(&[topic.to_owned()])?;
-    let wanted = channels().iter().enumerate();
-    for (_, channel) in wanted.filter(|(index, _)| one.wants(*index)) {
-        output::print(&match encoding {
-            EncodingName::Json => json_schema(channel),
-            EncodingName::Protobuf => proto_file(channel),
-        })?;
-    }
+    let topic = Topic::find(topic).ok_or_else(|| UnknownTopic {
+        name: topic.to_owned(),
+    })?;
+    output::print(&match encoding {
+        EncodingName::Json => json_schema(topic.info()),
+        EncodingName::Protobuf => proto_file(topic.info()),
+    })?;
     Ok(Done::Well)
 }
 

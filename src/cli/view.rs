@@ -9,6 +9,7 @@ use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
 use crate::archive::sink::SinkError;
 use crate::rerun::{Destinations, Identity, Live, MISSING_VIEWER, Playback, RerunSink};
+use crate::telemetry::Topics;
 use anyhow::{Context as _, Error, anyhow, bail};
 use clap::Args;
 use std::env;
@@ -52,7 +53,7 @@ impl ViewArguments {
         }
         let nanoseconds = |seconds: f64| (seconds * 1e9).round() as u64;
         Ok(Selection {
-            topics: Vec::new(),
+            topics: Topics::All,
             from_ns: self.from.map(nanoseconds),
             to_ns: self.to.map(nanoseconds),
         })

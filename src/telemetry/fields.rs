@@ -35,6 +35,19 @@ pub struct NumberField {
 }
 
 impl NumberField {
+    /// The number of the channel `topic` that stands at `path`, if the table has it. Code that knows its name
+    /// uses its handle.
+    #[must_use]
+    pub fn find(topic: &str, path: &str) -> Option<Self> {
+        let topic = Topic::find(topic)?;
+        let index = topic.info().number_index(path)?;
+        Some(Self {
+            topic,
+            index,
+            plot: topic.info().numbers[index].plot,
+        })
+    }
+
     /// Its channel.
     #[must_use]
     pub const fn topic(self) -> Topic {

@@ -1,8 +1,9 @@
 //! The messages of a run: the table applied to its records.
 
-use super::channel::{channel_index, channels};
+use super::channel::channels;
 use super::message::Message;
 use super::table::{Channel, EVENTS, NUTATION, SAMPLES, Source};
+use super::topic::{Topic, Topics};
 use crate::run::simulation::Record;
 use thiserror::Error;
 
@@ -20,14 +21,6 @@ pub enum TelemetryError {
         value: f64,
         /// When, ns.
         time_ns: u64,
-    },
-    /// A topic that does not exist was asked for.
-    #[error("there is no topic {topic}; topics: {allowed}")]
-    UnknownTopic {
-        /// The topic.
-        topic: String,
-        /// Those that exist.
-        allowed: String,
     },
 }
 
@@ -51,31 +44,19 @@ impl Default for Telemetry {
 }
 
 impl Telemetry {
-    /// Only some topics.
-    ///
-    /// # Errors
-    /// [`TelemetryError::UnknownTopic`] for one that does not exist.
-    pub fn with_topics(topics: &[String]) -> Result<Self, TelemetryError> {
-        let mut telemetry = Self::default();
-        telemetry.wanted.fill(false);
-        for topic in topics {
-            let channel = channel_index(topic).ok_or_else(|| TelemetryError::UnknownTopic {
-                topic: topic.clone(),
-                allowed: channels()
-                    .iter()
-                    .map(|c| c.topic)
-                    .collect::<Vec<_>>()
-                    .join(", "),
-            })?;
-            telemetry.wanted[channel] = true;
+    /// Only the messages of some topics.
+    #[must_use]
+    pub fn with_topics(topics: &Topics) -> Self {
+        Self {
+            wanted: Topic::all().map(|topic| topics.include(&topic)).collect(),
+            ..Self::default()
         }
-        Ok(telemetry)
     }
 
-    /// Whether the channel with this index is logged.
+    /// Whether messages of this topic are made.
     #[must_use]
-    pub fn wants(&self, channel: usize) -> bool {
-        self.wanted[channel]
+    pub fn wants(&self, topic: Topic) -> bool {
+        self.wanted[topic.index()]
     }
 
     /// Gives the messages of `record` to `emit`, in table order.
@@ -142,16 +123,5 @@ impl Telemetry {
             numbers: &self.numbers,
             texts: &self.texts,
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn unknown_topics_are_refused() {
-        let error = Telemetry::with_topics(&["/top/stat".to_owned()]).unwrap_err();
-        assert!(error.to_string().contains("/top/state"), "{error}");
     }
 }

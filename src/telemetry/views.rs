@@ -13,11 +13,14 @@ mod cdr;
 mod urdf;
 
 use self::cdr::Cdr;
-use super::channel::{channel_index, channels};
+use super::channel::channels;
+use super::fields::{CONTACT, EVENTS, POSE, STATE, TORQUE, contact, events, pose, state, torque};
 use super::message::Message;
+use super::proportions::Proportions;
+use super::topic::Topic;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
-use crate::telemetry::proportions::Proportions;
+use nalgebra::Vector3;
 
 /// Views come no more often than this, ns.
 const PERIOD_NS: u64 = 10_000_000;
@@ -34,7 +37,7 @@ pub struct ViewChannel {
     /// What it carries.
     pub meaning: &'static str,
     /// The topics of the table that it is made from; it comes with the last of them.
-    sources: &'static [&'static str],
+    sources: &'static [Topic],
     kind: Kind,
 }
 
@@ -70,17 +73,11 @@ const FIELD: (&str, &str) = (
 );
 const LOG: (&str, &str) = ("rcl_interfaces/msg/Log", include_str!("views/Log.msg"));
 
-const STATE: &str = "/top/state";
-const POSE: &str = "/top/pose";
-const TORQUE: &str = "/top/torque";
-const CONTACT: &str = "/top/contact";
-const EVENTS: &str = "/events";
-
 const fn view(
     kind: Kind,
     topic: &'static str,
     (schema, definition): (&'static str, &'static str),
-    sources: &'static [&'static str],
+    sources: &'static [Topic],
     meaning: &'static str,
 ) -> ViewChannel {
     ViewChannel {
@@ -155,9 +152,8 @@ pub struct Views {
     scales: Scales,
     /// Every so many samples there are views.
     stride: u32,
-    /// For each view the index of the table's channel that it comes with, if it is wanted.
-    sources: Vec<Option<usize>>,
-    fields: Fields,
+    /// For each view the topic that it comes with, if it is wanted.
+    sources: Vec<Option<Topic>>,
     /// The shape, until it has been sent.
     description: Option<String>,
     /// Sequence number, θ and θ̇ of the last state.
@@ -166,10 +162,10 @@ pub struct Views {
 }
 
 impl Views {
-    /// The views of a run of `scenario` in which those channels of the table are recorded that `wants`
-    /// tells by their index.
+    /// The views of a run of `scenario` in which those channels of the table are recorded that it
+    /// `wants`.
     #[must_use]
-    pub fn new(scenario: &Scenario, wants: impl Fn(usize) -> bool) -> Self {
+    pub fn new(scenario: &Scenario, wants: impl Fn(Topic) -> bool) -> Self {
         let top = scenario.model.top;
         let proportions = Proportions::new(&top);
         let scales = Scales::new(scenario, &proportions);
@@ -179,7 +175,7 @@ impl Views {
                 Kind::FrictionTorque => scales.torque.is_some(),
                 _ => true,
             };
-            let mut sources = view.sources.iter().map(|topic| index_of(topic));
+            let mut sources = view.sources.iter().copied();
             let is_wanted = has_scale && sources.clone().all(&wants);
             sources.next_back().filter(|_| is_wanted)
         };
@@ -188,7 +184,6 @@ impl Views {
             sources: VIEWS.iter().map(source).collect(),
             description: Some(urdf::urdf(&proportions, &scales)),
             stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
-            fields: Fields::new(),
             state: None,
             cdr: Cdr::default(),
             top,
@@ -209,12 +204,12 @@ impl Views {
         if channels()[message.channel].is_sampled && !is_due {
             return;
         }
-        if message.channel == self.fields.state {
-            let [theta, theta_dot, ..] = self.fields.state_of(message);
-            self.state = Some((message.sequence, [theta, theta_dot]));
+        if message.topic() == STATE {
+            let angle = [state::THETA, state::THETA_DOT].map(|field| field.of(message));
+            self.state = Some((message.sequence, angle));
         }
         for (index, view) in VIEWS.iter().enumerate() {
-            if self.sources[index] == Some(message.channel) && self.write(view.kind, message) {
+            if self.sources[index] == Some(message.topic()) && self.write(view.kind, message) {
                 emit(index, message.sequence, self.cdr.bytes());
             }
         }
@@ -222,8 +217,8 @@ impl Views {
 
     /// Writes a view of a message; false if there is none.
     fn write(&mut self, kind: Kind, message: &Message<'_>) -> bool {
-        let Self { fields, cdr, .. } = self;
-        let (time, numbers) = (message.time_ns, message.numbers);
+        let cdr = &mut self.cdr;
+        let time = message.time_ns;
         cdr.begin();
         match kind {
             Kind::Description => {
@@ -233,10 +228,10 @@ impl Views {
                 cdr.string(&text);
             }
             Kind::Transforms => {
-                let [x, y, z] = vector(numbers, fields.peg_position);
-                let turn = &numbers[fields.orientation..fields.orientation + 4];
+                let [x, y, z] = pose::PEG_POSITION.of(message).into();
+                let turn = pose::ORIENTATION.of(message).coords;
                 cdr.u32(2).header(time, "world").string("top");
-                cdr.f64s(&[x, y, z]).f64s(turn);
+                cdr.f64s(&[x, y, z]).f64s(turn.as_slice());
                 // The lowest point of the peg.
                 let contact = [x, y, z - self.top.peg_radius];
                 cdr.header(time, "world").string("contact");
@@ -250,31 +245,30 @@ impl Views {
                 else {
                     return false;
                 };
-                let [torque, ..] = vector(numbers, fields.total_torque);
                 cdr.header(time, "").u32(1).string("theta");
                 cdr.sequence(&[theta])
                     .sequence(&[theta_dot])
-                    .sequence(&[torque]);
+                    .sequence(&[torque::TOTAL_NODE.x().of(message)]);
             }
-            Kind::PrecessionRate => plot(cdr, fields.state_of(message)[2]),
-            Kind::SpinRate => plot(cdr, fields.state_of(message)[3]),
-            Kind::SlipSpeed => plot(cdr, numbers[fields.slip_speed]),
+            Kind::PrecessionRate => plot(cdr, state::PHI_DOT.of(message)),
+            Kind::SpinRate => plot(cdr, state::PSI_DOT.of(message)),
+            Kind::SlipSpeed => plot(cdr, contact::SLIP_SPEED.of(message)),
             Kind::SlipVelocity => {
-                let slip = vector(numbers, fields.slip);
+                let slip = contact::SLIP_WORLD.of(message);
                 arrow(cdr.header(time, "contact"), slip, self.scales.slip);
             }
             Kind::FrictionTorque => {
-                let torque = vector(numbers, fields.friction_torque);
+                let torque = torque::FRICTION_BODY.of(message);
                 arrow(cdr.header(time, "top"), torque, self.scales.torque);
             }
             Kind::Log => {
-                let name = &message.texts[fields.name];
+                let name = events::NAME.of(message);
                 if name.starts_with("nutation") {
                     return false;
                 }
                 const INFO: u8 = 20;
                 cdr.time(time).u8(INFO).string(name);
-                cdr.string(&message.texts[fields.description]);
+                cdr.string(events::DESCRIPTION.of(message));
                 // File, function and line of the code that logs: they mean nothing here.
                 cdr.string("").string("").u32(0);
             }
@@ -289,62 +283,7 @@ fn plot(cdr: &mut Cdr, value: f64) {
 }
 
 /// The rest of a `MagneticField`: the vector, and no covariance.
-fn arrow(cdr: &mut Cdr, vector: [f64; 3], scale: Option<f64>) {
-    let scale = scale.unwrap_or(0.0);
-    cdr.f64s(&vector.map(|x| scale * x)).f64s(&[0.0; 9]);
-}
-
-fn vector(numbers: &[f64], first: usize) -> [f64; 3] {
-    [numbers[first], numbers[first + 1], numbers[first + 2]]
-}
-
-fn index_of(topic: &str) -> usize {
-    channel_index(topic).unwrap_or_else(|| unreachable!("the table has no {topic}"))
-}
-
-/// Where the fields that are viewed stand in their messages.
-#[derive(Clone, Copy, Debug)]
-struct Fields {
-    state: usize,
-    /// θ, θ̇, φ̇, ψ̇.
-    rates: [usize; 4],
-    orientation: usize,
-    peg_position: usize,
-    total_torque: usize,
-    friction_torque: usize,
-    slip: usize,
-    slip_speed: usize,
-    name: usize,
-    description: usize,
-}
-
-impl Fields {
-    fn new() -> Self {
-        let number = |topic: &str, path: &str| {
-            let found = channels()[index_of(topic)].number_index(path);
-            found.unwrap_or_else(|| unreachable!("{topic} has no {path}"))
-        };
-        let text = |path: &str| {
-            let mut texts = channels()[index_of(EVENTS)].texts.iter();
-            let found = texts.position(|leaf| leaf.path == path);
-            found.unwrap_or_else(|| unreachable!("events have no {path}"))
-        };
-        Self {
-            state: index_of(STATE),
-            rates: ["theta", "theta_dot", "phi_dot", "psi_dot"].map(|path| number(STATE, path)),
-            orientation: number(POSE, "orientation.x"),
-            peg_position: number(POSE, "peg_position.x"),
-            total_torque: number(TORQUE, "total_node.x"),
-            friction_torque: number(TORQUE, "friction_body.x"),
-            slip: number(CONTACT, "slip_world.x"),
-            slip_speed: number(CONTACT, "slip_speed"),
-            name: text("name"),
-            description: text("description"),
-        }
-    }
-
-    /// θ, θ̇, φ̇ and ψ̇ of a state.
-    fn state_of(&self, message: &Message<'_>) -> [f64; 4] {
-        self.rates.map(|at| message.numbers[at])
-    }
+fn arrow(cdr: &mut Cdr, vector: Vector3<f64>, scale: Option<f64>) {
+    let vector = scale.unwrap_or(0.0) * vector;
+    cdr.f64s(vector.as_slice()).f64s(&[0.0; 9]);
 }

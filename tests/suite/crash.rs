@@ -9,6 +9,7 @@ use toprise::analysis::verify::{Options, Verdict, verify};
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Condition, Overview, Recording, Selection};
 use toprise::archive::recover::recover;
+use toprise::telemetry::Topics;
 
 /// Runs that are killed.
 const KILLS: u64 = 24;
@@ -69,7 +70,7 @@ fn killed_after(directory: &Path, encoding: &str, milliseconds: u64) {
     assert_eq!(Overview::of(&saved).messages(), overview.messages());
     // Not one sample is missing in what was saved.
     let mut reader = saved.reader(Selection {
-        topics: vec!["/top/state".to_owned()],
+        topics: Topics::Only(vec!["/top/state".to_owned()]),
         ..Selection::default()
     });
     let mut next = 0;

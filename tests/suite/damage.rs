@@ -11,6 +11,7 @@ use toprise::archive::recording::{Condition, Overview, Recording};
 use toprise::archive::recover::{RecoverError, recover};
 use toprise::archive::writer::Form;
 use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::fields::state;
 
 const QUICK: Options = Options { reproduce: false };
 
@@ -28,7 +29,7 @@ fn endures(path: &Path) {
     let Ok(recording) = Recording::open(path) else {
         return;
     };
-    let _ = recording.series("/top/state", "theta");
+    let _ = recording.series(state::THETA);
     let saved = path.with_extension("saved");
     if recover(&recording, &saved, Existing::Replace, &|_| {}).is_ok() {
         let saved = Recording::open(&saved).unwrap();

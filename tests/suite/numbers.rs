@@ -15,6 +15,7 @@ use toprise::archive::recording::{
     Condition, FileChannel, FileSchema, MAX_FIELDS, NumberDecoder, NumbersError, Recording,
     Selection,
 };
+use toprise::telemetry::Topics;
 
 fn channel(encoding: &str, schema: Option<FileSchema>) -> FileChannel {
     FileChannel {
@@ -691,7 +692,7 @@ fn columns(file: &str, topic: &str) -> BTreeMap<String, BTreeMap<u64, f64>> {
     let channel = channels.find(|channel| channel.topic == topic).unwrap();
     let mut decoder = NumberDecoder::new(channel).unwrap();
     let mut reader = recording.reader(Selection {
-        topics: vec![topic.to_owned()],
+        topics: Topics::Only(vec![topic.to_owned()]),
         ..Selection::default()
     });
     let mut columns: BTreeMap<String, BTreeMap<u64, f64>> = BTreeMap::new();

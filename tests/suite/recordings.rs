@@ -4,10 +4,12 @@ use crate::support::{archive, in_memory, scenario};
 use proptest::prelude::*;
 use serde_json::json;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
+use toprise::analysis::subject::Subject;
 use toprise::analysis::verify::{Options, Verdict, verify};
 use toprise::archive::convert::{ConvertError, convert};
 use toprise::archive::memory::{MemorySink, Owned};
@@ -20,7 +22,8 @@ use toprise::archive::sink::Sink;
 use toprise::archive::writer::Form;
 use toprise::run::scenario::Scenario;
 use toprise::telemetry::encoding::{Decoder, Encoder, Encoding, Row};
-use toprise::telemetry::{Telemetry, channels};
+use toprise::telemetry::fields::{ENERGY, NumberField, STATE, state};
+use toprise::telemetry::{Telemetry, Topic, Topics, channels};
 
 fn short() -> Scenario {
     scenario("paper", &[("stop.duration", "0.3")])
@@ -77,16 +80,17 @@ fn columns_are_what_the_messages_say() {
     for form in [Form::default(), PROTOBUF] {
         let (_directory, path) = recorded("run.mcap", form);
         let recording = Recording::open(&path).unwrap();
-        for (topic, field) in [
+        for (topic, path) in [
             ("/top/state", "theta"),
             ("/top/contact", "slip_world.y"),
             ("/top/acceleration", "psi_ddot.frictional"),
             ("/top/nutation", "period"),
             ("/events", "psi_dot"),
         ] {
-            let series = recording.series(topic, field).unwrap();
+            let field = NumberField::find(topic, path).unwrap();
+            let series = recording.series(field).unwrap();
             let info = channels().iter().find(|c| c.topic == topic).unwrap();
-            let number = info.number_index(field).unwrap();
+            let number = info.number_index(path).unwrap();
             let of_channel = expected
                 .iter()
                 .filter(|message| channels()[message.channel].topic == topic);
@@ -94,13 +98,46 @@ fn columns_are_what_the_messages_say() {
                 .map(|message| (message.time_ns, message.numbers[number]))
                 .unzip();
             assert_eq!(series.times_ns, times, "{topic}");
-            assert_eq!(series.values, values, "{topic}.{field}");
-            assert_eq!(series.unit, info.numbers[number].unit);
+            assert_eq!(series.values, values, "{field}");
+            assert_eq!(series.field.unit(), info.numbers[number].unit);
         }
-        let error = recording.series("/top/stat", "theta").unwrap_err();
-        assert!(matches!(error, SeriesError::Topic { .. }), "{error}");
-        let error = recording.series("/top/state", "thet").unwrap_err();
-        assert!(error.to_string().contains("theta_dot"), "{error}");
+    }
+}
+
+#[test]
+fn a_column_that_is_not_recorded_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("energy.mcap");
+    archive(&path, &short(), &["/top/energy"], Form::default()).unwrap();
+    let error = Recording::open(&path).unwrap().series(state::THETA);
+    let expected = SeriesError::Topic {
+        topic: STATE,
+        present: vec![ENERGY],
+    };
+    assert_eq!(error, Err(expected.clone()));
+    assert_eq!(
+        expected.to_string(),
+        "the recording has no /top/state; it has /top/energy"
+    );
+}
+
+#[test]
+fn topics_mean_the_same_for_scenarios_and_recordings() {
+    let (_directory, path) = recorded("run.mcap", Form::default());
+    let recording = Recording::open(&path).unwrap();
+    let scenario = short();
+    for subject in [Subject::from(&recording), Subject::from(&scenario)] {
+        let seen = |topics: Topics| {
+            let mut seen = BTreeSet::new();
+            subject.read(&topics, &mut |message, _| {
+                seen.insert(message.topic());
+                ControlFlow::Continue(())
+            });
+            seen
+        };
+        assert!(seen(Topics::Only(Vec::new())).is_empty());
+        assert!(seen(Topics::Only(vec![ENERGY])).into_iter().eq([ENERGY]));
+        assert!(seen(Topics::All).into_iter().eq(Topic::all()));
     }
 }
 
@@ -109,7 +146,7 @@ fn a_selection_is_what_was_asked_for() {
     let (_directory, path) = recorded("run.mcap", Form::default());
     let recording = Recording::open(&path).unwrap();
     let mut reader = recording.reader(Selection {
-        topics: vec!["/top/energy".to_owned()],
+        topics: Topics::Only(vec!["/top/energy".to_owned()]),
         from_ns: Some(100_000_000),
         to_ns: Some(200_000_000),
     });
@@ -363,11 +400,8 @@ fn kinds_of_files_are_told_apart() {
     assert_eq!(differences[0].1.unknown, ["wobble"]);
     assert!(differences[0].1.missing.contains(&"phi_dot".to_owned()));
     assert_eq!(differences[1].0, "/top/novel");
-    assert_eq!(
-        recording.series("/top/state", "theta").unwrap().values,
-        [0.5]
-    );
-    assert!(recording.series("/top/state", "phi").unwrap().values[0].is_nan());
+    assert_eq!(recording.series(state::THETA).unwrap().values, [0.5]);
+    assert!(recording.series(state::PHI).unwrap().values[0].is_nan());
 }
 
 #[test]

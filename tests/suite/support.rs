@@ -10,7 +10,7 @@ use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{
     Event, EventKind, NutationCycle, Outcome, Record, Sample, Simulation,
 };
-use toprise::telemetry::Telemetry;
+use toprise::telemetry::{Telemetry, Topics};
 
 /// A preset with some keys set otherwise.
 pub fn scenario(preset: &str, overrides: &[(&str, &str)]) -> Scenario {
@@ -93,10 +93,9 @@ pub fn archive(
     topics: &[&str],
     form: Form,
 ) -> Result<Archived, SinkError> {
-    let topics: Vec<_> = topics.iter().map(|topic| (*topic).to_owned()).collect();
-    let mut telemetry = match topics.as_slice() {
+    let mut telemetry = match topics {
         [] => Telemetry::default(),
-        topics => Telemetry::with_topics(topics).unwrap(),
+        topics => Telemetry::with_topics(&Topics::named(topics).unwrap()),
     };
     let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, form)?;
     let mut simulation = Simulation::new(scenario).unwrap();

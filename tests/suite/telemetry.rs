@@ -9,11 +9,12 @@ use toprise::archive::memory::{MemorySink, Owned};
 use toprise::archive::sink::{Sink, record};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::digest::ContentDigest;
+use toprise::telemetry::fields::{EVENTS, STATE};
 use toprise::telemetry::json::JsonEncoder;
 use toprise::telemetry::protobuf::{proto_file, proto_file_name};
 use toprise::telemetry::schema::{file_name, json_schema};
 use toprise::telemetry::views::view_channels;
-use toprise::telemetry::{Telemetry, channels};
+use toprise::telemetry::{Telemetry, Topics, channels};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -227,8 +228,7 @@ fn the_digest_sees_every_bit_but_not_the_interleaving() {
 
 #[test]
 fn topics_that_are_not_wanted_are_not_made() {
-    let topics = ["/top/state".to_owned(), "/events".to_owned()];
-    let mut telemetry = Telemetry::with_topics(&topics).unwrap();
+    let mut telemetry = Telemetry::with_topics(&Topics::Only(vec![STATE, EVENTS]));
     let scenario = scenario("paper", &[("stop.duration", "0.1")]);
     let mut sink = MemorySink::default();
     let mut simulation = Simulation::new(&scenario).unwrap();

@@ -7,7 +7,7 @@ use crate::archive::sink::SinkError;
 use crate::archive::writer::{Archived, Ending, McapSink, Opening, RawChannel, RawMessage};
 use crate::telemetry::encoding::{Encoder, Encoding};
 use crate::telemetry::side::Side;
-use crate::telemetry::{ChannelInfo, Message, channel_index, channels};
+use crate::telemetry::{ChannelInfo, Message, Topic, channel_index, channels};
 use std::path::Path;
 
 /// Name of the metadata records at the start and at the end of a file of differences.
@@ -46,10 +46,8 @@ impl Archive {
     ) -> Result<Self, SinkError> {
         let mut raw = Vec::new();
         let mut places = Vec::new();
-        for channel in channels() {
-            let is_common = [a, b]
-                .iter()
-                .all(|subject| subject.has_topic(channel.topic));
+        for (topic, channel) in Topic::all().zip(channels()) {
+            let is_common = [a, b].iter().all(|subject| subject.has_topic(topic));
             places.push((is_common && channel.topic != EVENTS).then(|| {
                 let topic = format!("/diff{}", channel.topic);
                 raw.push(raw_channel(topic, channel, encoding, "B − A"));

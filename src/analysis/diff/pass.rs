@@ -13,6 +13,7 @@ use crate::analysis::course::Course;
 use crate::analysis::subject::Ended;
 use crate::archive::publish::is_same_file;
 use crate::archive::sink::SinkError;
+use crate::telemetry::fields::EVENTS;
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, channels};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -388,7 +389,7 @@ impl Passed {
             summary: Vec::new(),
             setup,
             happened: plan.is_ours.then(|| {
-                let has_events = [a, b].iter().all(|subject| subject.has_topic("/events"));
+                let has_events = [a, b].iter().all(|subject| subject.has_topic(EVENTS));
                 happened::compare(course_a, course_b, has_events)
             }),
             averaged: averages::compare(course_a, course_b),

@@ -7,7 +7,9 @@ use super::{Align, DiffError, Options, Subject};
 use crate::analysis::course::{Course, Cycle};
 use crate::archive::format::SAMPLE_PERIOD;
 use crate::archive::recording::{FileChannel, Recording, Selection};
+use crate::telemetry::Topics;
 use crate::telemetry::channels;
+use crate::telemetry::fields::NUTATION;
 use crate::telemetry::side::Side;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
@@ -206,7 +208,7 @@ fn topics_of(subject: Subject<'_>, is_ours: bool) -> Vec<String> {
                 .cloned()
                 .collect()
         }
-        subject => subject.topics(),
+        subject => subject.topics().iter().map(ToString::to_string).collect(),
     }
 }
 
@@ -361,7 +363,7 @@ fn time_map(a: Subject<'_>, b: Subject<'_>, align: Align) -> Result<TimeMap, Dif
 /// The nutation cycles of a run, and nothing else.
 fn cycles(subject: Subject<'_>) -> Course {
     let mut course = Course::default();
-    subject.read(&["/top/nutation".to_owned()], &mut |message, _| {
+    subject.read(&Topics::Only(vec![NUTATION]), &mut |message, _| {
         course.take(message);
         ControlFlow::Continue(())
     });
@@ -444,7 +446,7 @@ fn reader_of<'r>(
 ) -> crate::archive::recording::Reader<'r> {
     recording
         .reader(Selection {
-            topics: topics.to_vec(),
+            topics: Topics::Only(topics.to_vec()),
             ..Selection::default()
         })
         .in_order_of_time()

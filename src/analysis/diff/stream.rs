@@ -7,6 +7,7 @@ use crate::analysis::subject::{Ended, Undecodable};
 use crate::archive::memory::Owned;
 use crate::archive::recording::{FileChannel, NumberDecoder, Recording, Selection};
 use crate::telemetry::channels;
+use crate::telemetry::{Topic, Topics};
 use std::ops::ControlFlow;
 use std::sync::mpsc::SyncSender;
 
@@ -48,15 +49,16 @@ pub(super) fn read(subject: Subject<'_>, wanted: Wanted<'_>, out: &SyncSender<Pa
         is_open: true,
     };
     let ended = match (subject, wanted) {
-        (subject, Wanted::Table(topics)) => subject.read(topics, &mut |message, bytes| {
-            posting.push(Owned::from(message), bytes)
-        }),
+        (subject, Wanted::Table(topics)) => subject
+            .read(&of_table(topics), &mut |message, bytes| {
+                posting.push(Owned::from(message), bytes)
+            }),
         (Subject::Recording(recording), Wanted::Numbers(topics)) => {
             read_numbers(recording, topics, &mut posting)
         }
         (Subject::Scenario(_), Wanted::Numbers(topics)) => {
             posting.announce(topics);
-            subject.read(topics, &mut |message, bytes| {
+            subject.read(&of_table(topics), &mut |message, bytes| {
                 // The channels of other files are numbered as they come.
                 let topic = channels()[message.channel].topic;
                 let position = topics.iter().position(|t| t == topic);
@@ -70,6 +72,16 @@ pub(super) fn read(subject: Subject<'_>, wanted: Wanted<'_>, out: &SyncSender<Pa
     };
     posting.send();
     let _ = out.send(Parcel::End(ended));
+}
+
+/// The topics of the table among these.
+fn of_table(topics: &[String]) -> Topics {
+    Topics::Only(
+        topics
+            .iter()
+            .filter_map(|topic| Topic::find(topic))
+            .collect(),
+    )
 }
 
 /// Collects messages into batches.
@@ -129,7 +141,7 @@ fn read_numbers(recording: &Recording, topics: &[String], posting: &mut Posting<
     let mut fields: Vec<Vec<String>> = vec![Vec::new(); topics.len()];
     let mut values = Vec::new();
     let selection = Selection {
-        topics: topics.to_vec(),
+        topics: Topics::Only(topics.to_vec()),
         ..Selection::default()
     };
     let mut reader = recording.reader(selection).in_order_of_time();

@@ -4,11 +4,13 @@ use super::stages::Stages;
 use crate::analysis::course::Course;
 use crate::analysis::subject::Subject;
 use crate::run::scenario::Scenario;
+use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, STATE};
+use crate::telemetry::{Topic, Topics};
 use std::ops::ControlFlow;
 use thiserror::Error;
 
 /// The channels without which there is no story.
-const NEEDED: [&str; 4] = ["/top/state", "/top/acceleration", "/top/energy", "/events"];
+const NEEDED: [Topic; 4] = [STATE, ACCELERATION, ENERGY, EVENTS];
 
 /// Why a run can't be explained.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -20,7 +22,7 @@ pub enum ExplainError {
     #[error("{0}")]
     NoScenario(String),
     /// A channel is missing.
-    #[error("it has no {missing}: needed are {}", NEEDED.join(", "))]
+    #[error("it has no {missing}: needed are {}", NEEDED.map(Topic::name).join(", "))]
     Channel {
         /// The channel.
         missing: &'static str,
@@ -44,7 +46,8 @@ pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
     if !subject.is_ours() {
         return Err(ExplainError::Foreign);
     }
-    if let Some(missing) = NEEDED.into_iter().find(|topic| !subject.has_topic(topic)) {
+    if let Some(missing) = NEEDED.into_iter().find(|topic| !subject.has_topic(*topic)) {
+        let missing = missing.name();
         return Err(ExplainError::Channel { missing });
     }
     let scenario = match subject {
@@ -55,7 +58,7 @@ pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
     };
     let mut course = Course::default();
     let mut stages = Stages::new(scenario.model.top);
-    let ended = subject.read(&subject.topics(), &mut |message, _| {
+    let ended = subject.read(&Topics::All, &mut |message, _| {
         course.take(message);
         stages.take(message);
         ControlFlow::Continue(())

@@ -4,7 +4,7 @@ use super::need::{NUTATION, Need};
 use crate::analysis::plot::shape::Point;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
-use crate::telemetry::{Message, channel_index, channels};
+use crate::telemetry::{Message, Topic, Topics, channel_index, channels};
 use std::ops::ControlFlow;
 
 /// Some numbers of a run, from a recording or a simulation.
@@ -46,11 +46,15 @@ impl Run {
         progress: &dyn Fn(u64),
     ) -> Self {
         let mut run = Self::new(name, needs);
-        run.tracks.retain(|track| subject.has_topic(track.topic));
-        let topics: Vec<_> = run.tracks.iter().map(|t| t.topic.to_owned()).collect();
-        // No topics would mean all.
+        run.tracks
+            .retain(|track| Topic::find(track.topic).is_some_and(|topic| subject.has_topic(topic)));
+        let topics: Vec<_> = run
+            .tracks
+            .iter()
+            .filter_map(|t| Topic::find(t.topic))
+            .collect();
         if !topics.is_empty() {
-            let ended = subject.read(&topics, &mut |message, bytes| {
+            let ended = subject.read(&Topics::Only(topics), &mut |message, bytes| {
                 progress(bytes);
                 run.take(message);
                 ControlFlow::Continue(())

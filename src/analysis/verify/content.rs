@@ -10,7 +10,7 @@ use crate::run::scenario::Scenario;
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::views::{Views, view_channels};
-use crate::telemetry::{Message, channel_index, channels};
+use crate::telemetry::{Message, channels};
 use std::collections::VecDeque;
 
 /// Checks everything about the messages of a recording.
@@ -271,11 +271,8 @@ impl Content {
         };
         let mut counts = Problems::default();
         for (key, topic) in COUNTS {
-            let table = channel_index(topic);
-            let is_recorded = table.is_some_and(|table| recording.has(table));
-            let found = table
-                .map_or(0, |table| self.counts[table].messages)
-                .to_string();
+            let is_recorded = recording.has(topic);
+            let found = self.counts[topic.index()].messages.to_string();
             let noted = end.get(key);
             counts.unless(!is_recorded || noted == Some(&found), || {
                 let noted = noted.map_or("nothing", String::as_str);
@@ -315,7 +312,7 @@ struct ViewCheck {
 impl ViewCheck {
     fn new(recording: &Recording, scenario: &Scenario) -> Self {
         Self {
-            views: Views::new(scenario, |table| recording.has(table)),
+            views: Views::new(scenario, |topic| recording.has(topic)),
             expected: VecDeque::new(),
             problems: Problems::default(),
             found: 0,

@@ -7,7 +7,7 @@ use crate::archive::recording::{Entries, Recording};
 use crate::physics::math::ulp_distance;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{Simulation, StopReason};
-use crate::telemetry::{Message, Telemetry, TelemetryError, channels};
+use crate::telemetry::{Message, Telemetry, TelemetryError, Topics, channels};
 use std::collections::VecDeque;
 
 /// A simulation that runs alongside a recording.
@@ -30,7 +30,7 @@ impl Reproduction {
         let version = recording.run().and_then(|run| run.get(VERSION));
         Self {
             simulation: Simulation::new(scenario).map_err(|error| error.to_string()),
-            telemetry: Telemetry::with_topics(&recording.topics()).unwrap_or_default(),
+            telemetry: Telemetry::with_topics(&Topics::Only(recording.topics())),
             ahead: VecDeque::new(),
             reached_ns: None,
             equal: 0,

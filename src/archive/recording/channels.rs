@@ -2,7 +2,7 @@
 
 use crate::telemetry::encoding::{DecodeError, Decoder};
 use crate::telemetry::views::view_channels;
-use crate::telemetry::{ChannelInfo, channel_index, channels};
+use crate::telemetry::{ChannelInfo, Topic};
 use mcap::records::Record;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -20,8 +20,8 @@ pub struct FileChannel {
     pub schema: Option<Arc<FileSchema>>,
     /// What the file says about it beside that.
     pub metadata: BTreeMap<String, String>,
-    /// Its index in the table of channels, if it is one of them.
-    pub table: Option<usize>,
+    /// Its topic in the table of channels, if it is one of them.
+    pub table: Option<Topic>,
 }
 
 /// A message type of a file.
@@ -45,7 +45,7 @@ impl FileChannel {
     /// The row of the table, if it is a channel of the table.
     #[must_use]
     pub fn info(&self) -> Option<&'static ChannelInfo> {
-        channels().get(self.table?)
+        self.table.map(Topic::info)
     }
 
     /// Whether it is one of those that are there for viewers only.
@@ -110,7 +110,7 @@ impl Channels {
             }
             Record::Channel(record) => {
                 let schema = self.schemas.get(&record.schema_id).cloned();
-                let table = channel_index(&record.topic);
+                let table = Topic::find(&record.topic);
                 let channel = FileChannel {
                     id: record.id,
                     topic: record.topic,

@@ -2,12 +2,10 @@
 
 use super::{Condition, Entries, Loss, Recording, RecordingError, Selection};
 use crate::run::scenario::Scenario;
+use crate::telemetry::Message;
 use crate::telemetry::encoding::{Decoder, Row};
-use crate::telemetry::{ChannelInfo, channels};
+use crate::telemetry::fields::{EVENTS, events};
 use std::path::Path;
-
-/// The topic of events.
-const EVENTS: &str = "/events";
 
 /// What is in an MCAP file, after reading all of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +24,7 @@ pub struct Overview {
     pub scenario: Option<String>,
     /// The channels, in the order of the file.
     pub channels: Vec<ChannelOverview>,
-    /// The messages on `/events`.
+    /// The events.
     pub events: Vec<EventOverview>,
     /// What can't be read.
     pub losses: Vec<Loss>,
@@ -107,7 +105,7 @@ impl Overview {
         let mut reader = recording.reader(Selection::default());
         while let Some(message) = reader.next_undecoded() {
             counted[message.position].count(message.log_time, message.data.len());
-            if message.channel.topic == EVENTS
+            if message.channel.table == Some(EVENTS)
                 && let Some(events) = &mut events
             {
                 events.take(message.data);
@@ -161,35 +159,36 @@ impl Overview {
 /// Collects events.
 struct Events {
     decoder: Decoder,
-    name: usize,
-    description: usize,
-    time: usize,
     row: Row,
     found: Vec<EventOverview>,
 }
 
 impl Events {
     fn find(recording: &Recording) -> Option<Self> {
-        let channel = recording.channels().iter().find(|c| c.topic == EVENTS)?;
-        let info: &ChannelInfo = &channels()[channel.table?];
-        let text = |path| info.texts.iter().position(|leaf| leaf.path == path);
+        let is_events = |channel: &&super::FileChannel| channel.table == Some(EVENTS);
+        let channel = recording.channels().iter().find(is_events)?;
         Some(Self {
             decoder: channel.decoder()?.ok()?,
-            name: text("name")?,
-            description: text("description")?,
-            time: info.number_index("time")?,
             row: Row::default(),
             found: Vec::new(),
         })
     }
 
     fn take(&mut self, data: &[u8]) {
-        if self.decoder.decode(data, &mut self.row).is_ok() {
-            self.found.push(EventOverview {
-                name: self.row.texts[self.name].clone(),
-                time: self.row.numbers[self.time],
-                description: self.row.texts[self.description].clone(),
-            });
+        if self.decoder.decode(data, &mut self.row).is_err() {
+            return;
         }
+        let message = Message {
+            channel: EVENTS.index(),
+            sequence: 0,
+            time_ns: self.row.time_ns,
+            numbers: &self.row.numbers,
+            texts: &self.row.texts,
+        };
+        self.found.push(EventOverview {
+            name: events::NAME.of(&message).to_owned(),
+            time: events::TIME.of(&message),
+            description: events::DESCRIPTION.of(&message).to_owned(),
+        });
     }
 }

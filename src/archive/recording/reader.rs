@@ -5,15 +5,15 @@ use super::loss::{Loss, Span};
 use super::section::{Buffers, RawMessage, Section, record_at};
 use super::{MessageError, Recording};
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
-use crate::telemetry::{ChannelInfo, Message};
+use crate::telemetry::{ChannelInfo, Message, Topic, Topics};
 use mcap::records::op;
 use std::ops::Range;
 
 /// Which messages to read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// Only these topics; all if there are none.
-    pub topics: Vec<String>,
+    /// Only these topics.
+    pub topics: Topics<String>,
     /// From this time on, ns.
     pub from_ns: Option<u64>,
     /// Up to this time, ns.
@@ -27,10 +27,6 @@ impl Selection {
 
     fn wants_span(&self, (first, last): (u64, u64)) -> bool {
         self.from_ns.is_none_or(|from| from <= last) && self.to_ns.is_none_or(|to| first <= to)
-    }
-
-    fn wants_topic(&self, topic: &str) -> bool {
-        self.topics.is_empty() || self.topics.iter().any(|wanted| wanted == topic)
     }
 }
 
@@ -98,12 +94,12 @@ enum Plan {
 impl<'r> Reader<'r> {
     pub(super) fn new(recording: &'r Recording, selection: Selection) -> Self {
         let plan = |channel: &FileChannel| {
-            if !selection.wants_topic(&channel.topic) {
+            if !selection.topics.include(&channel.topic) {
                 return Plan::Leave;
             }
             match (channel.table, channel.info(), channel.decoder()) {
                 (Some(table), Some(info), Some(decoder)) => Plan::Decode {
-                    channel: table,
+                    channel: table.index(),
                     info,
                     decoder: decoder.map(Box::new),
                 },
@@ -167,14 +163,14 @@ impl<'r> Reader<'r> {
     }
 
     /// Decodes only some numbers of a channel.
-    pub(super) fn only(mut self, table: usize, numbers: &[usize]) -> Self {
+    pub(super) fn only(mut self, topic: Topic, numbers: &[usize]) -> Self {
         for plan in &mut self.plans {
             match plan {
                 Plan::Decode {
                     channel,
                     decoder: Ok(decoder),
                     ..
-                } if *channel == table => **decoder = decoder.only(numbers),
+                } if *channel == topic.index() => **decoder = decoder.only(numbers),
                 _ => {}
             }
         }

@@ -2,7 +2,8 @@
 
 use super::loss::Loss;
 use super::{MessageError, Reader, Recording, Selection};
-use crate::telemetry::{ChannelInfo, channels};
+use crate::telemetry::fields::NumberField;
+use crate::telemetry::{Topic, Topics};
 use std::ops::Range;
 use std::thread;
 use thiserror::Error;
@@ -10,12 +11,8 @@ use thiserror::Error;
 /// One quantity over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Topic.
-    pub topic: &'static str,
-    /// Field, as in `theta` or `slip_world.x`.
-    pub field: String,
-    /// Unit, empty for pure numbers.
-    pub unit: &'static str,
+    /// The quantity.
+    pub field: NumberField,
     /// Times, ns.
     pub times_ns: Vec<u64>,
     /// Values.
@@ -25,23 +22,13 @@ pub struct Series {
 /// Why there is no such series.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SeriesError {
-    /// The recording has no such topic of the table.
-    #[error("the recording has no {topic}; it has {}", present.join(", "))]
+    /// The recording has no such channel.
+    #[error("the recording has no {topic}; it has {}", present.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))]
     Topic {
-        /// The topic.
-        topic: String,
-        /// Those that it has.
-        present: Vec<String>,
-    },
-    /// The channel has no such field.
-    #[error("{topic} has no field {field}; its fields: {}", present.join(", "))]
-    Field {
-        /// The topic.
-        topic: &'static str,
-        /// The field.
-        field: String,
-        /// Those that it has.
-        present: Vec<String>,
+        /// The channel.
+        topic: Topic,
+        /// Those of the table that it has.
+        present: Vec<Topic>,
     },
     /// A message can't be decoded.
     #[error(transparent)]
@@ -77,40 +64,30 @@ impl Columns {
 }
 
 impl Recording {
-    /// One quantity over time, as in `series("/top/state", "theta")`.
+    /// One quantity over time, as in `series(state::THETA)` with the handles of
+    /// [`telemetry::fields`](crate::telemetry::fields).
     ///
     /// # Errors
-    /// [`SeriesError`] if there is none, or a message of its channel can't be decoded.
-    pub fn series(&self, topic: &str, field: &str) -> Result<Series, SeriesError> {
-        let info = self.table_channel(topic)?.1;
-        let leaf = &info.numbers[number(info, field)?];
-        let mut columns = self.columns(topic, &[field])?;
+    /// [`SeriesError`] if the recording doesn't have it, or a message of its channel can't be decoded.
+    pub fn series(&self, field: NumberField) -> Result<Series, SeriesError> {
+        let mut columns = self.columns(field.topic(), &[field])?;
         Ok(Series {
-            topic: info.topic,
-            field: leaf.path.clone(),
-            unit: leaf.unit,
+            field,
             times_ns: columns.times_ns,
             values: columns.values.pop().unwrap_or_default(),
         })
     }
 
-    /// Several numbers of one channel. The others are not decoded, and the chunks are read by all
-    /// processors at once.
+    /// Several numbers of one channel; those of other channels are NaN. No others are decoded, and the chunks are
+    /// read by all processors at once.
     ///
     /// # Errors
     /// As for [`Recording::series`].
-    pub fn columns(&self, topic: &str, fields: &[&str]) -> Result<Columns, SeriesError> {
-        let (table, info) = self.table_channel(topic)?;
-        let numbers = fields
-            .iter()
-            .map(|field| number(info, field))
-            .collect::<Result<Vec<_>, _>>()?;
+    pub fn columns(&self, topic: Topic, fields: &[NumberField]) -> Result<Columns, SeriesError> {
+        self.require(topic)?;
         let ranges = shares(self.layout.sections.len());
         let parts: Vec<_> = thread::scope(|scope| {
-            let read = |range| {
-                let numbers = &numbers;
-                scope.spawn(move || self.columns_within(table, info, numbers, range))
-            };
+            let read = |range| scope.spawn(move || self.columns_within(topic, fields, range));
             let threads: Vec<_> = ranges.into_iter().map(read).collect();
             threads.into_iter().map(|thread| thread.join()).collect()
         });
@@ -126,49 +103,38 @@ impl Recording {
 
     fn columns_within(
         &self,
-        table: usize,
-        info: &'static ChannelInfo,
-        numbers: &[usize],
+        topic: Topic,
+        fields: &[NumberField],
         sections: Range<usize>,
     ) -> Result<Columns, MessageError> {
         let selection = Selection {
-            topics: vec![info.topic.to_owned()],
+            topics: Topics::Only(vec![topic.name().to_owned()]),
             ..Selection::default()
         };
+        let numbers: Vec<usize> = fields.iter().map(|field| field.index()).collect();
         let mut reader = Reader::new(self, selection)
             .within(sections)
-            .only(table, numbers);
-        let mut columns = Columns::of(numbers.len());
+            .only(topic, &numbers);
+        let mut columns = Columns::of(fields.len());
         while let Some(message) = reader.next() {
             let message = message?;
             columns.times_ns.push(message.time_ns);
-            for (column, number) in columns.values.iter_mut().zip(numbers) {
-                column.push(message.numbers[*number]);
+            for (column, field) in columns.values.iter_mut().zip(fields) {
+                column.push(field.of(&message));
             }
         }
         columns.losses = reader.losses().to_vec();
         Ok(columns)
     }
 
-    /// The channel of the table with this topic, if the recording has it.
-    fn table_channel(&self, topic: &str) -> Result<(usize, &'static ChannelInfo), SeriesError> {
-        let tables = || self.channels().iter().filter_map(|c| c.table);
-        let table = tables().find(|table| channels()[*table].topic == topic);
-        table
-            .map(|table| (table, &channels()[table]))
-            .ok_or_else(|| SeriesError::Topic {
-                topic: topic.to_owned(),
-                present: tables().map(|t| channels()[t].topic.to_owned()).collect(),
-            })
+    /// Refuses a channel that the recording doesn't have.
+    fn require(&self, topic: Topic) -> Result<(), SeriesError> {
+        if self.has(topic) {
+            return Ok(());
+        }
+        let present = self.topics();
+        Err(SeriesError::Topic { topic, present })
     }
-}
-
-fn number(info: &'static ChannelInfo, field: &str) -> Result<usize, SeriesError> {
-    info.number_index(field).ok_or_else(|| SeriesError::Field {
-        topic: info.topic,
-        field: field.to_owned(),
-        present: info.numbers.iter().map(|leaf| leaf.path.clone()).collect(),
-    })
 }
 
 /// Divides sections evenly between the processors.

@@ -5,7 +5,7 @@ use super::Setup;
 use crate::archive::publish::Place;
 use crate::archive::sink::{Sink, SinkError};
 use crate::rerun::{Destinations, Identity, Playback, RerunSink};
-use crate::telemetry::{Telemetry, channels};
+use crate::telemetry::{Telemetry, Topic, channels};
 use anyhow::{Context as _, Error};
 use std::path::PathBuf;
 
@@ -61,10 +61,7 @@ impl Viewer {
 
 fn identity(setup: &Setup<'_>, telemetry: &Telemetry) -> Identity {
     let stem = setup.plan.mcap.file_stem().unwrap_or_default();
-    let wanted = channels().iter().enumerate();
-    let topics = wanted
-        .filter(|(index, _)| telemetry.wants(*index))
-        .map(|(_, channel)| channel.topic.to_owned());
+    let topics = Topic::all().filter(|topic| telemetry.wants(*topic));
     let playback = if setup.arguments.realtime.is_some() {
         Playback::Following
     } else {
