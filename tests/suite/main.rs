@@ -19,6 +19,7 @@ mod golden;
 mod integrate;
 mod laws;
 mod numbers;
+mod package;
 mod physics;
 mod properties;
 mod readers;
