@@ -2,7 +2,9 @@
 
 pub mod check;
 pub(crate) mod container;
+pub(crate) mod container_check;
 pub mod convert;
+pub(crate) mod error;
 pub mod format;
 pub mod memory;
 pub mod publish;

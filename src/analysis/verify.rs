@@ -9,7 +9,7 @@ mod physics;
 mod reproduction;
 
 pub use crate::archive::check::{Check, Group, Verdict};
-use crate::archive::container;
+use crate::archive::container_check;
 use crate::archive::recording::{Condition, Recording};
 
 /// What to check.
@@ -53,7 +53,7 @@ impl Report {
 /// they are twice the file's.
 #[must_use]
 pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -> Report {
-    let mut checks = container::check(recording, progress);
+    let mut checks = container_check::check(recording, progress);
     if recording.condition() == Condition::Foreign {
         let finding = format!(
             "written by {:?}, not by toprise: its messages can't be judged (`toprise info` lists them)",

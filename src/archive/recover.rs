@@ -1,6 +1,6 @@
 //! What can be saved of an interrupted or damaged recording.
 
-use crate::archive::container::is_sound_container;
+use crate::archive::container_check::is_sound_container;
 use crate::archive::convert::{Copier, attachments, metadata_but, raw, wanted};
 use crate::archive::format::{
     CONTENT_DIGEST, COUNTS, END_RECORD, LIBRARY, LIBRARY_PREFIX, LOST, ORIGINAL_CONTENT_DIGEST,

@@ -6,7 +6,7 @@ mod tree;
 
 use self::protobuf::Types;
 use self::tree::{Filling, Node, Tree};
-use super::FileChannel;
+use crate::archive::container::channels::FileChannel;
 use thiserror::Error;
 
 pub use self::tree::MAX_FIELDS;

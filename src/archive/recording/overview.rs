@@ -1,6 +1,12 @@
 //! What is in a file.
 
-use super::{Condition, Entries, Loss, Recording, RecordingError, Selection};
+use super::condition::Condition;
+use super::file::Recording;
+use super::reader::Selection;
+use crate::archive::container::channels::FileChannel;
+use crate::archive::container::loss::Loss;
+use crate::archive::error::RecordingError;
+use crate::archive::format::Entries;
 use crate::run::scenario::Scenario;
 use crate::telemetry::Message;
 use crate::telemetry::encoding::{Decoder, Row};
@@ -93,7 +99,7 @@ impl Overview {
     /// Reads a recording as far as it can be read.
     #[must_use]
     pub fn of(recording: &Recording) -> Self {
-        let of_channel = |channel: &super::FileChannel| ChannelOverview {
+        let of_channel = |channel: &FileChannel| ChannelOverview {
             id: channel.id,
             topic: channel.topic.clone(),
             encoding: channel.encoding.clone(),
@@ -165,7 +171,7 @@ struct Events {
 
 impl Events {
     fn find(recording: &Recording) -> Option<Self> {
-        let is_events = |channel: &&super::FileChannel| channel.table == Some(EVENTS);
+        let is_events = |channel: &&FileChannel| channel.table == Some(EVENTS);
         let channel = recording.channels().iter().find(is_events)?;
         Some(Self {
             decoder: channel.decoder()?.ok()?,

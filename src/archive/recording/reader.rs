@@ -1,9 +1,10 @@
 //! Reading messages in the order of the file, a section at a time.
 
-use super::channels::FileChannel;
-use super::loss::{Loss, Span};
-use super::section::{Buffers, RawMessage, Section, record_at};
-use super::{MessageError, Recording};
+use super::file::Recording;
+use crate::archive::container::channels::FileChannel;
+use crate::archive::container::loss::{Loss, Span};
+use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
+use crate::archive::error::MessageError;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
 use crate::telemetry::{ChannelInfo, Message, Topic, Topics};
 use mcap::records::op;
@@ -91,6 +92,14 @@ enum Plan {
     },
 }
 
+impl Recording {
+    /// A reader for some of its messages.
+    #[must_use]
+    pub fn reader(&self, selection: Selection) -> Reader<'_> {
+        Reader::new(self, selection)
+    }
+}
+
 impl<'r> Reader<'r> {
     pub(super) fn new(recording: &'r Recording, selection: Selection) -> Self {
         let plan = |channel: &FileChannel| {
@@ -154,7 +163,7 @@ impl<'r> Reader<'r> {
         section.load(&self.recording.source, &mut buffers).ok()?;
         let mut position = 0;
         while let Some(Ok((inner, next))) = record_at(&buffers.records, position) {
-            if let Some(message) = RawMessage::parse(&inner) {
+            if let Some(message) = MessageRecord::parse(&inner) {
                 return Some(message.log_time);
             }
             position = next;
@@ -294,7 +303,7 @@ impl<'r> Reader<'r> {
                     if inner.opcode != op::MESSAGE {
                         continue;
                     }
-                    let Some(raw) = RawMessage::parse(&inner) else {
+                    let Some(raw) = MessageRecord::parse(&inner) else {
                         self.lose("a message in it is shorter than its head".to_owned());
                         continue;
                     };
@@ -371,13 +380,13 @@ struct At {
     channel: usize,
     start: usize,
     end: usize,
-    head: RawMessage<'static>,
+    head: MessageRecord<'static>,
 }
 
 impl At {
-    fn raw<'a>(&self, records: &'a [u8]) -> RawMessage<'a> {
-        RawMessage {
-            data: &records[self.start + RawMessage::HEAD..self.end],
+    fn raw<'a>(&self, records: &'a [u8]) -> MessageRecord<'a> {
+        MessageRecord {
+            data: &records[self.start + MessageRecord::HEAD..self.end],
             ..self.head
         }
     }

@@ -1,7 +1,9 @@
 //! Single columns of a recording.
 
-use super::loss::Loss;
-use super::{MessageError, Reader, Recording, Selection};
+use super::file::Recording;
+use super::reader::{Reader, Selection};
+use crate::archive::container::loss::Loss;
+use crate::archive::error::MessageError;
 use crate::telemetry::fields::NumberField;
 use crate::telemetry::{Topic, Topics};
 use std::ops::Range;

@@ -1,11 +1,12 @@
 //! Where everything is in a file.
 
 use super::channels::Channels;
-use super::loss::Loss;
-use super::scan::{Found, HEAD, Place, Scanner, parse};
+use super::loss::{Loss, Span};
+use super::record::{HEAD, RecordSpan, parse};
+use super::scan::{Found, Scanner};
 use super::section::{Buffers, Section, record_at};
 use super::source::Source;
-use super::{RecordingError, Span};
+use crate::archive::error::RecordingError;
 use crate::archive::format::LIBRARY_PREFIX;
 use mcap::MAGIC;
 use mcap::records::{Footer, Metadata, Record, op};
@@ -17,11 +18,11 @@ const MOST_LOSSES: usize = 1000;
 /// Records outside of chunks are read in sections of about this size.
 const LOOSE_SECTION: u64 = 1 << 20;
 
-/// An attachment's place and names.
+/// Where an attachment stands, and its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct AttachmentPlace {
+pub(crate) struct AttachmentSpan {
     pub(crate) name: String,
-    pub(crate) place: Place,
+    pub(crate) place: RecordSpan,
 }
 
 /// Where everything is in a file.
@@ -31,14 +32,14 @@ pub(crate) struct Layout {
     pub(crate) library: String,
     pub(crate) sections: Vec<Section>,
     pub(crate) metadata: Vec<Metadata>,
-    pub(crate) attachments: Vec<AttachmentPlace>,
+    pub(crate) attachments: Vec<AttachmentSpan>,
     pub(crate) channels: Channels,
     /// What is damaged between the records.
     pub(crate) losses: Vec<Loss>,
     /// Where the data end, if the file says so.
     pub(crate) data_end: Option<u64>,
     /// Where the footer is.
-    footer: Option<Place>,
+    footer: Option<RecordSpan>,
     /// Whether the file ends as an MCAP file does.
     pub(crate) is_ended: bool,
 }
@@ -83,7 +84,7 @@ impl Layout {
         self.library.starts_with(LIBRARY_PREFIX)
     }
 
-    fn take(&mut self, place: &Place, source: &Source) -> io::Result<()> {
+    fn take(&mut self, place: &RecordSpan, source: &Source) -> io::Result<()> {
         match place.opcode {
             op::CHUNK => {
                 let section = Section::of_chunk(place, source)?;
@@ -99,7 +100,7 @@ impl Layout {
             op::ATTACHMENT => {
                 let name = attachment_name(place, source)?;
                 let place = place.clone();
-                self.attachments.push(AttachmentPlace { name, place });
+                self.attachments.push(AttachmentSpan { name, place });
             }
             op::DATA_END => self.data_end = Some(place.offset),
             op::FOOTER => self.footer = Some(place.clone()),
@@ -112,7 +113,7 @@ impl Layout {
     }
 
     /// Adds a record outside of chunks to the section before it, if it continues that.
-    fn take_loose(&mut self, place: &Place) {
+    fn take_loose(&mut self, place: &RecordSpan) {
         match self.sections.last_mut() {
             Some(last)
                 if !last.is_chunk
@@ -130,7 +131,7 @@ impl Layout {
         }
     }
 
-    fn take_small(&mut self, place: &Place, source: &Source) -> io::Result<()> {
+    fn take_small(&mut self, place: &RecordSpan, source: &Source) -> io::Result<()> {
         let mut bytes = Vec::new();
         source.read(place.offset, place.length, &mut bytes)?;
         let body = bytes.get(HEAD as usize..).unwrap_or_default();
@@ -223,7 +224,7 @@ impl Layout {
 }
 
 /// What a footer says, if it can be read.
-pub(crate) fn read_footer(place: &Place, source: &Source) -> io::Result<Option<Footer>> {
+pub(crate) fn read_footer(place: &RecordSpan, source: &Source) -> io::Result<Option<Footer>> {
     let mut bytes = Vec::new();
     source.read(place.offset, place.length, &mut bytes)?;
     let body = bytes.get(HEAD as usize..).unwrap_or_default();
@@ -234,12 +235,16 @@ pub(crate) fn read_footer(place: &Place, source: &Source) -> io::Result<Option<F
 }
 
 /// The checksum that the summary before a footer has.
-pub(crate) fn summary_checksum(place: &Place, footer: &Footer, source: &Source) -> io::Result<u32> {
+pub(crate) fn summary_checksum(
+    place: &RecordSpan,
+    footer: &Footer,
+    source: &Source,
+) -> io::Result<u32> {
     // Opcode, length, and the two offsets belong to what is summed.
     source.checksum(footer.summary_start, place.offset + HEAD + 16)
 }
 
-fn attachment_name(place: &Place, source: &Source) -> io::Result<String> {
+fn attachment_name(place: &RecordSpan, source: &Source) -> io::Result<String> {
     let mut bytes = Vec::new();
     source.read(place.offset + HEAD + 16, 4, &mut bytes)?;
     let length = bytes.as_slice().try_into().map_or(0, u32::from_le_bytes);

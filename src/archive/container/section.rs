@@ -1,6 +1,6 @@
 //! The parts of a file that hold messages: chunks, and records that stand outside of chunks.
 
-use super::scan::{HEAD, Place};
+use super::record::{HEAD, RecordSpan};
 use super::source::Source;
 use mcap::records::op;
 use std::fmt;
@@ -59,7 +59,7 @@ impl fmt::Debug for Buffers {
 
 impl Section {
     /// The section that a chunk is.
-    pub(crate) fn of_chunk(place: &Place, source: &Source) -> io::Result<Self> {
+    pub(crate) fn of_chunk(place: &RecordSpan, source: &Source) -> io::Result<Self> {
         let mut times = Vec::new();
         source.read(place.offset + HEAD, 16, &mut times)?;
         let time = |at: usize| {
@@ -171,7 +171,7 @@ impl<'a> Chunk<'a> {
 
 /// A record within a section.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Inner<'a> {
+pub(crate) struct InnerRecord<'a> {
     pub(crate) opcode: u8,
     pub(crate) body: &'a [u8],
 }
@@ -181,7 +181,7 @@ pub(crate) struct Inner<'a> {
 pub(crate) fn record_at(
     records: &[u8],
     position: usize,
-) -> Option<Result<(Inner<'_>, usize), &'static str>> {
+) -> Option<Result<(InnerRecord<'_>, usize), &'static str>> {
     let rest = records.get(position..)?;
     if rest.is_empty() {
         return None;
@@ -196,7 +196,7 @@ pub(crate) fn record_at(
         .ok()
         .and_then(|length| rest.get(..length));
     Some(body.ok_or(broken).map(|body| {
-        let inner = Inner {
+        let inner = InnerRecord {
             opcode: head[0],
             body,
         };
@@ -206,7 +206,7 @@ pub(crate) fn record_at(
 
 /// A message record's head and data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct RawMessage<'a> {
+pub(crate) struct MessageRecord<'a> {
     pub(crate) channel_id: u16,
     pub(crate) sequence: u32,
     pub(crate) log_time: u64,
@@ -214,18 +214,18 @@ pub(crate) struct RawMessage<'a> {
     pub(crate) data: &'a [u8],
 }
 
-impl<'a> RawMessage<'a> {
+impl<'a> MessageRecord<'a> {
     /// Bytes of a message record before its data.
     pub(crate) const HEAD: usize = HEAD as usize + 22;
 
     /// The same without its data.
-    pub(crate) fn without_data(&self) -> RawMessage<'static> {
-        RawMessage { data: &[], ..*self }
+    pub(crate) fn without_data(&self) -> MessageRecord<'static> {
+        MessageRecord { data: &[], ..*self }
     }
 
     /// Reads the body of a message record.
     #[inline]
-    pub(crate) fn parse(inner: &Inner<'a>) -> Option<Self> {
+    pub(crate) fn parse(inner: &InnerRecord<'a>) -> Option<Self> {
         if inner.opcode != op::MESSAGE {
             return None;
         }

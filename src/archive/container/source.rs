@@ -3,7 +3,7 @@
 //! It is not mapped into memory: a file that shrinks while it is mapped, as one that is being replaced
 //! does, kills the process, and reading it is as fast.
 
-use super::RecordingError;
+use crate::archive::error::RecordingError;
 use std::fs::File;
 use std::io;
 use std::path::Path;

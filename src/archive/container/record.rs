@@ -1,0 +1,169 @@
+//! One record of an MCAP file: where it stands, and what is in it.
+
+use super::source::Source;
+use mcap::records::{Record, op};
+use mcap::{McapError, McapResult};
+use std::io;
+
+/// Length of a record's opcode and length field.
+pub(crate) const HEAD: u64 = 9;
+
+/// Where a top-level record stands in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct RecordSpan {
+    /// What kind of record it is.
+    pub(crate) opcode: u8,
+    /// Where it starts.
+    pub(crate) offset: u64,
+    /// Its length with opcode and length field.
+    pub(crate) length: u64,
+}
+
+impl RecordSpan {
+    /// The position behind it.
+    pub(crate) fn end(&self) -> u64 {
+        self.offset + self.length
+    }
+}
+
+/// Opcode and length of the body.
+pub(super) fn head(bytes: &[u8]) -> Option<(u8, u64)> {
+    let length = bytes.get(1..9)?.try_into().ok()?;
+    let length = u64::from_le_bytes(length);
+    (length < 1 << 62).then_some((bytes[0], length))
+}
+
+/// Opcodes of the specification, and those left to applications.
+pub(super) fn is_known(opcode: u8) -> bool {
+    (op::HEADER..=op::DATA_END).contains(&opcode) || opcode >= 0x80
+}
+
+/// Reads a record.
+///
+/// `mcap` takes memory for a text before it looks whether the text is there, up to 4 GiB of it, and panics
+/// at an attachment that ends behind its head: such records are refused before.
+pub(crate) fn parse(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
+    match behind_texts(opcode, body) {
+        Some(_) => mcap::parse_record(opcode, body),
+        None => Err(McapError::UnexpectedEof),
+    }
+}
+
+/// Whether a record ends where its last field of the specification ends.
+pub(super) fn is_exact(opcode: u8, body: &[u8]) -> bool {
+    let Some(rest) = behind_texts(opcode, body) else {
+        return false;
+    };
+    let has_length = |at: usize| u32_at(rest, at).map(|length| at as u64 + 4 + length);
+    let expected = match opcode {
+        op::HEADER | op::CHANNEL | op::METADATA | op::METADATA_INDEX | op::ATTACHMENT_INDEX => {
+            Some(0)
+        }
+        op::SCHEMA => has_length(0),
+        op::CHUNK_INDEX => Some(16),
+        op::STATISTICS => has_length(42),
+        op::SUMMARY_OFFSET => Some(17),
+        op::DATA_END => Some(4),
+        op::FOOTER => Some(20),
+        _ => None,
+    };
+    expected == Some(rest.len() as u64)
+}
+
+/// A part of a record.
+enum Part {
+    Bytes(usize),
+    Text,
+    /// Pairs of texts.
+    Texts,
+    /// Pairs of a channel's id and a position.
+    Positions,
+}
+
+/// What stands behind the last text of a record; none if a text or what must follow is not there.
+fn behind_texts(opcode: u8, body: &[u8]) -> Option<&[u8]> {
+    use Part::{Bytes, Positions, Text, Texts};
+    let parts: &[Part] = match opcode {
+        op::HEADER => &[Text, Text],
+        op::SCHEMA => &[Bytes(2), Text, Text],
+        op::CHANNEL => &[Bytes(4), Text, Text, Texts],
+        op::CHUNK => &[Bytes(28), Text],
+        op::CHUNK_INDEX => &[Bytes(32), Positions, Bytes(8), Text],
+        op::ATTACHMENT => &[Bytes(16), Text, Text, Bytes(12)],
+        op::ATTACHMENT_INDEX => &[Bytes(40), Text, Text],
+        op::METADATA => &[Text, Texts],
+        op::METADATA_INDEX => &[Bytes(16), Text],
+        _ => &[],
+    };
+    let mut rest = body;
+    for part in parts {
+        rest = match part {
+            Bytes(count) => rest.get(*count..)?,
+            Text => behind_text(rest)?,
+            Texts => {
+                let (length, mut pairs) = length(rest)?;
+                let end = pairs.len().checked_sub(length)?;
+                while pairs.len() > end {
+                    pairs = behind_text(behind_text(pairs)?)?;
+                }
+                pairs
+            }
+            Positions => {
+                let (length, pairs) = length(rest)?;
+                pairs.get(length.checked_next_multiple_of(10)?..)?
+            }
+        };
+    }
+    Some(rest)
+}
+
+fn behind_text(bytes: &[u8]) -> Option<&[u8]> {
+    let (length, rest) = length(bytes)?;
+    rest.get(length..)
+}
+
+/// A length, and what follows it.
+fn length(bytes: &[u8]) -> Option<(usize, &[u8])> {
+    let (length, rest) = bytes.split_first_chunk()?;
+    Some((usize::try_from(u32::from_le_bytes(*length)).ok()?, rest))
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> Option<u64> {
+    let bytes = bytes.get(at..at + 4)?.try_into().ok()?;
+    Some(u64::from(u32::from_le_bytes(bytes)))
+}
+
+fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
+    let bytes = bytes.get(at..at + 8)?.try_into().ok()?;
+    Some(u64::from_le_bytes(bytes))
+}
+
+/// The length of a chunk's body that its fields add up to.
+pub(super) fn chunk_length(body: &[u8]) -> Option<u64> {
+    let name = u32_at(body, 28)?;
+    let size = u64_at(body, usize::try_from(32 + name).ok()?)?;
+    size.checked_add(40 + name)
+}
+
+pub(super) fn message_index_length(body: &[u8]) -> Option<u64> {
+    Some(u32_at(body, 2)? + 6)
+}
+
+/// The length of an attachment's body that its fields add up to.
+pub(super) fn attachment_length(source: &Source, body: u64, limit: u64) -> io::Result<Option<u64>> {
+    let mut bytes = Vec::new();
+    let mut at = 16;
+    for _ in 0..2 {
+        source.read(body + at, 4, &mut bytes)?;
+        let Some(length) = u32_at(&bytes, 0) else {
+            return Ok(None);
+        };
+        at += 4 + length;
+        if at > limit {
+            return Ok(None);
+        }
+    }
+    source.read(body + at, 8, &mut bytes)?;
+    let data = u64_at(&bytes, 0);
+    Ok(data.and_then(|data| data.checked_add(at + 12)))
+}

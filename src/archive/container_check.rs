@@ -1,0 +1,498 @@
+//! The file as an MCAP file: structure, checksums, indexes.
+
+use crate::archive::check::{Check, Group, Problems, Verdict};
+use crate::archive::container::layout::{read_footer, summary_checksum};
+use crate::archive::container::record::{HEAD, RecordSpan, parse};
+use crate::archive::container::scan::{Found, Scanner};
+use crate::archive::container::section::{Buffers, InnerRecord, MessageRecord, Section, record_at};
+use crate::archive::container::source::Source;
+use crate::archive::format::{LOST, STOP_REASON};
+use crate::archive::recording::{Condition, Recording};
+use mcap::records::{MessageIndexEntry, Record, Statistics, op};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+
+/// Whether nothing is wrong with a recording as an MCAP file.
+pub(crate) fn is_sound_container(recording: &Recording) -> bool {
+    let checks = check(recording, &|_| {});
+    checks.iter().all(|check| check.verdict != Verdict::Failed)
+}
+
+/// Checks the container.
+pub(crate) fn check(recording: &Recording, progress: &dyn Fn(u64)) -> Vec<Check> {
+    let mut survey = Survey::new(recording);
+    if let Err(error) = survey.take_all(progress) {
+        survey
+            .structure
+            .add(|| format!("it can't be read: {error}"));
+    }
+    survey.checks()
+}
+
+/// What is seen in going through the file.
+struct Survey<'a> {
+    recording: &'a Recording,
+    source: &'a Source,
+    buffers: Buffers,
+    structure: Problems,
+    checksums: Problems,
+    index: Problems,
+    records: u64,
+    is_ended: bool,
+    data_end: Option<u64>,
+    footer: Option<RecordSpan>,
+    /// Where each chunk stands, with its length.
+    chunks: BTreeMap<u64, ChunkSeen>,
+    /// The chunk that was read last.
+    last_chunk: Option<u64>,
+    /// Records that an index may point to: opcode and length by offset.
+    places: BTreeMap<u64, (u8, u64)>,
+    indexed: BTreeSet<u64>,
+    counts: Counts,
+    statistics: Option<Statistics>,
+}
+
+/// A chunk's messages, until its indexes have been compared with them.
+struct ChunkSeen {
+    length: u64,
+    span: (u64, u64),
+    messages: BTreeMap<u16, Vec<MessageIndexEntry>>,
+    indexes: BTreeMap<u16, u64>,
+    indexes_length: u64,
+    /// Whether some of its messages stand in no index.
+    is_unindexed: bool,
+}
+
+/// What the statistics record counts.
+#[derive(Default)]
+struct Counts {
+    schemas: BTreeSet<u16>,
+    channels: BTreeSet<u16>,
+    attachments: u32,
+    metadata: u32,
+    chunks: u32,
+    messages: BTreeMap<u16, u64>,
+    span: Option<(u64, u64)>,
+}
+
+impl Counts {
+    fn message(&mut self, message: &MessageRecord<'_>) {
+        *self.messages.entry(message.channel_id).or_insert(0) += 1;
+        self.span = Some(widened(self.span, message.log_time));
+    }
+}
+
+fn widened(span: Option<(u64, u64)>, time: u64) -> (u64, u64) {
+    span.map_or((time, time), |(first, last)| {
+        (first.min(time), last.max(time))
+    })
+}
+
+impl<'a> Survey<'a> {
+    fn new(recording: &'a Recording) -> Self {
+        Self {
+            recording,
+            source: &recording.source,
+            buffers: Buffers::default(),
+            structure: Problems::default(),
+            checksums: Problems::default(),
+            index: Problems::default(),
+            records: 0,
+            is_ended: false,
+            data_end: None,
+            footer: None,
+            chunks: BTreeMap::new(),
+            last_chunk: None,
+            places: BTreeMap::new(),
+            indexed: BTreeSet::new(),
+            counts: Counts::default(),
+            statistics: None,
+        }
+    }
+
+    fn take_all(&mut self, progress: &dyn Fn(u64)) -> io::Result<()> {
+        let source = self.source;
+        let mut scanner = Scanner::new(source);
+        let mut told = 0;
+        while let Some(found) = scanner.next()? {
+            match found {
+                Found::Record(place) => {
+                    self.records += 1;
+                    self.take(&place)?;
+                    progress(place.end() - told);
+                    told = place.end();
+                }
+                Found::Damage(bytes) => self.structure.add(|| {
+                    let count = bytes.end - bytes.start;
+                    format!("{count} bytes at {} are no record", bytes.start)
+                }),
+                Found::Cut(bytes) => {
+                    let in_a_record = !bytes.is_empty() && self.recording.end().is_some();
+                    self.structure.unless(!in_a_record, || {
+                        format!("the file ends within the record at {}", bytes.start)
+                    });
+                }
+                Found::End => self.is_ended = true,
+            }
+        }
+        progress(source.length() - told);
+        if self.is_ended {
+            self.check_ends()?;
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, place: &RecordSpan) -> io::Result<()> {
+        self.structure
+            .unless((place.opcode == op::HEADER) == (self.records == 1), || {
+                format!("the record at {} is out of place", place.offset)
+            });
+        match place.opcode {
+            op::CHUNK => return self.take_chunk(place),
+            // No index points to them by their places, and there may be many.
+            op::MESSAGE | op::MESSAGE_INDEX => {}
+            opcode => {
+                let found = (opcode, place.length);
+                self.places.insert(place.offset, found);
+            }
+        }
+        if place.opcode == op::DATA_END {
+            self.structure.unless(self.data_end.is_none(), || {
+                format!("the data end a second time at {}", place.offset)
+            });
+            self.data_end = Some(place.offset);
+        }
+        if place.opcode == op::FOOTER {
+            self.footer = Some(place.clone());
+        }
+        let mut bytes = Vec::new();
+        self.source.read(place.offset, place.length, &mut bytes)?;
+        let body = bytes.get(HEAD as usize..).unwrap_or_default();
+        match parse(place.opcode, body) {
+            Ok(record) => self.take_record(place, record, body),
+            Err(error) => self
+                .structure
+                .add(|| format!("the record at {} can't be read: {error}", place.offset)),
+        }
+        Ok(())
+    }
+
+    fn take_record(&mut self, place: &RecordSpan, record: Record<'_>, body: &[u8]) {
+        let in_data = self.data_end.is_none();
+        match record {
+            Record::Schema { header, .. } => {
+                self.counts.schemas.insert(header.id);
+            }
+            Record::Channel(channel) => {
+                self.counts.channels.insert(channel.id);
+            }
+            Record::Message { .. } => {
+                let inner = InnerRecord {
+                    opcode: op::MESSAGE,
+                    body,
+                };
+                if let Some(message) = MessageRecord::parse(&inner) {
+                    self.counts.message(&message);
+                }
+            }
+            Record::MessageIndex(found) => {
+                self.check_message_index(place, found.channel_id, &found.records);
+            }
+            Record::ChunkIndex(found) => self.check_chunk_index(&found),
+            Record::Attachment { crc, .. } => {
+                self.counts.attachments += 1;
+                let sum = crc32fast::hash(&body[..body.len().saturating_sub(4)]);
+                self.checksums.unless(crc == 0 || crc == sum, || {
+                    format!(
+                        "the checksum of the attachment at {} is wrong",
+                        place.offset
+                    )
+                });
+            }
+            Record::AttachmentIndex(found) => {
+                self.check_pointer(op::ATTACHMENT, found.offset, found.length, "attachment");
+            }
+            Record::Metadata(_) => self.counts.metadata += u32::from(in_data),
+            Record::MetadataIndex(found) => {
+                self.check_pointer(op::METADATA, found.offset, found.length, "metadata");
+            }
+            Record::Statistics(found) => self.statistics = Some(found),
+            Record::DataEnd(found) => self.check_data(place, found.data_section_crc),
+            Record::SummaryOffset(found) => {
+                let first = self.places.get(&found.group_start);
+                let right = first.is_some_and(|(opcode, _)| *opcode == found.group_opcode);
+                self.index.unless(right, || {
+                    format!("the summary offset at {} leads nowhere", place.offset)
+                });
+            }
+            _ => {}
+        }
+    }
+
+    fn take_chunk(&mut self, place: &RecordSpan) -> io::Result<()> {
+        self.counts.chunks += 1;
+        let section = Section::of_chunk(place, self.source)?;
+        let mut seen = ChunkSeen {
+            length: place.length,
+            span: section.span.unwrap_or_default(),
+            messages: BTreeMap::new(),
+            indexes: BTreeMap::new(),
+            indexes_length: 0,
+            is_unindexed: false,
+        };
+        self.close_chunk();
+        self.last_chunk = Some(place.offset);
+        if let Err(error) = section.load(self.source, &mut self.buffers) {
+            self.checksums
+                .add(|| format!("the chunk at {}: {error}", place.offset));
+            self.chunks.insert(place.offset, seen);
+            return Ok(());
+        }
+        let mut position = 0;
+        let mut span = None;
+        while let Some(next) = record_at(&self.buffers.records, position) {
+            let (inner, end) = match next {
+                Ok(found) => found,
+                Err(reason) => {
+                    self.structure
+                        .add(|| format!("the chunk at {}: {reason}", place.offset));
+                    break;
+                }
+            };
+            if let Some(message) = MessageRecord::parse(&inner) {
+                self.counts.message(&message);
+                span = Some(widened(span, message.log_time));
+                let entries = seen.messages.entry(message.channel_id).or_default();
+                entries.push(MessageIndexEntry {
+                    log_time: message.log_time,
+                    offset: position as u64,
+                });
+                let known = self.counts.channels.contains(&message.channel_id);
+                self.structure.unless(known, || {
+                    let channel = message.channel_id;
+                    format!(
+                        "a message in the chunk at {} has channel {channel}, which is not defined",
+                        place.offset
+                    )
+                });
+            } else {
+                let chunk = place.offset;
+                match parse(inner.opcode, inner.body) {
+                    Ok(Record::Schema { header, .. }) => {
+                        self.counts.schemas.insert(header.id);
+                    }
+                    Ok(Record::Channel(channel)) => {
+                        self.counts.channels.insert(channel.id);
+                    }
+                    _ => self
+                        .structure
+                        .add(|| format!("the chunk at {chunk} holds a record that it can't")),
+                }
+            }
+            position = end;
+        }
+        let span = span.unwrap_or((0, 0));
+        self.index.unless(span == seen.span, || {
+            format!(
+                "the chunk at {} gives other times than its messages",
+                place.offset
+            )
+        });
+        self.chunks.insert(place.offset, seen);
+        Ok(())
+    }
+
+    /// All indexes of the last chunk have been seen: what is left of its messages has none.
+    fn close_chunk(&mut self) {
+        let last = self.last_chunk.and_then(|at| self.chunks.get_mut(&at));
+        if let Some(chunk) = last {
+            chunk.is_unindexed = !chunk.messages.is_empty();
+            chunk.messages.clear();
+        }
+    }
+
+    fn check_message_index(
+        &mut self,
+        place: &RecordSpan,
+        channel: u16,
+        entries: &[MessageIndexEntry],
+    ) {
+        let chunk = self.last_chunk.and_then(|at| self.chunks.get_mut(&at));
+        let Some(chunk) = chunk else {
+            self.index
+                .add(|| format!("the message index at {} has no chunk", place.offset));
+            return;
+        };
+        chunk.indexes.insert(channel, place.offset);
+        chunk.indexes_length += place.length;
+        let mut sorted = entries.to_vec();
+        sorted.sort_by_key(|entry| entry.offset);
+        // Compared and done with: memory doesn't grow with the file.
+        let content = chunk.messages.remove(&channel).unwrap_or_default();
+        self.index.unless(content == sorted, || {
+            format!(
+                "the message index at {} is not that of its chunk",
+                place.offset
+            )
+        });
+    }
+
+    fn check_chunk_index(&mut self, found: &mcap::records::ChunkIndex) {
+        let at = found.chunk_start_offset;
+        self.indexed.insert(at);
+        let right = self.chunks.get(&at).is_some_and(|chunk| {
+            chunk.length == found.chunk_length
+                && chunk.span == (found.message_start_time, found.message_end_time)
+                && chunk.indexes == found.message_index_offsets
+                && chunk.indexes_length == found.message_index_length
+        });
+        self.index
+            .unless(right, || format!("the index of the chunk at {at} is wrong"));
+    }
+
+    fn check_pointer(&mut self, opcode: u8, offset: u64, length: u64, what: &str) {
+        let right = self.places.get(&offset) == Some(&(opcode, length));
+        self.indexed.insert(offset);
+        self.index.unless(right, || {
+            format!("the {what} index leads to {offset}, where none is")
+        });
+    }
+
+    fn check_data(&mut self, place: &RecordSpan, crc: u32) {
+        match self.source.checksum(0, place.offset) {
+            Ok(found) => {
+                self.checksums.unless(crc == 0 || crc == found, || {
+                    format!("the checksum of the data is {found:08x}, not {crc:08x}")
+                });
+                self.demand_checksum(crc, "data");
+            }
+            Err(error) => self.checksums.add(|| error.to_string()),
+        }
+    }
+
+    /// Recordings of toprise have a checksum where others may have none, which is a zero.
+    fn demand_checksum(&mut self, crc: u32, what: &str) {
+        let is_ours = self.recording.condition() != Condition::Foreign;
+        self.checksums.unless(crc != 0 || !is_ours, || {
+            format!("the {what} have no checksum")
+        });
+    }
+
+    /// What a file with a footer must have.
+    fn check_ends(&mut self) -> io::Result<()> {
+        self.structure.unless(self.data_end.is_some(), || {
+            "the data have no end".to_owned()
+        });
+        let Some(footer) = self.footer.clone() else {
+            self.structure.add(|| "it has no footer".to_owned());
+            return Ok(());
+        };
+        let Some(found) = read_footer(&footer, self.source)? else {
+            return Ok(());
+        };
+        if found.summary_start == 0 {
+            self.index.add(|| "it has no summary".to_owned());
+            return Ok(());
+        }
+        let sum = summary_checksum(&footer, &found, self.source)?;
+        let right = found.summary_crc == 0 || found.summary_crc == sum;
+        self.checksums
+            .unless(right, || "the checksum of the summary is wrong".to_owned());
+        self.demand_checksum(found.summary_crc, "summary");
+        let is_last = footer.end() + mcap::MAGIC.len() as u64 == self.source.length();
+        self.structure
+            .unless(is_last, || "something stands behind the footer".to_owned());
+        let points_well = [found.summary_start, found.summary_offset_start]
+            .iter()
+            .all(|at| *at == 0 || self.places.contains_key(at));
+        self.index
+            .unless(points_well, || "the footer leads nowhere".to_owned());
+        self.check_completeness();
+        Ok(())
+    }
+
+    /// Whether everything is indexed, and counted.
+    fn check_completeness(&mut self) {
+        self.close_chunk();
+        for (at, chunk) in &self.chunks {
+            let all = self.indexed.contains(at) && !chunk.is_unindexed;
+            self.index
+                .unless(all, || format!("the chunk at {at} is not wholly indexed"));
+        }
+        for (at, (opcode, _)) in &self.places {
+            let must = matches!(*opcode, op::METADATA | op::ATTACHMENT);
+            self.index.unless(!must || self.indexed.contains(at), || {
+                format!("the record at {at} is not indexed")
+            });
+        }
+        let Some(found) = &self.statistics else {
+            self.index.add(|| "it has no statistics".to_owned());
+            return;
+        };
+        let counts = &self.counts;
+        let span = counts.span.unwrap_or((0, 0));
+        let right = found.message_count == counts.messages.values().sum::<u64>()
+            && usize::from(found.schema_count) == counts.schemas.len()
+            && found.channel_count as usize == counts.channels.len()
+            && found.attachment_count == counts.attachments
+            && found.metadata_count == counts.metadata
+            && found.chunk_count == counts.chunks
+            && found.channel_message_counts == counts.messages
+            && (found.message_start_time, found.message_end_time) == span;
+        self.index.unless(right, || {
+            "the statistics are not those of the file".to_owned()
+        });
+    }
+
+    fn checks(mut self) -> Vec<Check> {
+        for contradiction in &self.recording.layout.channels.contradictions {
+            self.structure.add(|| contradiction.clone());
+        }
+        let group = Group::Container;
+        let ended = self.is_ended && self.footer.is_some();
+        let found = format!("{} records, {} chunks", self.records, self.counts.chunks);
+        let mut structure = Check::of(group, "structure", &self.structure, found);
+        let is_interrupted = self.recording.end().is_none();
+        if !ended && structure.verdict == Verdict::Passed {
+            structure.verdict = if is_interrupted {
+                Verdict::Incomplete
+            } else {
+                Verdict::Failed
+            };
+            structure.finding += ", but no footer: the file was not completed";
+        }
+        let checksums = "all are right".to_owned();
+        let mut checks = vec![
+            structure,
+            Check::of(group, "checksums", &self.checksums, checksums),
+        ];
+        let messages: u64 = self.counts.messages.values().sum();
+        checks.push(if ended || self.index.count > 0 {
+            let found = format!("all {messages} messages are indexed where they stand");
+            Check::of(group, "index", &self.index, found)
+        } else {
+            let found = "there is none at the end; those of the chunks are right".to_owned();
+            Check::new(group, "index", Verdict::Incomplete, found)
+        });
+        if self.recording.condition() != Condition::Foreign {
+            checks.push(self.end_record());
+        }
+        checks
+    }
+
+    fn end_record(&self) -> Check {
+        let end = self.recording.end();
+        let reason = end.and_then(|end| end.get(STOP_REASON));
+        let recovery = self.recording.recovery();
+        let lost = recovery.and_then(|r| r.get(LOST));
+        let (verdict, finding) = match (reason, lost) {
+            (_, Some(lost)) => (Verdict::Incomplete, format!("recovered; lost: {lost}")),
+            (Some(reason), None) => (Verdict::Passed, format!("the run ended: {reason}")),
+            (None, None) => {
+                let finding = "there is none: the run was cut off".to_owned();
+                (Verdict::Incomplete, finding)
+            }
+        };
+        Check::new(Group::Container, "end record", verdict, finding)
+    }
+}

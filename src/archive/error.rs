@@ -1,0 +1,57 @@
+//! Why files, messages and scenarios can't be read.
+
+use crate::run::scenario::ScenarioError;
+use crate::telemetry::encoding::DecodeError;
+use std::io;
+use thiserror::Error;
+
+/// Why a file can't be read at all.
+#[derive(Debug, Error)]
+pub enum RecordingError {
+    /// The file system refused.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// It is a directory.
+    #[error("it is a directory; name an MCAP file")]
+    Directory,
+    /// It is a device, a pipe or the like.
+    #[error("it is not a file")]
+    NoFile,
+    /// It is empty.
+    #[error("the file is empty")]
+    Empty,
+    /// It is something else.
+    #[error("not an MCAP file: it doesn't begin like one")]
+    NotMcap,
+    /// A topic of ours has two channels.
+    #[error("it has two channels {0}: which one counts can't be known")]
+    TwoChannels(String),
+}
+
+/// Why a message can't be decoded.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{topic} message {sequence} at {} s: {reason}", *time_ns as f64 / 1e9)]
+pub struct MessageError {
+    /// Its topic.
+    pub topic: &'static str,
+    /// Its sequence number.
+    pub sequence: u32,
+    /// Its time, ns.
+    pub time_ns: u64,
+    /// What is wrong.
+    pub reason: DecodeError,
+}
+
+/// Why a recording gives no scenario.
+#[derive(Debug, Error)]
+pub enum NoScenario {
+    /// It has none.
+    #[error("no scenario is attached to it")]
+    Missing,
+    /// The attachment is damaged.
+    #[error("its scenario is damaged: {0}")]
+    Damaged(String),
+    /// This version can't read it.
+    #[error("its scenario can't be used: {0}")]
+    Unusable(#[from] ScenarioError),
+}

@@ -1,0 +1,237 @@
+//! A recording as an open file.
+
+use super::condition::Condition;
+use crate::archive::container::channels::FileChannel;
+use crate::archive::container::layout::Layout;
+use crate::archive::container::loss::Loss;
+use crate::archive::container::record::{HEAD, RecordSpan, parse};
+use crate::archive::container::source::Source;
+use crate::archive::error::{NoScenario, RecordingError};
+use crate::archive::format::{
+    END_RECORD, Entries, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT,
+};
+use crate::run::scenario::Scenario;
+use crate::telemetry::Topic;
+use crate::telemetry::encoding::{Encoding, FieldDifferences};
+use mcap::records::Record;
+use std::path::{Path, PathBuf};
+
+/// An MCAP file, opened for reading.
+///
+/// It keeps where things are, not what they are: memory doesn't grow with the messages.
+#[derive(Debug)]
+pub struct Recording {
+    pub(crate) source: Source,
+    pub(crate) layout: Layout,
+    path: PathBuf,
+}
+
+impl Recording {
+    /// Opens a file and finds out where everything is in it.
+    ///
+    /// # Errors
+    /// [`RecordingError`] if it can't be opened or is no MCAP file. Damage is no error.
+    pub fn open(path: &Path) -> Result<Self, RecordingError> {
+        let source = Source::open(path)?;
+        let layout = Layout::read(&source)?;
+        let recording = Self {
+            source,
+            layout,
+            path: path.to_owned(),
+        };
+        if recording.condition() != Condition::Foreign {
+            let mut tables: Vec<_> = recording
+                .channels()
+                .iter()
+                .filter_map(|c| c.table)
+                .collect();
+            tables.sort_unstable();
+            if let Some(twice) = tables.windows(2).find(|pair| pair[0] == pair[1]) {
+                return Err(RecordingError::TwoChannels(twice[0].to_string()));
+            }
+        }
+        Ok(recording)
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its size, bytes.
+    #[must_use]
+    pub fn size(&self) -> u64 {
+        self.source.length()
+    }
+
+    /// The program and version that wrote it, by its own words.
+    #[must_use]
+    pub fn library(&self) -> &str {
+        &self.layout.library
+    }
+
+    /// What kind of file it is.
+    #[must_use]
+    pub fn condition(&self) -> Condition {
+        if self.run().is_none() && !self.layout.is_ours() {
+            return Condition::Foreign;
+        }
+        let cut_in_the_middle = self.end().is_some() && !self.layout.is_ended;
+        if self.layout.losses.iter().any(|loss| !self.is_tail(loss)) || cut_in_the_middle {
+            Condition::Damaged
+        } else if self.recovery().is_some() {
+            Condition::Recovered
+        } else if self.end().is_none() {
+            Condition::Interrupted
+        } else {
+            Condition::Whole
+        }
+    }
+
+    /// Whether a loss is only the record that was being written when the run was cut off.
+    fn is_tail(&self, loss: &Loss) -> bool {
+        self.end().is_none() && loss.offset + loss.length == self.size()
+    }
+
+    /// The entries of the `toprise.run` record.
+    #[must_use]
+    pub fn run(&self) -> Option<&Entries> {
+        self.metadata(RUN_RECORD)
+    }
+
+    /// The entries of the `toprise.end` record; none if the run did not reach its end.
+    #[must_use]
+    pub fn end(&self) -> Option<&Entries> {
+        self.metadata(END_RECORD)
+    }
+
+    /// The entries of the `toprise.recovery` record, which says what was lost.
+    #[must_use]
+    pub fn recovery(&self) -> Option<&Entries> {
+        self.metadata(RECOVERY_RECORD)
+    }
+
+    /// The entries of the first metadata record with a name.
+    #[must_use]
+    pub fn metadata(&self, name: &str) -> Option<&Entries> {
+        let mut records = self.layout.metadata.iter();
+        records.find(|r| r.name == name).map(|r| &r.metadata)
+    }
+
+    /// All metadata records: names and entries, in the order of the file.
+    pub fn all_metadata(&self) -> impl Iterator<Item = (&str, &Entries)> {
+        let records = self.layout.metadata.iter();
+        records.map(|record| (record.name.as_str(), &record.metadata))
+    }
+
+    /// All channels, in the order of the file.
+    #[must_use]
+    pub fn channels(&self) -> &[FileChannel] {
+        self.layout.channels.list()
+    }
+
+    /// The encoding of its channels of the table; none if it has none, or they differ.
+    #[must_use]
+    pub fn encoding(&self) -> Option<Encoding> {
+        let mut ours = self.channels().iter().filter(|c| c.table.is_some());
+        let first = ours.next()?;
+        ours.all(|channel| channel.encoding == first.encoding)
+            .then(|| Encoding::find(&first.encoding))?
+    }
+
+    /// Whether it has this channel of the table.
+    #[must_use]
+    pub fn has(&self, topic: Topic) -> bool {
+        self.channels().iter().any(|c| c.table == Some(topic))
+    }
+
+    /// The topics of the table that it has, in the order of the file.
+    #[must_use]
+    pub fn topics(&self) -> Vec<Topic> {
+        self.channels().iter().filter_map(|c| c.table).collect()
+    }
+
+    /// The damage that opening it met.
+    #[must_use]
+    pub fn losses(&self) -> &[Loss] {
+        &self.layout.losses
+    }
+
+    /// In what its channels differ from this version's: topics with the fields that are missing or
+    /// unknown, and topics of toprise that are not known at all.
+    #[must_use]
+    pub fn differences(&self) -> Vec<(String, FieldDifferences)> {
+        let mut differences = Vec::new();
+        for channel in self.channels() {
+            let of_channel = match channel.decoder() {
+                Some(Ok(decoder)) => decoder.differences().clone(),
+                Some(Err(_)) => continue,
+                None if channel.is_view() => continue,
+                None => FieldDifferences {
+                    missing: Vec::new(),
+                    unknown: vec!["the whole channel".to_owned()],
+                },
+            };
+            if !of_channel.is_empty() {
+                differences.push((channel.topic.clone(), of_channel));
+            }
+        }
+        differences
+    }
+
+    /// Its scenario as the text that was attached.
+    ///
+    /// # Errors
+    /// [`NoScenario`] if it has none, or it is damaged.
+    pub fn scenario_text(&self) -> Result<String, NoScenario> {
+        let attached = self.layout.attachments.iter();
+        let mut attached = attached.filter(|attachment| attachment.name == SCENARIO_ATTACHMENT);
+        let place = &attached.next().ok_or(NoScenario::Missing)?.place;
+        let damaged = |reason: String| NoScenario::Damaged(reason);
+        let data = self.attachment(place).map_err(damaged)?;
+        String::from_utf8(data.1).map_err(|error| damaged(error.to_string()))
+    }
+
+    /// Its scenario.
+    ///
+    /// # Errors
+    /// [`NoScenario`] if it has none, or it can't be used.
+    pub fn scenario(&self) -> Result<Scenario, NoScenario> {
+        Ok(Scenario::from_toml(&self.scenario_text()?)?)
+    }
+
+    /// An attachment's head and data, if its checksum is right.
+    pub(crate) fn attachment(
+        &self,
+        place: &RecordSpan,
+    ) -> Result<(mcap::records::AttachmentHeader, Vec<u8>), String> {
+        let mut bytes = Vec::new();
+        let read = self.source.read(place.offset, place.length, &mut bytes);
+        read.map_err(|error| error.to_string())?;
+        let body = bytes.get(HEAD as usize..).unwrap_or_default();
+        match parse(place.opcode, body) {
+            Ok(Record::Attachment { header, data, crc }) => {
+                let checked = body.len().saturating_sub(4);
+                if crc != 0 && crc32fast::hash(&body[..checked]) != crc {
+                    return Err("its checksum is wrong".to_owned());
+                }
+                Ok((header, data.into_owned()))
+            }
+            Ok(_) => Err("it is no attachment".to_owned()),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    /// Whether the data are what they were when they were written; a file without a checksum can't be told.
+    pub(crate) fn data_checksum_is_right(&self) -> bool {
+        let Some(end) = self.layout.data_end else {
+            return true;
+        };
+        let mut bytes = Vec::new();
+        let read = self.source.read(end + HEAD, 4, &mut bytes);
+        let noted = bytes.as_slice().try_into().map_or(0, u32::from_le_bytes);
+        let is_right = |found| found == noted;
+        read.is_ok() && (noted == 0 || self.source.checksum(0, end).is_ok_and(is_right))
+    }
+}
