@@ -1,5 +1,6 @@
 //! The channels as sinks and readers see them: what the table says, without where it comes from.
 
+use super::quantity::Quantity;
 use super::table::{Channel, EVENTS, Field, NUTATION, SAMPLES, Source};
 use std::sync::OnceLock;
 
@@ -27,6 +28,8 @@ pub struct ChannelInfo {
 pub struct Leaf {
     /// Where it stands in the message: a name, or an object's name and a component, `omega_body.x`.
     pub path: String,
+    /// What it measures.
+    pub quantity: Quantity,
     /// Unit, empty for pure numbers and texts.
     pub unit: &'static str,
     /// Frame of a vector's components, empty for others.
@@ -35,6 +38,10 @@ pub struct Leaf {
     pub meaning: &'static str,
     /// The plot in which its channel shows it; those with the same plot belong together.
     pub plot: &'static str,
+    /// Whether it is a component of a vector or a quaternion.
+    pub is_component: bool,
+    /// The index of its time derivative among the channel's numbers, if that is recorded.
+    pub derivative: Option<usize>,
 }
 
 /// A member of a message: a leaf, or an object of numbers.
@@ -124,12 +131,19 @@ fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
         .iter()
         .partition(|field| matches!(field.source, Source::Text(_)));
     let leaves = |fields: Vec<&Field<S>>| fields.into_iter().flat_map(leaves).collect();
+    let mut numbers: Vec<Leaf> = leaves(numbers);
+    for field in channel.fields {
+        let find = |name: &str| numbers.iter().position(|leaf| leaf.path == name);
+        if let (Some(number), Some(derivative)) = (find(field.name), field.derivative) {
+            numbers[number].derivative = find(derivative);
+        }
+    }
     ChannelInfo {
         topic: channel.topic,
         schema: channel.schema,
         meaning: channel.meaning,
         texts: leaves(texts),
-        numbers: leaves(numbers),
+        numbers,
         is_sampled,
         is_optional: channel.present.is_some(),
     }
@@ -143,10 +157,13 @@ fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
     };
     let leaf = |component: &&str| Leaf {
         path: format!("{}{component}", field.name),
-        unit: field.unit,
+        quantity: field.quantity,
+        unit: field.quantity.unit(),
         frame: field.frame,
         meaning: field.meaning,
         plot: field.plot,
+        is_component: components.len() > 1,
+        derivative: None,
     };
     components.iter().map(leaf).collect()
 }
@@ -154,6 +171,7 @@ fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::telemetry::fields::{NumberField, STATE, state};
 
     #[test]
     fn paths_are_unique_and_objects_are_contiguous() {
@@ -171,5 +189,27 @@ mod tests {
             paths.dedup();
             assert_eq!(paths.len(), channel.leaves().count(), "{}", channel.topic);
         }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_angles() {
+        for channel in channels() {
+            for leaf in channel.numbers.iter() {
+                let derivative = leaf.derivative.map(|at| &channel.numbers[at]);
+                let expected = match leaf.quantity {
+                    Quantity::Angle => Quantity::Rate,
+                    _ => Quantity::Acceleration,
+                };
+                assert!(derivative.is_none_or(|derivative| derivative.quantity == expected));
+            }
+        }
+        let info = STATE.info();
+        let path = |field: NumberField| {
+            let derivative = field.leaf().derivative?;
+            Some(info.numbers[derivative].path.as_str())
+        };
+        assert_eq!(path(state::PHI), Some("phi_dot"));
+        assert_eq!(path(state::PSI_DOT), Some("psi_ddot"));
+        assert_eq!(path(state::THETA_DDOT), None);
     }
 }

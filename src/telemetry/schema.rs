@@ -45,8 +45,7 @@ fn group_schema(channel: &ChannelInfo, parent: &str, leaves: &[(&str, usize)]) -
     for (name, index) in leaves {
         let leaf = &channel.numbers[*index];
         // A vector has one meaning; the members of other objects have their own.
-        let is_vector = !leaf.frame.is_empty() || name.len() == 1;
-        let meaning = if is_vector {
+        let meaning = if leaf.is_component {
             description = described(leaf.meaning, leaf);
             format!("{name} component")
         } else {

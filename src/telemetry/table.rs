@@ -1,5 +1,6 @@
 //! The table of channels: the one place that knows what is logged.
 
+use super::quantity::Quantity::{self, *};
 use crate::run::simulation::{Event, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -23,14 +24,16 @@ pub struct Channel<S: 'static> {
 pub struct Field<S> {
     /// Name.
     pub name: &'static str,
-    /// Unit, empty for pure numbers and texts.
-    pub unit: &'static str,
+    /// What it measures, and so its unit.
+    pub quantity: Quantity,
     /// Frame of a vector's components, empty for others.
     pub frame: &'static str,
     /// What it means.
     pub meaning: &'static str,
     /// The plot in which it is shown.
     pub plot: &'static str,
+    /// The number of the channel that is its time derivative, if there is one.
+    pub derivative: Option<&'static str>,
     /// Where it comes from.
     pub source: Source<S>,
 }
@@ -54,33 +57,35 @@ const NODE: &str = "node: x line of nodes, y perpendicular n × e_N, z symmetry 
 
 const fn number<S>(
     name: &'static str,
-    unit: &'static str,
+    quantity: Quantity,
     meaning: &'static str,
     get: fn(&S) -> f64,
 ) -> Field<S> {
     Field {
         name,
-        unit,
+        quantity,
         frame: "",
         meaning,
         plot: name,
+        derivative: None,
         source: Source::Number(get),
     }
 }
 
 const fn vector<S>(
     name: &'static str,
-    unit: &'static str,
+    quantity: Quantity,
     frame: &'static str,
     meaning: &'static str,
     get: fn(&S) -> Vector3<f64>,
 ) -> Field<S> {
     Field {
         name,
-        unit,
+        quantity,
         frame,
         meaning,
         plot: name,
+        derivative: None,
         source: Source::Vector(get),
     }
 }
@@ -88,17 +93,24 @@ const fn vector<S>(
 const fn text<S>(name: &'static str, meaning: &'static str, get: fn(&S) -> &str) -> Field<S> {
     Field {
         name,
-        unit: "",
+        quantity: Text,
         frame: "",
         meaning,
         plot: name,
+        derivative: None,
         source: Source::Text(get),
     }
 }
 
-/// The same field shown in a plot together with others.
+/// Shows a field in a plot together with others.
 const fn together<S>(plot: &'static str, mut field: Field<S>) -> Field<S> {
     field.plot = plot;
+    field
+}
+
+/// Names the time derivative of a field.
+const fn with_derivative<S>(derivative: &'static str, mut field: Field<S>) -> Field<S> {
+    field.derivative = Some(derivative);
     field
 }
 
@@ -110,15 +122,15 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         meaning: "Euler angles (z-x-z), their rates and accelerations",
         present: None,
         fields: &[
-            number("phi", "rad", "precession angle φ, about the vertical, unwrapped", |s| s.angles.phi),
-            number("theta", "rad", "nutation angle (inclination) θ, about the line of nodes", |s| s.angles.theta),
-            number("psi", "rad", "spin angle ψ, about the symmetry axis, unwrapped", |s| s.angles.psi),
-            number("phi_dot", "rad/s", "precession rate φ̇", |s| s.tilt.rates.phi),
-            number("theta_dot", "rad/s", "nutation rate θ̇", |s| s.tilt.rates.theta),
-            number("psi_dot", "rad/s", "spin rate ψ̇", |s| s.tilt.rates.psi),
-            number("phi_ddot", "rad/s²", "precession acceleration φ̈", |s| s.accelerations.total().phi),
-            number("theta_ddot", "rad/s²", "nutation acceleration θ̈", |s| s.accelerations.total().theta),
-            number("psi_ddot", "rad/s²", "spin acceleration ψ̈", |s| s.accelerations.total().psi),
+            with_derivative("phi_dot", number("phi", Angle, "precession angle φ, about the vertical, unwrapped", |s| s.angles.phi)),
+            with_derivative("theta_dot", number("theta", Angle, "nutation angle (inclination) θ, about the line of nodes", |s| s.angles.theta)),
+            with_derivative("psi_dot", number("psi", Angle, "spin angle ψ, about the symmetry axis, unwrapped", |s| s.angles.psi)),
+            with_derivative("phi_ddot", number("phi_dot", Rate, "precession rate φ̇", |s| s.tilt.rates.phi)),
+            with_derivative("theta_ddot", number("theta_dot", Rate, "nutation rate θ̇", |s| s.tilt.rates.theta)),
+            with_derivative("psi_ddot", number("psi_dot", Rate, "spin rate ψ̇", |s| s.tilt.rates.psi)),
+            number("phi_ddot", Acceleration, "precession acceleration φ̈", |s| s.accelerations.total().phi),
+            number("theta_ddot", Acceleration, "nutation acceleration θ̈", |s| s.accelerations.total().theta),
+            number("psi_ddot", Acceleration, "spin acceleration ψ̈", |s| s.accelerations.total().psi),
         ],
     },
     Channel {
@@ -126,13 +138,13 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         meaning: "orientation, symmetry axis, angular velocity and position",
         present: None,
         fields: &[
-            Field { name: "orientation", unit: "", frame: "", plot: "orientation",
+            Field { name: "orientation", quantity: Orientation, frame: "", plot: "orientation", derivative: None,
                 meaning: "unit quaternion that turns body components into world components",
                 source: Source::Rotation(|s| s.world_from_body) },
-            vector("axis", "", WORLD, "direction of the symmetry axis", |s| s.axis),
-            vector("omega_body", "rad/s", BODY, "angular velocity ω", |s| s.omega_body),
-            vector("omega_world", "rad/s", WORLD, "angular velocity ω", |s| s.omega_world),
-            vector("peg_position", "m", WORLD, "centre of the peg; the table is z = 0", |s| s.peg_position),
+            vector("axis", Direction, WORLD, "direction of the symmetry axis", |s| s.axis),
+            vector("omega_body", Rate, BODY, "angular velocity ω", |s| s.omega_body),
+            vector("omega_world", Rate, WORLD, "angular velocity ω", |s| s.omega_world),
+            vector("peg_position", Length, WORLD, "centre of the peg; the table is z = 0", |s| s.peg_position),
         ],
     },
     Channel {
@@ -140,12 +152,12 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         meaning: "torques about the centre of the peg",
         present: None,
         fields: &[
-            vector("gravity_body", "N m", BODY, "torque of gravity", |s| s.gravity_torque.body),
-            vector("friction_body", "N m", BODY, "torque of friction", |s| s.friction_torque.body),
-            vector("total_body", "N m", BODY, "sum of the torques", |s| s.total_torque.body),
-            vector("gravity_node", "N m", NODE, "torque of gravity", |s| s.gravity_torque.node),
-            vector("friction_node", "N m", NODE, "torque of friction", |s| s.friction_torque.node),
-            vector("total_node", "N m", NODE, "sum of the torques", |s| s.total_torque.node),
+            vector("gravity_body", Torque, BODY, "torque of gravity", |s| s.gravity_torque.body),
+            vector("friction_body", Torque, BODY, "torque of friction", |s| s.friction_torque.body),
+            vector("total_body", Torque, BODY, "sum of the torques", |s| s.total_torque.body),
+            vector("gravity_node", Torque, NODE, "torque of gravity", |s| s.gravity_torque.node),
+            vector("friction_node", Torque, NODE, "torque of friction", |s| s.friction_torque.node),
+            vector("total_node", Torque, NODE, "sum of the torques", |s| s.total_torque.node),
         ],
     },
     Channel {
@@ -153,16 +165,16 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         meaning: "the terms of the equations of motion: why the top rises at this instant",
         present: None,
         fields: &[
-            together("theta_ddot", number("theta_ddot.gyroscopic", "rad/s²", "−(I_z/I_x) φ̇ sin θ (ψ̇ + φ̇ cos θ)", |s| s.accelerations.gyroscopic.theta)),
-            together("theta_ddot", number("theta_ddot.centrifugal", "rad/s²", "φ̇² sin θ cos θ", |s| s.accelerations.inertial.theta)),
-            together("theta_ddot", number("theta_ddot.gravitational", "rad/s²", "(M g l/I_x) sin θ", |s| s.accelerations.gravitational.theta)),
-            together("theta_ddot", number("theta_ddot.frictional", "rad/s²", "torque of friction about the line of nodes over I_x", |s| s.accelerations.frictional.theta)),
-            together("phi_ddot", number("phi_ddot.gyroscopic", "rad/s²", "(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ)/sin θ", |s| s.accelerations.gyroscopic.phi)),
-            together("phi_ddot", number("phi_ddot.coriolis", "rad/s²", "−2 θ̇ φ̇ cos θ/sin θ", |s| s.accelerations.inertial.phi)),
-            together("phi_ddot", number("phi_ddot.frictional", "rad/s²", "the term of friction, k M g R ψ̇ cos θ/(I_x |ω_⊥|) in the paper", |s| s.accelerations.frictional.phi)),
-            together("psi_ddot", number("psi_ddot.gyroscopic", "rad/s²", "−(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ) cos θ/sin θ", |s| s.accelerations.gyroscopic.psi)),
-            together("psi_ddot", number("psi_ddot.coriolis", "rad/s²", "2 θ̇ φ̇ cos² θ/sin θ + θ̇ φ̇ sin θ", |s| s.accelerations.inertial.psi)),
-            together("psi_ddot", number("psi_ddot.frictional", "rad/s²", "the term of friction, −k M g R ψ̇ (cos² θ/I_x + sin² θ/I_z)/|ω_⊥| in the paper", |s| s.accelerations.frictional.psi)),
+            together("theta_ddot", number("theta_ddot.gyroscopic", Acceleration, "−(I_z/I_x) φ̇ sin θ (ψ̇ + φ̇ cos θ)", |s| s.accelerations.gyroscopic.theta)),
+            together("theta_ddot", number("theta_ddot.centrifugal", Acceleration, "φ̇² sin θ cos θ", |s| s.accelerations.inertial.theta)),
+            together("theta_ddot", number("theta_ddot.gravitational", Acceleration, "(M g l/I_x) sin θ", |s| s.accelerations.gravitational.theta)),
+            together("theta_ddot", number("theta_ddot.frictional", Acceleration, "torque of friction about the line of nodes over I_x", |s| s.accelerations.frictional.theta)),
+            together("phi_ddot", number("phi_ddot.gyroscopic", Acceleration, "(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ)/sin θ", |s| s.accelerations.gyroscopic.phi)),
+            together("phi_ddot", number("phi_ddot.coriolis", Acceleration, "−2 θ̇ φ̇ cos θ/sin θ", |s| s.accelerations.inertial.phi)),
+            together("phi_ddot", number("phi_ddot.frictional", Acceleration, "the term of friction, k M g R ψ̇ cos θ/(I_x |ω_⊥|) in the paper", |s| s.accelerations.frictional.phi)),
+            together("psi_ddot", number("psi_ddot.gyroscopic", Acceleration, "−(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ) cos θ/sin θ", |s| s.accelerations.gyroscopic.psi)),
+            together("psi_ddot", number("psi_ddot.coriolis", Acceleration, "2 θ̇ φ̇ cos² θ/sin θ + θ̇ φ̇ sin θ", |s| s.accelerations.inertial.psi)),
+            together("psi_ddot", number("psi_ddot.frictional", Acceleration, "the term of friction, −k M g R ψ̇ (cos² θ/I_x + sin² θ/I_z)/|ω_⊥| in the paper", |s| s.accelerations.frictional.psi)),
         ],
     },
     Channel {
@@ -170,14 +182,14 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         meaning: "slip and forces at the point of contact",
         present: None,
         fields: &[
-            vector("slip_body", "m/s", BODY, "slip velocity of the contact point over the table", |s| s.slip_body),
-            vector("slip_world", "m/s", WORLD, "slip velocity of the contact point over the table", |s| s.slip_world),
-            number("slip_speed", "m/s", "magnitude of the slip velocity", |s| s.contact.slip_speed),
-            vector("friction_force", "N", WORLD, "friction force of the law; the ablations of the equations do not follow from a force and leave it as it is", |s| s.friction_force),
-            number("normal_force", "N", "normal force of the table", |s| s.contact.normal_force),
-            vector("contact_point", "m", WORLD, "the point of contact", |s| s.contact_point),
-            number("slip_path", "m", "length of the path slipped since the start", |s| s.integrals.slip_path),
-            number("regime", "", "1 slipping, 0 not slipping", |s| if s.contact.slip_speed > 0.0 { 1.0 } else { 0.0 }),
+            vector("slip_body", Velocity, BODY, "slip velocity of the contact point over the table", |s| s.slip_body),
+            vector("slip_world", Velocity, WORLD, "slip velocity of the contact point over the table", |s| s.slip_world),
+            number("slip_speed", Velocity, "magnitude of the slip velocity", |s| s.contact.slip_speed),
+            vector("friction_force", Force, WORLD, "friction force of the law; the ablations of the equations do not follow from a force and leave it as it is", |s| s.friction_force),
+            number("normal_force", Force, "normal force of the table", |s| s.contact.normal_force),
+            vector("contact_point", Length, WORLD, "the point of contact", |s| s.contact_point),
+            number("slip_path", Length, "length of the path slipped since the start", |s| s.integrals.slip_path),
+            number("regime", Number, "1 slipping, 0 not slipping", |s| if s.contact.slip_speed > 0.0 { 1.0 } else { 0.0 }),
         ],
     },
     Channel {
@@ -185,11 +197,11 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         meaning: "energies and what friction takes",
         present: None,
         fields: &[
-            together("mechanical", number("kinetic", "J", "kinetic energy", |s| s.kinetic_energy)),
-            number("potential", "J", "potential energy, zero at the height of the peg's centre", |s| s.potential_energy),
-            together("mechanical", number("total", "J", "total energy", |s| s.energy())),
-            number("friction_power", "W", "power of the torque of friction", |s| s.friction_power),
-            number("friction_work", "J", "work of friction since the start", |s| s.integrals.friction_work),
+            together("mechanical", number("kinetic", Energy, "kinetic energy", |s| s.kinetic_energy)),
+            number("potential", Energy, "potential energy, zero at the height of the peg's centre", |s| s.potential_energy),
+            together("mechanical", number("total", Energy, "total energy", |s| s.energy())),
+            number("friction_power", Power, "power of the torque of friction", |s| s.friction_power),
+            number("friction_work", Energy, "work of friction since the start", |s| s.integrals.friction_work),
         ],
     },
     Channel {
@@ -197,9 +209,9 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         meaning: "angular momentum about the centre of the peg",
         present: None,
         fields: &[
-            together("components", number("vertical", "kg m²/s", "about the vertical", |s| s.vertical_momentum)),
-            together("components", number("axial", "kg m²/s", "about the symmetry axis", |s| s.axial_momentum)),
-            vector("world", "kg m²/s", WORLD, "angular momentum", |s| s.momentum_world),
+            together("components", number("vertical", Momentum, "about the vertical", |s| s.vertical_momentum)),
+            together("components", number("axial", Momentum, "about the symmetry axis", |s| s.axial_momentum)),
+            vector("world", Momentum, WORLD, "angular momentum", |s| s.momentum_world),
         ],
     },
     Channel {
@@ -207,10 +219,10 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         meaning: "regular precession at this inclination and spin rate; no message where its rates are not real",
         present: Some(|s| s.precession_roots.is_some()),
         fields: &[
-            number("slow_root", "rad/s", "slow rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.slow)),
-            number("fast_root", "rad/s", "fast rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.fast)),
-            number("excess", "rad/s", "φ̇ less the slow rate", |s| s.precession_roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow)),
-            number("strength_ratio", "", "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.strength_ratio),
+            number("slow_root", ReferenceRate, "slow rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.slow)),
+            number("fast_root", ReferenceRate, "fast rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.fast)),
+            number("excess", ReferenceRate, "φ̇ less the slow rate", |s| s.precession_roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow)),
+            number("strength_ratio", Number, "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.strength_ratio),
         ],
     },
 ];
@@ -222,15 +234,15 @@ pub const NUTATION: Channel<NutationCycle> = Channel {
     meaning: "each nutation, from one maximum of θ̇ to the next: the averaged motion",
     present: None,
     fields: &[
-        number("cycle", "", "number of the cycle, from 0", |c| f64::from(c.index)),
-        number("start", "s", "when the cycle began", |c| c.start),
-        number("period", "s", "its duration", |c| c.period()),
-        together("theta_range", number("theta_min", "rad", "least θ in it", |c| c.theta_min)),
-        together("theta_range", number("theta_max", "rad", "greatest θ in it", |c| c.theta_max)),
-        number("theta_mean", "rad", "mean of θ", |c| c.theta_mean),
-        number("theta_dot_mean", "rad/s", "mean of θ̇", |c| c.mean_rates.theta),
-        number("phi_dot_mean", "rad/s", "mean of φ̇", |c| c.mean_rates.phi),
-        number("psi_dot_mean", "rad/s", "mean of ψ̇", |c| c.mean_rates.psi),
+        number("cycle", Number, "number of the cycle, from 0", |c| f64::from(c.index)),
+        number("start", Time, "when the cycle began", |c| c.start),
+        number("period", Time, "its duration", |c| c.period()),
+        together("theta_range", number("theta_min", Angle, "least θ in it", |c| c.theta_min)),
+        together("theta_range", number("theta_max", Angle, "greatest θ in it", |c| c.theta_max)),
+        number("theta_mean", Angle, "mean of θ", |c| c.theta_mean),
+        number("theta_dot_mean", Rate, "mean of θ̇", |c| c.mean_rates.theta),
+        number("phi_dot_mean", Rate, "mean of φ̇", |c| c.mean_rates.phi),
+        number("psi_dot_mean", Rate, "mean of ψ̇", |c| c.mean_rates.psi),
     ],
 };
 
@@ -243,12 +255,12 @@ pub const EVENTS: Channel<Event> = Channel {
     fields: &[
         text("name", "kind of event", |e| e.kind.name()),
         text("description", "a sentence for people", |e| &e.description),
-        number("time", "s", "when, more exactly than the timestamp", |e| e.time),
-        number("phi", "rad", "precession angle φ", |e| e.motion.angles.phi),
-        number("theta", "rad", "nutation angle (inclination) θ", |e| e.motion.angles.theta),
-        number("psi", "rad", "spin angle ψ", |e| e.motion.angles.psi),
-        number("phi_dot", "rad/s", "precession rate φ̇", |e| e.motion.tilt.rates.phi),
-        number("theta_dot", "rad/s", "nutation rate θ̇", |e| e.motion.tilt.rates.theta),
-        number("psi_dot", "rad/s", "spin rate ψ̇", |e| e.motion.tilt.rates.psi),
+        number("time", Time, "when, more exactly than the timestamp", |e| e.time),
+        number("phi", Angle, "precession angle φ", |e| e.motion.angles.phi),
+        number("theta", Angle, "nutation angle (inclination) θ", |e| e.motion.angles.theta),
+        number("psi", Angle, "spin angle ψ", |e| e.motion.angles.psi),
+        number("phi_dot", Rate, "precession rate φ̇", |e| e.motion.tilt.rates.phi),
+        number("theta_dot", Rate, "nutation rate θ̇", |e| e.motion.tilt.rates.theta),
+        number("psi_dot", Rate, "spin rate ψ̇", |e| e.motion.tilt.rates.psi),
     ],
 };

@@ -20,6 +20,7 @@ use super::proportions::Proportions;
 use super::topic::Topic;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
+use crate::run::simulation::EventKind;
 use nalgebra::Vector3;
 
 /// Views come no more often than this, ns.
@@ -263,7 +264,7 @@ impl Views {
             }
             Kind::Log => {
                 let name = events::NAME.of(message);
-                if name.starts_with("nutation") {
+                if EventKind::find(name).is_some_and(EventKind::is_of_nutation) {
                     return false;
                 }
                 const INFO: u8 = 20;

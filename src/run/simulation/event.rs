@@ -59,6 +59,37 @@ pub enum EventKind {
 pub const UPRIGHT: f64 = 0.01;
 
 impl EventKind {
+    /// All kinds.
+    pub const ALL: [Self; 15] = [
+        Self::Start,
+        Self::Risen,
+        Self::Fallen,
+        Self::NutationMinimum,
+        Self::NutationMaximum,
+        Self::UprightPassage,
+        Self::LoopingBegins,
+        Self::LoopingEnds,
+        Self::WeakTop,
+        Self::StrongTop,
+        Self::SlipStops,
+        Self::Stick,
+        Self::SlipResumes,
+        Self::Rest,
+        Self::Singular,
+    ];
+
+    /// The kind with this name in recordings; none for a name of another version.
+    #[must_use]
+    pub fn find(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Whether it comes with each nutation, hundreds of times in a run, so that lists of events leave it out.
+    #[must_use]
+    pub fn is_of_nutation(self) -> bool {
+        matches!(self, Self::NutationMinimum | Self::NutationMaximum)
+    }
+
     /// The name in recordings.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -183,5 +214,18 @@ impl StopReason {
             Self::Interrupted => "interrupted",
             Self::Failed => "the motion could not be integrated further",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_found_by_their_names() {
+        for kind in EventKind::ALL {
+            assert_eq!(EventKind::find(kind.name()), Some(kind));
+        }
+        assert_eq!(EventKind::find("nutation"), None);
     }
 }

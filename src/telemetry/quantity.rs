@@ -1,0 +1,59 @@
+//! Kinds of quantities: what a number measures, and so its unit.
+
+/// What a field measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// A force.
+    Force,
+    /// A torque.
+    Torque,
+    /// An angular acceleration.
+    Acceleration,
+    /// An angular velocity or the rate of an angle.
+    Rate,
+    /// A velocity.
+    Velocity,
+    /// An angle.
+    Angle,
+    /// A direction, as a unit vector.
+    Direction,
+    /// An orientation, as a unit quaternion.
+    Orientation,
+    /// A position or a length.
+    Length,
+    /// An energy or work.
+    Energy,
+    /// A power.
+    Power,
+    /// An angular momentum.
+    Momentum,
+    /// A rate that the motion is compared with, as that of regular precession.
+    ReferenceRate,
+    /// A time.
+    Time,
+    /// A count, a ratio or a yes or no.
+    Number,
+    /// A text.
+    Text,
+}
+
+impl Quantity {
+    /// Its SI unit, empty for pure numbers and texts.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Force => "N",
+            Self::Torque => "N m",
+            Self::Acceleration => "rad/s²",
+            Self::Rate | Self::ReferenceRate => "rad/s",
+            Self::Velocity => "m/s",
+            Self::Angle => "rad",
+            Self::Length => "m",
+            Self::Energy => "J",
+            Self::Power => "W",
+            Self::Momentum => "kg m²/s",
+            Self::Time => "s",
+            Self::Direction | Self::Orientation | Self::Number | Self::Text => "",
+        }
+    }
+}
