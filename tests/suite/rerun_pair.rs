@@ -14,7 +14,7 @@ use toprise::physics::math::log10;
 use toprise::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
 use toprise::run::scenario::Scenario;
 use toprise::telemetry::side::Side;
-use toprise::telemetry::{Message, channels};
+use toprise::telemetry::{Message, Topic, channels};
 
 const DURATION: (&str, &str) = ("stop.duration", "0.3");
 
@@ -37,7 +37,7 @@ impl Run {
     }
 
     fn identity(&self, topics: &[&str]) -> Identity {
-        let topics = topics.iter().map(|topic| (*topic).to_owned()).collect();
+        let topics = topics.iter().filter_map(|topic| Topic::find(topic)).collect();
         Identity::of(self.name, &self.scenario, topics, Playback::PausedAtStart)
     }
 
