@@ -1,9 +1,9 @@
-//! What is logged: one table, from which everything else follows.
+//! The telemetry of a run: one table says what is logged, and everything else follows from it.
 //!
-//! [`table`] declares each channel once: its topic, and for each field the name, unit, frame, meaning
-//! and where in a sample it comes from. From it follow the messages each way ([`encoding`]: [`json`] and
-//! [`protobuf`]) and their schemas ([`schema`]), the content digest ([`digest`]), the MCAP channels and
-//! the Rerun entities.
+//! [`table`] declares each channel once: its topic, and for each field the name, quantity, frame, meaning and
+//! where in a sample it comes from. From the table follow the messages, written and read ([`encoding`]: [`json`]
+//! and [`protobuf`]), their schemas ([`schema`]), the content digest ([`digest`]), the MCAP channels and the Rerun
+//! entities. [`fields`] names its topics and fields for the code that reads messages.
 //!
 //! Sinks see only [`Message`]s: rows of numbers and texts in the order of [`channels`].
 

@@ -1,4 +1,4 @@
-//! A run: one that was recorded, or one that is simulated now. Its messages are the same either way.
+//! Subjects of analysis: runs that were recorded, or that are simulated now. Their messages are the same.
 
 use crate::archive::format::end_entries;
 use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
@@ -7,12 +7,12 @@ use crate::run::simulation::Simulation;
 use crate::telemetry::{Message, Telemetry, TelemetryError, Topic, Topics};
 use std::ops::ControlFlow;
 
-/// A run, recorded or not.
+/// A run to be analysed.
 #[derive(Clone, Copy, Debug)]
 pub enum Subject<'a> {
-    /// One that was recorded, or any MCAP file.
+    /// A recording, or any other MCAP file.
     Recording(&'a Recording),
-    /// One that is simulated now.
+    /// A scenario, which is simulated when it is read.
     Scenario(&'a Scenario),
 }
 
@@ -28,18 +28,18 @@ impl<'a> From<&'a Scenario> for Subject<'a> {
     }
 }
 
-/// What there is to say about a run once it has been read.
+/// The end of a run that has been read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ended {
     /// The entries of its end record.
     pub end: Option<Entries>,
-    /// What could not be read.
+    /// What could not be read, in sentences.
     pub losses: Vec<String>,
 }
 
 impl Subject<'_> {
-    /// Gives its messages of topics of the table to `take`, in the order of time, with the number of bytes
-    /// of the file that have been read since the last one; until `take` wants no more.
+    /// Passes its messages of some topics to `take` in the order of time, each with the number of bytes of the file
+    /// that have been read since the last one, until `take` breaks it off.
     pub fn read(
         self,
         topics: &Topics,
@@ -51,7 +51,7 @@ impl Subject<'_> {
         }
     }
 
-    /// Its scenario, if it has one that this version can read.
+    /// The scenario, if there is one that this version can read.
     #[must_use]
     pub fn scenario(self) -> Option<Scenario> {
         match self {
@@ -60,7 +60,7 @@ impl Subject<'_> {
         }
     }
 
-    /// What it is called: its scenario's name, or its file's.
+    /// The name of the scenario, or of the file.
     #[must_use]
     pub fn name(self) -> String {
         match self {
@@ -72,7 +72,7 @@ impl Subject<'_> {
         }
     }
 
-    /// The topics of the table that it has.
+    /// The topics of the table for which it has channels.
     #[must_use]
     pub fn topics(self) -> Vec<Topic> {
         match self {
@@ -81,7 +81,7 @@ impl Subject<'_> {
         }
     }
 
-    /// Whether it has a channel of the table.
+    /// Whether it has the channel with this topic.
     #[must_use]
     pub fn has_topic(self, topic: Topic) -> bool {
         match self {
@@ -90,7 +90,7 @@ impl Subject<'_> {
         }
     }
 
-    /// Whether it is of toprise: other files have but numbers.
+    /// Whether it is a run of toprise; of other files only the numbers can be compared.
     #[must_use]
     pub fn is_ours(self) -> bool {
         match self {
@@ -99,7 +99,7 @@ impl Subject<'_> {
         }
     }
 
-    /// Whether it is known not to be there as a whole.
+    /// Whether parts of the run are known to be missing.
     pub(crate) fn is_cut(self) -> bool {
         match self {
             Self::Scenario(_) => false,
@@ -143,7 +143,7 @@ fn read(
     }
 }
 
-/// Messages that can't be decoded: the first, and how many.
+/// The messages that can't be decoded: what is wrong with the first, and how many there are.
 #[derive(Default)]
 pub(crate) struct Undecodable(Option<(String, u64)>);
 
@@ -155,7 +155,7 @@ impl Undecodable {
         }
     }
 
-    /// These and what else the reader could not read.
+    /// What could not be read, in sentences: these messages and the reader's losses.
     pub(crate) fn losses(self, reader: &Reader<'_>) -> Vec<String> {
         let mut losses: Vec<_> = reader.losses().iter().map(ToString::to_string).collect();
         losses.extend(self.0.map(|(first, count)| match count {
@@ -166,7 +166,7 @@ impl Undecodable {
     }
 }
 
-/// Why a simulation is not carried on.
+/// Why a simulation is not continued.
 enum Stopped {
     Telemetry(TelemetryError),
     Unwanted,

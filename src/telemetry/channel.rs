@@ -1,32 +1,32 @@
-//! The channels as sinks and readers see them: what the table says, without where it comes from.
+//! The channels as sinks and readers see them: the table without the functions that fill it.
 
 use super::quantity::Quantity;
 use super::table::{Channel, EVENTS, Field, NUTATION, SAMPLES, Source};
 use std::sync::OnceLock;
 
-/// A channel as the sinks see it.
+/// A channel: a stream of messages with the same fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelInfo {
-    /// Topic, as in `/top/state`.
+    /// Topic, as in `/top/state`: the channel's name.
     pub topic: &'static str,
     /// Name of the message type.
     pub schema: &'static str,
     /// What the channel carries.
     pub meaning: &'static str,
-    /// Its texts, which stand first in a message: as in [`Message::texts`].
+    /// Its texts, in the order of [`Message::texts`](super::Message::texts); in an encoded message they come first.
     pub texts: Vec<Leaf>,
-    /// Its numbers: as in [`Message::numbers`].
+    /// Its numbers, in the order of [`Message::numbers`](super::Message::numbers).
     pub numbers: Vec<Leaf>,
-    /// Whether there is a message for each sample; else for each event or cycle.
+    /// Whether there is a message for each sample; otherwise there is one for each event or nutation.
     pub is_sampled: bool,
-    /// Whether a sample may be without a message of this channel.
+    /// Whether some samples have no message on this channel.
     pub is_optional: bool,
 }
 
 /// One number or text of a message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leaf {
-    /// Where it stands in the message: a name, or an object's name and a component, `omega_body.x`.
+    /// Its name in the message, behind that of its object if it is in one: `theta`, `omega_body.x`.
     pub path: String,
     /// What it measures.
     pub quantity: Quantity,
@@ -36,7 +36,7 @@ pub struct Leaf {
     pub frame: &'static str,
     /// What it means.
     pub meaning: &'static str,
-    /// The plot in which its channel shows it; those with the same plot belong together.
+    /// Name of the plot that shows it; leaves of a channel with the same plot are shown together.
     pub plot: &'static str,
     /// Whether it is a component of a vector or a quaternion.
     pub is_component: bool,
@@ -44,16 +44,16 @@ pub struct Leaf {
     pub derivative: Option<usize>,
 }
 
-/// A member of a message: a leaf, or an object of numbers.
+/// A member of an encoded message: a leaf, or an object of numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member<'a> {
-    /// Its name in the message.
+    /// Name.
     pub name: &'a str,
-    /// What it is.
+    /// What it holds.
     pub content: Content<'a>,
 }
 
-/// What a member of a message is.
+/// What a member of an encoded message holds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content<'a> {
     /// The text with this index.
@@ -65,7 +65,7 @@ pub enum Content<'a> {
 }
 
 impl ChannelInfo {
-    /// How a message is built from its leaves: a dot in a path makes an object.
+    /// The members of an encoded message: leaves, and objects for paths with a dot.
     #[must_use]
     pub fn members(&self) -> Vec<Member<'_>> {
         let mut members: Vec<Member<'_>> = Vec::new();
@@ -97,12 +97,12 @@ impl ChannelInfo {
         members
     }
 
-    /// Texts and numbers, in the order of a message.
+    /// All leaves in the order of an encoded message: texts, then numbers.
     pub fn leaves(&self) -> impl Iterator<Item = &Leaf> {
         self.texts.iter().chain(&self.numbers)
     }
 
-    /// Where the number `path` stands in [`Message::numbers`].
+    /// The index of the number at `path`.
     #[must_use]
     pub fn number_index(&self, path: &str) -> Option<usize> {
         self.numbers.iter().position(|leaf| leaf.path == path)
@@ -119,7 +119,7 @@ pub fn channels() -> &'static [ChannelInfo] {
     })
 }
 
-/// Where the channel with a topic stands in [`channels`].
+/// The index in [`channels`] of the channel with this topic.
 #[must_use]
 pub fn channel_index(topic: &str) -> Option<usize> {
     channels().iter().position(|channel| channel.topic == topic)

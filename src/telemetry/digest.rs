@@ -1,4 +1,4 @@
-//! The content digest: a fingerprint of what was recorded, whatever the file looks like.
+//! The content digest: a fingerprint of the recorded data, however the file is encoded and packed.
 
 use super::channel::channels;
 use super::message::Message;
@@ -10,8 +10,8 @@ use sha2::{Digest as _, Sha256};
 /// Each channel has a SHA-256 over its messages: sequence (u32) and time in ns (u64), the numbers as
 /// the 64 bits of their doubles, then each text after its length in bytes (u64), all little-endian. The
 /// content digest is the SHA-256 over topic, a zero byte, number of messages (u64) and digest of each
-/// channel that has messages, in table order. So it depends on nothing but the data: not on the
-/// encoding, the compression, the chunks, or how the channels' messages are interleaved.
+/// channel that has messages, in table order. So the digest depends on
+/// the data alone, not on the encoding, the compression, the chunks, or how the channels' messages are interleaved.
 #[derive(Clone, Debug)]
 pub struct ContentDigest {
     channels: Vec<(Sha256, u64)>,
@@ -25,7 +25,7 @@ impl Default for ContentDigest {
     }
 }
 
-/// Appends to `bytes` what the digest takes in of a message.
+/// Appends to `bytes` the parts of a message that the digest covers.
 pub fn append_content(message: &Message<'_>, bytes: &mut Vec<u8>) {
     bytes.extend_from_slice(&message.sequence.to_le_bytes());
     bytes.extend_from_slice(&message.time_ns.to_le_bytes());
@@ -39,14 +39,14 @@ pub fn append_content(message: &Message<'_>, bytes: &mut Vec<u8>) {
 }
 
 impl ContentDigest {
-    /// Takes in the next message of its channel.
+    /// Adds the next message of its channel.
     pub fn update(&mut self, message: &Message<'_>) {
         let mut content = Vec::new();
         append_content(message, &mut content);
         self.absorb(message.channel, &content);
     }
 
-    /// Takes in the next message of a channel, as [`append_content`] wrote it.
+    /// Adds the next message of a channel, as [`append_content`] wrote it.
     pub fn absorb(&mut self, channel: usize, content: &[u8]) {
         let (hash, count) = &mut self.channels[channel];
         hash.update(content);

@@ -1,4 +1,4 @@
-//! The topics and fields of the table by name: compile-time handles that read themselves out of messages.
+//! The topics and fields of the table as constants: handles that read their values from messages.
 //!
 //! A handle is called like its field, in capitals and with `_` for the dot: [`state::THETA`] is `theta` of
 //! `/top/state`, [`acceleration::THETA_DDOT_FRICTIONAL`] is `theta_ddot.frictional` of `/top/acceleration`.
@@ -26,7 +26,7 @@ use super::topic::Topic;
 use nalgebra::{Quaternion, Vector3};
 use std::fmt;
 
-/// A number of a channel.
+/// The handle of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NumberField {
     topic: Topic,
@@ -35,8 +35,7 @@ pub struct NumberField {
 }
 
 impl NumberField {
-    /// The number of the channel `topic` that stands at `path`, if the table has it. Code that knows its name
-    /// uses its handle.
+    /// The number at `path` of the channel `topic`, for names that are known only when the program runs.
     #[must_use]
     pub fn find(topic: &str, path: &str) -> Option<Self> {
         let topic = Topic::find(topic)?;
@@ -54,7 +53,7 @@ impl NumberField {
         self.topic
     }
 
-    /// Its place in [`Message::numbers`].
+    /// Its index in [`Message::numbers`].
     #[must_use]
     pub const fn index(self) -> usize {
         self.index
@@ -75,7 +74,7 @@ impl NumberField {
         &self.topic.info().numbers[self.index]
     }
 
-    /// Where it stands in a message, as in `theta` or `omega_body.x`.
+    /// Its path in a message, as in `theta` or `omega_body.x`.
     #[must_use]
     pub fn path(self) -> &'static str {
         &self.leaf().path
@@ -87,7 +86,7 @@ impl NumberField {
         self.leaf().unit
     }
 
-    /// Its value; NaN where it isn't recorded or the message is of another channel.
+    /// Its value in some rows; NaN if they don't have it.
     #[inline]
     #[must_use]
     pub fn of(self, rows: &impl Numbers) -> f64 {
@@ -104,7 +103,7 @@ impl fmt::Display for NumberField {
     }
 }
 
-/// A vector of a channel: three numbers.
+/// The handle of a vector: three numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct VectorField(NumberField);
 
@@ -145,7 +144,7 @@ impl VectorField {
         self.0.plot()
     }
 
-    /// Its value, with NaN for what isn't recorded.
+    /// Its value in some rows; NaN if they don't have it.
     #[inline]
     #[must_use]
     pub fn of(self, rows: &impl Numbers) -> Vector3<f64> {
@@ -153,7 +152,7 @@ impl VectorField {
     }
 }
 
-/// An orientation of a channel: a quaternion, four numbers.
+/// The handle of an orientation: the four numbers of a quaternion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct RotationField(NumberField);
 
@@ -175,7 +174,7 @@ impl RotationField {
         self.0.topic
     }
 
-    /// Its value, as it was recorded, with NaN for what isn't.
+    /// Its value in some rows, as it was recorded; NaN if they don't have it.
     #[inline]
     #[must_use]
     pub fn of(self, rows: &impl Numbers) -> Quaternion<f64> {
@@ -184,7 +183,7 @@ impl RotationField {
     }
 }
 
-/// A text of a channel.
+/// The handle of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TextField {
     topic: Topic,
@@ -198,19 +197,19 @@ impl TextField {
         self.topic
     }
 
-    /// Its place in [`Message::texts`].
+    /// Its index in [`Message::texts`].
     #[must_use]
     pub const fn index(self) -> usize {
         self.index
     }
 
-    /// Where it stands in a message.
+    /// Its path in a message.
     #[must_use]
     pub fn path(self) -> &'static str {
         &self.topic.info().texts[self.index].path
     }
 
-    /// Its value; empty where it isn't recorded or the message is of another channel.
+    /// Its value in a message; empty if the message doesn't have it.
     #[inline]
     #[must_use]
     pub fn of<'a>(self, message: &Message<'a>) -> &'a str {
@@ -249,7 +248,7 @@ impl fmt::Display for Plot {
     }
 }
 
-/// A number beside another.
+/// The number that stands `offset` places behind another.
 const fn part(field: NumberField, offset: usize) -> NumberField {
     NumberField {
         index: field.index + offset,
@@ -257,11 +256,12 @@ const fn part(field: NumberField, offset: usize) -> NumberField {
     }
 }
 
-/// What the table knows of a field, whatever its channel's messages are made from.
+/// What a handle needs to know of a field of the table.
 #[derive(Clone, Copy)]
 struct Found {
-    /// Its place among the numbers or the texts.
+    /// Index of its first number, or of its text.
     index: usize,
+    /// How many numbers it has; 0 for a text.
     numbers: usize,
     plot: &'static str,
 }
@@ -324,7 +324,7 @@ const fn find_in<S>(channel: &Channel<S>, handle: &str) -> Option<Found> {
     None
 }
 
-/// Whether a handle is that of a name: the name itself, in capitals and with `_` for the dot.
+/// Whether a handle belongs to a name: they are equal up to case, with `_` for the dot.
 const fn is_called(handle: &str, name: &str) -> bool {
     let (handle, name) = (handle.as_bytes(), name.as_bytes());
     if handle.len() != name.len() {
@@ -392,12 +392,12 @@ macro_rules! handles {
                 pub const $handle: $type = $kind($topic, stringify!($handle));
             )*)*
 
-            /// The handles' places, for the test that no field is without one.
+            /// For each handle its index and how many numbers it has.
             #[cfg(test)]
-            pub(super) fn places() -> Vec<(usize, usize, bool)> {
+            pub(super) fn places() -> Vec<(usize, usize)> {
                 vec![$($({
                     let found = find($topic, stringify!($handle));
-                    (found.index, found.numbers, found.numbers > 0)
+                    (found.index, found.numbers)
                 }),*),*]
             }
         }
@@ -474,14 +474,14 @@ mod tests {
         assert_eq!(all.len(), channels().len());
         for ((index, info), (topic, mut places)) in channels().iter().enumerate().zip(all) {
             assert_eq!((topic.index(), topic.name()), (index, info.topic));
-            places.sort_by_key(|(index, _, is_number)| (*is_number, *index));
-            let texts = places.iter().filter(|place| !place.2);
+            places.sort_unstable();
+            let texts = places.iter().filter(|place| place.1 == 0);
             assert!(
                 texts.map(|place| place.0).eq(0..info.texts.len()),
                 "{topic}"
             );
-            let numbers = places.iter().filter(|place| place.2);
-            let covered = numbers.flat_map(|(index, count, _)| *index..index + count);
+            let numbers = places.iter().filter(|place| place.1 > 0);
+            let covered = numbers.flat_map(|(index, count)| *index..index + count);
             assert!(covered.eq(0..info.numbers.len()), "{topic}");
         }
     }

@@ -7,24 +7,24 @@ use super::topic::{Topic, Topics};
 use crate::run::simulation::Record;
 use thiserror::Error;
 
-/// Why a record can't be logged.
+/// Why a record can't be turned into messages.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TelemetryError {
-    /// A quantity became infinite or not a number.
+    /// A quantity is infinite or not a number.
     #[error("{topic} {field} is {value} at t = {} s: only finite numbers are recorded", *time_ns as f64 / 1e9)]
     NonFinite {
-        /// The channel.
+        /// Its channel.
         topic: &'static str,
-        /// The field.
+        /// Its field.
         field: String,
-        /// What it was.
+        /// Its value.
         value: f64,
-        /// When, ns.
+        /// Simulation time, ns.
         time_ns: u64,
     },
 }
 
-/// Turns records into messages.
+/// Turns the records of a run into messages.
 #[derive(Debug)]
 pub struct Telemetry {
     wanted: Vec<bool>,
@@ -33,7 +33,7 @@ pub struct Telemetry {
 }
 
 impl Default for Telemetry {
-    /// All topics.
+    /// Makes messages of all topics.
     fn default() -> Self {
         Self {
             wanted: vec![true; channels().len()],
@@ -59,7 +59,7 @@ impl Telemetry {
         self.wanted[topic.index()]
     }
 
-    /// Gives the messages of `record` to `emit`, in table order.
+    /// Passes the messages of a record to `emit`, in table order.
     ///
     /// # Errors
     /// [`TelemetryError::NonFinite`], or the first error of `emit`.

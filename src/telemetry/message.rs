@@ -1,24 +1,25 @@
-//! Messages: rows of the channels.
+//! Messages: what a channel has to say about one instant.
 
 use super::topic::Topic;
 
-/// One message: a row of a channel.
+/// A message: the numbers and texts of one channel at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Message<'a> {
     /// Index of the channel in [`channels`](super::channels).
     pub channel: usize,
-    /// Counts samples, events or cycles from 0; samples without this message leave a gap.
+    /// Number of the sample, event or nutation, from 0; samples without a message on this channel leave gaps.
     pub sequence: u32,
     /// Simulation time, ns.
     pub time_ns: u64,
-    /// The numbers, finite, in the order of the leaves.
+    /// The numbers, in the order of [`ChannelInfo::numbers`](super::ChannelInfo::numbers): finite, or NaN where a file
+    /// does not have the field.
     pub numbers: &'a [f64],
-    /// The texts, in the order of the leaves.
+    /// The texts, in the order of [`ChannelInfo::texts`](super::ChannelInfo::texts).
     pub texts: &'a [String],
 }
 
 impl Message<'_> {
-    /// The topic of its channel.
+    /// The channel's topic.
     #[must_use]
     pub fn topic(&self) -> Topic {
         Topic::at(self.channel)

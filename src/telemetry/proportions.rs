@@ -1,4 +1,4 @@
-//! How a top is drawn: its proportions follow from its mechanics.
+//! The shape of a drawn top, which follows from its mechanics.
 
 use crate::physics::top::Top;
 
@@ -18,7 +18,7 @@ pub struct Proportions {
 }
 
 impl Proportions {
-    /// A disc with the top's axial moment of inertia at the height of its centre of mass.
+    /// The proportions of a top: its disc has the axial moment of inertia, at the height of the centre of mass.
     #[must_use]
     pub fn new(top: &Top) -> Self {
         let peg = top.peg_radius;
@@ -33,7 +33,7 @@ impl Proportions {
         }
     }
 
-    /// The same top, larger or smaller by a factor.
+    /// These proportions multiplied by a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
@@ -51,13 +51,13 @@ impl Proportions {
         0.2 * self.disc_radius
     }
 
-    /// Where the cones below and above the disc meet it: their radius.
+    /// Radius of the cones where they meet the disc.
     #[must_use]
     pub fn shoulder(&self) -> f64 {
         0.45 * self.disc_radius
     }
 
-    /// Where the lower cone meets the peg: its radius.
+    /// Radius of the lower cone where it meets the peg.
     #[must_use]
     pub fn neck(&self) -> f64 {
         0.72 * self.peg

@@ -1,12 +1,11 @@
-//! JSON Schemas, generated from the table.
+//! JSON Schemas of the messages, generated from the table.
 
 use super::channel::{ChannelInfo, Content, Leaf, Member};
 use serde_json::{Map, Value, json};
 
-/// The JSON Schema of a channel's messages, as the text that stands in recordings and in `schemas/`.
+/// The JSON Schema of a channel's messages, as it stands in recordings and in `schemas/`.
 ///
-/// It keeps to what the strictest viewer reads: no references, alternatives, nulls or arrays, and
-/// `properties` on every object.
+/// Strict viewers read no references, alternatives, nulls or arrays, and expect `properties` on every object.
 #[must_use]
 pub fn json_schema(channel: &ChannelInfo) -> String {
     let mut properties = Map::new();
@@ -33,7 +32,7 @@ pub fn json_schema(channel: &ChannelInfo) -> String {
     format!("{schema:#}\n")
 }
 
-/// The name of a channel's file in `schemas/`.
+/// The name of a channel's schema file in `schemas/`.
 #[must_use]
 pub fn file_name(channel: &ChannelInfo) -> String {
     format!("{}.json", channel.schema)

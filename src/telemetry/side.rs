@@ -1,16 +1,16 @@
-//! The two runs of a comparison.
+//! The two sides of a comparison, A and B.
 
-/// Which of two runs that are compared.
+/// One of the two runs of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// The first, which the other is compared with.
+    /// The first run: the reference.
     A,
-    /// The second.
+    /// The second run, which is compared with the first.
     B,
 }
 
 impl Side {
-    /// Its place: 0 or 1.
+    /// Index in arrays of both sides: 0 for A, 1 for B.
     #[must_use]
     pub fn index(self) -> usize {
         match self {
@@ -19,7 +19,7 @@ impl Side {
         }
     }
 
-    /// The other one.
+    /// The other side.
     #[must_use]
     pub fn other(self) -> Self {
         match self {
@@ -28,7 +28,7 @@ impl Side {
         }
     }
 
-    /// What people call it.
+    /// Name for people: `A` or `B`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -37,7 +37,7 @@ impl Side {
         }
     }
 
-    /// Its letter, as it stands in names.
+    /// Letter in topics and file names: `a` or `b`.
     #[must_use]
     pub fn letter(self) -> &'static str {
         match self {

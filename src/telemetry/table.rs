@@ -1,19 +1,19 @@
-//! The table of channels: the one place that knows what is logged.
+//! The table of channels: the one place that says what is logged.
 
 use super::quantity::Quantity::{self, *};
 use crate::run::simulation::{Event, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// A channel whose messages are made from an `S`.
+/// A channel whose messages are made from values of type `S`.
 #[derive(Debug)]
 pub struct Channel<S: 'static> {
     /// Topic.
     pub topic: &'static str,
     /// Name of the message type.
     pub schema: &'static str,
-    /// What it carries.
+    /// What the channel carries.
     pub meaning: &'static str,
-    /// Whether there is a message for this `S`, if there isn't always one.
+    /// Tells whether a value makes a message; without it every value does.
     pub present: Option<fn(&S) -> bool>,
     /// Its fields.
     pub fields: &'static [Field<S>],
@@ -24,21 +24,21 @@ pub struct Channel<S: 'static> {
 pub struct Field<S> {
     /// Name.
     pub name: &'static str,
-    /// What it measures, and so its unit.
+    /// The kind of quantity, which says the unit.
     pub quantity: Quantity,
     /// Frame of a vector's components, empty for others.
     pub frame: &'static str,
-    /// What it means.
+    /// Meaning, as schemas tell it.
     pub meaning: &'static str,
-    /// The plot in which it is shown.
+    /// Name of the plot that shows it.
     pub plot: &'static str,
-    /// The number of the channel that is its time derivative, if there is one.
+    /// Name of the field that is its time derivative, if the channel has it.
     pub derivative: Option<&'static str>,
-    /// Where it comes from.
+    /// How to get its value.
     pub source: Source<S>,
 }
 
-/// Where a field's value comes from.
+/// How to get a field's value from an `S`.
 #[derive(Debug)]
 pub enum Source<S> {
     /// A number.
@@ -227,7 +227,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     },
 ];
 
-/// One message per nutation cycle, at its end.
+/// The channel with a message for each nutation, at its end.
 #[rustfmt::skip]
 pub const NUTATION: Channel<NutationCycle> = Channel {
     topic: "/top/nutation", schema: "toprise.Nutation",
@@ -246,7 +246,7 @@ pub const NUTATION: Channel<NutationCycle> = Channel {
     ],
 };
 
-/// One message per event.
+/// The channel with a message for each event.
 #[rustfmt::skip]
 pub const EVENTS: Channel<Event> = Channel {
     topic: "/events", schema: "toprise.Event",

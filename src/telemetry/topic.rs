@@ -1,23 +1,21 @@
-//! Topics: which channel of the table is meant.
+//! Topics: names of the table's channels.
 
 use super::channel::{ChannelInfo, channel_index, channels};
 use super::table::{EVENTS, NUTATION, SAMPLES};
 use std::fmt;
 use thiserror::Error;
 
-/// A channel of the table: its place in [`channels`]. The topics there are stand in
-/// [`fields`](super::fields).
+/// The topic of a channel of the table. All of them are constants in [`fields`](super::fields).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Topic(usize);
 
 impl Topic {
-    /// The topic of the channel at a place of [`channels`].
+    /// The topic of the channel with this index in [`channels`].
     pub(super) const fn at(index: usize) -> Self {
         Self(index)
     }
 
-    /// The topic with a name, if the table has it. Code that knows the name uses the topics of
-    /// [`fields`](super::fields).
+    /// The topic with this name, for names that are known only when the program runs.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         channel_index(name).map(Self)
@@ -28,7 +26,7 @@ impl Topic {
         (0..channels().len()).map(Self)
     }
 
-    /// Its place in [`channels`], which is also that of [`Message::channel`](super::Message::channel).
+    /// The channel's index in [`channels`], as in [`Message::channel`](super::Message::channel).
     #[must_use]
     pub const fn index(self) -> usize {
         self.0
@@ -45,25 +43,25 @@ impl Topic {
         }
     }
 
-    /// What its channel carries.
+    /// The channel.
     #[must_use]
     pub fn info(self) -> &'static ChannelInfo {
         &channels()[self.0]
     }
 }
 
-/// Which channels are meant, by their topics: those of the table, or any names of a file's.
+/// A choice of channels by their topics: topics of the table, or with `T = String` of any file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Topics<T = Topic> {
-    /// All that there are.
+    /// Every channel.
     #[default]
     All,
-    /// These and no others.
+    /// The channels with these topics; none if there are none.
     Only(Vec<T>),
 }
 
 impl<T: PartialEq> Topics<T> {
-    /// Whether a topic is among them.
+    /// Whether a topic is chosen.
     pub fn include<N: ?Sized>(&self, topic: &N) -> bool
     where
         T: PartialEq<N>,
@@ -76,7 +74,7 @@ impl<T: PartialEq> Topics<T> {
 }
 
 impl Topics {
-    /// Only the topics of the table with these names.
+    /// The topics of the table with these names.
     ///
     /// # Errors
     /// [`UnknownTopic`] for a name that the table doesn't have.
@@ -91,7 +89,7 @@ impl Topics {
     }
 }
 
-/// A name that is not a topic of the table.
+/// The error for a name that is not a topic of the table.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("there is no topic {name}; topics: {}", Topic::all().map(Topic::name).collect::<Vec<_>>().join(", "))]
 pub struct UnknownTopic {

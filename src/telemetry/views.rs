@@ -1,18 +1,20 @@
-//! Channels that are there for viewers: with them a recording shows itself, without toprise.
+//! Channels for viewers: with them a recording can be watched without toprise.
 //!
-//! Rerun opens views by itself only for messages of ROS 2; Foxglove and Lichtblick show them too. So a
-//! few channels of the table are given again in that form, thinned out to 100 Hz: the top's shape and
-//! motion, two arrows, plots, and the log of events. They follow from the messages of the table and are
+//! Rerun opens views by itself only for messages of ROS 2; Foxglove and Lichtblick show them too. So some
+//! quantities of the table are written a second time in that form, thinned out to 100 Hz: the top's shape and
+//! motion, two arrows, plots, and the log of events. These channels follow from the messages of the table and are
 //! not part of the content digest.
 //!
-//! The set is as small as it can be. Rerun makes one plot for each of the three arrays of a `JointState`
-//! and one for a `Float64MultiArray` with one element, which it names after its topic; eight plots at
-//! most. `MagneticField` is the vector message that it draws as an arrow.
+//! There are as few as possible. Rerun makes one plot for each of the three arrays of a `JointState`
+//! and one for a `Float64MultiArray` with one element, which it names after its topic, and eight
+//! plots at most. `MagneticField` is the vector message that it draws as an arrow.
 
 mod cdr;
+mod scales;
 mod urdf;
 
 use self::cdr::Cdr;
+use self::scales::Scales;
 use super::channel::channels;
 use super::fields::{CONTACT, EVENTS, POSE, STATE, TORQUE, contact, events, pose, state, torque};
 use super::message::Message;
@@ -23,7 +25,7 @@ use crate::run::scenario::Scenario;
 use crate::run::simulation::EventKind;
 use nalgebra::Vector3;
 
-/// Views come no more often than this, ns.
+/// The least time between two messages of a view, ns.
 const PERIOD_NS: u64 = 10_000_000;
 
 /// A channel for viewers.
@@ -35,9 +37,9 @@ pub struct ViewChannel {
     pub schema: &'static str,
     /// Its definition, in the language `ros2msg`.
     pub definition: &'static str,
-    /// What it carries.
+    /// What the channel carries.
     pub meaning: &'static str,
-    /// The topics of the table that it is made from; it comes with the last of them.
+    /// The topics of the table that it is made from; its messages come with those of the last one.
     sources: &'static [Topic],
     kind: Kind,
 }
@@ -116,46 +118,16 @@ pub fn view_channels() -> &'static [ViewChannel] {
     VIEWS
 }
 
-/// Lengths of arrows, in metres per unit; none where there is nothing to draw.
-#[derive(Clone, Copy, Debug)]
-struct Scales {
-    /// For 1 m/s.
-    slip: Option<f64>,
-    /// For 1 N m.
-    torque: Option<f64>,
-}
-
-impl Scales {
-    /// The slip velocity at the start and the torque of the law's largest force are drawn somewhat longer
-    /// than the top.
-    fn new(scenario: &Scenario, proportions: &Proportions) -> Self {
-        let length = 1.6 * proportions.tip;
-        let scale = |size: f64| {
-            let scale = two_digits(length / size);
-            Some(scale).filter(|scale| scale.is_finite() && *scale > 0.0)
-        };
-        Self {
-            slip: scale(scenario.slip_speed_at_start()),
-            torque: scale(scenario.torque_scale()),
-        }
-    }
-}
-
-/// Rounded to two digits, for people.
-fn two_digits(value: f64) -> f64 {
-    format!("{value:.1e}").parse().unwrap_or(value)
-}
-
 /// Makes the messages of the view channels from those of the table.
 #[derive(Debug)]
 pub struct Views {
     top: Top,
     scales: Scales,
-    /// Every so many samples there are views.
+    /// Number of samples from one view to the next.
     stride: u32,
-    /// For each view the topic that it comes with, if it is wanted.
+    /// For each view the topic whose messages it comes with; none if there are no messages of the view.
     sources: Vec<Option<Topic>>,
-    /// The shape, until it has been sent.
+    /// The description of the top's shape, until it has been sent.
     description: Option<String>,
     /// Sequence number, θ and θ̇ of the last state.
     state: Option<(u32, [f64; 2])>,
@@ -163,8 +135,7 @@ pub struct Views {
 }
 
 impl Views {
-    /// The views of a run of `scenario` in which those channels of the table are recorded that it
-    /// `wants`.
+    /// Prepares the views of a run of `scenario` that `wants` some topics of the table.
     #[must_use]
     pub fn new(scenario: &Scenario, wants: impl Fn(Topic) -> bool) -> Self {
         let top = scenario.model.top;
@@ -198,16 +169,16 @@ impl Views {
         self.sources[view].is_some()
     }
 
-    /// Gives `emit` the views that come with a message: index of the view among all, sequence number and
-    /// bytes. Their time is that of the message.
+    /// Passes to `emit` the views that come with a message: index in [`view_channels`], sequence number and bytes.
+    /// Their time is that of the message.
     pub fn take(&mut self, message: &Message<'_>, mut emit: impl FnMut(usize, u32, &[u8])) {
         let is_due = message.sequence.is_multiple_of(self.stride);
         if channels()[message.channel].is_sampled && !is_due {
             return;
         }
         if message.topic() == STATE {
-            let angle = [state::THETA, state::THETA_DOT].map(|field| field.of(message));
-            self.state = Some((message.sequence, angle));
+            let angle_and_rate = [state::THETA, state::THETA_DOT].map(|field| field.of(message));
+            self.state = Some((message.sequence, angle_and_rate));
         }
         for (index, view) in VIEWS.iter().enumerate() {
             if self.sources[index] == Some(message.topic()) && self.write(view.kind, message) {
@@ -216,7 +187,7 @@ impl Views {
         }
     }
 
-    /// Writes a view of a message; false if there is none.
+    /// Encodes the view of a message into `cdr`; false if the message has none.
     fn write(&mut self, kind: Kind, message: &Message<'_>) -> bool {
         let cdr = &mut self.cdr;
         let time = message.time_ns;

@@ -37,7 +37,10 @@ impl Run {
     }
 
     fn identity(&self, topics: &[&str]) -> Identity {
-        let topics = topics.iter().filter_map(|topic| Topic::find(topic)).collect();
+        let topics = topics
+            .iter()
+            .filter_map(|topic| Topic::find(topic))
+            .collect();
         Identity::of(self.name, &self.scenario, topics, Playback::PausedAtStart)
     }
 

@@ -5,7 +5,7 @@
 /// Four bytes that name the encoding.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
-/// A message that is being written; used again for the next one.
+/// A buffer in which one message after the other is written.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cdr(Vec<u8>);
 

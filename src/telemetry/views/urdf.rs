@@ -1,9 +1,9 @@
-//! The top's shape as a URDF, with a legend of the views as its first comment: viewers show the text.
+//! The top's shape as URDF, with a legend of the views as its first comment, which viewers show as text.
 //!
 //! Rerun draws primitives a quarter opaque, so each part is a stack of thin cylinders or nested spheres,
 //! which look solid. Other viewers know boxes, cylinders and spheres, and want single spaces.
 
-use super::Scales;
+use super::scales::Scales;
 use crate::physics::math;
 use crate::telemetry::proportions::Proportions;
 use std::f64::consts::FRAC_PI_3;

@@ -1,0 +1,34 @@
+//! Scales of the arrows.
+
+use crate::run::scenario::Scenario;
+use crate::telemetry::proportions::Proportions;
+
+/// Lengths of arrows in metres per unit; none where there is nothing to draw.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scales {
+    /// Of slip velocities, m per m/s.
+    pub(super) slip: Option<f64>,
+    /// Of torques, m per N m.
+    pub(super) torque: Option<f64>,
+}
+
+impl Scales {
+    /// The scales at which the slip velocity at the start and the torque of the law's largest force are drawn
+    /// somewhat longer than the top.
+    pub(super) fn new(scenario: &Scenario, proportions: &Proportions) -> Self {
+        let length = 1.6 * proportions.tip;
+        let scale = |size: f64| {
+            let scale = two_digits(length / size);
+            Some(scale).filter(|scale| scale.is_finite() && *scale > 0.0)
+        };
+        Self {
+            slip: scale(scenario.slip_speed_at_start()),
+            torque: scale(scenario.torque_scale()),
+        }
+    }
+}
+
+/// Rounds to two digits, for people.
+fn two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
