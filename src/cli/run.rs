@@ -104,6 +104,8 @@ impl RunArguments {
 struct Written {
     archive: Archived,
     rrd: Option<(PathBuf, u64)>,
+    /// Whether a Rerun recording was wanted but could not be written.
+    is_rrd_lost: bool,
 }
 
 /// Runs a scenario and records it.
@@ -141,6 +143,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     target.serve_until(&interrupt);
     Ok(match outcome.stop {
         StopReason::Interrupted | StopReason::Failed => Done::WithLosses,
+        _ if written.is_rrd_lost => Done::WithLosses,
         _ => Done::Well,
     })
 }
@@ -203,10 +206,19 @@ fn record_run(
     drop(sinks);
     let archive = archive.finish(&outcome)?;
     #[cfg(feature = "rerun")]
-    let rrd = viewer.finish()?;
+    let rrd = viewer.finish();
     #[cfg(not(feature = "rerun"))]
-    let rrd = None;
-    Ok((outcome, counts, Written { archive, rrd }))
+    let rrd: Result<_, Error> = Ok(None);
+    // The archive is whole without it.
+    if let Err(error) = &rrd {
+        output::warn(&format!("{error:#}"));
+    }
+    let written = Written {
+        archive,
+        is_rrd_lost: rrd.is_err(),
+        rrd: rrd.unwrap_or_default(),
+    };
+    Ok((outcome, counts, written))
 }
 
 /// How often each kind of event happened, in the order of their first times.

@@ -3,7 +3,7 @@
 //! In a recording of one run colours tell quantities apart. Where two are compared each run has one
 //! colour in the scene, the plots and the list of events, and their difference a third.
 
-use super::style;
+use super::palette;
 use crate::telemetry::side::Side;
 
 /// How opaque the top of run B is, of 255: the one of run A shines through.
@@ -53,9 +53,9 @@ impl Look {
     pub(super) fn color(&self, own: u32, place: usize) -> u32 {
         let color = match self {
             Self::Alone => return own,
-            Self::Compared(Side::A, _) => style::SKY,
-            Self::Compared(Side::B, _) => style::ORANGE,
-            Self::Difference | Self::Magnitude => style::PURPLE,
+            Self::Compared(Side::A, _) => palette::SKY,
+            Self::Compared(Side::B, _) => palette::ORANGE,
+            Self::Difference | Self::Magnitude => palette::PURPLE,
         };
         shade(color, place) & !0xFF | own & 0xFF
     }
@@ -102,7 +102,7 @@ impl Look {
     /// What the colours of the top are multiplied with, if they aren't shown as they are.
     pub(super) fn albedo(&self) -> Option<u32> {
         match self {
-            Self::Compared(Side::B, _) => Some(style::ORANGE & !0xFF | GHOST),
+            Self::Compared(Side::B, _) => Some(palette::ORANGE & !0xFF | GHOST),
             _ => None,
         }
     }

@@ -1,147 +1,105 @@
-//! Colours and names, the same in the plots and in the scene.
-//!
-//! The palette is Okabe and Ito's, which stays distinguishable with any kind of colour vision.
+//! Names, colours and widths of the numbers in plots.
 
-use rerun::{AsComponents, SeriesLines, SeriesPoints};
-use rerun::{Color, components::MarkerShape};
+use rerun::components::{AggregationPolicy, InterpolationMode, MarkerShape};
+use rerun::{AsComponents, Color, SeriesLines, SeriesPoints};
 
 use super::look::Look;
-use crate::telemetry::Leaf;
+use super::palette::{BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILLION, YELLOW};
+use crate::telemetry::fields::{
+    NUTATION, NumberField, acceleration, contact, energy, momentum, nutation, precession, state,
+    torque,
+};
 
-pub(super) const ORANGE: u32 = 0xE69F_00FF;
-pub(super) const SKY: u32 = 0x56B4_E9FF;
-/// For ripple that other curves shine through.
-const PALE: u32 = 0x56B4_E990;
-pub(super) const GREEN: u32 = 0x00B0_80FF;
-pub(super) const YELLOW: u32 = 0xF0E4_42FF;
-pub(super) const BLUE: u32 = 0x4C8F_D6FF;
-pub(super) const VERMILLION: u32 = 0xE863_1AFF;
-pub(super) const PURPLE: u32 = 0xCC79_A7FF;
-pub(super) const GREY: u32 = 0xB4BA_C4FF;
-
-/// The topic of the means over a nutation.
-const MEANS: &str = "/top/nutation";
-
-/// For leaves that no rule names, in their order within a plot.
+/// Colours of numbers that are not in the table below, in their order within a plot.
 const PALETTE: [u32; 7] = [SKY, ORANGE, GREEN, PURPLE, YELLOW, VERMILLION, BLUE];
 
-/// How one number appears in a plot.
-#[derive(Clone, Copy)]
-struct Series {
-    name: &'static str,
-    color: u32,
-    width: f32,
-}
-
-const fn series(name: &'static str, color: u32, width: f32) -> Series {
-    Series { name, color, width }
-}
-
-/// The numbers of the blueprint's plots.
+/// Names, colours and widths of the numbers in the layouts' charts.
 #[rustfmt::skip]
-const STORY: [(&str, &str, Series); 42] = [
-    ("/top/state", "theta", series("θ", SKY, 3.5)),
-    ("/top/state", "theta_dot", series("dθ/dt", PALE, 1.0)),
-    ("/top/state", "phi_dot", series("dφ/dt", PALE, 1.0)),
-    ("/top/state", "psi_dot", series("dψ/dt", SKY, 3.5)),
-    ("/top/state", "theta_ddot", series("sum", GREY, 1.0)),
-    ("/top/state", "phi_ddot", series("sum", GREY, 1.0)),
-    ("/top/state", "psi_ddot", series("sum", GREY, 1.0)),
-    ("/top/nutation", "theta_mean", series("nutation mean", ORANGE, 0.8)),
-    ("/top/nutation", "theta_dot_mean", series("nutation mean", ORANGE, 0.8)),
-    ("/top/nutation", "phi_dot_mean", series("nutation mean", ORANGE, 0.8)),
-    ("/top/nutation", "psi_dot_mean", series("nutation mean", ORANGE, 0.8)),
-    ("/top/nutation", "period", series("nutation period", SKY, 1.5)),
-    ("/top/precession", "slow_root", series("slow root", VERMILLION, 4.0)),
-    ("/top/precession", "fast_root", series("fast root", PURPLE, 1.5)),
-    ("/top/precession", "excess", series("dφ/dt − slow root", SKY, 1.0)),
-    ("/top/precession", "strength_ratio", series("strength ratio", GREEN, 1.5)),
-    ("/top/torque", "friction_node.x", series("line of nodes", SKY, 1.2)),
-    ("/top/torque", "friction_node.y", series("perpendicular", ORANGE, 1.2)),
-    ("/top/torque", "friction_node.z", series("symmetry axis", VERMILLION, 1.2)),
-    ("/top/torque", "gravity_node.x", series("line of nodes", SKY, 1.2)),
-    ("/top/torque", "gravity_node.y", series("perpendicular", ORANGE, 1.2)),
-    ("/top/torque", "gravity_node.z", series("symmetry axis", VERMILLION, 1.2)),
-    ("/top/acceleration", "theta_ddot.gyroscopic", series("gyroscopic", YELLOW, 1.2)),
-    ("/top/acceleration", "theta_ddot.centrifugal", series("centrifugal", PURPLE, 1.2)),
-    ("/top/acceleration", "theta_ddot.gravitational", series("gravitational", GREEN, 1.2)),
-    ("/top/acceleration", "theta_ddot.frictional", series("frictional", VERMILLION, 1.2)),
-    ("/top/acceleration", "phi_ddot.gyroscopic", series("gyroscopic", YELLOW, 1.2)),
-    ("/top/acceleration", "phi_ddot.coriolis", series("coriolis", PURPLE, 1.2)),
-    ("/top/acceleration", "phi_ddot.frictional", series("frictional", VERMILLION, 1.2)),
-    ("/top/acceleration", "psi_ddot.gyroscopic", series("gyroscopic", YELLOW, 1.2)),
-    ("/top/acceleration", "psi_ddot.coriolis", series("coriolis", PURPLE, 1.2)),
-    ("/top/acceleration", "psi_ddot.frictional", series("frictional", VERMILLION, 1.2)),
-    ("/top/contact", "slip_speed", series("speed", SKY, 2.0)),
-    ("/top/contact", "slip_world.x", series("x", ORANGE, 1.0)),
-    ("/top/contact", "slip_world.y", series("y", PURPLE, 1.0)),
-    ("/top/contact", "slip_world.z", series("z", GREY, 1.0)),
-    ("/top/momentum", "vertical", series("vertical", SKY, 1.5)),
-    ("/top/momentum", "axial", series("symmetry axis", YELLOW, 1.5)),
-    ("/top/energy", "kinetic", series("kinetic", SKY, 1.2)),
-    ("/top/energy", "potential", series("potential", GREEN, 1.2)),
-    ("/top/energy", "total", series("total", YELLOW, 1.5)),
-    ("/top/energy", "friction_work", series("work of friction", VERMILLION, 1.5)),
+const STORY: [(NumberField, &str, u32, f32); 42] = [
+    (state::THETA, "θ", SKY, 3.5),
+    (state::THETA_DOT, "dθ/dt", PALE, 1.0),
+    (state::PHI_DOT, "dφ/dt", PALE, 1.0),
+    (state::PSI_DOT, "dψ/dt", SKY, 3.5),
+    (state::THETA_DDOT, "sum", GREY, 1.0),
+    (state::PHI_DDOT, "sum", GREY, 1.0),
+    (state::PSI_DDOT, "sum", GREY, 1.0),
+    (nutation::THETA_MEAN, "nutation mean", ORANGE, 0.8),
+    (nutation::THETA_DOT_MEAN, "nutation mean", ORANGE, 0.8),
+    (nutation::PHI_DOT_MEAN, "nutation mean", ORANGE, 0.8),
+    (nutation::PSI_DOT_MEAN, "nutation mean", ORANGE, 0.8),
+    (nutation::PERIOD, "nutation period", SKY, 1.5),
+    (precession::SLOW_ROOT, "slow root", VERMILLION, 4.0),
+    (precession::FAST_ROOT, "fast root", PURPLE, 1.5),
+    (precession::EXCESS, "dφ/dt − slow root", SKY, 1.0),
+    (precession::STRENGTH_RATIO, "strength ratio", GREEN, 1.5),
+    (torque::FRICTION_NODE.x(), "line of nodes", SKY, 1.2),
+    (torque::FRICTION_NODE.y(), "perpendicular", ORANGE, 1.2),
+    (torque::FRICTION_NODE.z(), "symmetry axis", VERMILLION, 1.2),
+    (torque::GRAVITY_NODE.x(), "line of nodes", SKY, 1.2),
+    (torque::GRAVITY_NODE.y(), "perpendicular", ORANGE, 1.2),
+    (torque::GRAVITY_NODE.z(), "symmetry axis", VERMILLION, 1.2),
+    (acceleration::THETA_DDOT_GYROSCOPIC, "gyroscopic", YELLOW, 1.2),
+    (acceleration::THETA_DDOT_CENTRIFUGAL, "centrifugal", PURPLE, 1.2),
+    (acceleration::THETA_DDOT_GRAVITATIONAL, "gravitational", GREEN, 1.2),
+    (acceleration::THETA_DDOT_FRICTIONAL, "frictional", VERMILLION, 1.2),
+    (acceleration::PHI_DDOT_GYROSCOPIC, "gyroscopic", YELLOW, 1.2),
+    (acceleration::PHI_DDOT_CORIOLIS, "coriolis", PURPLE, 1.2),
+    (acceleration::PHI_DDOT_FRICTIONAL, "frictional", VERMILLION, 1.2),
+    (acceleration::PSI_DDOT_GYROSCOPIC, "gyroscopic", YELLOW, 1.2),
+    (acceleration::PSI_DDOT_CORIOLIS, "coriolis", PURPLE, 1.2),
+    (acceleration::PSI_DDOT_FRICTIONAL, "frictional", VERMILLION, 1.2),
+    (contact::SLIP_SPEED, "speed", SKY, 2.0),
+    (contact::SLIP_WORLD.x(), "x", ORANGE, 1.0),
+    (contact::SLIP_WORLD.y(), "y", PURPLE, 1.0),
+    (contact::SLIP_WORLD.z(), "z", GREY, 1.0),
+    (momentum::VERTICAL, "vertical", SKY, 1.5),
+    (momentum::AXIAL, "symmetry axis", YELLOW, 1.5),
+    (energy::KINETIC, "kinetic", SKY, 1.2),
+    (energy::POTENTIAL, "potential", GREEN, 1.2),
+    (energy::TOTAL, "total", YELLOW, 1.5),
+    (energy::FRICTION_WORK, "work of friction", VERMILLION, 1.5),
 ];
 
-/// Names, colours and widths of the numbers of one plot of a channel.
+/// Names, colours and widths of the numbers of one plot.
 ///
-/// Means over a nutation are dots: dots lie above lines, whatever the order of the entities.
-pub(super) fn of_plot(topic: &str, leaves: &[&Leaf], look: &Look) -> Box<dyn AsComponents> {
-    let styles = || {
-        leaves
-            .iter()
-            .enumerate()
-            .map(|(place, leaf)| of_leaf(topic, leaf, place, look))
-    };
-    let names: Vec<String> = styles().map(|(name, ..)| name).collect();
-    let colors: Vec<Color> = styles()
-        .map(|(_, color, _)| Color::from_u32(color))
-        .collect();
-    let widths: Vec<f32> = styles().map(|(.., width)| width).collect();
-    if topic == MEANS {
+/// Means over a nutation are dots: dots lie above lines, whatever the order of the entities. Where a pixel has room
+/// for one value only, lines show the least and the greatest, which is the envelope of a fast ripple.
+pub(super) fn of(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> {
+    let styles = numbers.iter().enumerate();
+    let styles: Vec<_> = styles.map(|(at, number)| one(*number, at, look)).collect();
+    let names = styles.iter().map(|(name, ..)| name.as_str());
+    let colors = styles.iter().map(|(_, color, _)| Color::from_u32(*color));
+    let widths = styles.iter().map(|(.., width)| *width);
+    if numbers.iter().all(|number| number.topic() == NUTATION) {
         let points = SeriesPoints::new().with_names(names).with_colors(colors);
-        let markers = widths.iter().map(|_| MarkerShape::Circle);
+        let markers = numbers.iter().map(|_| MarkerShape::Circle);
         Box::new(points.with_markers(markers).with_marker_sizes(widths))
     } else {
         let lines = SeriesLines::new().with_names(names).with_colors(colors);
-        Box::new(lines.with_widths(widths))
+        let lines = lines
+            .with_widths(widths)
+            .with_aggregation_policy(AggregationPolicy::MinMax)
+            .with_interpolation_mode(InterpolationMode::Linear);
+        Box::new(lines)
     }
 }
 
-fn of_leaf(topic: &str, leaf: &Leaf, place: usize, look: &Look) -> (String, u32, f32) {
-    let told = STORY
-        .iter()
-        .find(|(t, path, _)| *t == topic && *path == leaf.path);
+/// Name, colour and width of a number, which stands at a place in its plot.
+fn one(number: NumberField, place: usize, look: &Look) -> (String, u32, f32) {
+    let told = STORY.iter().find(|(told, ..)| *told == number);
     let (name, color, width) = match told {
-        Some((.., series)) => (series.name.to_owned(), series.color, series.width),
+        Some((_, name, color, width)) => ((*name).to_owned(), *color, *width),
         None => {
-            let name = leaf.path.rsplit('.').next().unwrap_or(&leaf.path);
+            let path = number.path();
+            let name = path.rsplit('.').next().unwrap_or(path);
             (name.replace('_', " "), PALETTE[place % PALETTE.len()], 1.2)
         }
     };
     // The means of two runs and of their difference are lighter than the ripple that they lie on.
-    let shade = if topic == MEANS { 1 } else { place };
+    let shade = if number.topic() == NUTATION { 1 } else { place };
     (
         look.name(&name),
         look.color(color, shade),
         look.width(width),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::telemetry::channels;
-
-    #[test]
-    fn every_style_belongs_to_a_number_of_the_table() {
-        for (topic, path, _) in &STORY {
-            let channel = channels().iter().find(|channel| channel.topic == *topic);
-            assert!(
-                channel.is_some_and(|channel| channel.number_index(path).is_some()),
-                "{topic} {path}"
-            );
-        }
-    }
 }

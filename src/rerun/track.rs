@@ -3,11 +3,38 @@
 use rerun::external::re_log_types::EntityPath;
 use rerun::{Scalars, SerializedComponentColumn, TextLog};
 
-use super::RerunError;
-use super::destination::Outlet;
+use super::error::RerunError;
+use super::outlet::Outlet;
 
 /// Rows of one chunk: large enough that the cost per chunk vanishes, small enough to bound memory.
 const CHUNK_ROWS: usize = 4096;
+
+/// Which of the rows that wait are sent.
+#[derive(Clone, Copy)]
+pub enum Flush {
+    /// Those that the viewer does not have yet, and only to it: the file's chunks stay long.
+    Viewer,
+    /// All, to wherever they are missing.
+    All,
+}
+
+/// Something that collects rows.
+pub trait Collect {
+    /// Sends rows that wait.
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError>;
+}
+
+impl<C: Collect> Collect for Option<C> {
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
+        self.iter_mut().try_for_each(|c| c.flush(outlet, flush))
+    }
+}
+
+impl<C: Collect> Collect for Vec<C> {
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
+        self.iter_mut().try_for_each(|c| c.flush(outlet, flush))
+    }
+}
 
 /// What an entity logs, row after row.
 pub(super) trait Rows {
@@ -27,6 +54,7 @@ pub(super) struct Track<R> {
 }
 
 impl<R: Rows> Track<R> {
+    /// No rows yet.
     pub(super) fn new(entity: impl Into<EntityPath>, rows: R) -> Self {
         Self {
             entity: entity.into(),
@@ -52,8 +80,7 @@ impl<R: Rows> Track<R> {
         Ok(())
     }
 
-    /// Shows the viewer what it does not have yet.
-    pub(super) fn show(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
+    fn show(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
         if outlet.is_live() && self.shown < self.times.len() {
             let times = &self.times[self.shown..];
             outlet.live_rows(&self.entity, times, self.rows.columns(self.shown)?)?;
@@ -63,7 +90,7 @@ impl<R: Rows> Track<R> {
     }
 
     /// Sends all rows as one chunk: to the viewer too, unless it has some of them.
-    pub(super) fn complete(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
+    fn complete(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
         if self.times.is_empty() {
             return Ok(());
         }
@@ -80,6 +107,15 @@ impl<R: Rows> Track<R> {
     }
 }
 
+impl<R: Rows> Collect for Track<R> {
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
+        match flush {
+            Flush::Viewer => self.show(outlet),
+            Flush::All => self.complete(outlet),
+        }
+    }
+}
+
 /// The numbers of one plot: `width` of them per row.
 pub(super) struct Numbers {
     width: usize,
@@ -87,6 +123,7 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
+    /// Rows of `width` numbers.
     pub(super) fn new(width: usize) -> Self {
         Self {
             width,
@@ -94,6 +131,7 @@ impl Numbers {
         }
     }
 
+    /// Adds a row.
     pub(super) fn extend(&mut self, row: impl Iterator<Item = f64>) {
         self.values.extend(row);
     }
@@ -112,11 +150,12 @@ impl Rows for Numbers {
     }
 }
 
-/// Sentences.
+/// The sentences of a log: one per row.
 #[derive(Default)]
 pub(super) struct Texts(Vec<String>);
 
 impl Texts {
+    /// Adds a row.
     pub(super) fn push(&mut self, text: String) {
         self.0.push(text);
     }

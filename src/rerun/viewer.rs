@@ -10,7 +10,7 @@ use rerun::external::re_log_types::LogMsg;
 use rerun::external::re_uri::ProxyUri;
 use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink as _};
 
-use super::destination::QUEUE;
+use super::message::QUEUE;
 
 /// How long to look for a viewer that should already be there.
 const CONNECT: Duration = Duration::from_secs(1);

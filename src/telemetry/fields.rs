@@ -228,6 +228,31 @@ pub struct Plot {
 }
 
 impl Plot {
+    /// The plots of a channel, in table order.
+    #[must_use]
+    pub fn all(topic: Topic) -> Vec<Self> {
+        let mut plots: Vec<Self> = Vec::new();
+        for leaf in &topic.info().numbers {
+            if plots.iter().all(|plot| plot.name != leaf.plot) {
+                let name = leaf.plot;
+                plots.push(Self { topic, name });
+            }
+        }
+        plots
+    }
+
+    /// Its numbers, in table order.
+    pub fn numbers(self) -> impl Iterator<Item = NumberField> {
+        let leaves = self.topic.info().numbers.iter().enumerate();
+        leaves
+            .filter(move |(_, leaf)| leaf.plot == self.name)
+            .map(move |(index, leaf)| NumberField {
+                topic: self.topic,
+                index,
+                plot: leaf.plot,
+            })
+    }
+
     /// Its channel.
     #[must_use]
     pub const fn topic(self) -> Topic {

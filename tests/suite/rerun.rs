@@ -1,16 +1,21 @@
 //! The Rerun stream, as far as it can be tested without a viewer.
 
 use assert_cmd::Command;
+use rerun::StoreId;
+use rerun::external::re_log_encoding::{Decodable as _, DecoderApp, RawRrdManifest, StreamFooter};
+use rerun::external::re_log_types::LogMsg;
+use rerun::log::{Chunk, ChunkId};
+use std::collections::BTreeMap;
 use std::fs;
+use std::path::Path;
 use std::time::{Duration, Instant};
 use tempfile::tempdir;
+use toprise::archive::recording::Overview;
 
 #[test]
 fn one_pass_writes_both_recordings() {
     let directory = tempdir().unwrap();
-    let mut command = Command::cargo_bin("toprise").unwrap();
-    let text = command
-        .current_dir(directory.path())
+    let text = toprise(directory.path())
         .args(["run", "--set", "stop.duration=0.3"])
         .assert()
         .success();
@@ -30,9 +35,7 @@ fn one_pass_writes_both_recordings() {
 fn a_missing_viewer_is_a_warning_and_harms_nothing() {
     let directory = tempdir().unwrap();
     let started = Instant::now();
-    let mut command = Command::cargo_bin("toprise").unwrap();
-    let done = command
-        .current_dir(directory.path())
+    let done = toprise(directory.path())
         .args(["run", "--set", "stop.duration=0.3", "-o", "a.mcap"])
         // Nothing listens on the discard port.
         .arg("--connect=rerun+http://127.0.0.1:9/proxy")
@@ -45,9 +48,90 @@ fn a_missing_viewer_is_a_warning_and_harms_nothing() {
         "{warning}"
     );
     assert!(started.elapsed() < Duration::from_secs(30));
-    assert!(
-        toprise::archive::recording::Overview::read(&directory.path().join("a.mcap"))
-            .unwrap()
-            .is_whole()
+    let archive = Overview::read(&directory.path().join("a.mcap")).unwrap();
+    assert!(archive.is_whole());
+}
+
+#[test]
+fn two_runs_are_the_same_bytes() {
+    let directory = tempdir().unwrap();
+    let run = |name: &str| {
+        let rrd = format!("{name}/run.rrd");
+        toprise(directory.path())
+            .args(["run", "--set", "stop.duration=0.3", "-o"])
+            .args([&format!("{name}/run.mcap"), "--rrd", &rrd])
+            .assert()
+            .success();
+        fs::read(directory.path().join(rrd)).unwrap()
+    };
+    let (first, second) = (run("first"), run("second"));
+    assert!(first.len() > 100_000);
+    assert!(first == second);
+}
+
+#[test]
+fn the_footer_tells_of_every_chunk() {
+    let directory = tempdir().unwrap();
+    toprise(directory.path())
+        .args(["run", "--set", "stop.duration=0.3", "-o", "run.mcap"])
+        .args(["--rrd", "run.rrd"])
+        .assert()
+        .success();
+    let bytes = fs::read(directory.path().join("run.rrd")).unwrap();
+    let mut chunks: BTreeMap<StoreId, Vec<ChunkId>> = BTreeMap::new();
+    let mut decoder = DecoderApp::decode_eager(&bytes[..]).unwrap();
+    while let Some(message) = decoder.next() {
+        if let LogMsg::ArrowMsg(store, message) = message.unwrap() {
+            let chunk = Chunk::from_arrow_msg(&message).unwrap();
+            chunks.entry(store).or_default().push(chunk.id());
+        }
+    }
+    let manifests = decoder.rrd_manifests().unwrap();
+    assert_eq!(manifests.len(), chunks.len());
+    for manifest in manifests {
+        let told: Vec<ChunkId> = manifest.col_chunk_id().unwrap().collect();
+        assert_eq!(told, chunks[&manifest.store_id], "{:?}", manifest.store_id);
+        let schema = RawRrdManifest::compute_sorbet_schema_sha256(&manifest.sorbet_schema);
+        assert_eq!(schema.unwrap(), manifest.sorbet_schema_sha256);
+    }
+    let (_, end) = bytes.split_at(bytes.len() - StreamFooter::ENCODED_SIZE_BYTES);
+    let place = &StreamFooter::from_rrd_bytes(end).unwrap().entries[0];
+    let span = place.rrd_footer_byte_span_from_start_excluding_header;
+    let footer = &bytes[span.range_usize()];
+    assert_eq!(
+        StreamFooter::compute_crc(footer),
+        place.crc_excluding_header
     );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_for_the_rrd_leaves_the_archive_whole() {
+    let directory = tempdir().unwrap();
+    // A file-size limit stands for the full disk: 1 MiB is enough for the archive only.
+    let script = format!(
+        "ulimit -f 1024; trap '' XFSZ; exec {} run --set stop.duration=0.3 \
+         --encoding protobuf --no-views -o run.mcap --rrd run.rrd",
+        assert_cmd::cargo::cargo_bin("toprise").display()
+    );
+    let output = std::process::Command::new("bash")
+        .current_dir(directory.path())
+        .args(["-c", &script])
+        .output()
+        .unwrap();
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{error}");
+    assert!(
+        error.contains("Rerun recording") && error.contains("too large"),
+        "{error}"
+    );
+    let archive = Overview::read(&directory.path().join("run.mcap")).unwrap();
+    assert!(archive.is_whole());
+    assert!(!directory.path().join("run.rrd").exists());
+}
+
+fn toprise(directory: &Path) -> Command {
+    let mut command = Command::cargo_bin("toprise").unwrap();
+    command.current_dir(directory);
+    command
 }

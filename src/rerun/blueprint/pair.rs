@@ -1,73 +1,24 @@
 //! The layout for two runs that are compared: both tops on one table, and for each quantity both
 //! curves, their difference, and how the difference grows.
 
-use super::*;
+use rerun::blueprint::components::Corner2D;
+use rerun::blueprint::datatypes::TextLogColumnKind;
+use rerun::components::Name;
+use rerun::external::re_log_types::LogMsg;
+use rerun::external::re_sdk_types::blueprint::archetypes as parts;
+use rerun::external::re_sdk_types::blueprint::components;
+
+use super::builder::{Child, Layout, column, row, tabs};
+use super::quantities::{FRICTION, MORE, MOTION, Quantity};
+use super::views::{events, panels, scene, time_series};
+use crate::rerun::entity::{self, ABOUT, STAGE, SUMMARY};
+use crate::rerun::error::RerunError;
+use crate::rerun::look::Look;
 use crate::rerun::pair::PairIdentity;
+use crate::telemetry::Topic;
+use crate::telemetry::fields::{EVENTS, POSE, Plot};
+use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
-
-/// How the comparison ended, in words.
-pub(in super::super) const SUMMARY: &str = "/summary";
-
-/// A quantity that is compared.
-struct Quantity {
-    name: &'static str,
-    unit: &'static str,
-    /// What is shown of each run.
-    curves: &'static [&'static str],
-    /// What is subtracted.
-    differences: &'static [&'static str],
-    /// Where the legend is out of the curves' way. Most go without: colours mean the same everywhere.
-    legend: Option<Corner2D>,
-}
-
-const fn quantity(
-    name: &'static str,
-    unit: &'static str,
-    curves: &'static [&'static str],
-    differences: &'static [&'static str],
-    legend: Option<Corner2D>,
-) -> Quantity {
-    Quantity {
-        name,
-        unit,
-        curves,
-        differences,
-        legend,
-    }
-}
-
-/// What tells whether and how they differ; each is a row of plots.
-#[rustfmt::skip]
-const MOTION: [Quantity; 4] = [
-    quantity("θ", "rad", &["/top/state/theta"], &["/top/state/theta", "/top/nutation/theta_mean"], Some(Corner2D::RightTop)),
-    quantity("dθ/dt", "rad/s", &["/top/state/theta_dot", "/top/nutation/theta_dot_mean"], &["/top/state/theta_dot", "/top/nutation/theta_dot_mean"], None),
-    quantity("dφ/dt", "rad/s", &["/top/state/phi_dot", "/top/nutation/phi_dot_mean"], &["/top/state/phi_dot", "/top/nutation/phi_dot_mean"], None),
-    quantity("dψ/dt", "rad/s", &["/top/state/psi_dot"], &["/top/state/psi_dot", "/top/nutation/psi_dot_mean"], None),
-];
-
-/// What friction does; in one row.
-#[rustfmt::skip]
-const FRICTION: [Quantity; 3] = [
-    quantity("Slip speed", "m/s", &["/top/contact/slip_speed"], &[], None),
-    quantity("Power of friction", "W", &["/top/energy/friction_power"], &[], None),
-    quantity("Work of friction", "J", &["/top/energy/friction_work"], &[], None),
-];
-
-/// What else there is to see; each is a row of plots.
-#[rustfmt::skip]
-const MORE: [Quantity; 5] = [
-    quantity("Slip speed", "m/s", &["/top/contact/slip_speed"], &["/top/contact/slip_speed"], None),
-    quantity("Friction torque, node frame", "N m", &["/top/torque/friction_node"], &["/top/torque/friction_node"], Some(Corner2D::LeftBottom)),
-    quantity("Energy, total and kinetic", "J", &["/top/energy/mechanical"], &["/top/energy/mechanical"], Some(Corner2D::LeftBottom)),
-    quantity("dφ/dt − slow root", "rad/s", &["/top/precession/excess"], &["/top/precession/excess"], None),
-    quantity("Nutation period", "s", &["/top/nutation/period"], &["/top/nutation/period"], None),
-];
-
-/// Whether the layout shows the differences of this entity.
-pub(in super::super) fn compares(entity: &str) -> bool {
-    let mut rows = MOTION.iter().chain(&MORE);
-    rows.any(|quantity| quantity.differences.contains(&entity))
-}
 
 /// All messages of the blueprint, the last of which activates it.
 pub(in super::super) fn messages(identity: &PairIdentity) -> Result<Vec<LogMsg>, RerunError> {
@@ -75,9 +26,7 @@ pub(in super::super) fn messages(identity: &PairIdentity) -> Result<Vec<LogMsg>,
     let left = left_side(&mut layout, identity)?;
     let right = right_side(&mut layout, identity)?;
     let root = match right {
-        Some(right) => {
-            layout.container(ContainerKind::Horizontal, &[left, right], &[38.0, 62.0])?
-        }
+        Some(right) => layout.contain(row(&[38.0, 62.0]), &[left, right])?,
         None => left,
     };
     layout.fill(&root)?;
@@ -89,7 +38,8 @@ pub(in super::super) fn messages(identity: &PairIdentity) -> Result<Vec<LogMsg>,
 fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, RerunError> {
     let mut rows = Vec::new();
     let mut shares = Vec::new();
-    if let Some(proportions) = identity.stage_proportions() {
+    if let Some(geometry) = identity.stage() {
+        let proportions = Proportions::new(&geometry.top);
         let name = format!(
             "{} (blue, solid) and {} (orange, translucent)",
             identity.name_of(Side::A),
@@ -105,51 +55,46 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, Reru
     shares.push(25.0);
     let runs = looks(identity, EVENTS);
     if !runs.is_empty() {
-        let contents: Vec<_> = runs.iter().map(|run| run.entity(EVENTS)).collect();
-        let kinds = [
-            blueprint_data::TextLogColumnKind::LogLevel,
-            blueprint_data::TextLogColumnKind::Body,
-        ];
+        let contents: Vec<_> = runs.iter().map(|run| run.entity(entity::EVENTS)).collect();
+        let kinds = [TextLogColumnKind::LogLevel, TextLogColumnKind::Body];
         rows.push(events(layout, &contents, &kinds)?);
         shares.push(22.0);
     }
-    layout.container(ContainerKind::Vertical, &rows, &shares)
+    layout.contain(column(&shares), &rows)
 }
 
 /// The looks of the runs that have a topic.
-fn looks(identity: &PairIdentity, topic: &str) -> Vec<Look> {
+fn looks(identity: &PairIdentity, topic: Topic) -> Vec<Look> {
     let sides = [Side::A, Side::B].into_iter();
-    let sides = sides.filter(|side| identity.run(*side).has_topic(topic));
+    let sides = sides.filter(|side| identity.run(*side).has(topic));
     sides.map(|side| identity.look(side)).collect()
 }
 
 /// The summary, and behind it what there is to say about each run.
 fn words(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, RerunError> {
-    let mut tabs = vec![layout.view("TextDocument", "Summary", SUMMARY, &["$origin"])?];
+    let mut pages = vec![layout.view("TextDocument", "Summary", SUMMARY, &["$origin"])?];
     for side in [Side::A, Side::B] {
         let about = identity.look(side).entity(ABOUT);
-        tabs.push(layout.view("TextDocument", identity.name_of(side), &about, &["$origin"])?);
+        pages.push(layout.view("TextDocument", identity.name_of(side), &about, &["$origin"])?);
     }
-    layout.container(ContainerKind::Tabs, &tabs, &[])
+    layout.contain(tabs(), &pages)
 }
 
-/// Two pages of plots; plots and pages without data are left out.
+/// Two pages of charts; charts and pages without data are left out.
 fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Option<Child>, RerunError> {
     let mut motion = rows(layout, identity, &MOTION)?;
-    motion.extend(overlays(layout, identity, &FRICTION)?);
+    let mut friction = Vec::new();
+    for quantity in &FRICTION {
+        friction.extend(overlay(layout, identity, quantity)?);
+    }
+    motion.extend(layout.contain_any(row(&[]), &friction)?);
     let more = rows(layout, identity, &MORE)?;
     let mut pages = Vec::new();
     for (name, rows) in [("How they differ", motion), ("More", more)] {
-        if !rows.is_empty() {
-            let page = parts::ContainerBlueprint::new(ContainerKind::Vertical)
-                .with_display_name(Name(name.into()));
-            pages.push(layout.contain(page, &rows)?);
-        }
+        let page = column(&[]).with_display_name(Name(name.into()));
+        pages.extend(layout.contain_any(page, &rows)?);
     }
-    if pages.is_empty() {
-        return Ok(None);
-    }
-    layout.container(ContainerKind::Tabs, &pages, &[]).map(Some)
+    layout.contain_any(tabs(), &pages)
 }
 
 /// A row per quantity: both curves, their difference, and its magnitude.
@@ -160,31 +105,11 @@ fn rows(
 ) -> Result<Vec<Child>, RerunError> {
     let mut rows = Vec::new();
     for quantity in quantities {
-        let mut row: Vec<_> = overlay(layout, identity, quantity)?.into_iter().collect();
-        row.extend(differences(layout, identity, quantity)?);
-        if !row.is_empty() {
-            rows.push(layout.container(ContainerKind::Horizontal, &row, &[])?);
-        }
+        let mut charts: Vec<_> = overlay(layout, identity, quantity)?.into_iter().collect();
+        charts.extend(differences(layout, identity, quantity)?);
+        rows.extend(layout.contain_any(row(&[]), &charts)?);
     }
     Ok(rows)
-}
-
-/// One row with the curves of several quantities, if there is any.
-fn overlays(
-    layout: &mut Layout,
-    identity: &PairIdentity,
-    quantities: &[Quantity],
-) -> Result<Option<Child>, RerunError> {
-    let mut row = Vec::new();
-    for quantity in quantities {
-        row.extend(overlay(layout, identity, quantity)?);
-    }
-    if row.is_empty() {
-        return Ok(None);
-    }
-    layout
-        .container(ContainerKind::Horizontal, &row, &[])
-        .map(Some)
 }
 
 /// The curves of both runs.
@@ -195,10 +120,9 @@ fn overlay(
 ) -> Result<Option<Child>, RerunError> {
     let mut contents = Vec::new();
     for side in [Side::A, Side::B] {
-        let look = identity.look(side);
         let there = quantity.curves.iter();
-        let there = there.filter(|entity| identity.run(side).has_some(&[entity]));
-        contents.extend(there.map(|entity| look.entity(entity)));
+        let there = there.filter(|plot| identity.run(side).has(plot.topic()));
+        contents.extend(there.map(|plot| identity.look(side).entity(&plot.to_string())));
     }
     let name = format!("{} ({})", quantity.name, quantity.unit);
     curves(layout, &name, &contents, quantity.legend)
@@ -211,15 +135,12 @@ fn differences(
     quantity: &Quantity,
 ) -> Result<Vec<Child>, RerunError> {
     let Quantity { name, unit, .. } = quantity;
-    let there = |has: &dyn Fn(&str) -> bool, look: Look| -> Vec<String> {
-        let entities = quantity.differences.iter().filter(|entity| has(entity));
-        entities.map(|entity| look.entity(entity)).collect()
+    let there = |has: &dyn Fn(Plot) -> bool, look: Look| -> Vec<String> {
+        let plots = quantity.differences.iter().filter(|plot| has(**plot));
+        plots.map(|plot| look.entity(&plot.to_string())).collect()
     };
-    let plain = there(
-        &|entity| identity.has_difference_of(entity),
-        Look::Difference,
-    );
-    let magnitude = there(&|entity| identity.has_magnitude_of(entity), Look::Magnitude);
+    let plain = there(&|plot| identity.has_difference_of(plot), Look::Difference);
+    let magnitude = there(&|plot| identity.has_magnitude_of(plot), Look::Magnitude);
     let plain = curves(layout, &format!("{name}: B − A ({unit})"), &plain, None)?;
     let magnitude = curves(layout, &format!("{name}: log₁₀ |B − A|"), &magnitude, None)?;
     Ok(plain.into_iter().chain(magnitude).collect())

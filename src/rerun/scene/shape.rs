@@ -23,16 +23,6 @@ struct ProfilePoint {
     normal: [f64; 2],
 }
 
-/// Where the camera stands at first, in the world frame.
-pub(super) fn camera(proportions: &Proportions) -> [f32; 3] {
-    [2.4, 3.05, 1.4].map(|x| (x * proportions.tip) as f32)
-}
-
-/// What the camera looks at.
-pub(super) fn focus(proportions: &Proportions) -> [f32; 3] {
-    [0.0, 0.0, (0.55 * proportions.tip) as f32]
-}
-
 /// The surface of the top in body axes.
 pub(super) fn top(proportions: &Proportions) -> Mesh3D {
     let mut surface = Surface::default();

@@ -1,0 +1,169 @@
+//! Builds the store of a blueprint.
+
+use rerun::blueprint::components::ContainerKind;
+use rerun::components::Name;
+use rerun::datatypes;
+use rerun::external::re_log_types::StoreKind;
+use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
+use rerun::external::re_sdk_types::blueprint::archetypes as parts;
+use rerun::external::re_sdk_types::blueprint::components;
+use rerun::{AsComponents, StoreId, TimePoint, Timeline};
+
+use crate::rerun::error::RerunError;
+use crate::rerun::message::{APPLICATION, Ids, opening, single_row};
+
+/// A view or a container, to be put into a container.
+pub(super) struct Child {
+    id: datatypes::Uuid,
+    path: String,
+}
+
+/// A blueprint under construction.
+pub(super) struct Layout {
+    store: StoreId,
+    ids: Ids,
+    children: u64,
+    messages: Vec<LogMsg>,
+}
+
+impl Layout {
+    /// An empty layout for a recording.
+    pub(super) fn new(recording_id: &str) -> Self {
+        let store = StoreId::new(StoreKind::Blueprint, APPLICATION, recording_id);
+        let mut ids = Ids::BLUEPRINT;
+        let messages = vec![opening(&store, &mut ids)];
+        Self {
+            store,
+            ids,
+            children: 0,
+            messages,
+        }
+    }
+
+    /// Sets components of a part of the layout.
+    pub(super) fn log(
+        &mut self,
+        path: &str,
+        components: &dyn AsComponents,
+    ) -> Result<(), RerunError> {
+        let time = TimePoint::default().with(Timeline::new_sequence("blueprint"), 0);
+        let row = single_row(&self.store, &mut self.ids, path, time, components)?;
+        self.messages.push(row);
+        Ok(())
+    }
+
+    /// Numbers the parts of the layout; the viewer asks only that they differ.
+    fn child(&mut self, prefix: &str) -> Child {
+        self.children += 1;
+        let number = self.children;
+        let mut bytes = [0; 16];
+        bytes[8..].copy_from_slice(&number.to_be_bytes());
+        let (high, low) = (number >> 48, number & 0xFFFF_FFFF_FFFF);
+        Child {
+            id: datatypes::Uuid { bytes },
+            path: format!("{prefix}/00000000-0000-0000-{high:04x}-{low:012x}"),
+        }
+    }
+
+    /// A view of these entities.
+    pub(super) fn view(
+        &mut self,
+        class: &str,
+        name: &str,
+        origin: &str,
+        contents: &[impl AsRef<str>],
+    ) -> Result<Child, RerunError> {
+        let view = self.child("view");
+        let blueprint = parts::ViewBlueprint::new(class)
+            .with_display_name(Name(name.into()))
+            .with_space_origin(origin);
+        let query = contents
+            .iter()
+            .map(|entity| components::QueryExpression(format!("+ {}", entity.as_ref()).into()));
+        self.log(&view.path, &blueprint)?;
+        self.property(&view, "ViewContents", &parts::ViewContents::new(query))?;
+        Ok(view)
+    }
+
+    /// Sets a property of a view.
+    pub(super) fn property(
+        &mut self,
+        view: &Child,
+        name: &str,
+        components: &dyn AsComponents,
+    ) -> Result<(), RerunError> {
+        self.log(&format!("{}/{name}", view.path), components)
+    }
+
+    /// Puts views and containers into a container, which shows the first of its tabs.
+    pub(super) fn contain(
+        &mut self,
+        container: parts::ContainerBlueprint,
+        children: &[Child],
+    ) -> Result<Child, RerunError> {
+        let child = self.child("container");
+        let contents = children
+            .iter()
+            .map(|child| components::IncludedContent(child.path.as_str().into()));
+        let active = children
+            .first()
+            .map(|first| components::ActiveTab(first.path.as_str().into()));
+        let container = container.with_contents(contents);
+        let container = match active {
+            Some(tab) => container.with_active_tab(tab),
+            None => container,
+        };
+        self.log(&child.path, &container)?;
+        Ok(child)
+    }
+
+    /// Likewise; no container without contents.
+    pub(super) fn contain_any(
+        &mut self,
+        container: parts::ContainerBlueprint,
+        children: &[Child],
+    ) -> Result<Option<Child>, RerunError> {
+        if children.is_empty() {
+            return Ok(None);
+        }
+        self.contain(container, children).map(Some)
+    }
+
+    /// Fills the window with a container.
+    pub(super) fn fill(&mut self, root: &Child) -> Result<(), RerunError> {
+        let viewport = parts::ViewportBlueprint::new()
+            .with_root_container(components::RootContainer(root.id))
+            .with_auto_layout(false)
+            .with_auto_views(false);
+        self.log("viewport", &viewport)
+    }
+
+    /// All messages of the blueprint, the last of which activates it.
+    pub(super) fn finish(mut self) -> Vec<LogMsg> {
+        self.messages.push(LogMsg::BlueprintActivationCommand(
+            BlueprintActivationCommand {
+                blueprint_id: self.store,
+                make_active: true,
+                make_default: true,
+            },
+        ));
+        self.messages
+    }
+}
+
+/// A row with these shares of its width; equal ones if there are none.
+pub(super) fn row(shares: &[f32]) -> parts::ContainerBlueprint {
+    let row = parts::ContainerBlueprint::new(ContainerKind::Horizontal);
+    row.with_col_shares(shares.iter().copied())
+}
+
+/// A column with these shares of its height; equal ones if there are none.
+pub(super) fn column(shares: &[f32]) -> parts::ContainerBlueprint {
+    let column = parts::ContainerBlueprint::new(ContainerKind::Vertical);
+    column.with_row_shares(shares.iter().copied())
+}
+
+/// Tabs.
+pub(super) fn tabs() -> parts::ContainerBlueprint {
+    parts::ContainerBlueprint::new(ContainerKind::Tabs)
+}

@@ -1,0 +1,138 @@
+//! The layout for one run: the scene at the left, the plots that tell the story at the right, what happened below.
+
+use rerun::blueprint::components::{ContainerKind, Corner2D};
+use rerun::blueprint::datatypes::TextLogColumnKind;
+use rerun::components::Name;
+use rerun::external::re_log_types::LogMsg;
+use rerun::external::re_sdk_types::blueprint::archetypes as parts;
+
+use super::builder::{Child, Layout, column, row, tabs};
+use super::views::{events, panels, scene, time_series};
+use crate::rerun::entity::ABOUT;
+use crate::rerun::error::RerunError;
+use crate::rerun::identity::Identity;
+use crate::rerun::look::Look;
+use crate::telemetry::fields::{
+    EVENTS, POSE, Plot, acceleration, contact, energy, momentum, nutation, precession, state,
+    torque,
+};
+use crate::telemetry::proportions::Proportions;
+
+/// Plots in one view: what stands above them, and where the legend is out of their way.
+struct Chart {
+    name: &'static str,
+    contents: &'static [Plot],
+    legend: Corner2D,
+}
+
+const fn chart(name: &'static str, contents: &'static [Plot], legend: Corner2D) -> Chart {
+    Chart {
+        name,
+        contents,
+        legend,
+    }
+}
+
+/// How it rises.
+#[rustfmt::skip]
+const RISE: [Chart; 8] = [
+    chart("θ, inclination (rad)", &[state::THETA.plot(), nutation::THETA_MEAN.plot()], Corner2D::RightTop),
+    chart("dθ/dt (rad/s)", &[state::THETA_DOT.plot(), nutation::THETA_DOT_MEAN.plot()], Corner2D::LeftTop),
+    chart(
+        "dφ/dt and the slow root of regular precession (rad/s)",
+        &[state::PHI_DOT.plot(), nutation::PHI_DOT_MEAN.plot(), precession::SLOW_ROOT.plot()],
+        Corner2D::LeftTop,
+    ),
+    chart("dψ/dt, spin (rad/s)", &[state::PSI_DOT.plot(), nutation::PSI_DOT_MEAN.plot()], Corner2D::RightTop),
+    chart("Friction torque, node frame (N m)", &[torque::FRICTION_NODE.plot()], Corner2D::LeftBottom),
+    chart(
+        "d²θ/dt² term by term (rad/s²)",
+        &[acceleration::THETA_DDOT_FRICTIONAL.plot(), state::THETA_DDOT.plot()],
+        Corner2D::RightTop,
+    ),
+    chart(
+        "Slip velocity at the contact, world axes (m/s)",
+        &[contact::SLIP_SPEED.plot(), contact::SLIP_WORLD.plot()],
+        Corner2D::RightBottom,
+    ),
+    chart("Total and kinetic energy (J)", &[energy::TOTAL.plot()], Corner2D::LeftBottom),
+];
+
+/// What else there is to see.
+#[rustfmt::skip]
+const MORE: [Chart; 8] = [
+    chart(
+        "d²φ/dt² term by term (rad/s²)",
+        &[acceleration::PHI_DDOT_FRICTIONAL.plot(), state::PHI_DDOT.plot()],
+        Corner2D::LeftTop,
+    ),
+    chart(
+        "d²ψ/dt² term by term (rad/s²)",
+        &[acceleration::PSI_DDOT_FRICTIONAL.plot(), state::PSI_DDOT.plot()],
+        Corner2D::LeftTop,
+    ),
+    chart("dφ/dt − slow root (rad/s)", &[precession::EXCESS.plot()], Corner2D::LeftTop),
+    chart("Nutation period (s)", &[nutation::PERIOD.plot()], Corner2D::LeftTop),
+    chart("Gravity torque, node frame (N m)", &[torque::GRAVITY_NODE.plot()], Corner2D::RightTop),
+    chart("Angular momentum, vertical and axial (kg m²/s)", &[momentum::VERTICAL.plot()], Corner2D::RightTop),
+    chart("Work of friction (J)", &[energy::FRICTION_WORK.plot()], Corner2D::RightTop),
+    chart("Power of friction (W)", &[energy::FRICTION_POWER.plot()], Corner2D::RightBottom),
+];
+
+/// All messages of the blueprint, the last of which activates it.
+pub(in super::super) fn messages(identity: &Identity) -> Result<Vec<LogMsg>, RerunError> {
+    let mut layout = Layout::new(&identity.recording_id);
+    let left = left_side(&mut layout, identity)?;
+    let right = right_side(&mut layout, identity)?;
+    // Without a scene there are only words at the left.
+    let shares = match identity.has(POSE) {
+        true => [42.0, 58.0],
+        false => [25.0, 75.0],
+    };
+    let root = match right {
+        Some(right) => layout.contain(row(&shares), &[left, right])?,
+        None => left,
+    };
+    layout.fill(&root)?;
+    panels(&mut layout, identity.is_alone, identity.playback)?;
+    Ok(layout.finish())
+}
+
+/// The scene if there is one, and below it what happened, in words.
+fn left_side(layout: &mut Layout, identity: &Identity) -> Result<Child, RerunError> {
+    let about = layout.view("TextDocument", "About this run", ABOUT, &["$origin"])?;
+    let mut pages = vec![about];
+    if identity.has(EVENTS) {
+        let kinds = [TextLogColumnKind::Body];
+        pages.insert(0, events(layout, &["$origin".to_owned()], &kinds)?);
+    }
+    let words = layout.contain(tabs(), &pages)?;
+    if !identity.has(POSE) {
+        return Ok(words);
+    }
+    let whole = ["$origin/**".to_owned()];
+    let proportions = Proportions::new(&identity.geometry.top);
+    let scene = scene(layout, "The top", &whole, &[Look::Alone], &proportions)?;
+    layout.contain(column(&[76.0, 24.0]), &[scene, words])
+}
+
+/// Two pages of charts; charts and pages without data are left out.
+fn right_side(layout: &mut Layout, identity: &Identity) -> Result<Option<Child>, RerunError> {
+    let mut pages = Vec::new();
+    for (name, charts) in [("How it rises", &RISE), ("More", &MORE)] {
+        let mut views = Vec::new();
+        for chart in charts {
+            if !chart.contents.iter().any(|plot| identity.has(plot.topic())) {
+                continue;
+            }
+            let contents: Vec<_> = chart.contents.iter().map(Plot::to_string).collect();
+            let legend = parts::PlotLegend::new().with_corner(chart.legend);
+            views.push(time_series(layout, chart.name, &contents, &legend)?);
+        }
+        let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
+            .with_grid_columns(2)
+            .with_display_name(Name(name.into()));
+        pages.extend(layout.contain_any(grid, &views)?);
+    }
+    layout.contain_any(tabs(), &pages)
+}

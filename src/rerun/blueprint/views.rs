@@ -1,0 +1,124 @@
+//! The views and panels that layouts are made of.
+
+use rerun::blueprint::components::{
+    BackgroundKind, Eye3DKind, LoopMode, PanelState, PlayState, TextLogColumn, TimelineColumn,
+    VisibleTimeRange,
+};
+use rerun::blueprint::datatypes as blueprint_data;
+use rerun::components::Color;
+use rerun::datatypes::{self, TimeInt, TimeRange, TimeRangeBoundary};
+use rerun::external::re_sdk_types::blueprint::archetypes as parts;
+
+use super::builder::{Child, Layout};
+use crate::rerun::entity::{EVENTS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
+use crate::rerun::error::RerunError;
+use crate::rerun::identity::Playback;
+use crate::rerun::look::Look;
+use crate::rerun::message::TIMELINE;
+use crate::telemetry::proportions::Proportions;
+
+/// How fast a viewer plays at first: a quarter of real time, for the spin is fast.
+const SPEED: f64 = 0.25;
+
+/// The scene of these entities, with the trails of the runs that look so.
+pub(super) fn scene(
+    layout: &mut Layout,
+    name: &str,
+    contents: &[String],
+    runs: &[Look],
+    proportions: &Proportions,
+) -> Result<Child, RerunError> {
+    let view = layout.view("3D", name, STAGE, contents)?;
+    let in_heights = |coordinate: f64| (coordinate * proportions.tip) as f32;
+    let camera = parts::EyeControls3D::new()
+        .with_kind(Eye3DKind::Orbital)
+        .with_position([2.4, 3.05, 1.4].map(in_heights))
+        .with_look_target([0.0, 0.0, 0.55].map(in_heights))
+        .with_eye_up([0.0, 0.0, 1.0]);
+    let background =
+        parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(0x1215_1BFF));
+    let grid = parts::LineGrid3D::new().with_visible(false);
+    layout.property(&view, "EyeControls3D", &camera)?;
+    layout.property(&view, "Background", &background)?;
+    layout.property(&view, "LineGrid3D", &grid)?;
+    for run in runs {
+        for trail in [TRAIL_ABOVE, TRAIL_BELOW] {
+            let path = format!("ViewContents/overrides{}/visualizers", run.entity(trail));
+            layout.property(&view, &path, &parts::VisibleTimeRanges::new([past()]))?;
+        }
+    }
+    Ok(view)
+}
+
+/// From the beginning to the time cursor.
+fn past() -> VisibleTimeRange {
+    VisibleTimeRange(datatypes::VisibleTimeRange {
+        timeline: TIMELINE.into(),
+        range: TimeRange {
+            start: TimeRangeBoundary::Infinite,
+            end: TimeRangeBoundary::CursorRelative(TimeInt(0)),
+        },
+    })
+}
+
+/// The events of these entities, with these columns beside the time.
+pub(super) fn events(
+    layout: &mut Layout,
+    contents: &[String],
+    kinds: &[blueprint_data::TextLogColumnKind],
+) -> Result<Child, RerunError> {
+    let view = layout.view("TextLog", "Events", EVENTS, contents)?;
+    let column = |kind: &blueprint_data::TextLogColumnKind| {
+        TextLogColumn(blueprint_data::TextLogColumn {
+            visible: true.into(),
+            kind: *kind,
+        })
+    };
+    let columns = parts::TextLogColumns::new()
+        .with_timeline_columns([TimelineColumn(blueprint_data::TimelineColumn {
+            visible: true.into(),
+            timeline: TIMELINE.into(),
+        })])
+        .with_text_log_columns(kinds.iter().map(column));
+    layout.property(&view, "TextLogColumns", &columns)?;
+    Ok(view)
+}
+
+/// The curves of these entities.
+pub(super) fn time_series(
+    layout: &mut Layout,
+    name: &str,
+    contents: &[impl AsRef<str>],
+    legend: &parts::PlotLegend,
+) -> Result<Child, RerunError> {
+    let view = layout.view("TimeSeries", name, "/", contents)?;
+    layout.property(&view, "PlotLegend", legend)?;
+    Ok(view)
+}
+
+/// The panels around the views, and what a viewer does at first.
+pub(super) fn panels(
+    layout: &mut Layout,
+    is_alone: bool,
+    playback: Playback,
+) -> Result<(), RerunError> {
+    let hidden = parts::PanelBlueprint::new().with_state(PanelState::Hidden);
+    // Between several recordings one chooses in this panel.
+    let recordings = if is_alone {
+        hidden.clone()
+    } else {
+        parts::PanelBlueprint::new().with_state(PanelState::Expanded)
+    };
+    layout.log("blueprint_panel", &recordings)?;
+    layout.log("selection_panel", &hidden)?;
+    let time = parts::TimePanelBlueprint::new()
+        .with_state(PanelState::Collapsed)
+        .with_timeline(TIMELINE)
+        .with_playback_speed(SPEED)
+        .with_loop_mode(LoopMode::Off)
+        .with_play_state(match playback {
+            Playback::PausedAtStart => PlayState::Paused,
+            Playback::Following => PlayState::Following,
+        });
+    layout.log("time_panel", &time)
+}

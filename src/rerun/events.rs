@@ -1,0 +1,62 @@
+//! The events of a run, as sentences.
+
+use rerun::{Color, TextLog};
+
+use super::entity;
+use super::error::RerunError;
+use super::look::Look;
+use super::outlet::Outlet;
+use super::track::{Collect, Flush, Texts, Track};
+use crate::run::simulation::EventKind;
+use crate::telemetry::Message;
+use crate::telemetry::fields::{EVENTS, events};
+
+/// The events of a run. Nutation extremes, hundreds of them, are an entity of their own: they would bury the
+/// others in a log.
+pub(super) struct Events {
+    notable: Track<Texts>,
+    nutation: Track<Texts>,
+}
+
+impl Events {
+    /// No events yet. Where two runs are compared, says whose they are: the list that shows both runs' has a
+    /// column for their "level".
+    pub(super) fn new(look: &Look, outlet: &mut Outlet) -> Result<Self, RerunError> {
+        let [notable, nutation] = [entity::EVENTS, entity::NUTATION_EVENTS].map(|e| look.entity(e));
+        if let Look::Compared(_, run) = look {
+            let mark = TextLog::update_fields()
+                .with_level(run.as_str())
+                .with_color(Color::from_u32(look.color(u32::MAX, 0)));
+            outlet.send_static(notable.as_str(), &mark)?;
+            outlet.send_static(nutation.as_str(), &mark)?;
+        }
+        Ok(Self {
+            notable: Track::new(notable, Texts::default()),
+            nutation: Track::new(nutation, Texts::default()),
+        })
+    }
+
+    /// Takes the event from a message, if it is one.
+    pub(super) fn write(
+        &mut self,
+        message: &Message<'_>,
+        outlet: &mut Outlet,
+    ) -> Result<(), RerunError> {
+        if message.topic() != EVENTS {
+            return Ok(());
+        }
+        let track = match EventKind::is_nutation(events::NAME.of(message)) {
+            true => &mut self.nutation,
+            false => &mut self.notable,
+        };
+        let description = events::DESCRIPTION.of(message).to_owned();
+        track.push(outlet, message.time_ns, |rows| rows.push(description))
+    }
+}
+
+impl Collect for Events {
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
+        self.notable.flush(outlet, flush)?;
+        self.nutation.flush(outlet, flush)
+    }
+}

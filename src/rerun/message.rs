@@ -1,0 +1,85 @@
+//! The messages that a recording consists of, and their identifiers.
+
+use rerun::external::re_log_types::{LogMsg, SetStoreInfo, StoreInfo, StoreSource};
+use rerun::external::re_tuid::Tuid;
+use rerun::log::{Chunk, ChunkId, RowId};
+use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimeColumn, TimePoint};
+
+use super::error::RerunError;
+
+/// The application that all recordings belong to.
+pub(super) const APPLICATION: &str = "toprise";
+
+/// The timeline of every recording: simulation time as a duration in nanoseconds.
+pub(super) const TIMELINE: &str = "sim_time";
+
+/// How many messages may wait for a worker thread; each has at most about 200 kB.
+pub(super) const QUEUE: usize = 64;
+
+/// Hands out identifiers of chunks, which depend on nothing but their order.
+#[derive(Debug)]
+pub(super) struct Ids(u64);
+
+impl Ids {
+    /// For chunks that are the same for all destinations.
+    pub(super) const RECORDING: Self = Self(0);
+    /// For the chunks of the blueprint.
+    pub(super) const BLUEPRINT: Self = Self(1 << 61);
+    /// For the chunks of a paced run that are cut for the viewer only.
+    pub(super) const LIVE: Self = Self(1 << 62);
+
+    /// The next identifier; the rows of its chunk count up in the lower half.
+    pub(super) fn next(&mut self) -> Tuid {
+        self.0 += 1;
+        Tuid::from_nanos_and_inc(self.0, 0)
+    }
+}
+
+/// The message that opens a store.
+pub(super) fn opening(store: &StoreId, ids: &mut Ids) -> LogMsg {
+    let source = StoreSource::Other(APPLICATION.to_owned());
+    LogMsg::SetStoreInfo(SetStoreInfo {
+        row_id: ids.next(),
+        info: StoreInfo::new(store.clone(), source),
+    })
+}
+
+/// A chunk with one row of `components` at `time`.
+pub(super) fn single_row(
+    store: &StoreId,
+    ids: &mut Ids,
+    entity: impl Into<EntityPath>,
+    time: TimePoint,
+    components: &dyn AsComponents,
+) -> Result<LogMsg, RerunError> {
+    let id = ids.next();
+    let chunk = Chunk::builder_with_id(ChunkId::from_tuid(id), entity)
+        .with_serialized_batches(
+            RowId::from_tuid(id),
+            time,
+            components.as_serialized_batches(),
+        )
+        .build()?;
+    Ok(LogMsg::ArrowMsg(store.clone(), chunk.to_arrow_msg()?))
+}
+
+/// A chunk with a row per time, in ns.
+pub(super) fn rows(
+    store: &StoreId,
+    ids: &mut Ids,
+    entity: &EntityPath,
+    times: &[i64],
+    columns: Vec<SerializedComponentColumn>,
+) -> Result<LogMsg, RerunError> {
+    let time = TimeColumn::new_duration_nanos(TIMELINE, times.iter().copied());
+    let chunk = Chunk::from_auto_row_ids(
+        ChunkId::from_tuid(ids.next()),
+        entity.clone(),
+        std::iter::once((*time.timeline().name(), time)).collect(),
+        columns
+            .into_iter()
+            .map(|column| (column.descriptor, column.list_array))
+            .collect(),
+    )?;
+    Ok(LogMsg::ArrowMsg(store.clone(), chunk.to_arrow_msg()?))
+}

@@ -1,0 +1,158 @@
+//! Where the chunks of a recording go: into a file, to a viewer, or to both.
+//!
+//! Neither may keep the other, or the run, from going on. What happens to the viewer becomes a warning;
+//! an error of the file is kept for [`Outlet::finish`].
+
+use std::fs::File;
+
+use rerun::external::re_log_types::LogMsg;
+use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimePoint};
+
+use super::error::RerunError;
+use super::message::{Ids, opening, rows, single_row};
+use super::rrd::RrdFile;
+use super::viewer::{Live, LiveDestination};
+
+/// Where a recording goes. With neither, nothing is kept.
+#[derive(Debug, Default)]
+pub struct Destinations {
+    /// An empty file, opened for writing, for an `.rrd` recording.
+    pub file: Option<File>,
+    /// A viewer to feed.
+    pub live: Option<Live>,
+}
+
+/// Numbers the chunks of one recording and passes them to its destinations.
+pub struct Outlet {
+    store: StoreId,
+    ids: Ids,
+    live_ids: Ids,
+    file: Option<RrdFile>,
+    failure: Option<RerunError>,
+    live: Option<LiveDestination>,
+    warnings: Vec<String>,
+}
+
+impl Outlet {
+    /// Opens a store in all destinations.
+    pub(super) fn open(store: StoreId, destinations: Destinations) -> Result<Self, RerunError> {
+        let mut outlet = Self {
+            store,
+            ids: Ids::RECORDING,
+            live_ids: Ids::LIVE,
+            file: destinations.file.map(RrdFile::open).transpose()?,
+            failure: None,
+            live: None,
+            warnings: Vec::new(),
+        };
+        match destinations.live.map(|live| LiveDestination::open(&live)) {
+            Some(Ok(live)) => outlet.live = Some(live),
+            Some(Err(warning)) => outlet.warnings.push(warning),
+            None => {}
+        }
+        let opening = opening(&outlet.store, &mut outlet.ids);
+        outlet.send(&opening);
+        Ok(outlet)
+    }
+
+    /// Whether there is a viewer, as far as is known.
+    pub(super) fn is_live(&self) -> bool {
+        self.live.is_some()
+    }
+
+    /// The warnings since the last call.
+    pub(super) fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+
+    /// Sends what never changes in the course of the recording.
+    pub(super) fn send_static(
+        &mut self,
+        entity: impl Into<EntityPath>,
+        components: &dyn AsComponents,
+    ) -> Result<(), RerunError> {
+        let time = TimePoint::STATIC;
+        let message = single_row(&self.store, &mut self.ids, entity, time, components)?;
+        self.send(&message);
+        Ok(())
+    }
+
+    /// Sends rows everywhere.
+    pub(super) fn send_rows(
+        &mut self,
+        entity: &EntityPath,
+        times: &[i64],
+        columns: Vec<SerializedComponentColumn>,
+    ) -> Result<(), RerunError> {
+        let message = rows(&self.store, &mut self.ids, entity, times, columns)?;
+        self.send(&message);
+        Ok(())
+    }
+
+    /// Sends rows to the file only: the viewer has them already.
+    pub(super) fn file_rows(
+        &mut self,
+        entity: &EntityPath,
+        times: &[i64],
+        columns: Vec<SerializedComponentColumn>,
+    ) -> Result<(), RerunError> {
+        let message = rows(&self.store, &mut self.ids, entity, times, columns)?;
+        self.write_file(message);
+        Ok(())
+    }
+
+    /// Sends rows to the viewer only: the file gets them later, in longer chunks.
+    pub(super) fn live_rows(
+        &mut self,
+        entity: &EntityPath,
+        times: &[i64],
+        columns: Vec<SerializedComponentColumn>,
+    ) -> Result<(), RerunError> {
+        let message = rows(&self.store, &mut self.live_ids, entity, times, columns)?;
+        self.feed_viewer(message);
+        Ok(())
+    }
+
+    /// Sends a message everywhere.
+    pub(super) fn send(&mut self, message: &LogMsg) {
+        self.feed_viewer(message.clone());
+        self.write_file(message.clone());
+    }
+
+    fn write_file(&mut self, message: LogMsg) {
+        if let Some(file) = self.file.take_if(|file| !file.send(message)) {
+            // It takes no more because its thread has ended; joining it tells why.
+            self.keep(file.finish().and(Err(RerunError::Worker)));
+        }
+    }
+
+    fn feed_viewer(&mut self, message: LogMsg) {
+        if let Some(live) = &self.live
+            && let Err(warning) = live.send(message)
+        {
+            self.warnings.push(warning);
+            self.live = None;
+        }
+    }
+
+    /// Keeps an error for [`Self::finish`], and gives the file up: something is missing in it.
+    pub(super) fn keep(&mut self, result: Result<(), RerunError>) {
+        if let Err(error) = result {
+            self.file = None;
+            self.failure.get_or_insert(error);
+        }
+    }
+
+    /// Completes all destinations; gives back the file and the warnings that were not taken yet.
+    pub(super) fn finish(self) -> Result<(Option<File>, Vec<String>), RerunError> {
+        let file = match self.failure {
+            Some(error) => Err(error),
+            None => self.file.map(RrdFile::finish).transpose(),
+        };
+        let mut warnings = self.warnings;
+        if let Some(Err(warning)) = self.live.map(LiveDestination::finish) {
+            warnings.push(warning);
+        }
+        Ok((file?, warnings))
+    }
+}

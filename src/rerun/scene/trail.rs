@@ -1,0 +1,107 @@
+//! The path of the symmetry axis.
+
+use nalgebra::Vector3;
+use rerun::archetypes::LineStrips3D;
+use rerun::{Color, Radius, SerializedComponentColumn};
+
+use crate::rerun::entity::{TRAIL_ABOVE, TRAIL_BELOW};
+use crate::rerun::error::RerunError;
+use crate::rerun::look::Look;
+use crate::rerun::outlet::Outlet;
+use crate::rerun::palette;
+use crate::rerun::track::{Collect, Flush, Rows, Track};
+
+/// Time between two pieces of the trail, in ns.
+const PIECE_NS: u64 = 10_000_000;
+/// Time between two points of a piece, in ns.
+const POINT_NS: u64 = 1_000_000;
+
+/// The path of the symmetry axis on a sphere around the peg, and its projection onto the table.
+///
+/// Each row is one short piece; the blueprint shows all pieces up to the time cursor. So the size
+/// of a recording grows linearly with its length, and the cursor moves along the whole path.
+pub(super) struct Trail {
+    radius: f64,
+    above: Track<Pieces>,
+    below: Track<Pieces>,
+    piece: Vec<[f32; 3]>,
+    next_point_ns: u64,
+    next_piece_ns: u64,
+}
+
+impl Trail {
+    /// An empty path on a sphere of this radius in m.
+    pub(super) fn new(look: &Look, radius: f64) -> Self {
+        let track = |path| Track::new(look.entity(path), Pieces::default());
+        Self {
+            radius,
+            above: track(TRAIL_ABOVE),
+            below: track(TRAIL_BELOW),
+            piece: Vec::new(),
+            next_point_ns: 0,
+            next_piece_ns: PIECE_NS,
+        }
+    }
+
+    /// Sends how the path is drawn.
+    pub(super) fn dress(look: &Look, outlet: &mut Outlet) -> Result<(), RerunError> {
+        for (entity, width) in [(TRAIL_ABOVE, 1.3), (TRAIL_BELOW, 1.0)] {
+            let style = LineStrips3D::update_fields()
+                .with_colors([Color::from_u32(look.color(palette::PURPLE, 0))])
+                .with_radii([Radius::new_ui_points(width)]);
+            outlet.send_static(look.entity(entity), &style)?;
+        }
+        Ok(())
+    }
+
+    /// Takes centre of the peg and direction of the axis at a time in ns.
+    pub(super) fn write(
+        &mut self,
+        time_ns: u64,
+        peg: Vector3<f64>,
+        axis: Vector3<f64>,
+        outlet: &mut Outlet,
+    ) -> Result<(), RerunError> {
+        if time_ns < self.next_point_ns {
+            return Ok(());
+        }
+        self.next_point_ns = time_ns.saturating_add(POINT_NS);
+        let point = (peg + self.radius * axis).cast::<f32>().into();
+        self.piece.push(point);
+        if time_ns < self.next_piece_ns || self.piece.len() < 2 {
+            return Ok(());
+        }
+        self.next_piece_ns = time_ns.saturating_add(PIECE_NS);
+        // Each piece begins where the one before it ended.
+        let piece = std::mem::replace(&mut self.piece, vec![point]);
+        self.below
+            .push(outlet, time_ns, |rows| rows.0.push(projected(&piece)))?;
+        self.above.push(outlet, time_ns, |rows| rows.0.push(piece))
+    }
+}
+
+impl Collect for Trail {
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
+        self.above.flush(outlet, flush)?;
+        self.below.flush(outlet, flush)
+    }
+}
+
+/// A piece as the table shows it.
+fn projected(piece: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    piece.iter().map(|[x, y, _]| [*x, *y, 0.0]).collect()
+}
+
+#[derive(Default)]
+struct Pieces(Vec<Vec<[f32; 3]>>);
+
+impl Rows for Pieces {
+    fn columns(&self, start: usize) -> Result<Vec<SerializedComponentColumn>, RerunError> {
+        let strips = LineStrips3D::update_fields().with_strips(self.0[start..].iter().cloned());
+        Ok(strips.columns_of_unit_batches()?.collect())
+    }
+
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+}

@@ -1,0 +1,237 @@
+//! The sinks: a recording of one run, and one of two runs that are compared.
+
+use std::fs::File;
+
+use rerun::external::re_log_types::{LogMsg, StoreKind};
+use rerun::{EntityPath, RecordingInfo, StoreId};
+
+use super::blueprint;
+use super::comparison::Comparison;
+use super::entities::Entities;
+use super::error::RerunError;
+use super::identity::Identity;
+use super::look::Look;
+use super::message::APPLICATION;
+use super::outlet::{Destinations, Outlet};
+use super::pair::PairIdentity;
+use super::track::{Collect, Flush};
+use crate::archive::sink::{Sink, SinkError};
+use crate::telemetry::Message;
+use crate::telemetry::side::Side;
+
+/// Writes the messages of a run into a Rerun recording.
+pub type RerunSink = Stream<Entities>;
+
+/// Writes the messages of two runs, and their differences, into one Rerun recording.
+pub type PairSink = Stream<Comparison>;
+
+/// A Rerun recording that is being written: its entities, and where they go.
+///
+/// What happens to it never keeps a run from going on: writing gives no error. What happens to a viewer is
+/// told by [`Self::take_warnings`], what happens to the file by [`Self::finish`].
+pub struct Stream<E> {
+    entities: E,
+    outlet: Outlet,
+}
+
+impl Stream<Entities> {
+    /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
+    ///
+    /// # Errors
+    /// If no thread can be started for the file, or the layout can't be written.
+    pub fn new(identity: &Identity, destinations: Destinations) -> Result<Self, RerunError> {
+        let layout = blueprint::run::messages(identity)?;
+        let (id, name) = (&identity.recording_id, &identity.name);
+        let mut outlet = open(id, name, destinations, &layout)?;
+        let entities = Entities::new(identity, &Look::Alone, &mut outlet)?;
+        Ok(Self { entities, outlet })
+    }
+}
+
+impl Sink for Stream<Entities> {
+    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        let written = self.entities.write(message, &mut self.outlet);
+        self.outlet.keep(written);
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        let flushed = self.entities.flush(&mut self.outlet, Flush::Viewer);
+        self.outlet.keep(flushed);
+        Ok(())
+    }
+}
+
+impl Stream<Comparison> {
+    /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
+    ///
+    /// # Errors
+    /// If no thread can be started for the file, or the layout can't be written.
+    pub fn new(identity: &PairIdentity, destinations: Destinations) -> Result<Self, RerunError> {
+        let layout = blueprint::pair::messages(identity)?;
+        let (id, name) = (&identity.recording_id, &identity.name);
+        let mut outlet = open(id, name, destinations, &layout)?;
+        let entities = Comparison::new(identity, &mut outlet)?;
+        Ok(Self { entities, outlet })
+    }
+
+    /// Takes a message of one run. Each run's come in the order of time; the runs take turns as they like.
+    pub fn write(&mut self, side: Side, message: &Message<'_>) {
+        let written = self.entities.write(side, message, &mut self.outlet);
+        self.outlet.keep(written);
+    }
+
+    /// Takes the differences B − A of the numbers of a channel, at the time of A; its texts don't matter.
+    ///
+    /// Channels that are neither sampled nor `/top/nutation` are passed over.
+    pub fn difference(&mut self, message: &Message<'_>) {
+        let written = self.entities.write_difference(message, &mut self.outlet);
+        self.outlet.keep(written);
+    }
+
+    /// Shows how the comparison ended, in Markdown, instead of what was there before.
+    pub fn summarize(&mut self, markdown: &str) {
+        let written = self.entities.summarize(markdown, &mut self.outlet);
+        self.outlet.keep(written);
+    }
+}
+
+impl<E: Collect> Stream<E> {
+    /// Whether a viewer is being fed, as far as is known.
+    #[must_use]
+    pub fn is_live(&self) -> bool {
+        self.outlet.is_live()
+    }
+
+    /// What went wrong with the viewer since the last call, for people to read. That there is none is a warning
+    /// too.
+    #[must_use]
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        self.outlet.take_warnings()
+    }
+
+    /// Sends all that is left and completes the file with its footer.
+    ///
+    /// Gives back the file, written but not synced, and the warnings that were not taken yet. A viewer that
+    /// doesn't read is left after a few seconds.
+    ///
+    /// # Errors
+    /// The first error of the file, which then holds what there was until then.
+    pub fn finish(mut self) -> Result<(Option<File>, Vec<String>), RerunError> {
+        let flushed = self.entities.flush(&mut self.outlet, Flush::All);
+        self.outlet.keep(flushed);
+        self.outlet.finish()
+    }
+}
+
+/// Opens the destinations of a recording, and sends its layout and its name.
+fn open(
+    recording_id: &str,
+    name: &str,
+    destinations: Destinations,
+    layout: &[LogMsg],
+) -> Result<Outlet, RerunError> {
+    let store = StoreId::new(StoreKind::Recording, APPLICATION, recording_id);
+    let mut outlet = Outlet::open(store, destinations)?;
+    for message in layout {
+        outlet.send(message);
+    }
+    let name = RecordingInfo::update_fields().with_name(name);
+    outlet.send_static(EntityPath::properties(), &name)?;
+    Ok(outlet)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rerun::identity::{Geometry, Playback};
+    use crate::rerun::viewer::Live;
+    use crate::run::scenario::Preset;
+    use crate::telemetry::channels;
+
+    fn identity(topics: Vec<String>) -> Identity {
+        Identity {
+            recording_id: "test".to_owned(),
+            name: "test".to_owned(),
+            description: "# Test".to_owned(),
+            geometry: Geometry {
+                top: Preset::find("paper").unwrap().scenario().unwrap().model.top,
+                force_scale: 0.0324,
+                torque_scale: 0.0324 * 0.007,
+                slip_scale: 0.57,
+            },
+            topics,
+            playback: Playback::PausedAtStart,
+            is_alone: true,
+        }
+    }
+
+    fn all_topics() -> Vec<String> {
+        let topics = channels().iter().map(|channel| channel.topic.to_owned());
+        topics.collect()
+    }
+
+    /// Writes `count` rows of ones per channel.
+    fn fill(sink: &mut RerunSink, count: u64) -> Result<(), SinkError> {
+        for time_ns in (0..count).map(|index| index * 1_000_000) {
+            for (index, channel) in channels().iter().enumerate() {
+                sink.write(&Message {
+                    channel: index,
+                    sequence: 0,
+                    time_ns,
+                    numbers: &vec![1.0; channel.numbers.len()],
+                    texts: &vec![String::new(); channel.texts.len()],
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_viewer_that_is_not_there_is_a_warning() {
+        // Port 9 (discard) of this machine: nobody listens there.
+        let destinations = Destinations {
+            file: None,
+            live: Some(Live::Connect("127.0.0.1:9".to_owned())),
+        };
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations).unwrap();
+        assert!(!sink.is_live());
+        assert!(sink.take_warnings()[0].contains("no Rerun viewer at"));
+        fill(&mut sink, 10).unwrap();
+        sink.flush().unwrap();
+        assert_eq!(sink.finish().unwrap().1, [""; 0]);
+    }
+
+    #[test]
+    fn an_address_that_is_none_is_a_warning() {
+        let live = Some(Live::Connect("http://".to_owned()));
+        let destinations = Destinations { file: None, live };
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations).unwrap();
+        assert!(sink.take_warnings()[0].contains("no address of a Rerun viewer"));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_told_at_the_end() {
+        let file = File::options().write(true).open("/dev/full").unwrap();
+        let destinations = Destinations {
+            file: Some(file),
+            live: None,
+        };
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations).unwrap();
+        fill(&mut sink, 5000).unwrap();
+        sink.flush().unwrap();
+        let error = sink.finish().unwrap_err().to_string();
+        assert!(error.contains("No space left"), "{error}");
+    }
+
+    #[test]
+    fn any_choice_of_topics_is_fine() {
+        for topic in all_topics() {
+            let chosen = identity(vec![topic]);
+            let mut sink = RerunSink::new(&chosen, Destinations::default()).unwrap();
+            fill(&mut sink, 3).unwrap();
+            sink.finish().unwrap();
+        }
+    }
+}
