@@ -1,14 +1,12 @@
-//! The Rerun sink: every number of every channel, the scene of the rising top, and a layout.
+//! Rerun recordings of runs: every number of every channel, the scene of the rising top, and a layout.
 //!
-//! Numbers that are read together are one entity, `{topic}/{plot}`, with several instances and
-//! static names and colours; that is several times smaller and faster than an entity per number.
-//! Rows are collected into chunks of 4096 per entity. The identifiers of chunks and rows are
-//! numbers in order, so that a run gives the same chunks each time.
+//! [`RerunSink`] writes one run, [`PairSink`] two runs that are compared. Both are [`Stream`]s, which go into an
+//! `.rrd` file, to a live viewer, or to both.
 //!
-//! In a paced run, [`Sink::flush`](crate::archive::sink::Sink::flush) sends the rows of the last moments to the viewer; the file gets
-//! them in full chunks all the same, so pacing doesn't change it.
-//!
-//! [`PairSink`] puts two runs into one recording, which are compared.
+//! Numbers that are read together are one entity, `{topic}/{plot}`, with several instances and static names and
+//! colours; that is several times smaller and faster than an entity per number. Rows are collected into chunks of
+//! 4096 per entity. In a paced run a flush sends the rows of the last moments to the viewer; the file gets them in
+//! full chunks all the same, so pacing doesn't change it.
 
 mod blueprint;
 mod comparison;

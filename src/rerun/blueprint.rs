@@ -1,7 +1,7 @@
-//! The layouts that a viewer opens with.
+//! Layouts: what a viewer shows when it opens a recording. Rerun calls them blueprints.
 //!
-//! The chunks of the blueprint's store are written here one by one: the SDK's builder has no
-//! camera, no axis ranges and no visible time ranges, and draws its identifiers by lot.
+//! A blueprint is a store of its own, whose chunks are built here one by one, because the SDK's builder knows no
+//! camera and no visible time ranges, and its identifiers are random.
 
 mod builder;
 pub(super) mod pair;

@@ -1,5 +1,5 @@
-//! The entities of two runs that are compared: those of each, below `/a` and `/b`, their difference, below
-//! `/diff`, and the logarithms of its magnitude, below `/diff_log10`.
+//! The entities of two runs that are compared: each run below `/a` or `/b`, their difference below `/diff`, the
+//! logarithm of its magnitude below `/diff_log10`.
 
 use rerun::TextDocument;
 
@@ -27,7 +27,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Sends what doesn't change.
+    /// Sends what doesn't change: what both runs share, and what [`Entities::new`] sends of each.
     pub(super) fn new(identity: &PairIdentity, outlet: &mut Outlet) -> Result<Self, RerunError> {
         if let Some(geometry) = identity.stage() {
             scene::furnish(geometry, outlet)?;
@@ -76,7 +76,7 @@ impl Comparison {
         self.magnitude.write(message, magnitude, outlet)
     }
 
-    /// Shows what there is to say about the comparison, in Markdown.
+    /// Replaces what there is to say about the comparison, in Markdown.
     pub(super) fn summarize(&self, text: &str, outlet: &mut Outlet) -> Result<(), RerunError> {
         let text = TextDocument::from_markdown(format!("{}{text}", self.key));
         outlet.send_static(SUMMARY, &text)

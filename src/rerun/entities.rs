@@ -1,4 +1,4 @@
-//! The entities of one run: what it is in words, its plots, its events and its scene.
+//! The entities of one run: its description, its plots, its events and its scene.
 
 use rerun::TextDocument;
 
@@ -23,7 +23,7 @@ pub struct Entities {
 }
 
 impl Entities {
-    /// Sends what doesn't change: what there is to say about the run, names, the scene's bodies.
+    /// Sends what doesn't change: the description, names and colours, the scene's bodies.
     pub(super) fn new(
         identity: &Identity,
         look: &Look,
@@ -47,7 +47,7 @@ impl Entities {
         })
     }
 
-    /// Takes a message of the run.
+    /// Adds what a message of the run says.
     pub(super) fn write(
         &mut self,
         message: &Message<'_>,

@@ -1,18 +1,20 @@
-//! Names of entities that several files know.
+//! Names of entities that are written in one file and laid out in another.
+//!
+//! Those without a leading slash are relative to the run: see [`Look::entity`](super::look::Look::entity).
 
-/// What happened in a run.
+/// The log of events.
 pub(super) const EVENTS: &str = "events";
-/// The nutation extremes among the events, which the layout does not show.
+/// The log of nutation extremes, which no layout shows.
 pub(super) const NUTATION_EVENTS: &str = "events/nutation";
 
-/// What a run is, in words.
+/// The description of a run.
 pub(super) const ABOUT: &str = "about";
-/// How a comparison ended, in words.
+/// The result of a comparison, in words.
 pub(super) const SUMMARY: &str = "/summary";
 
-/// The scene, or the part of it that two runs share.
+/// The scene; where two runs are compared, what they share of it.
 pub(super) const STAGE: &str = "/scene";
 /// The path of the symmetry axis on a sphere around the peg.
 pub(super) const TRAIL_ABOVE: &str = "scene/trail/above";
-/// Its projection onto the table.
+/// The projection of that path onto the table.
 pub(super) const TRAIL_BELOW: &str = "scene/trail/below";

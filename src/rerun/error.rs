@@ -1,4 +1,4 @@
-//! What can go wrong with a Rerun recording.
+//! Errors of a Rerun recording.
 
 use rerun::external::re_log_encoding::rrd::{CodecError, EncodeError};
 use rerun::external::re_sdk_types::SerializationError;

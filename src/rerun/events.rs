@@ -1,4 +1,4 @@
-//! The events of a run, as sentences.
+//! The events of a run, as a log of sentences.
 
 use rerun::{Color, TextLog};
 
@@ -11,16 +11,15 @@ use crate::run::simulation::EventKind;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, events};
 
-/// The events of a run. Nutation extremes, hundreds of them, are an entity of their own: they would bury the
-/// others in a log.
+/// The logs of a run's events. Nutation extremes have a log of their own: there are hundreds, which would bury the
+/// other events.
 pub(super) struct Events {
     notable: Track<Texts>,
     nutation: Track<Texts>,
 }
 
 impl Events {
-    /// No events yet. Where two runs are compared, says whose they are: the list that shows both runs' has a
-    /// column for their "level".
+    /// Opens empty logs. Where two runs are compared, each entry's "level" is the name of its run.
     pub(super) fn new(look: &Look, outlet: &mut Outlet) -> Result<Self, RerunError> {
         let [notable, nutation] = [entity::EVENTS, entity::NUTATION_EVENTS].map(|e| look.entity(e));
         if let Look::Compared(_, run) = look {

@@ -1,54 +1,55 @@
-//! What a recording of one run says about itself.
+//! What is known of a run before its messages.
 
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
 use crate::telemetry::Topic;
 
-/// Dimensions of the top and scales of the arrows.
+/// The top, and the sizes that arrows are drawn to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
-    /// The top.
+    /// The top, whose mechanics give its proportions.
     pub top: Top,
-    /// A typical friction force (k times the normal force) in N; 0 without friction.
+    /// Typical friction force (k times the normal force), N; 0 without friction.
     pub force_scale: f64,
-    /// A typical torque of friction, in N m; 0 without friction.
+    /// Typical torque of friction, N m; 0 without friction.
     pub torque_scale: f64,
-    /// A typical slip speed, as at the start, in m/s.
+    /// Typical slip speed: that at the start, m/s.
     pub slip_scale: f64,
 }
 
-/// What a viewer does when it has opened a recording.
+/// How a viewer begins to play a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Playback {
-    /// Wait at the start, for a recording that is there as a whole.
+    /// Paused at the start, for a recording that is complete.
     PausedAtStart,
-    /// Follow the newest sample, for a paced run.
+    /// At the newest sample, for a paced run.
     Following,
 }
 
-/// What a recording says about itself.
+/// The names of a recording, and what the scene and the layout need to know beforehand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identity {
-    /// Recordings with the same identifier are one recording to a viewer.
+    /// Identifier: a viewer merges recordings that have the same.
     pub recording_id: String,
     /// The name that a viewer shows.
     pub name: String,
-    /// About the run, in Markdown.
+    /// Description of the run, in Markdown.
     pub description: String,
-    /// The top.
+    /// The top, and the sizes that arrows are drawn to.
     pub geometry: Geometry,
-    /// The topics that will be written; the layout leaves out the plots of others.
+    /// Topics that will be written; the layout leaves out the plots of others.
     pub topics: Vec<String>,
-    /// What a viewer does at first.
+    /// How a viewer begins to play it.
     pub playback: Playback,
-    /// Whether it is not shown together with other recordings.
+    /// Whether it is the only recording in its viewer, so that there is none to choose.
     pub is_alone: bool,
 }
 
 impl Identity {
     /// The identity of a run or a recording that is called `name`.
     ///
-    /// Two runs of one scenario are two recordings to a viewer, as they are two files.
+    /// The identifier depends on the name: two runs of one scenario are two recordings to a viewer, as they are two
+    /// files.
     #[must_use]
     pub fn of(name: &str, scenario: &Scenario, topics: Vec<String>, playback: Playback) -> Self {
         let model = &scenario.model;

@@ -1,7 +1,7 @@
-//! Where entities stand in a recording, and how two runs are told apart that are compared in one.
+//! Where entities stand in a recording, and how they look.
 //!
-//! In a recording of one run colours tell quantities apart. Where two are compared each run has one
-//! colour in the scene, the plots and the list of events, and their difference a third.
+//! In a recording of one run, colours tell quantities apart. Where two runs are compared, colours tell the runs
+//! apart: each has one in the scene, the plots and the log of events, and their difference has a third.
 
 use super::palette;
 use crate::telemetry::side::Side;
@@ -9,16 +9,16 @@ use crate::telemetry::side::Side;
 /// How opaque the top of run B is, of 255: the one of run A shines through.
 const GHOST: u32 = 0x88;
 
-/// What entities show, and so where they stand and how they look.
+/// What an entity belongs to, which decides its name and its looks.
 #[derive(Clone, Debug)]
 pub(super) enum Look {
     /// The only run of a recording.
     Alone,
-    /// One of two runs, and what it is called.
+    /// One of two runs, with its name.
     Compared(Side, String),
     /// The difference of two runs.
     Difference,
-    /// The decimal logarithm of its magnitude.
+    /// The decimal logarithm of the magnitude of that difference.
     Magnitude,
 }
 
@@ -28,7 +28,7 @@ impl Look {
         matches!(self, Self::Alone)
     }
 
-    /// Where an entity stands in the recording.
+    /// The path in the recording of an entity of a run.
     pub(super) fn entity(&self, path: &str) -> String {
         let path = path.trim_start_matches('/');
         match self {
@@ -39,7 +39,7 @@ impl Look {
         }
     }
 
-    /// What a quantity is called.
+    /// The name that is shown for a quantity.
     pub(super) fn name(&self, own: &str) -> String {
         match self {
             Self::Alone => own.to_owned(),
@@ -49,7 +49,8 @@ impl Look {
         }
     }
 
-    /// The colour of what has its `own` in a recording of one run and is the `place`th in its plot.
+    /// The colour of the `place`th number of a plot, or of an arrow, whose colour in a recording of one run is
+    /// `own`.
     pub(super) fn color(&self, own: u32, place: usize) -> u32 {
         let color = match self {
             Self::Alone => return own,
@@ -60,8 +61,8 @@ impl Look {
         shade(color, place) & !0xFF | own & 0xFF
     }
 
-    /// The width of what is `own` points wide in a recording of one run. What belongs to run B lies on
-    /// what belongs to run A and leaves it visible at both sides.
+    /// The width of a line that is `own` points wide in a recording of one run. Lines of run B lie on those of run A
+    /// and leave them visible at both sides.
     pub(super) fn width(&self, own: f32) -> f32 {
         match self {
             Self::Alone => own,
@@ -80,7 +81,7 @@ impl Look {
         }
     }
 
-    /// How far the names of arrows are moved up, in heights of the top: those of two runs would hide each
+    /// How far the names of arrows are moved up, in heights of the top, so that those of two runs don't hide each
     /// other.
     pub(super) fn lift(&self) -> f64 {
         match self {
@@ -90,8 +91,8 @@ impl Look {
         }
     }
 
-    /// The factor by which the top is drawn larger. Where both tops stand alike, that of run B is a veil
-    /// around the other.
+    /// The factor by which the top is drawn larger: where both tops stand alike, that of run B is a veil around the
+    /// other.
     pub(super) fn size(&self) -> f64 {
         match self {
             Self::Compared(Side::B, _) => 1.015,
@@ -99,7 +100,7 @@ impl Look {
         }
     }
 
-    /// What the colours of the top are multiplied with, if they aren't shown as they are.
+    /// The colour that the top's colours are multiplied by, if any.
     pub(super) fn albedo(&self) -> Option<u32> {
         match self {
             Self::Compared(Side::B, _) => Some(palette::ORANGE & !0xFF | GHOST),
@@ -108,7 +109,7 @@ impl Look {
     }
 }
 
-/// Shades of a colour for the components of a vector: itself, a lighter and a darker one.
+/// A shade of a colour, for the components of a vector: itself, a lighter or a darker one.
 fn shade(color: u32, place: usize) -> u32 {
     color.to_be_bytes().into_iter().fold(0, |shaded, value| {
         let value = match place % 3 {

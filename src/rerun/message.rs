@@ -1,4 +1,4 @@
-//! The messages that a recording consists of, and their identifiers.
+//! Messages that a recording consists of, as the SDK sends them, and their identifiers.
 
 use rerun::external::re_log_types::{LogMsg, SetStoreInfo, StoreInfo, StoreSource};
 use rerun::external::re_tuid::Tuid;
@@ -7,7 +7,7 @@ use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimeCo
 
 use super::error::RerunError;
 
-/// The application that all recordings belong to.
+/// Name of the application, which a viewer groups recordings by.
 pub(super) const APPLICATION: &str = "toprise";
 
 /// The timeline of every recording: simulation time as a duration in nanoseconds.
@@ -16,7 +16,7 @@ pub(super) const TIMELINE: &str = "sim_time";
 /// How many messages may wait for a worker thread; each has at most about 200 kB.
 pub(super) const QUEUE: usize = 64;
 
-/// Hands out identifiers of chunks, which depend on nothing but their order.
+/// A counter of chunks, whose identifiers depend on nothing but their order.
 #[derive(Debug)]
 pub(super) struct Ids(u64);
 
@@ -28,7 +28,7 @@ impl Ids {
     /// For the chunks of a paced run that are cut for the viewer only.
     pub(super) const LIVE: Self = Self(1 << 62);
 
-    /// The next identifier; the rows of its chunk count up in the lower half.
+    /// The next identifier. Rows of the chunk are numbered in its lower half.
     pub(super) fn next(&mut self) -> Tuid {
         self.0 += 1;
         Tuid::from_nanos_and_inc(self.0, 0)

@@ -1,7 +1,7 @@
 //! Where the chunks of a recording go: into a file, to a viewer, or to both.
 //!
-//! Neither may keep the other, or the run, from going on. What happens to the viewer becomes a warning;
-//! an error of the file is kept for [`Outlet::finish`].
+//! Neither can stop the other, or the run. What happens to the viewer becomes a warning; an error of the file is kept
+//! for [`Outlet::finish`].
 
 use std::fs::File;
 
@@ -28,6 +28,7 @@ pub struct Outlet {
     ids: Ids,
     live_ids: Ids,
     file: Option<RrdFile>,
+    /// The first error.
     failure: Option<RerunError>,
     live: Option<LiveDestination>,
     warnings: Vec<String>,
@@ -55,17 +56,17 @@ impl Outlet {
         Ok(outlet)
     }
 
-    /// Whether there is a viewer, as far as is known.
+    /// Whether a viewer is being fed, as far as is known.
     pub(super) fn is_live(&self) -> bool {
         self.live.is_some()
     }
 
-    /// The warnings since the last call.
+    /// Warnings about the viewer since the last call.
     pub(super) fn take_warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.warnings)
     }
 
-    /// Sends what never changes in the course of the recording.
+    /// Sends components that hold for the whole recording.
     pub(super) fn send_static(
         &mut self,
         entity: impl Into<EntityPath>,
@@ -135,7 +136,7 @@ impl Outlet {
         }
     }
 
-    /// Keeps an error for [`Self::finish`], and gives the file up: something is missing in it.
+    /// Keeps an error for [`Self::finish`], and gives up the file, in which something is missing now.
     pub(super) fn keep(&mut self, result: Result<(), RerunError>) {
         if let Err(error) = result {
             self.file = None;
@@ -143,7 +144,7 @@ impl Outlet {
         }
     }
 
-    /// Completes all destinations; gives back the file and the warnings that were not taken yet.
+    /// Completes all destinations. Gives back the file and the warnings that were not taken yet.
     pub(super) fn finish(self) -> Result<(Option<File>, Vec<String>), RerunError> {
         let file = match self.failure {
             Some(error) => Err(error),

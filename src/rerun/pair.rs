@@ -1,4 +1,4 @@
-//! What a recording of two runs says about itself.
+//! What is known of two runs that are compared before their messages.
 
 use super::blueprint::quantities;
 use super::identity::{Geometry, Identity, Playback};
@@ -7,10 +7,10 @@ use crate::telemetry::fields::{NUTATION, POSE, Plot};
 use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
 
-/// What a recording of two runs says about itself.
+/// The names of a recording of two runs, and what is known of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairIdentity {
-    /// Recordings with the same identifier are one recording to a viewer.
+    /// Identifier: a viewer merges recordings that have the same.
     pub recording_id: String,
     /// The name that a viewer shows.
     pub name: String,
@@ -18,7 +18,7 @@ pub struct PairIdentity {
     pub a: Identity,
     /// The second run, from which the first is subtracted.
     pub b: Identity,
-    /// What a viewer does at first.
+    /// How a viewer begins to play it.
     pub playback: Playback,
 }
 
@@ -31,7 +31,7 @@ impl PairIdentity {
         }
     }
 
-    /// What a run is called: its letter, if its name doesn't tell it from the other.
+    /// The name of a run; its letter, if both have the same name.
     pub(super) fn name_of(&self, side: Side) -> &str {
         match side {
             _ if self.a.name != self.b.name => &self.run(side).name,
@@ -51,13 +51,13 @@ impl PairIdentity {
         (topic.info().is_sampled || topic == NUTATION) && self.a.has(topic) && self.b.has(topic)
     }
 
-    /// Whether there will be logarithms of these differences: the layout shows them, and the plot is of one number.
-    /// A row of several could not leave out those that are zero.
+    /// Whether there will be logarithms of these differences: the layout shows them, and the plot has one number. A
+    /// row of several could not leave out those that are zero.
     pub(super) fn has_magnitude_of(&self, plot: Plot) -> bool {
         self.has_difference_of(plot) && quantities::compares(plot) && plot.numbers().count() == 1
     }
 
-    /// The larger of the tops that are drawn.
+    /// Geometry of the larger of the tops that are drawn, if any.
     pub(super) fn stage(&self) -> Option<&Geometry> {
         let drawn = [&self.a, &self.b].into_iter();
         let drawn = drawn.filter(|run| run.has(POSE));
@@ -66,8 +66,7 @@ impl PairIdentity {
             .max_by(|one, other| height(one).total_cmp(&height(other)))
     }
 
-    /// A run with the scales of the stronger friction and the faster slip, so that arrows of both can be
-    /// compared.
+    /// A run whose arrows are drawn to the larger sizes of both, so that they can be compared.
     pub(super) fn with_common_scales(&self, side: Side) -> Identity {
         let run = self.run(side);
         let (a, b) = (&self.a.geometry, &self.b.geometry);

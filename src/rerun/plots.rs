@@ -1,4 +1,4 @@
-//! The plots of all channels: every number of every message.
+//! Plots: every number of every message, as curves.
 
 use super::error::RerunError;
 use super::look::Look;
@@ -18,7 +18,7 @@ struct PlotTrack {
 }
 
 impl Plots {
-    /// The plots that are `wanted`. Sends their names and colours.
+    /// Opens the plots that are `wanted`, and sends their names and colours.
     pub(super) fn new(
         wanted: impl Fn(Plot) -> bool,
         look: &Look,
@@ -38,8 +38,7 @@ impl Plots {
         Ok(Self(plots.collect::<Result<_, RerunError>>()?))
     }
 
-    /// Takes what `value` makes of the numbers of a message. A row in which it makes nothing of a number is left
-    /// out.
+    /// Adds a row of what `value` makes of the numbers of a message, unless it makes nothing of one of them.
     pub(super) fn write(
         &mut self,
         message: &Message<'_>,

@@ -1,4 +1,4 @@
-//! The `.rrd` file, and the thread that encodes and compresses for it.
+//! `.rrd` files, each written by a thread that encodes and compresses.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -27,7 +27,7 @@ pub(super) struct RrdFile {
 }
 
 impl RrdFile {
-    /// Starts to write into an empty file.
+    /// Starts the thread that writes into `file`.
     pub(super) fn open(file: File) -> Result<Self, RerunError> {
         let (queue, messages) = sync_channel(QUEUE);
         let worker = thread::Builder::new()
@@ -36,8 +36,7 @@ impl RrdFile {
         Ok(Self { queue, worker })
     }
 
-    /// Passes a message on; gives back whether the file still takes any. Why it doesn't is told by
-    /// [`Self::finish`].
+    /// Passes a message on, if the file still takes any. [`Self::finish`] tells why it doesn't.
     pub(super) fn send(&self, message: LogMsg) -> bool {
         self.queue.send(message).is_ok()
     }
@@ -71,7 +70,7 @@ fn encode(file: File, messages: &Receiver<LogMsg>) -> Result<File, RerunError> {
     Ok(file.into_inner().map_err(IntoInnerError::into_error)?)
 }
 
-/// What the encoder has written since it was last taken.
+/// The bytes that the encoder has written since they were last taken.
 #[derive(Clone, Default)]
 struct Encoded(Rc<RefCell<Vec<u8>>>);
 
@@ -92,10 +91,10 @@ impl Write for Encoded {
     }
 }
 
-/// The end of a file, which begins at byte `start`, with everything in a fixed order: the SDK lists stores
-/// and the columns of their schemas as its hash maps give them out, in another order each time.
+/// The `end` of a file, from byte `start` on, with its parts in a fixed order: the SDK's encoder lists stores, and the
+/// columns of their schemas, in the order of hash maps, which is another each time.
 ///
-/// It consists of a message header, the footer (a manifest per store), and where to find it.
+/// The end consists of a message header, the footer with a manifest per store, and the place of the footer.
 fn in_fixed_order(end: &[u8], start: u64) -> Result<Vec<u8>, RerunError> {
     type Footer = <RrdFooter as ToTransport>::Output;
 
@@ -120,7 +119,7 @@ fn in_fixed_order(end: &[u8], start: u64) -> Result<Vec<u8>, RerunError> {
     Ok(end)
 }
 
-/// A schema with its columns in the order of their names, each of which there is once.
+/// A schema with its columns sorted by name; no two have the same.
 fn with_sorted_columns(schema: &Schema) -> Schema {
     let mut columns: Vec<FieldRef> = schema.fields.iter().map(Arc::clone).collect();
     columns.sort_by(|one, other| one.name().cmp(other.name()));

@@ -26,14 +26,14 @@ use crate::telemetry::proportions::Proportions;
 pub(super) struct Scene {
     pose: Pose,
     arrows: Vec<Arrow>,
-    /// Orientation (world from body), as last heard.
+    /// Orientation (world from body) of the last pose.
     orientation: Option<UnitQuaternion<f64>>,
-    /// Centre of the peg in the world frame, m, as last heard.
+    /// Centre of the peg at the last pose, in the world frame, m.
     peg: Vector3<f64>,
 }
 
 impl Scene {
-    /// Sends everything that does not move.
+    /// Sends bodies, colours and labels, and what stands still if no other run shares it.
     pub(super) fn new(
         identity: &Identity,
         look: &Look,
@@ -55,7 +55,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Takes from a message what the scene shows.
+    /// Adds what a message says about the scene.
     pub(super) fn write(
         &mut self,
         message: &Message<'_>,
@@ -81,7 +81,7 @@ impl Collect for Scene {
     }
 }
 
-/// Sends what stands still: the table and the vertical. Two runs that are compared share them.
+/// Sends what stands still, which two runs that are compared share: the table and the vertical.
 pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) -> Result<(), RerunError> {
     let height = Proportions::new(&geometry.top).tip;
     let table = 2.1 * height;

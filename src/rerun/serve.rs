@@ -5,24 +5,23 @@ use std::net::{IpAddr, SocketAddr, TcpListener};
 use rerun::grpc_server::GrpcServerSink;
 use rerun::web_viewer::WebViewerConfig;
 
-/// Memory for what viewers that connect later are shown, bytes.
+/// Memory of the stream's server for viewers that connect later, bytes.
 const MEMORY: u64 = 2 << 30;
 
-/// A page with the viewer, and the server that its streams pass through.
+/// A server of the viewer's page and of the stream that it shows, until it is dropped.
 pub struct WebViewer {
-    /// Serves as long as it lives.
+    // Both serve until they are dropped.
     _stream: GrpcServerSink,
-    /// Likewise.
     _page: Box<dyn std::any::Any>,
     address: String,
     url: String,
 }
 
 impl WebViewer {
-    /// Serves the page at `port` and the stream at the port after it.
+    /// Serves the page at `port` and the stream at the next port.
     ///
     /// # Errors
-    /// What went wrong, as a text for people.
+    /// A sentence that says what went wrong.
     pub fn start(bind: IpAddr, port: u16) -> Result<Self, String> {
         let stream_port = port
             .checked_add(1)
@@ -64,20 +63,20 @@ impl WebViewer {
         })
     }
 
-    /// What to open in a browser.
+    /// The address to open in a browser.
     #[must_use]
     pub fn url(&self) -> &str {
         &self.url
     }
 
-    /// Where sinks connect to.
+    /// The address that sinks connect to.
     #[must_use]
     pub fn address(&self) -> &str {
         &self.address
     }
 }
 
-/// The server would only log that it can't listen.
+/// An error if nobody can listen at an address: the SDK's servers would only log it.
 fn check_free(address: SocketAddr) -> Result<(), String> {
     match TcpListener::bind(address) {
         Ok(_) => Ok(()),
@@ -89,7 +88,7 @@ fn check_free(address: SocketAddr) -> Result<(), String> {
     }
 }
 
-/// What this machine calls an address that it listens on.
+/// The name of this machine in an address that it listens at.
 fn host(bind: IpAddr) -> String {
     if bind.is_unspecified() {
         "127.0.0.1".to_owned()
@@ -98,7 +97,7 @@ fn host(bind: IpAddr) -> String {
     }
 }
 
-/// As it stands in front of a port.
+/// An IP address as it stands before a port.
 fn bracketed(ip: IpAddr) -> String {
     match ip {
         IpAddr::V4(ip) => ip.to_string(),

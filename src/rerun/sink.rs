@@ -19,16 +19,16 @@ use crate::archive::sink::{Sink, SinkError};
 use crate::telemetry::Message;
 use crate::telemetry::side::Side;
 
-/// Writes the messages of a run into a Rerun recording.
+/// A sink that makes a Rerun recording of a run.
 pub type RerunSink = Stream<Entities>;
 
-/// Writes the messages of two runs, and their differences, into one Rerun recording.
+/// A sink that makes one Rerun recording of two runs and their differences.
 pub type PairSink = Stream<Comparison>;
 
 /// A Rerun recording that is being written: its entities, and where they go.
 ///
-/// What happens to it never keeps a run from going on: writing gives no error. What happens to a viewer is
-/// told by [`Self::take_warnings`], what happens to the file by [`Self::finish`].
+/// Writing never fails, so that other sinks of the run go on. [`Self::take_warnings`] tells what happened to the
+/// viewer, [`Self::finish`] what happened to the file.
 pub struct Stream<E> {
     entities: E,
     outlet: Outlet,
@@ -38,7 +38,7 @@ impl Stream<Entities> {
     /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
     ///
     /// # Errors
-    /// If no thread can be started for the file, or the layout can't be written.
+    /// [`RerunError`] if no thread can be started for the file, or the layout can't be encoded.
     pub fn new(identity: &Identity, destinations: Destinations) -> Result<Self, RerunError> {
         let layout = blueprint::run::messages(identity)?;
         let (id, name) = (&identity.recording_id, &identity.name);
@@ -66,7 +66,7 @@ impl Stream<Comparison> {
     /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
     ///
     /// # Errors
-    /// If no thread can be started for the file, or the layout can't be written.
+    /// [`RerunError`] if no thread can be started for the file, or the layout can't be encoded.
     pub fn new(identity: &PairIdentity, destinations: Destinations) -> Result<Self, RerunError> {
         let layout = blueprint::pair::messages(identity)?;
         let (id, name) = (&identity.recording_id, &identity.name);
@@ -75,13 +75,13 @@ impl Stream<Comparison> {
         Ok(Self { entities, outlet })
     }
 
-    /// Takes a message of one run. Each run's come in the order of time; the runs take turns as they like.
+    /// Adds a message of one run. Each run's messages come in the order of time; the runs take turns as they like.
     pub fn write(&mut self, side: Side, message: &Message<'_>) {
         let written = self.entities.write(side, message, &mut self.outlet);
         self.outlet.keep(written);
     }
 
-    /// Takes the differences B − A of the numbers of a channel, at the time of A; its texts don't matter.
+    /// Adds the differences B − A of the numbers of a message, at the time of A; its texts don't matter.
     ///
     /// Channels that are neither sampled nor `/top/nutation` are passed over.
     pub fn difference(&mut self, message: &Message<'_>) {
@@ -89,7 +89,7 @@ impl Stream<Comparison> {
         self.outlet.keep(written);
     }
 
-    /// Shows how the comparison ended, in Markdown, instead of what was there before.
+    /// Replaces the summary of the comparison, which is Markdown.
     pub fn summarize(&mut self, markdown: &str) {
         let written = self.entities.summarize(markdown, &mut self.outlet);
         self.outlet.keep(written);
@@ -103,8 +103,7 @@ impl<E: Collect> Stream<E> {
         self.outlet.is_live()
     }
 
-    /// What went wrong with the viewer since the last call, for people to read. That there is none is a warning
-    /// too.
+    /// What went wrong with the viewer since the last call, in sentences. A viewer that isn't there is a warning too.
     #[must_use]
     pub fn take_warnings(&mut self) -> Vec<String> {
         self.outlet.take_warnings()
@@ -112,11 +111,11 @@ impl<E: Collect> Stream<E> {
 
     /// Sends all that is left and completes the file with its footer.
     ///
-    /// Gives back the file, written but not synced, and the warnings that were not taken yet. A viewer that
-    /// doesn't read is left after a few seconds.
+    /// Gives back the file, written but not synced, and the warnings that were not taken yet. A viewer that doesn't
+    /// read is left alone after a few seconds.
     ///
     /// # Errors
-    /// The first error of the file, which then holds what there was until then.
+    /// The first [`RerunError`]; the file then holds what was written before.
     pub fn finish(mut self) -> Result<(Option<File>, Vec<String>), RerunError> {
         let flushed = self.entities.flush(&mut self.outlet, Flush::All);
         self.outlet.keep(flushed);

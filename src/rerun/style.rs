@@ -10,7 +10,7 @@ use crate::telemetry::fields::{
     torque,
 };
 
-/// Colours of numbers that are not in the table below, in their order within a plot.
+/// Colours of numbers that are not in [`STORY`], in their order within a plot.
 const PALETTE: [u32; 7] = [SKY, ORANGE, GREEN, PURPLE, YELLOW, VERMILLION, BLUE];
 
 /// Names, colours and widths of the numbers in the layouts' charts.
@@ -62,8 +62,8 @@ const STORY: [(NumberField, &str, u32, f32); 42] = [
 
 /// Names, colours and widths of the numbers of one plot.
 ///
-/// Means over a nutation are dots: dots lie above lines, whatever the order of the entities. Where a pixel has room
-/// for one value only, lines show the least and the greatest, which is the envelope of a fast ripple.
+/// Means over a nutation are dots, because dots lie above lines, whatever the order of the entities. Where many values
+/// share a pixel, lines keep the least and the greatest: the envelope of a fast ripple.
 pub(super) fn of(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> {
     let styles = numbers.iter().enumerate();
     let styles: Vec<_> = styles.map(|(at, number)| one(*number, at, look)).collect();

@@ -6,21 +6,21 @@ use rerun::{Scalars, SerializedComponentColumn, TextLog};
 use super::error::RerunError;
 use super::outlet::Outlet;
 
-/// Rows of one chunk: large enough that the cost per chunk vanishes, small enough to bound memory.
+/// Rows of one chunk: enough that the cost per chunk doesn't matter, few enough to bound memory.
 const CHUNK_ROWS: usize = 4096;
 
-/// Which of the rows that wait are sent.
+/// Which of the waiting rows are sent, and where.
 #[derive(Clone, Copy)]
 pub enum Flush {
-    /// Those that the viewer does not have yet, and only to it: the file's chunks stay long.
+    /// Those that the viewer does not have yet, to the viewer; the file gets them later, in longer chunks.
     Viewer,
-    /// All, to wherever they are missing.
+    /// All, to every destination that does not have them yet.
     All,
 }
 
-/// Something that collects rows.
+/// A collection of rows that wait until they are sent.
 pub trait Collect {
-    /// Sends rows that wait.
+    /// Sends waiting rows.
     fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError>;
 }
 
@@ -36,11 +36,11 @@ impl<C: Collect> Collect for Vec<C> {
     }
 }
 
-/// What an entity logs, row after row.
+/// Rows of components of an entity.
 pub(super) trait Rows {
     /// The components of the rows from `start` on.
     fn columns(&self, start: usize) -> Result<Vec<SerializedComponentColumn>, RerunError>;
-    /// Forgets all rows but keeps their memory for the next ones.
+    /// Removes all rows, and keeps their memory for the next ones.
     fn clear(&mut self);
 }
 
@@ -54,7 +54,7 @@ pub(super) struct Track<R> {
 }
 
 impl<R: Rows> Track<R> {
-    /// No rows yet.
+    /// A track without rows; `rows` says of which kind they will be.
     pub(super) fn new(entity: impl Into<EntityPath>, rows: R) -> Self {
         Self {
             entity: entity.into(),
@@ -116,14 +116,14 @@ impl<R: Rows> Collect for Track<R> {
     }
 }
 
-/// The numbers of one plot: `width` of them per row.
+/// Rows of numbers: those of one plot.
 pub(super) struct Numbers {
     width: usize,
     values: Vec<f64>,
 }
 
 impl Numbers {
-    /// Rows of `width` numbers.
+    /// No rows yet, of `width` numbers each.
     pub(super) fn new(width: usize) -> Self {
         Self {
             width,
@@ -150,7 +150,7 @@ impl Rows for Numbers {
     }
 }
 
-/// The sentences of a log: one per row.
+/// Rows of a log: a sentence each.
 #[derive(Default)]
 pub(super) struct Texts(Vec<String>);
 

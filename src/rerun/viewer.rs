@@ -1,4 +1,4 @@
-//! The viewer that a recording is fed to while it grows.
+//! Live viewers, which are fed with a recording while it grows.
 
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::str::FromStr as _;
@@ -12,16 +12,16 @@ use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink as _};
 
 use super::message::QUEUE;
 
-/// How long to look for a viewer that should already be there.
+/// Patience with a viewer that should already be there.
 const CONNECT: Duration = Duration::from_secs(1);
-/// How long a viewer that was just started may take until it listens.
+/// Patience with a viewer that was just started, until it listens.
 const START: Duration = Duration::from_secs(10);
-/// How long a viewer may refuse to take anything before it is given up.
+/// Patience with a viewer that takes nothing, before it is given up.
 const STALL: Duration = Duration::from_secs(3);
-/// How long a viewer may take for the last messages.
+/// Patience with a viewer that takes the last messages.
 const FINISH: Duration = Duration::from_secs(5);
 
-/// Which viewer to feed.
+/// The viewer to feed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Live {
     /// The viewer at this address: `rerun+http://HOST:PORT/proxy`, or `HOST:PORT` for short.
@@ -41,7 +41,7 @@ pub(super) struct LiveDestination {
 }
 
 impl LiveDestination {
-    /// Finds or starts the viewer; the error is a text for people.
+    /// Finds or starts the viewer. The error is a sentence.
     pub(super) fn open(live: &Live) -> Result<Self, String> {
         match live {
             Live::Connect(address) => {
@@ -89,7 +89,7 @@ impl LiveDestination {
         }
     }
 
-    /// Waits until the viewer has everything, but not for long.
+    /// Waits until the viewer has everything, for a few seconds at most.
     pub(super) fn finish(self) -> Result<(), String> {
         let Self {
             address,
@@ -140,7 +140,7 @@ fn feed(uri: ProxyUri, messages: &Receiver<LogMsg>) -> Result<(), String> {
     sink.flush_blocking(FINISH).map_err(|e| e.to_string())
 }
 
-/// Accepts what `rerun` prints as its address, and `HOST:PORT`.
+/// The address that a text means: one as `rerun` prints it, or `HOST:PORT`.
 fn parse_address(address: &str) -> Result<ProxyUri, String> {
     let full = if address.contains("://") {
         address.to_owned()
@@ -151,7 +151,7 @@ fn parse_address(address: &str) -> Result<ProxyUri, String> {
         .map_err(|error| format!("{address:?} is no address of a Rerun viewer: {error}"))
 }
 
-/// Knocks at the viewer's door until it opens; the SDK's client would knock for ever.
+/// Tries to connect until the viewer answers, within `patience`; the SDK's client would try for ever.
 fn wait_for_viewer(uri: &ProxyUri, patience: Duration) -> Result<(), String> {
     let start = Instant::now();
     loop {
@@ -193,7 +193,7 @@ fn spawn_viewer() -> Result<ProxyUri, String> {
     parse_address(&options.connect_addr().to_string())
 }
 
-/// What to do if there is no viewer.
+/// Advice for when there is no viewer to start.
 pub const MISSING_VIEWER: &str = "\
 no executable `rerun` in PATH. Install the viewer with
     pip install rerun-sdk==0.36.3

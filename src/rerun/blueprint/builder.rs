@@ -1,4 +1,4 @@
-//! Builds the store of a blueprint.
+//! Builds blueprints: views in containers, and their properties.
 
 use rerun::blueprint::components::ContainerKind;
 use rerun::components::Name;
@@ -12,7 +12,7 @@ use rerun::{AsComponents, StoreId, TimePoint, Timeline};
 use crate::rerun::error::RerunError;
 use crate::rerun::message::{APPLICATION, Ids, opening, single_row};
 
-/// A view or a container, to be put into a container.
+/// A view or a container: a part of a layout.
 pub(super) struct Child {
     id: datatypes::Uuid,
     path: String,
@@ -52,7 +52,7 @@ impl Layout {
         Ok(())
     }
 
-    /// Numbers the parts of the layout; the viewer asks only that they differ.
+    /// The next part, numbered: the viewer only asks that identifiers differ.
     fn child(&mut self, prefix: &str) -> Child {
         self.children += 1;
         let number = self.children;
@@ -95,7 +95,7 @@ impl Layout {
         self.log(&format!("{}/{name}", view.path), components)
     }
 
-    /// Puts views and containers into a container, which shows the first of its tabs.
+    /// Puts parts into a container, which shows the first of them if they are tabs.
     pub(super) fn contain(
         &mut self,
         container: parts::ContainerBlueprint,
@@ -117,7 +117,7 @@ impl Layout {
         Ok(child)
     }
 
-    /// Likewise; no container without contents.
+    /// Puts parts into a container, if there are any.
     pub(super) fn contain_any(
         &mut self,
         container: parts::ContainerBlueprint,

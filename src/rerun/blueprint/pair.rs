@@ -20,7 +20,7 @@ use crate::telemetry::fields::{EVENTS, POSE, Plot};
 use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
 
-/// All messages of the blueprint, the last of which activates it.
+/// The messages of the layout.
 pub(in super::super) fn messages(identity: &PairIdentity) -> Result<Vec<LogMsg>, RerunError> {
     let mut layout = Layout::new(&identity.recording_id);
     let left = left_side(&mut layout, identity)?;
@@ -34,7 +34,7 @@ pub(in super::super) fn messages(identity: &PairIdentity) -> Result<Vec<LogMsg>,
     Ok(layout.finish())
 }
 
-/// The scene if there is one, and below it the words: how the comparison ended, and what happened.
+/// The scene, if there is one, and below it the summary and the events.
 fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, RerunError> {
     let mut rows = Vec::new();
     let mut shares = Vec::new();
@@ -63,14 +63,14 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, Reru
     layout.contain(column(&shares), &rows)
 }
 
-/// The looks of the runs that have a topic.
+/// The looks of those runs that have a topic.
 fn looks(identity: &PairIdentity, topic: Topic) -> Vec<Look> {
     let sides = [Side::A, Side::B].into_iter();
     let sides = sides.filter(|side| identity.run(*side).has(topic));
     sides.map(|side| identity.look(side)).collect()
 }
 
-/// The summary, and behind it what there is to say about each run.
+/// The summary, and the descriptions of the runs behind it.
 fn words(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, RerunError> {
     let mut pages = vec![layout.view("TextDocument", "Summary", SUMMARY, &["$origin"])?];
     for side in [Side::A, Side::B] {
@@ -80,7 +80,7 @@ fn words(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, RerunErr
     layout.contain(tabs(), &pages)
 }
 
-/// Two pages of charts; charts and pages without data are left out.
+/// Two pages of charts. Those without data are left out.
 fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Option<Child>, RerunError> {
     let mut motion = rows(layout, identity, &MOTION)?;
     let mut friction = Vec::new();
@@ -97,7 +97,7 @@ fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Option<Chi
     layout.contain_any(tabs(), &pages)
 }
 
-/// A row per quantity: both curves, their difference, and its magnitude.
+/// A row of charts per quantity: both curves, their difference, and the magnitude of that.
 fn rows(
     layout: &mut Layout,
     identity: &PairIdentity,
@@ -146,7 +146,7 @@ fn differences(
     Ok(plain.into_iter().chain(magnitude).collect())
 }
 
-/// A plot whose time axis moves with those of all others; none without contents.
+/// A chart whose time axis moves with those of all others, if it has contents.
 fn curves(
     layout: &mut Layout,
     name: &str,

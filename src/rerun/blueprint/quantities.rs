@@ -1,4 +1,4 @@
-//! What is compared of two runs, and shown.
+//! The quantities that a comparison of two runs shows.
 
 use rerun::blueprint::components::Corner2D;
 
@@ -8,11 +8,11 @@ use crate::telemetry::fields::{Plot, contact, energy, nutation, precession, stat
 pub(super) struct Quantity {
     pub(super) name: &'static str,
     pub(super) unit: &'static str,
-    /// What is shown of each run.
+    /// Plots that are shown of each run.
     pub(super) curves: &'static [Plot],
-    /// What is subtracted.
+    /// Plots that are subtracted.
     pub(super) differences: &'static [Plot],
-    /// Where the legend is out of the curves' way. Most go without: colours mean the same everywhere.
+    /// The corner where a legend is out of the curves' way. Most charts go without: colours mean the same everywhere.
     pub(super) legend: Option<Corner2D>,
 }
 
@@ -42,7 +42,7 @@ const ENERGY: &[Plot] = &[energy::TOTAL.plot()];
 const EXCESS: &[Plot] = &[precession::EXCESS.plot()];
 const PERIOD: &[Plot] = &[nutation::PERIOD.plot()];
 
-/// What tells whether and how they differ; each is a row of charts.
+/// Quantities that tell whether and how the motions differ; each is a row of charts.
 pub(super) const MOTION: [Quantity; 4] = [
     quantity(
         "θ",
@@ -56,7 +56,7 @@ pub(super) const MOTION: [Quantity; 4] = [
     quantity("dψ/dt", "rad/s", &[state::PSI_DOT.plot()], PSI_DOT, None),
 ];
 
-/// What friction does; in one row.
+/// Effects of friction, in one row of charts.
 pub(super) const FRICTION: [Quantity; 3] = [
     quantity("Slip speed", "m/s", SLIP_SPEED, &[], None),
     quantity(
@@ -75,7 +75,7 @@ pub(super) const FRICTION: [Quantity; 3] = [
     ),
 ];
 
-/// What else there is to see; each is a row of charts.
+/// Further quantities, on the second page; each is a row of charts.
 #[rustfmt::skip]
 pub(super) const MORE: [Quantity; 5] = [
     quantity("Slip speed", "m/s", SLIP_SPEED, SLIP_SPEED, None),
@@ -85,7 +85,7 @@ pub(super) const MORE: [Quantity; 5] = [
     quantity("Nutation period", "s", PERIOD, PERIOD, None),
 ];
 
-/// Whether the layout shows the differences of this plot.
+/// Whether the layout shows differences of a plot.
 pub(in super::super) fn compares(plot: Plot) -> bool {
     let mut rows = MOTION.iter().chain(&MORE);
     rows.any(|quantity| quantity.differences.contains(&plot))

@@ -1,4 +1,4 @@
-//! The layout for one run: the scene at the left, the plots that tell the story at the right, what happened below.
+//! The layout for one run: the scene at the left with the events below, the charts that tell the story at the right.
 
 use rerun::blueprint::components::{ContainerKind, Corner2D};
 use rerun::blueprint::datatypes::TextLogColumnKind;
@@ -18,7 +18,7 @@ use crate::telemetry::fields::{
 };
 use crate::telemetry::proportions::Proportions;
 
-/// Plots in one view: what stands above them, and where the legend is out of their way.
+/// A view of some plots, with its title and the corner where the legend is out of the curves' way.
 struct Chart {
     name: &'static str,
     contents: &'static [Plot],
@@ -33,7 +33,7 @@ const fn chart(name: &'static str, contents: &'static [Plot], legend: Corner2D) 
     }
 }
 
-/// How it rises.
+/// Charts of the first page: how the top rises.
 #[rustfmt::skip]
 const RISE: [Chart; 8] = [
     chart("θ, inclination (rad)", &[state::THETA.plot(), nutation::THETA_MEAN.plot()], Corner2D::RightTop),
@@ -58,7 +58,7 @@ const RISE: [Chart; 8] = [
     chart("Total and kinetic energy (J)", &[energy::TOTAL.plot()], Corner2D::LeftBottom),
 ];
 
-/// What else there is to see.
+/// Charts of the second page.
 #[rustfmt::skip]
 const MORE: [Chart; 8] = [
     chart(
@@ -79,7 +79,7 @@ const MORE: [Chart; 8] = [
     chart("Power of friction (W)", &[energy::FRICTION_POWER.plot()], Corner2D::RightBottom),
 ];
 
-/// All messages of the blueprint, the last of which activates it.
+/// The messages of the layout.
 pub(in super::super) fn messages(identity: &Identity) -> Result<Vec<LogMsg>, RerunError> {
     let mut layout = Layout::new(&identity.recording_id);
     let left = left_side(&mut layout, identity)?;
@@ -98,7 +98,7 @@ pub(in super::super) fn messages(identity: &Identity) -> Result<Vec<LogMsg>, Rer
     Ok(layout.finish())
 }
 
-/// The scene if there is one, and below it what happened, in words.
+/// The scene, if there is one, and below it the events and the description.
 fn left_side(layout: &mut Layout, identity: &Identity) -> Result<Child, RerunError> {
     let about = layout.view("TextDocument", "About this run", ABOUT, &["$origin"])?;
     let mut pages = vec![about];
@@ -116,7 +116,7 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Result<Child, RerunErr
     layout.contain(column(&[76.0, 24.0]), &[scene, words])
 }
 
-/// Two pages of charts; charts and pages without data are left out.
+/// Two pages of charts. Those without data are left out.
 fn right_side(layout: &mut Layout, identity: &Identity) -> Result<Option<Child>, RerunError> {
     let mut pages = Vec::new();
     for (name, charts) in [("How it rises", &RISE), ("More", &MORE)] {

@@ -1,4 +1,4 @@
-//! The views and panels that layouts are made of.
+//! Views and panels that both layouts are made of.
 
 use rerun::blueprint::components::{
     BackgroundKind, Eye3DKind, LoopMode, PanelState, PlayState, TextLogColumn, TimelineColumn,
@@ -17,10 +17,10 @@ use crate::rerun::look::Look;
 use crate::rerun::message::TIMELINE;
 use crate::telemetry::proportions::Proportions;
 
-/// How fast a viewer plays at first: a quarter of real time, for the spin is fast.
+/// The speed at which a viewer plays at first: a quarter of real time, for the spin is fast.
 const SPEED: f64 = 0.25;
 
-/// The scene of these entities, with the trails of the runs that look so.
+/// A view of the scene with these entities, among them the trails of the runs that look so.
 pub(super) fn scene(
     layout: &mut Layout,
     name: &str,
@@ -50,7 +50,7 @@ pub(super) fn scene(
     Ok(view)
 }
 
-/// From the beginning to the time cursor.
+/// The time from the beginning to the cursor.
 fn past() -> VisibleTimeRange {
     VisibleTimeRange(datatypes::VisibleTimeRange {
         timeline: TIMELINE.into(),
@@ -61,7 +61,7 @@ fn past() -> VisibleTimeRange {
     })
 }
 
-/// The events of these entities, with these columns beside the time.
+/// A list of the events of these entities, with these columns beside the time.
 pub(super) fn events(
     layout: &mut Layout,
     contents: &[String],
@@ -84,7 +84,7 @@ pub(super) fn events(
     Ok(view)
 }
 
-/// The curves of these entities.
+/// A chart of these entities.
 pub(super) fn time_series(
     layout: &mut Layout,
     name: &str,
@@ -96,7 +96,7 @@ pub(super) fn time_series(
     Ok(view)
 }
 
-/// The panels around the views, and what a viewer does at first.
+/// Sets the panels around the views, and how a viewer begins to play.
 pub(super) fn panels(
     layout: &mut Layout,
     is_alone: bool,

@@ -17,15 +17,15 @@ use crate::telemetry::proportions::Proportions;
 /// Time between two positions of a label, in ns.
 const LABEL_NS: u64 = 10_000_000;
 
-/// What an arrow shows. It is `length` times as long as the top is high when the quantity has the
-/// size `scale`; without a scale, at its first sample.
+/// What an arrow shows, and how. The arrow is `length` times as long as the top is high when the quantity has the size
+/// `scale`; without a scale, at its first sample.
 pub(super) struct ArrowKind {
     entity: &'static str,
     label: &'static str,
     color: u32,
     vector: VectorField,
     in_body_axes: bool,
-    /// Where it begins; at the centre of the peg without.
+    /// The point where it begins, unless that is the centre of the peg.
     origin: Option<VectorField>,
     length: f64,
     scale: fn(&Geometry) -> Option<f64>,
@@ -33,7 +33,7 @@ pub(super) struct ArrowKind {
     is_compared: bool,
 }
 
-/// All arrows. Friction's are left out when there is no friction.
+/// All kinds of arrows.
 pub(super) const ARROWS: [ArrowKind; 5] = [
     ArrowKind {
         entity: "scene/slip_velocity",
@@ -101,8 +101,7 @@ impl ArrowKind {
             && (look.is_alone() || self.is_compared)
     }
 
-    /// How far the label is moved up: what begins at the peg's centre gets its name above the
-    /// tip, what lies on the table below.
+    /// How far the label is moved up from the tip, in m, so that labels at the peg and on the table don't meet.
     fn lift(&self, look: &Look, proportions: &Proportions) -> f64 {
         let lift = if self.origin.is_none() { 0.13 } else { 0.0 };
         (lift + look.lift()) * proportions.tip
@@ -138,7 +137,7 @@ pub(super) struct Arrow {
 }
 
 impl Arrow {
-    /// The arrows that there is anything to draw of.
+    /// The arrows for which there is anything to draw.
     pub(super) fn all(identity: &Identity, look: &Look) -> Vec<Self> {
         let kinds = ARROWS.iter().filter(|kind| kind.exists(identity, look));
         kinds
@@ -178,8 +177,8 @@ impl Arrow {
         outlet.send_static(label_entity(&entity), &label)
     }
 
-    /// Takes the arrow from a message, if it is one of its channel. Orientation (world from body) and centre of
-    /// the peg are those of the last pose.
+    /// Adds a row for a message of the arrow's channel. Orientation (world from body) and centre of the peg are those
+    /// of the last pose.
     pub(super) fn write(
         &mut self,
         message: &Message<'_>,
@@ -217,8 +216,7 @@ impl Collect for Arrow {
     }
 }
 
-/// The name of an arrow, a little beyond its tip. Short arrows go without, or all their names
-/// would lie on top of each other.
+/// The name of an arrow, a little beyond its tip. Short arrows go without: their names would lie on top of each other.
 struct Label {
     shortest: f64,
     lift: f64,
@@ -261,7 +259,7 @@ impl Label {
     }
 }
 
-/// A position per row, or none.
+/// Rows of a position, or of none.
 #[derive(Default)]
 struct Positions(Vec<Option<[f32; 3]>>);
 
@@ -278,6 +276,7 @@ impl Rows for Positions {
     }
 }
 
+/// Rows of an arrow.
 #[derive(Default)]
 struct Arrows {
     origins: Vec<[f32; 3]>,

@@ -1,4 +1,4 @@
-//! The moving top and the trail of its axis.
+//! The top as it moves.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rerun::SerializedComponentColumn;
@@ -41,7 +41,7 @@ impl Pose {
         })
     }
 
-    /// Takes a message of the poses' channel, with its orientation (world from body) and centre of the peg.
+    /// Adds a row for a message of `/top/pose`, whose orientation (world from body) and centre of the peg are given.
     pub(super) fn write(
         &mut self,
         message: &Message<'_>,
@@ -66,6 +66,7 @@ impl Collect for Pose {
     }
 }
 
+/// Rows of a transform from body to world.
 #[derive(Default)]
 struct Poses {
     translations: Vec<[f32; 3]>,

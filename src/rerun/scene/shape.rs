@@ -15,7 +15,7 @@ const STEPS: usize = 96;
 /// Sectors of alternating colour, so that the spin is visible.
 const SECTORS: usize = 6;
 
-/// Distance from the axis and height, and the direction of the surface's normal in that plane.
+/// A point of a profile: its distance from the axis, its height, and the surface's normal in that plane.
 #[derive(Clone, Copy)]
 struct ProfilePoint {
     radius: f64,
@@ -44,7 +44,7 @@ const DISC: Palette = [CREAM, INK, CREAM, INK, MARK, INK];
 const CONE: Palette = [WOOD; SECTORS];
 const METAL: Palette = [STEEL; SECTORS];
 
-/// From the bottom to the tip; each part is smooth, edges lie between parts.
+/// Profiles of the top's parts, from the bottom to the tip. Each is smooth; edges lie between them.
 fn parts(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
     let half = 0.5 * p.thickness();
     let (low, high) = (p.disc_height - half, p.disc_height + half);
@@ -81,7 +81,7 @@ fn parts(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
     ]
 }
 
-/// Part of a circle in the plane of the profile, between two angles from the horizontal in rad.
+/// An arc of a profile, between two angles from the horizontal in rad.
 fn arc(center: [f64; 2], radius: f64, from: f64, to: f64) -> Vec<ProfilePoint> {
     const PIECES: u32 = 16;
     (0..=PIECES)
@@ -97,7 +97,7 @@ fn arc(center: [f64; 2], radius: f64, from: f64, to: f64) -> Vec<ProfilePoint> {
         .collect()
 }
 
-/// A straight piece of the profile; outside is to the right of its direction.
+/// A straight piece of a profile; the outside is to the right of its direction.
 fn line(from: [f64; 2], to: [f64; 2]) -> Vec<ProfilePoint> {
     let direction = [to[0] - from[0], to[1] - from[1]];
     let length = math::hypot(direction[0], direction[1]).max(f64::MIN_POSITIVE);

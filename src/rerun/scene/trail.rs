@@ -18,8 +18,8 @@ const POINT_NS: u64 = 1_000_000;
 
 /// The path of the symmetry axis on a sphere around the peg, and its projection onto the table.
 ///
-/// Each row is one short piece; the blueprint shows all pieces up to the time cursor. So the size
-/// of a recording grows linearly with its length, and the cursor moves along the whole path.
+/// Each row is one short piece, and the layout shows all pieces up to the time cursor. So the size of a recording grows
+/// linearly with its length, and the cursor moves along the whole path.
 pub(super) struct Trail {
     radius: f64,
     above: Track<Pieces>,
@@ -54,7 +54,7 @@ impl Trail {
         Ok(())
     }
 
-    /// Takes centre of the peg and direction of the axis at a time in ns.
+    /// Adds a point: centre of the peg and direction of the axis at a time in ns.
     pub(super) fn write(
         &mut self,
         time_ns: u64,
@@ -87,11 +87,12 @@ impl Collect for Trail {
     }
 }
 
-/// A piece as the table shows it.
+/// The projection of a piece onto the table.
 fn projected(piece: &[[f32; 3]]) -> Vec<[f32; 3]> {
     piece.iter().map(|[x, y, _]| [*x, *y, 0.0]).collect()
 }
 
+/// Rows of a piece of a path.
 #[derive(Default)]
 struct Pieces(Vec<Vec<[f32; 3]>>);
 
