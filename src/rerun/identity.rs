@@ -38,7 +38,7 @@ pub struct Identity {
     /// The top, and the sizes that arrows are drawn to.
     pub geometry: Geometry,
     /// Topics that will be written; the layout leaves out the plots of others.
-    pub topics: Vec<String>,
+    pub topics: Vec<Topic>,
     /// How a viewer begins to play it.
     pub playback: Playback,
     /// Whether it is the only recording in its viewer, so that there is none to choose.
@@ -51,7 +51,7 @@ impl Identity {
     /// The identifier depends on the name: two runs of one scenario are two recordings to a viewer, as they are two
     /// files.
     #[must_use]
-    pub fn of(name: &str, scenario: &Scenario, topics: Vec<String>, playback: Playback) -> Self {
+    pub fn of(name: &str, scenario: &Scenario, topics: Vec<Topic>, playback: Playback) -> Self {
         let model = &scenario.model;
         Self {
             recording_id: format!("{name}-{:.16}", scenario.digest()),
@@ -76,6 +76,6 @@ impl Identity {
 
     /// Whether messages of this topic will be written.
     pub(super) fn has(&self, topic: Topic) -> bool {
-        self.topics.iter().any(|known| known == topic.name())
+        self.topics.contains(&topic)
     }
 }

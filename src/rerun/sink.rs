@@ -146,9 +146,9 @@ mod tests {
     use crate::rerun::identity::{Geometry, Playback};
     use crate::rerun::viewer::Live;
     use crate::run::scenario::Preset;
-    use crate::telemetry::channels;
+    use crate::telemetry::{Topic, channels};
 
-    fn identity(topics: Vec<String>) -> Identity {
+    fn identity(topics: Vec<Topic>) -> Identity {
         Identity {
             recording_id: "test".to_owned(),
             name: "test".to_owned(),
@@ -165,9 +165,8 @@ mod tests {
         }
     }
 
-    fn all_topics() -> Vec<String> {
-        let topics = channels().iter().map(|channel| channel.topic.to_owned());
-        topics.collect()
+    fn all_topics() -> Vec<Topic> {
+        Topic::all().collect()
     }
 
     /// Writes `count` rows of ones per channel.

@@ -36,18 +36,15 @@ impl Run {
         }
     }
 
-    fn identity(&self, topics: &[&str]) -> Identity {
-        let topics = topics
-            .iter()
-            .filter_map(|topic| Topic::find(topic))
-            .collect();
+    fn identity(&self, topics: &[Topic]) -> Identity {
+        let topics = topics.to_vec();
         Identity::of(self.name, &self.scenario, topics, Playback::PausedAtStart)
     }
 
     /// The messages of these topics.
-    fn messages(&self, topics: &[&str]) -> impl Iterator<Item = &Owned> {
+    fn messages(&self, topics: &[Topic]) -> impl Iterator<Item = &Owned> {
         let topics = topics.to_vec();
-        let wanted = move |message: &&Owned| topics.contains(&channels()[message.channel].topic);
+        let wanted = move |message: &&Owned| topics.contains(&message.as_message().topic());
         self.messages.iter().filter(wanted)
     }
 }
@@ -55,8 +52,8 @@ impl Run {
 static PAPER: LazyLock<Run> = LazyLock::new(|| Run::of("paper"));
 static FULL: LazyLock<Run> = LazyLock::new(|| Run::of("full-coulomb"));
 
-fn all_topics() -> Vec<&'static str> {
-    channels().iter().map(|channel| channel.topic).collect()
+fn all_topics() -> Vec<Topic> {
+    Topic::all().collect()
 }
 
 /// The differences of the messages that both runs have.
@@ -76,7 +73,7 @@ fn differences(a: &[&Owned], b: &[&Owned]) -> Vec<Owned> {
 }
 
 /// Writes both runs with these topics.
-fn write(path: &Path, (a, topics_a): (&Run, &[&str]), (b, topics_b): (&Run, &[&str])) {
+fn write(path: &Path, (a, topics_a): (&Run, &[Topic]), (b, topics_b): (&Run, &[Topic])) {
     let identity = PairIdentity {
         recording_id: "pair".to_owned(),
         name: "a pair".to_owned(),

@@ -5,7 +5,7 @@ use super::Setup;
 use crate::archive::publish::Place;
 use crate::archive::sink::{Sink, SinkError};
 use crate::rerun::{Destinations, Identity, Playback, RerunSink};
-use crate::telemetry::{Telemetry, Topic, channels};
+use crate::telemetry::{Telemetry, Topic};
 use anyhow::{Context as _, Error};
 use std::path::PathBuf;
 
