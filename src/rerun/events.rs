@@ -44,7 +44,8 @@ impl Events {
         if message.topic() != EVENTS {
             return Ok(());
         }
-        let track = match EventKind::is_nutation(events::NAME.of(message)) {
+        let kind = EventKind::find(events::NAME.of(message));
+        let track = match kind.is_some_and(EventKind::is_of_nutation) {
             true => &mut self.nutation,
             false => &mut self.notable,
         };

@@ -112,14 +112,6 @@ impl EventKind {
         }
     }
 
-    /// Whether a name is that of an extreme of the nutation, of which a run has hundreds.
-    #[must_use]
-    pub fn is_nutation(name: &str) -> bool {
-        [Self::NutationMinimum, Self::NutationMaximum]
-            .iter()
-            .any(|kind| kind.name() == name)
-    }
-
     /// What happened, for people.
     #[must_use]
     pub(super) fn describe(self, motion: &Motion) -> String {
