@@ -22,7 +22,7 @@ use toprise::archive::sink::Sink;
 use toprise::archive::writer::Form;
 use toprise::run::scenario::Scenario;
 use toprise::telemetry::encoding::{Decoder, Encoder, Encoding, Row};
-use toprise::telemetry::fields::{ENERGY, NumberField, STATE, state};
+use toprise::telemetry::fields::{ENERGY, NumberField, POSE, STATE, pose, state};
 use toprise::telemetry::{Telemetry, Topic, Topics, channels};
 
 fn short() -> Scenario {
@@ -100,6 +100,23 @@ fn columns_are_what_the_messages_say() {
             assert_eq!(series.times_ns, times, "{topic}");
             assert_eq!(series.values, values, "{field}");
             assert_eq!(series.field.unit(), info.numbers[number].unit);
+        }
+    }
+}
+
+#[test]
+fn several_columns_are_read_in_one_pass() {
+    let (_directory, path) = recorded("run.mcap", PROTOBUF);
+    let recording = Recording::open(&path).unwrap();
+    let fields = [pose::AXIS.z(), state::THETA, pose::AXIS.x()];
+    let columns = recording.columns(POSE, &fields).unwrap();
+    for (field, values) in fields.iter().zip(&columns.values) {
+        let series = recording.series(*field).unwrap();
+        assert_eq!(columns.times_ns, series.times_ns);
+        if field.topic() == POSE {
+            assert_eq!(*values, series.values, "{field}");
+        } else {
+            assert!(values.iter().all(|value| value.is_nan()), "{field}");
         }
     }
 }
