@@ -1,7 +1,7 @@
 //! Recordings that end early, simulated again to their end.
 
 use crate::analysis::verify::{Group, Options, Verdict, verify};
-use crate::archive::publish::{Existing, Place};
+use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::Recording;
 use crate::archive::recover::RecoverError;
 use crate::archive::sink::{RecordError, Sink, record};
@@ -25,6 +25,7 @@ pub fn complete(
     existing: Existing,
     progress: &dyn Fn(u64),
 ) -> Result<Archived, RecoverError> {
+    refuse_inputs(path, [recording.path()])?;
     let scenario = recording.scenario()?;
     let report = verify(recording, Options { reproduce: true }, progress);
     let different = report
@@ -42,12 +43,7 @@ pub fn complete(
         encoding: recording.encoding().unwrap_or(Encoding::Json),
         views: recording.channels().iter().any(|channel| channel.is_view()),
     };
-    let mut sink = McapSink::create_in(
-        Place::reserve_derived(path, existing)?,
-        &scenario,
-        &telemetry,
-        form,
-    )?;
+    let mut sink = McapSink::create_in(Draft::new(path, existing)?, &scenario, &telemetry, form)?;
     let mut simulation = Simulation::new(&scenario).map_err(RecordError::from)?;
     let mut sinks: [&mut dyn Sink; 1] = [&mut sink];
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));

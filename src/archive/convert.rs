@@ -1,7 +1,7 @@
 //! A recording in another encoding: the same content, metadata and attachments.
 
 use crate::archive::format::{CONTENT_DIGEST, END_RECORD, LIBRARY, RECOVERY_RECORD};
-use crate::archive::publish::{Existing, Place};
+use crate::archive::publish::{Draft, Existing};
 use crate::archive::recording::{
     Any, Condition, Entries, FileChannel, MessageError, Recording, Selection, Undecoded,
 };
@@ -54,7 +54,7 @@ pub enum ConvertError {
 /// Writes `recording` to `path` with the channels of the table in `encoding`.
 ///
 /// The content digest of the new recording is checked against the end record before the file gets its
-/// name. `progress` is told how many more bytes have been read.
+/// name. So a recording may be converted in its place, with [`Existing::Replace`]. `progress` is told how many more bytes have been read.
 ///
 /// # Errors
 /// [`ConvertError`]; nothing is left at `path` then.
@@ -68,14 +68,9 @@ pub fn convert(
     check_condition(recording)?;
     let opening = opening(recording, encoding)?;
     let ending = ending(recording);
-    let mut sink = McapSink::open(Place::reserve_derived(path, existing)?, &opening)?;
-    match copy(recording, &mut sink, progress) {
-        Ok(()) => Ok(sink.finish_with(ending)?),
-        Err(error) => {
-            sink.discard();
-            Err(error)
-        }
-    }
+    let mut sink = McapSink::open(Draft::new(path, existing)?, &opening)?;
+    copy(recording, &mut sink, progress)?;
+    Ok(sink.finish_with(ending)?)
 }
 
 fn check_condition(recording: &Recording) -> Result<(), ConvertError> {

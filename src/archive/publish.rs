@@ -1,20 +1,25 @@
 //! Files that appear whole or not at all.
 //!
-//! A file is written as `NAME.partial` beside its place and takes its name only when it is complete
-//! and on the disk. A partial file of an interrupted run stays and is never written over.
+//! A [`Draft`] is written beside its place under a temporary name and takes its own name only when it is complete
+//! and on the disk. Temporary names are always new: no file that exists is ever opened for writing, so neither
+//! what a command reads, nor what another one is writing or has left, can be harmed.
+//!
+//! The draft of a run is called `NAME.partial` and stays if the run doesn't reach its end. Everything else can be
+//! made again: its draft is a hidden file that vanishes if it isn't published.
 
 use crate::archive::sink::SinkError;
 use std::ffi::OsString;
-use std::fs::{self, File, OpenOptions};
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Seek as _, Write};
 use std::path::{Path, PathBuf};
+use tempfile::{Builder, NamedTempFile, TempPath};
 
-/// What may happen to a file that already has the name.
+/// What happens to a file that already has the name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
     /// It stays; publishing is refused.
     Keep,
-    /// It is replaced, in one moment.
+    /// It is replaced, in one moment. A symbolic link is replaced as a name: the file it leads to stays as it is.
     Replace,
 }
 
@@ -26,77 +31,58 @@ impl Existing {
     }
 }
 
-/// A file on its way to its name.
-#[derive(Clone, Debug)]
-pub struct Place {
+/// A file that is being written and takes its name when it is complete.
+#[derive(Debug)]
+pub struct Draft {
+    file: NamedTempFile,
     path: PathBuf,
-    /// Its name until then.
-    partial: PathBuf,
     existing: Existing,
+    /// The name under which it stays if it is not published; none if it vanishes then.
+    partial: Option<PathBuf>,
 }
 
-impl Place {
-    /// Reserves `path`: makes its directory and creates the partial file.
+impl Draft {
+    /// Starts a file that vanishes if it is not published.
     ///
     /// # Errors
-    /// [`SinkError::Exists`] if the file, or a partial one, is there; [`SinkError::Io`] otherwise.
-    pub fn reserve(path: &Path, existing: Existing) -> Result<(Self, File), SinkError> {
-        Self::reserve_as(path, partial_name(path), existing)
-    }
-
-    /// The same for a file that is made from another: until it is complete it is called `NAME.new`, because
-    /// the other may be the `NAME.partial` that an interrupted run has left.
-    ///
-    /// # Errors
-    /// As for [`Place::reserve`].
-    pub fn reserve_derived(path: &Path, existing: Existing) -> Result<(Self, File), SinkError> {
-        Self::reserve_as(path, with_suffix(path, ".new"), existing)
-    }
-
-    fn reserve_as(
-        path: &Path,
-        partial: PathBuf,
-        existing: Existing,
-    ) -> Result<(Self, File), SinkError> {
-        // A directory, a device, a pipe: a rename would put a file in its place.
-        if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
-            return Err(SinkError::Exists {
-                path: path.to_owned(),
-                advice: "it is not a file; name one",
-            });
-        }
-        if existing == Existing::Keep && path.symlink_metadata().is_ok() {
-            return Err(SinkError::Exists {
-                path: path.to_owned(),
-                advice: "choose another name, or replace it with --force",
-            });
-        }
-        if let Some(directory) = path.parent() {
-            fs::create_dir_all(directory)
-                .map_err(|e| io_error("create directory", directory, e))?;
-        }
-        let mut options = OpenOptions::new();
-        options.write(true);
-        match existing {
-            Existing::Keep => options.create_new(true),
-            Existing::Replace => options.create(true).truncate(true),
-        };
-        let file = options.open(&partial).map_err(|error| {
-            if error.kind() == io::ErrorKind::AlreadyExists {
-                SinkError::Exists {
-                    path: partial.clone(),
-                    advice: "something is writing it or was interrupted; move it away, or replace it with --force",
-                }
-            } else {
-                io_error("create", &partial, error)
-            }
-        })?;
-        let place = Self {
+    /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
+    pub fn new(path: &Path, existing: Existing) -> Result<Self, SinkError> {
+        prepare(path, existing)?;
+        let mut prefix = OsString::from(".");
+        prefix.push(path.file_name().unwrap_or_default());
+        prefix.push(".");
+        let mut builder = Builder::new();
+        builder.prefix(&prefix).suffix(".tmp");
+        // Files of `tempfile_in` could be read by their owner alone, even after they are published.
+        let file = builder.make_in(directory_of(path), |name| File::create_new(name));
+        Ok(Self {
+            file: file.map_err(|error| io_error("create", path, error))?,
             path: path.to_owned(),
-            partial,
             existing,
+            partial: None,
+        })
+    }
+
+    /// Starts the recording of a run: a file that is called `NAME.partial` until it is published, and stays from
+    /// [`Draft::keep`] on. If [`Existing::Replace`] allows it, a `NAME.partial` that is there already is
+    /// left alone, and the next free name of `NAME.2.partial`, `NAME.3.partial`, … is taken.
+    ///
+    /// # Errors
+    /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
+    pub fn of_run(path: &Path, existing: Existing) -> Result<Self, SinkError> {
+        prepare(path, existing)?;
+        let (file, partial) = create_partial(path, existing)?;
+        let name = TempPath::try_from_path(&partial);
+        let name = name.map_err(|error| io_error("create", &partial, error))?;
+        let draft = Self {
+            file: NamedTempFile::from_parts(file, name),
+            path: path.to_owned(),
+            existing,
+            partial: Some(partial),
         };
-        Ok((place, file))
+        // Another run may have published its file and given up the partial name since the first look.
+        refuse_existing(path, existing)?;
+        Ok(draft)
     }
 
     /// The name that the file will have.
@@ -105,66 +91,163 @@ impl Place {
         &self.path
     }
 
-    /// The name that it has until then.
+    /// The name by which messages call it until then.
     #[must_use]
-    pub fn partial(&self) -> PathBuf {
-        self.partial.clone()
+    pub fn working_name(&self) -> &Path {
+        self.partial.as_deref().unwrap_or(&self.path)
     }
 
-    /// Gives the complete file its name, after it has reached the disk.
+    /// Whether this is the draft of a run.
+    #[must_use]
+    pub fn is_of_run(&self) -> bool {
+        self.partial.is_some()
+    }
+
+    /// Lets the draft of a run stay from now on, because there is something in it.
+    pub fn keep(&mut self) {
+        self.file.disable_cleanup(self.is_of_run());
+    }
+
+    /// Writes from the beginning again, in place of all that is there; tells how many bytes it has taken.
     ///
     /// # Errors
-    /// [`SinkError::Exists`] if the name was taken meanwhile, [`SinkError::Io`] otherwise. The
-    /// partial file is still there then.
-    pub fn publish(&self, file: &File) -> Result<(), SinkError> {
-        let partial = self.partial();
-        file.sync_all()
-            .map_err(|e| io_error("write", &partial, e))?;
-        match self.existing {
-            Existing::Replace => {
-                fs::rename(&partial, &self.path).map_err(|e| io_error("replace", &self.path, e))?;
-            }
-            Existing::Keep => self.link(&partial)?,
-        }
-        self.sync_directory();
-        Ok(())
+    /// What the system says.
+    pub(crate) fn restart(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let file = self.file.as_file_mut();
+        file.rewind()?;
+        let written = file.write(bytes)?;
+        file.set_len(written as u64)?;
+        Ok(written)
     }
 
-    /// Withdraws: removes the partial file, which holds nothing worth keeping.
-    pub fn withdraw(&self) {
-        // If it can't be removed it is found by the next run, which names it.
-        let _ = fs::remove_file(self.partial());
+    /// The file, for something that writes it by itself.
+    ///
+    /// # Errors
+    /// [`SinkError::Io`] if the system has no more handles.
+    pub fn file(&self) -> Result<File, SinkError> {
+        let file = self.file.as_file().try_clone();
+        file.map_err(|error| io_error("write", self.working_name(), error))
     }
 
-    /// A rename that never replaces: a second name, then the first one removed.
-    fn link(&self, partial: &Path) -> Result<(), SinkError> {
-        match fs::hard_link(partial, &self.path) {
-            Ok(()) => fs::remove_file(partial).map_err(|e| io_error("remove", partial, e)),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(SinkError::Exists {
-                path: self.path.clone(),
-                advice: "it appeared during the run; the new recording is beside it, as .partial",
-            }),
-            // File systems without hard links: the check and the rename are two moments there.
-            Err(_) if self.path.symlink_metadata().is_err() => {
-                fs::rename(partial, &self.path).map_err(|e| io_error("name", &self.path, e))
-            }
-            Err(error) => Err(io_error("name", &self.path, error)),
-        }
+    /// Removes what has been written.
+    pub fn discard(mut self) {
+        self.file.disable_cleanup(false);
     }
 
-    /// Makes the new name itself durable, where the system lets a directory be synced.
-    fn sync_directory(&self) {
-        let directory = match self.path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
+    /// Gives the complete file its name, after it has reached the disk, and tells its size in bytes.
+    ///
+    /// # Errors
+    /// [`SinkError::Exists`] if the name was taken meanwhile, [`SinkError::Io`] otherwise. What a run has
+    /// written stays under its partial name then.
+    pub fn publish(self) -> Result<u64, SinkError> {
+        let Self {
+            file,
+            path,
+            existing,
+            partial,
+        } = self;
+        let working_name = partial.as_deref().unwrap_or(&path);
+        let length = || {
+            file.as_file().sync_all()?;
+            Ok(file.as_file().metadata()?.len())
         };
-        if let Ok(directory) = File::open(directory) {
-            let _ = directory.sync_all();
+        let bytes = length().map_err(|error| io_error("write", working_name, error))?;
+        let named = match existing {
+            Existing::Replace => file.persist(&path),
+            Existing::Keep => file.persist_noclobber(&path).or_else(|refused| {
+                // File systems without hard links: the look and the renaming are two moments there.
+                let is_taken = refused.error.kind() == io::ErrorKind::AlreadyExists
+                    || path.symlink_metadata().is_ok();
+                if is_taken {
+                    return Err(refused);
+                }
+                refused.file.persist(&path)
+            }),
+        };
+        if let Err(refused) = named {
+            return Err(match (refused.error.kind(), &partial) {
+                (io::ErrorKind::AlreadyExists, Some(partial)) => exists(
+                    &path,
+                    format!(
+                        "it appeared during the run; the new recording is complete, as {}: rename it",
+                        partial.display()
+                    ),
+                ),
+                (io::ErrorKind::AlreadyExists, None) => exists(&path, "it has just appeared"),
+                _ => io_error("name", &path, refused.error),
+            });
         }
+        sync_directory(&path);
+        Ok(bytes)
     }
 }
 
-/// The name of a file that is not complete.
+impl Write for Draft {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// Publishes a file with these contents.
+///
+/// # Errors
+/// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be written.
+pub fn write(path: &Path, existing: Existing, contents: &[u8]) -> Result<(), SinkError> {
+    let mut draft = Draft::new(path, existing)?;
+    let written = draft.write_all(contents);
+    written.map_err(|error| io_error("write", path, error))?;
+    draft.publish().map(|_| ())
+}
+
+/// Refuses to replace what is not a file, or must stay, and makes the directory.
+fn prepare(path: &Path, existing: Existing) -> Result<(), SinkError> {
+    // A directory, a device, a pipe: publishing would put a file in its place.
+    if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
+        return Err(exists(path, "it is not a file; name one"));
+    }
+    refuse_existing(path, existing)?;
+    let directory = directory_of(path);
+    fs::create_dir_all(directory).map_err(|error| io_error("create directory", directory, error))
+}
+
+fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
+    if existing == Existing::Keep && path.symlink_metadata().is_ok() {
+        let advice = "choose another name, or replace it with --force";
+        return Err(exists(path, advice));
+    }
+    Ok(())
+}
+
+/// Creates `NAME.partial`, or the next free one if that is allowed.
+fn create_partial(path: &Path, existing: Existing) -> Result<(File, PathBuf), SinkError> {
+    let mut name = partial_name(path);
+    let mut number = 1;
+    loop {
+        match File::create_new(&name) {
+            Ok(file) => return Ok((file, name)),
+            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
+                return Err(io_error("create", &name, error));
+            }
+            Err(_) if existing == Existing::Keep => {
+                let advice = format!(
+                    "a run is writing it, or was interrupted; save that one with `toprise recover {} OUT` \
+                     and move the file away, or choose another name",
+                    name.display()
+                );
+                return Err(exists(&name, advice));
+            }
+            Err(_) => {}
+        }
+        number += 1;
+        name = with_suffix(path, &format!(".{number}.partial"));
+    }
+}
+
+/// The name of a run's file while it is not complete.
 #[must_use]
 pub fn partial_name(path: &Path) -> PathBuf {
     with_suffix(path, ".partial")
@@ -176,6 +259,27 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
+fn directory_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Makes a new name itself durable, where the system lets a directory be synced.
+fn sync_directory(path: &Path) {
+    if let Ok(directory) = File::open(directory_of(path)) {
+        let _ = directory.sync_all();
+    }
+}
+
+fn exists(path: &Path, advice: impl Into<String>) -> SinkError {
+    SinkError::Exists {
+        path: path.to_owned(),
+        advice: advice.into(),
+    }
+}
+
 fn io_error(action: &'static str, path: &Path, reason: io::Error) -> SinkError {
     SinkError::Io {
         action,
@@ -184,9 +288,39 @@ fn io_error(action: &'static str, path: &Path, reason: io::Error) -> SinkError {
     }
 }
 
+/// Refuses to write to a file that is read, by whatever name or link they are reached.
+///
+/// # Errors
+/// [`SinkError::IsInUse`] if `output` is one of `inputs`.
+pub fn refuse_inputs<'a>(
+    output: &Path,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), SinkError> {
+    let is_read = inputs.into_iter().any(|input| is_same_file(output, input));
+    if is_read {
+        return Err(SinkError::IsInUse {
+            path: output.to_owned(),
+        });
+    }
+    Ok(())
+}
+
 /// Whether two paths lead to one file, or would.
 #[must_use]
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
-    let whole = |path: &Path| path.canonicalize().ok();
-    one == other || whole(one).is_some_and(|one| whole(other) == Some(one))
+    one == other || identity(one).is_some_and(|one| identity(other) == Some(one))
+}
+
+/// What tells a file from all others: its device and its number there.
+#[cfg(unix)]
+fn identity(path: &Path) -> Option<(u64, u64)> {
+    use std::os::unix::fs::MetadataExt as _;
+    let metadata = path.metadata().ok()?;
+    Some((metadata.dev(), metadata.ino()))
+}
+
+/// What tells a file from all others, but for hard links.
+#[cfg(not(unix))]
+fn identity(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok()
 }

@@ -6,7 +6,7 @@ use crate::archive::format::{
     CONTENT_DIGEST, COUNTS, END_RECORD, LIBRARY, LIBRARY_PREFIX, LOST, ORIGINAL_CONTENT_DIGEST,
     RECOVERY_RECORD, RUN_RECORD, SCENARIO_DIGEST, STOP_REASON, STOP_TIME, VERSION, run_entries,
 };
-use crate::archive::publish::{Existing, Place};
+use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
 use crate::archive::sink::{RecordError, Sink, SinkError};
 use crate::archive::writer::{Archived, Ending, McapSink, Opening};
@@ -14,6 +14,7 @@ use crate::telemetry::channels;
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::Path;
 use thiserror::Error;
 
@@ -85,6 +86,7 @@ pub fn recover(
     existing: Existing,
     progress: &dyn Fn(u64),
 ) -> Result<Recovered, RecoverError> {
+    refuse_inputs(path, [recording.path()])?;
     if recording.condition() == Condition::Foreign {
         return Err(RecoverError::Foreign {
             library: recording.library().to_owned(),
@@ -99,18 +101,11 @@ pub fn recover(
             has_scenario: recording.scenario().is_ok(),
         });
     }
-    let mut sink = McapSink::open(Place::reserve_derived(path, existing)?, &opening(recording))?;
-    let saved = match salvage(recording, &mut sink, progress) {
-        Ok(saved) if saved.is_whole(recording) => {
-            sink.discard();
-            return Err(RecoverError::Whole);
-        }
-        Ok(saved) => saved,
-        Err(error) => {
-            sink.discard();
-            return Err(error.into());
-        }
-    };
+    let mut sink = McapSink::open(Draft::new(path, existing)?, &opening(recording))?;
+    let saved = salvage(recording, &mut sink, progress)?;
+    if saved.is_whole(recording) && !is_partial(recording.path()) {
+        return Err(RecoverError::Whole);
+    }
     let lost = saved.lost(recording);
     let archived = sink.finish_with(ending(recording, &saved, lost.as_deref()))?;
     Ok(Recovered {
@@ -120,6 +115,11 @@ pub fn recover(
         losses: saved.losses,
         lost,
     })
+}
+
+/// Whether a complete recording has only not got its name: its run was cut off at the very end.
+fn is_partial(path: &Path) -> bool {
+    path.extension() == Some(OsStr::new("partial"))
 }
 
 fn opening(recording: &Recording) -> Opening {

@@ -31,7 +31,13 @@ pub enum SinkError {
         /// What is there.
         path: PathBuf,
         /// What to do.
-        advice: &'static str,
+        advice: String,
+    },
+    /// The file is one that is read, or the other one that is written.
+    #[error("{} is already read or written here: write to another file", path.display())]
+    IsInUse {
+        /// The file.
+        path: PathBuf,
     },
     /// The file system refused.
     #[error("cannot {action} {}: {reason}", path.display())]

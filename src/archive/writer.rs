@@ -9,7 +9,7 @@ use crate::archive::format::{
     CONTENT_DIGEST, END_RECORD, Entries, LIBRARY, RUN_RECORD, end_entries, run_entries,
     scenario_attachment,
 };
-use crate::archive::publish::{Existing, Place};
+use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::{Sink, SinkError};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::Outcome;
@@ -20,8 +20,7 @@ use crate::telemetry::{Message, Telemetry, Topic, channels};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
-use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::{self, JoinHandle};
@@ -33,7 +32,7 @@ const BATCH_BYTES: usize = 128 * 1024;
 /// So many batches may wait for the writing thread: it bounds the memory.
 const BATCHES: usize = 8;
 
-type FileWriter = Writer<NoSeek<BufWriter<File>>>;
+type FileWriter = Writer<NoSeek<BufWriter<Prefaced>>>;
 
 /// How a run is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,7 +121,6 @@ pub struct McapSink {
     views: Option<(Views, Vec<usize>)>,
     batch: Batch,
     worker: Worker,
-    place: Place,
 }
 
 /// A finished file.
@@ -167,6 +165,8 @@ enum Job {
 /// The writing thread, and the way to it.
 #[derive(Debug)]
 struct Worker {
+    /// What messages call the file.
+    name: PathBuf,
     jobs: Option<SyncSender<Job>>,
     /// Batches come back empty, to be filled again.
     empty: Receiver<Batch>,
@@ -185,8 +185,7 @@ impl McapSink {
         telemetry: &Telemetry,
         form: Form,
     ) -> Result<Self, SinkError> {
-        let reserved = Place::reserve(path, existing)?;
-        Self::create_in(reserved, scenario, telemetry, form)
+        Self::create_in(Draft::of_run(path, existing)?, scenario, telemetry, form)
     }
 
     /// The same in a place that has been reserved.
@@ -194,7 +193,7 @@ impl McapSink {
     /// # Errors
     /// [`SinkError`] if the file can't be written.
     pub fn create_in(
-        reserved: (Place, File),
+        draft: Draft,
         scenario: &Scenario,
         telemetry: &Telemetry,
         form: Form,
@@ -210,7 +209,7 @@ impl McapSink {
             wanted: Topic::all().map(|topic| telemetry.wants(topic)).collect(),
             raw: views.as_ref().map_or_else(Vec::new, raw_views),
         };
-        let mut sink = Self::open(reserved, &opening)?;
+        let mut sink = Self::open(draft, &opening)?;
         sink.views = views.map(|views| {
             let wanted = |view: &usize| views.wants(*view);
             let position = |view: usize| (0..view).filter(wanted).count();
@@ -224,13 +223,11 @@ impl McapSink {
     ///
     /// # Errors
     /// [`SinkError`] if the file can't be written.
-    pub fn open((place, file): (Place, File), opening: &Opening) -> Result<Self, SinkError> {
-        let started = start(file, opening).map_err(|reason| {
-            place.withdraw();
-            SinkError::Mcap {
-                path: place.partial(),
-                reason,
-            }
+    pub fn open(draft: Draft, opening: &Opening) -> Result<Self, SinkError> {
+        let name = draft.working_name().to_owned();
+        let started = start(draft, opening).map_err(|reason| SinkError::Mcap {
+            path: name.clone(),
+            reason,
         })?;
         Ok(Self {
             encoder: Encoder::new(opening.encoding),
@@ -238,8 +235,7 @@ impl McapSink {
             raw_ids: started.raw_ids,
             views: None,
             batch: Batch::default(),
-            worker: Worker::start(started.writer, place.clone()),
-            place,
+            worker: Worker::start(started.writer, name),
         })
     }
 
@@ -261,16 +257,8 @@ impl McapSink {
     /// written; the partial file is kept.
     pub fn finish_with(mut self, ending: Ending) -> Result<Archived, SinkError> {
         self.send_batch()?;
-        let path = self.place.path();
-        self.worker.send(Job::Finish(Box::new(ending)), path)?;
-        self.worker.join(path)?.ok_or_else(|| died(path))
-    }
-
-    /// Gives up a recording that has not begun, and removes its file.
-    pub fn discard(self) {
-        let place = self.place.clone();
-        drop(self);
-        place.withdraw();
+        self.worker.send(Job::Finish(Box::new(ending)))?;
+        self.worker.join()?.ok_or_else(|| self.worker.died())
     }
 
     /// Writes a message of a raw channel as it is.
@@ -295,7 +283,7 @@ impl McapSink {
         }
         let empty = self.worker.empty.try_recv().unwrap_or_default();
         let batch = std::mem::replace(&mut self.batch, empty);
-        self.worker.send(Job::Write(batch), self.place.path())
+        self.worker.send(Job::Write(batch))
     }
 }
 
@@ -347,23 +335,25 @@ impl Sink for McapSink {
 
     fn flush(&mut self) -> Result<(), SinkError> {
         self.send_batch()?;
-        self.worker.send(Job::Flush, self.place.path())
+        self.worker.send(Job::Flush)
     }
 }
 
 impl Worker {
-    fn start(writer: FileWriter, place: Place) -> Self {
+    fn start(writer: FileWriter, name: PathBuf) -> Self {
         let (jobs, received) = sync_channel(BATCHES);
         let (returned, empty) = channel();
-        let thread = thread::spawn(move || work(writer, &place, &received, &returned));
+        let of_thread = name.clone();
+        let thread = thread::spawn(move || work(writer, of_thread, &received, &returned));
         Self {
+            name,
             jobs: Some(jobs),
             empty,
             thread: Some(thread),
         }
     }
 
-    fn send(&mut self, job: Job, path: &Path) -> Result<(), SinkError> {
+    fn send(&mut self, job: Job) -> Result<(), SinkError> {
         let sent = self
             .jobs
             .as_ref()
@@ -372,21 +362,21 @@ impl Worker {
             return Ok(());
         }
         // The thread only goes away before the end when it has failed.
-        self.join(path)?;
-        Err(died(path))
+        self.join()?;
+        Err(self.died())
     }
 
     /// Waits for the thread: what it has finished, or nothing if it was not asked to finish.
-    fn join(&mut self, path: &Path) -> Result<Option<Archived>, SinkError> {
+    fn join(&mut self) -> Result<Option<Archived>, SinkError> {
         self.jobs = None;
-        let thread = self.thread.take().ok_or_else(|| died(path))?;
-        thread.join().map_err(|_| died(path))?
+        let thread = self.thread.take().ok_or_else(|| self.died())?;
+        thread.join().map_err(|_| self.died())?
     }
-}
 
-fn died(path: &Path) -> SinkError {
-    SinkError::WriterDied {
-        path: path.to_owned(),
+    fn died(&self) -> SinkError {
+        SinkError::WriterDied {
+            path: self.name.clone(),
+        }
     }
 }
 
@@ -404,7 +394,7 @@ impl Drop for Worker {
 /// The writing thread: returns the finished file, or nothing if it was abandoned.
 fn work(
     mut writer: FileWriter,
-    place: &Place,
+    name: PathBuf,
     jobs: &Receiver<Job>,
     returned: &Sender<Batch>,
 ) -> Result<Option<Archived>, SinkError> {
@@ -421,35 +411,40 @@ fn work(
                 written
             }
             Job::Flush => writer.flush(),
-            Job::Finish(ending) => {
-                let found = digest.finish();
-                if let Some(expected) = ending.digest.clone().filter(|expected| *expected != found)
-                {
-                    abandon(writer);
-                    place.withdraw();
-                    return Err(SinkError::Digest {
-                        path: place.partial(),
-                        expected,
-                        found,
-                    });
-                }
-                match end(&mut writer, *ending, &found) {
-                    Ok(()) => return publish(writer, place, found).map(Some),
-                    Err(error) => Err(error),
-                }
-            }
+            Job::Finish(ending) => return finish(writer, name, *ending, digest).map(Some),
         };
         if let Err(reason) = done {
             abandon(writer);
-            return Err(SinkError::Mcap {
-                path: place.partial(),
-                reason,
-            });
+            return Err(SinkError::Mcap { path: name, reason });
         }
     }
     let _ = writer.flush();
     abandon(writer);
     Ok(None)
+}
+
+/// Completes and publishes the file, unless it holds other content than it must.
+fn finish(
+    mut writer: FileWriter,
+    name: PathBuf,
+    ending: Ending,
+    digest: ContentDigest,
+) -> Result<Archived, SinkError> {
+    let found = digest.finish();
+    let expected = ending.digest.clone();
+    if let Some(expected) = expected.filter(|expected| *expected != found) {
+        abandon(writer);
+        return Err(SinkError::Digest {
+            path: name,
+            expected,
+            found,
+        });
+    }
+    if let Err(reason) = end(&mut writer, ending, &found) {
+        abandon(writer);
+        return Err(SinkError::Mcap { path: name, reason });
+    }
+    publish(writer, name, found)
 }
 
 fn write_batch(
@@ -485,24 +480,59 @@ fn abandon(writer: FileWriter) {
     let _ = writer.into_inner().into_inner().into_inner();
 }
 
-fn publish(writer: FileWriter, place: &Place, digest: String) -> Result<Archived, SinkError> {
-    let partial = |reason: io::Error| SinkError::Io {
+fn publish(writer: FileWriter, name: PathBuf, digest: String) -> Result<Archived, SinkError> {
+    let file = writer.into_inner().into_inner().into_inner();
+    let file = file.map_err(|error| SinkError::Io {
         action: "write",
-        path: place.partial(),
-        reason,
-    };
-    let file = writer
-        .into_inner()
-        .into_inner()
-        .into_inner()
-        .map_err(|error| partial(error.into_error()))?;
-    let bytes = file.metadata().map_err(partial)?.len();
-    place.publish(&file)?;
+        path: name,
+        reason: error.into_error(),
+    })?;
+    let path = file.draft.path().to_owned();
+    let bytes = file.draft.publish()?;
     Ok(Archived {
-        path: place.path().to_owned(),
+        path,
         bytes,
         digest,
     })
+}
+
+/// A file that holds a preface, if it is the draft of a run: the opening of the recording with the
+/// channels outside of chunks, so that a run that is killed before its first chunk can be completed. What is
+/// written takes the place of the preface.
+#[derive(Debug)]
+struct Prefaced {
+    draft: Draft,
+    has_preface: bool,
+}
+
+impl Prefaced {
+    fn new(mut draft: Draft, opening: &Opening) -> Result<Self, McapError> {
+        let has_preface = draft.is_of_run();
+        if has_preface {
+            let mut writer = options(opening)
+                .use_chunks(false)
+                .create(NoSeek::new(Vec::new()))?;
+            open_channels(&mut writer, opening)?;
+            draft.write_all(&writer.into_inner().into_inner())?;
+            draft.keep();
+        }
+        Ok(Self { draft, has_preface })
+    }
+}
+
+impl Write for Prefaced {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if !self.has_preface {
+            return self.draft.write(bytes);
+        }
+        let written = self.draft.restart(bytes)?;
+        self.has_preface = false;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.draft.flush()
+    }
 }
 
 /// A file that has everything that comes before the messages.
@@ -512,9 +542,20 @@ struct Started {
     raw_ids: Vec<u16>,
 }
 
-fn start(file: File, opening: &Opening) -> Result<Started, McapError> {
+fn start(draft: Draft, opening: &Opening) -> Result<Started, McapError> {
+    let file = Prefaced::new(draft, opening)?;
     let file = NoSeek::new(BufWriter::with_capacity(64 * 1024, file));
-    let mut writer = WriteOptions::new()
+    let mut writer = options(opening).create(file)?;
+    let (channel_ids, raw_ids) = open_channels(&mut writer, opening)?;
+    Ok(Started {
+        writer,
+        channel_ids,
+        raw_ids,
+    })
+}
+
+fn options(opening: &Opening) -> WriteOptions {
+    WriteOptions::new()
         .compression(Some(Compression::Zstd))
         .compression_level(1)
         .compression_threads(0)
@@ -522,7 +563,13 @@ fn start(file: File, opening: &Opening) -> Result<Started, McapError> {
         .disable_seeking(true)
         .profile("")
         .library(opening.library)
-        .create(file)?;
+}
+
+/// Writes everything that comes before the messages; gives the ids of the table's channels and of the raw ones.
+fn open_channels<W: Write + Seek>(
+    writer: &mut Writer<W>,
+    opening: &Opening,
+) -> Result<(Vec<u16>, Vec<u16>), McapError> {
     for (name, entries) in &opening.metadata {
         writer.write_metadata(&metadata(name, entries.clone()))?;
     }
@@ -548,11 +595,7 @@ fn start(file: File, opening: &Opening) -> Result<Started, McapError> {
         };
         raw_ids.push(writer.add_channel(schema, &raw.topic, &raw.encoding, &raw.metadata)?);
     }
-    Ok(Started {
-        writer,
-        channel_ids,
-        raw_ids,
-    })
+    Ok((channel_ids, raw_ids))
 }
 
 /// The channels for viewers, as raw channels.

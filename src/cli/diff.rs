@@ -12,7 +12,7 @@ use crate::analysis::diff::{
     Align, Archive, Matrix, Observer, Options, Report, Subject, Tolerance, Tolerances, Verdict,
     compare_observed,
 };
-use crate::archive::publish::{Existing, is_same_file};
+use crate::archive::publish::{Existing, refuse_inputs};
 use crate::archive::sink::SinkError;
 use crate::telemetry::Message;
 use crate::telemetry::side::Side;
@@ -234,12 +234,7 @@ impl DiffArguments {
 fn refuse_outputs(arguments: &DiffArguments) -> Result<(), Error> {
     let mut taken: Vec<PathBuf> = arguments.runs.iter().map(PathBuf::from).collect();
     for output in arguments.outputs() {
-        if taken.iter().any(|path| is_same_file(path, output)) {
-            bail!(
-                "{} is read or written already: write to another file",
-                output.display()
-            );
-        }
+        refuse_inputs(output, taken.iter().map(PathBuf::as_path))?;
         taken.push(output.clone());
     }
     Ok(())
@@ -336,17 +331,6 @@ impl<'a> Watching<'a> {
         }
         Ok(())
     }
-
-    /// Gives up what was to be written.
-    fn discard(self) {
-        if let Some(archive) = self.archive {
-            archive.discard();
-        }
-        #[cfg(feature = "rerun")]
-        if let Some(viewer) = self.viewer {
-            viewer.discard();
-        }
-    }
 }
 
 impl Observer for Watching<'_> {
@@ -371,29 +355,16 @@ fn two(arguments: &DiffArguments, options: &Options, a: &Given, b: &Given) -> Re
     let mut watching = Watching::alone(&progress);
     watching.archive = arguments.archive(subjects)?;
     #[cfg(feature = "rerun")]
-    match arguments
-        .show
-        .open(subjects, Existing::forced(arguments.force))
     {
-        Ok(viewer) => watching.viewer = viewer,
-        Err(error) => {
-            watching.discard();
-            return Err(error);
-        }
+        let existing = Existing::forced(arguments.force);
+        watching.viewer = arguments.show.open(subjects, existing)?;
     }
     let compared = compare_observed(subjects[0], subjects[1], options, &mut watching);
     progress.finish();
-    match compared {
-        Ok(report) => {
-            arguments.print(&report)?;
-            watching.finish(&report)?;
-            Ok(done(std::iter::once(&report)))
-        }
-        Err(error) => {
-            watching.discard();
-            Err(error.into())
-        }
-    }
+    let report = compared?;
+    arguments.print(&report)?;
+    watching.finish(&report)?;
+    Ok(done(std::iter::once(&report)))
 }
 
 fn several(arguments: &DiffArguments, options: &Options, runs: &[Given]) -> Result<Done, Error> {

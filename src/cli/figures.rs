@@ -4,13 +4,12 @@ use super::given::{Given, open};
 use super::progress::Progress;
 use super::{Done, format, output};
 use crate::analysis::figures::{Drawing, FIGURES, Figure, Run};
-use crate::archive::publish::{Existing, Place};
+use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
 use crate::run::scenario::Preset;
 use anyhow::{Context as _, Error, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::thread;
 
@@ -132,11 +131,15 @@ impl FiguresArguments {
         let all = figures
             .iter()
             .flat_map(|figure| self.kinds().map(|kind| self.path(figure, kind)));
+        let all: Vec<_> = all.collect();
+        for path in &all {
+            publish::refuse_inputs(path, self.runs.iter().map(Path::new))?;
+        }
         let taken = all.into_iter().find(|path| path.symlink_metadata().is_ok());
         match taken {
             Some(path) if !self.force => Err(SinkError::Exists {
                 path,
-                advice: "choose another directory, or replace it with --force",
+                advice: "choose another directory, or replace it with --force".to_owned(),
             }),
             _ => Ok(()),
         }
@@ -263,23 +266,10 @@ fn write_all(arguments: &FiguresArguments, figures: &[(&Figure, Vec<&Run>)]) -> 
             let path = arguments.path(figure, kind);
             let context = || path.display().to_string();
             let bytes = kind.bytes(&drawing).with_context(context)?;
-            write(&path, Existing::forced(arguments.force), &bytes)?;
+            publish::write(&path, Existing::forced(arguments.force), &bytes)?;
             let size = format::bytes(bytes.len() as u64);
             output::print(&format!("wrote {}  {size}", path.display()))?;
         }
     }
     Ok(())
-}
-
-fn write(path: &Path, existing: Existing, bytes: &[u8]) -> Result<(), SinkError> {
-    let (place, mut file) = Place::reserve(path, existing)?;
-    if let Err(reason) = file.write_all(bytes) {
-        place.withdraw();
-        return Err(SinkError::Io {
-            action: "write",
-            path: path.to_owned(),
-            reason,
-        });
-    }
-    place.publish(&file)
 }

@@ -16,7 +16,7 @@ use crate::run::simulation::{EventKind, Outcome, Record, Simulation, StopReason}
 use crate::telemetry::{Telemetry, Topics};
 use anyhow::{Context as _, Error};
 use clap::Args;
-use files::Plan;
+use files::Files;
 use pace::Pace;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -112,27 +112,26 @@ struct Written {
 pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     let scenario = scenario(&arguments.scenario, &arguments.overrides)?;
     let telemetry = arguments.telemetry()?;
-    let plan = Plan::new(arguments, &scenario)?;
     let interrupt = Interrupt::watch()?;
     #[cfg(feature = "rerun")]
     let target = arguments.viewer.target()?;
     let setup = Setup {
         arguments,
         scenario: &scenario,
-        plan: &plan,
         interrupt: &interrupt,
         #[cfg(feature = "rerun")]
         live: target.live(),
     };
     let began = Instant::now();
     let mut simulation = Simulation::new(&scenario)?;
-    let (outcome, counts, written) = record_run(setup, telemetry, &mut simulation)?;
+    let (files, earlier) = Files::start(arguments, &scenario)?;
+    let (outcome, counts, written) = record_run(setup, files, telemetry, &mut simulation)?;
     let summary = Summary {
         scenario: &scenario,
         outcome: &outcome,
         counts: &counts,
         written: &written,
-        same_as: plan.identical(&written.archive),
+        same_as: earlier.identical(&written.archive),
         wall: began.elapsed(),
     };
     output::print(&match arguments.format {
@@ -152,7 +151,6 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
 struct Setup<'a> {
     arguments: &'a RunArguments,
     scenario: &'a Scenario,
-    plan: &'a Plan,
     interrupt: &'a Interrupt,
     #[cfg(feature = "rerun")]
     live: Option<crate::rerun::Live>,
@@ -161,25 +159,18 @@ struct Setup<'a> {
 /// Simulates, logs, and finishes the files, however the simulation ends.
 fn record_run(
     setup: Setup<'_>,
+    files: Files,
     mut telemetry: Telemetry,
     simulation: &mut Simulation,
 ) -> Result<(Outcome, EventCounts, Written), Error> {
     let Setup {
         arguments,
         scenario,
-        plan,
         ..
     } = setup;
-    let (path, existing) = (&plan.mcap, arguments.existing());
-    let mut archive = McapSink::create(path, existing, scenario, &telemetry, arguments.form())?;
     #[cfg(feature = "rerun")]
-    let mut viewer = match viewer::Viewer::open(&setup, &telemetry) {
-        Ok(viewer) => viewer,
-        Err(error) => {
-            archive.discard();
-            return Err(error);
-        }
-    };
+    let mut viewer = viewer::Viewer::open(&setup, files.rrd, files.mcap.path(), &telemetry)?;
+    let mut archive = McapSink::create_in(files.mcap, scenario, &telemetry, arguments.form())?;
     let mut sinks: Vec<&mut dyn Sink> = vec![&mut archive];
     #[cfg(feature = "rerun")]
     sinks.extend(viewer.sink());

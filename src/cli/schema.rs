@@ -1,11 +1,11 @@
 //! `toprise schema`.
 
 use super::{Done, EncodingName, format, output};
+use crate::archive::publish::{self, Existing};
 use crate::telemetry::protobuf::{proto_file, proto_file_name};
 use crate::telemetry::schema::{file_name, json_schema};
 use crate::telemetry::{ChannelInfo, Topic, UnknownTopic, channels};
-use anyhow::{Context as _, Error};
-use std::fs;
+use anyhow::Error;
 use std::path::Path;
 
 /// Lists the channels, prints one schema, or writes all.
@@ -44,23 +44,17 @@ fn list() -> String {
 }
 
 fn write_all(directory: &Path) -> Result<(), Error> {
-    fs::create_dir_all(directory)
-        .with_context(|| format!("cannot create {}", directory.display()))?;
     for channel in channels() {
         let files = [
             (file_name(channel), json_schema(channel)),
             (proto_file_name(channel), proto_file(channel)),
         ];
         for (name, text) in files {
-            write(&directory.join(name), &text)?;
+            publish::write(&directory.join(name), Existing::Replace, text.as_bytes())?;
         }
     }
     for (name, text) in crate::analysis::diff::schemas() {
-        write(&directory.join(name), &text)?;
+        publish::write(&directory.join(name), Existing::Replace, text.as_bytes())?;
     }
     Ok(())
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Error> {
-    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }

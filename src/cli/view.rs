@@ -4,7 +4,7 @@ use super::interrupt::Interrupt;
 use super::progress::Progress;
 use super::viewer::{Target, ViewerArguments};
 use super::{Done, format, output, run::parse_seconds};
-use crate::archive::publish::{Existing, Place, is_same_file};
+use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
 use crate::archive::sink::SinkError;
@@ -13,7 +13,6 @@ use crate::telemetry::Topics;
 use anyhow::{Context as _, Error, anyhow, bail};
 use clap::Args;
 use std::env;
-use std::fs::File;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -120,14 +119,8 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
 
 /// A recording that is shown can't be replaced by what is shown.
 fn refuse_input(arguments: &ViewArguments, name: &str) -> Result<(), Error> {
-    let Some(rrd) = arguments.rrd_of(name) else {
-        return Ok(());
-    };
-    if arguments.files.iter().any(|file| is_same_file(file, &rrd)) {
-        bail!(
-            "{} is a recording that is to be shown: write to another file",
-            rrd.display()
-        );
+    if let Some(rrd) = arguments.rrd_of(name) {
+        refuse_inputs(&rrd, arguments.files.iter().map(PathBuf::as_path))?;
     }
     Ok(())
 }
@@ -186,18 +179,15 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<Replayed, Er
         ..identity(recording, name).with_context(context)?
     };
     let existing = Existing::forced(arguments.force);
-    let reserved = match arguments.rrd_of(name) {
-        Some(rrd) => Some(Place::reserve_derived(&rrd, existing)?),
-        None => None,
-    };
-    let (place, file) = reserved.unzip();
+    let draft = arguments.rrd_of(name).map(|rrd| Draft::new(&rrd, existing));
+    let draft = draft.transpose()?;
     let destinations = Destinations {
-        file,
+        file: draft.as_ref().map(Draft::file).transpose()?,
         live: way.target.live(),
     };
     let mut sink = RerunSink::new(&identity, destinations).map_err(SinkError::from)?;
     let warnings = sink.take_warnings();
-    if place.is_none() && !sink.is_live() {
+    if draft.is_none() && !sink.is_live() {
         bail!("{}", warnings.join("; "));
     }
     output::warn_all(warnings);
@@ -210,17 +200,14 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<Replayed, Er
         }
     })
     .with_context(context)?;
-    let (file, warnings) = sink.finish().map_err(SinkError::from)?;
+    let (_, warnings) = sink.finish().map_err(SinkError::from)?;
     output::warn_all(warnings);
-    if let Some((place, file)) = place.zip(file) {
+    if let Some(draft) = draft {
         if interrupt.is_asked() {
-            let partial = place.partial();
-            output::warn(&format!(
-                "interrupted: {} holds what there was until then",
-                partial.display()
-            ));
+            let path = draft.path().display();
+            output::warn(&format!("interrupted: {path} is not written"));
         } else {
-            publish(&place, &file)?;
+            publish(draft)?;
         }
     }
     if replayed.messages == 0 {
@@ -232,11 +219,10 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<Replayed, Er
     Ok(replayed)
 }
 
-fn publish(place: &Place, file: &File) -> Result<(), Error> {
-    let bytes = file.metadata().map_or(0, |metadata| metadata.len());
-    place.publish(file)?;
-    let path = place.path().display();
-    output::print(&format!("wrote {path}  {}", format::bytes(bytes)))?;
+fn publish(draft: Draft) -> Result<(), Error> {
+    let path = draft.path().to_owned();
+    let bytes = format::bytes(draft.publish()?);
+    output::print(&format!("wrote {}  {bytes}", path.display()))?;
     Ok(())
 }
 

@@ -22,6 +22,7 @@ mod numbers;
 mod package;
 mod physics;
 mod properties;
+mod publish;
 mod readers;
 mod recordings;
 mod reference;

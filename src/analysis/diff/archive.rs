@@ -2,7 +2,7 @@
 
 use super::{Observer, Report, Subject};
 use crate::archive::format::{Entries, SCENARIO_ATTACHMENT, scenario_attachment};
-use crate::archive::publish::{Existing, Place};
+use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::SinkError;
 use crate::archive::writer::{Archived, Ending, McapSink, Opening, RawChannel, RawMessage};
 use crate::telemetry::encoding::{Encoder, Encoding};
@@ -77,7 +77,7 @@ impl Archive {
             raw,
         };
         Ok(Self {
-            sink: McapSink::open(Place::reserve(path, existing)?, &opening)?,
+            sink: McapSink::open(Draft::new(path, existing)?, &opening)?,
             encoder: Encoder::new(encoding),
             places,
             events,
@@ -111,11 +111,6 @@ impl Archive {
             metadata: vec![(DIFF_RECORD.to_owned(), entries)],
             ..Ending::default()
         })
-    }
-
-    /// Gives it up, and removes the file.
-    pub fn discard(self) {
-        self.sink.discard();
     }
 }
 

@@ -4,14 +4,13 @@ use super::super::interrupt::Interrupt;
 use super::super::output;
 use super::super::viewer::{Target, ViewerArguments};
 use crate::analysis::diff::{Observer, Subject};
-use crate::archive::publish::{Existing, Place};
+use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::SinkError;
 use crate::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
 use crate::telemetry::Message;
 use crate::telemetry::side::Side;
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
-use std::fs::File;
 use std::path::PathBuf;
 
 /// Where the comparison is shown.
@@ -28,7 +27,7 @@ pub(super) struct ShowArguments {
 /// A viewer, or a file for one, that is fed with a comparison.
 pub(super) struct Viewer {
     sink: PairSink,
-    place: Option<Place>,
+    draft: Option<Draft>,
     target: Target,
 }
 
@@ -47,20 +46,17 @@ impl ShowArguments {
             bail!("Rerun shows recordings of toprise here; one of these is another file");
         }
         let identity = identity(subjects)?;
-        let reserved = self
-            .rrd
-            .as_ref()
-            .map(|rrd| Place::reserve_derived(rrd, existing));
-        let (place, file) = reserved.transpose()?.unzip();
+        let draft = self.rrd.as_ref().map(|rrd| Draft::new(rrd, existing));
+        let draft = draft.transpose()?;
         let destinations = Destinations {
-            file,
+            file: draft.as_ref().map(Draft::file).transpose()?,
             live: target.live(),
         };
         let mut sink = PairSink::new(&identity, destinations).map_err(SinkError::from)?;
         output::warn_all(sink.take_warnings());
         Ok(Some(Viewer {
             sink,
-            place,
+            draft,
             target,
         }))
     }
@@ -105,28 +101,14 @@ impl Viewer {
         markdown: &str,
     ) -> Result<(Target, Option<(PathBuf, u64)>), Error> {
         self.sink.summarize(markdown);
-        let (file, warnings) = self.sink.finish().map_err(SinkError::from)?;
+        let (_, warnings) = self.sink.finish().map_err(SinkError::from)?;
         output::warn_all(warnings);
-        let written = self
-            .place
-            .zip(file)
-            .map(|(place, file)| publish(&place, &file));
-        Ok((self.target, written.transpose()?))
+        let written = match self.draft {
+            Some(draft) => Some((draft.path().to_owned(), draft.publish()?)),
+            None => None,
+        };
+        Ok((self.target, written))
     }
-
-    /// Gives up the file.
-    pub(super) fn discard(self) {
-        drop(self.sink);
-        if let Some(place) = self.place {
-            place.withdraw();
-        }
-    }
-}
-
-fn publish(place: &Place, file: &File) -> Result<(PathBuf, u64), Error> {
-    let bytes = file.metadata().map_or(0, |metadata| metadata.len());
-    place.publish(file)?;
-    Ok((place.path().to_owned(), bytes))
 }
 
 impl Observer for Viewer {

@@ -1,88 +1,104 @@
-//! Which files a run writes.
+//! The files that a run writes.
 
 use super::RunArguments;
 use crate::archive::format::CONTENT_DIGEST;
-use crate::archive::publish::partial_name;
+use crate::archive::publish::{Draft, partial_name, refuse_inputs};
 use crate::archive::recording::Recording;
+use crate::archive::sink::SinkError;
 use crate::archive::writer::Archived;
 use crate::run::scenario::Scenario;
-use anyhow::{Error, bail};
 use std::path::{Path, PathBuf};
 
 /// Where recordings go if nothing else is said.
 const DIRECTORY: &str = "recordings";
 
-/// The files of a run.
-pub(super) struct Plan {
-    pub(super) mcap: PathBuf,
-    pub(super) rrd: Option<PathBuf>,
-    /// Recordings of the same name that were there before.
-    earlier: Vec<PathBuf>,
+/// The files of a run, before it begins.
+pub(super) struct Files {
+    pub(super) mcap: Draft,
+    #[cfg(feature = "rerun")]
+    pub(super) rrd: Option<Draft>,
 }
 
-impl Plan {
-    /// Chooses the names.
-    pub(super) fn new(arguments: &RunArguments, scenario: &Scenario) -> Result<Self, Error> {
-        let mut plan = match &arguments.output {
-            Some(mcap) => Self {
-                mcap: mcap.clone(),
-                rrd: None,
-                earlier: Vec::new(),
-            },
-            None => Self::free(scenario.name(), arguments.force),
+/// Recordings that had the names that the run would have liked.
+pub(super) struct Earlier(Vec<PathBuf>);
+
+impl Files {
+    /// Chooses the names and starts the files.
+    pub(super) fn start(
+        arguments: &RunArguments,
+        scenario: &Scenario,
+    ) -> Result<(Self, Earlier), SinkError> {
+        let Some(mcap) = &arguments.output else {
+            return Self::free(arguments, scenario.name());
         };
-        #[cfg(feature = "rerun")]
-        if arguments.no_rrd {
-            plan.rrd = None;
-        } else if let Some(rrd) = &arguments.rrd {
-            plan.rrd = Some(rrd.clone());
-        }
-        if cfg!(not(feature = "rerun")) {
-            plan.rrd = None;
-        }
-        if plan.rrd.as_ref() == Some(&plan.mcap) {
-            bail!(
-                "{} can't be both the MCAP and the Rerun recording",
-                plan.mcap.display()
-            );
-        }
-        Ok(plan)
+        let mcap = start(arguments, mcap)?;
+        Ok((Self::with(mcap, arguments, None)?, Earlier(Vec::new())))
     }
 
-    /// The first of `NAME`, `NAME-2`, `NAME-3`, … of which nothing exists; `NAME` itself if it may be
-    /// replaced.
-    fn free(name: &str, replace: bool) -> Self {
+    /// Starts the files of the first of `NAME`, `NAME-2`, `NAME-3`, … of which nothing exists, even if several
+    /// runs look for one at once; of `NAME` itself if it may be replaced.
+    fn free(arguments: &RunArguments, name: &str) -> Result<(Self, Earlier), SinkError> {
         let mut earlier = Vec::new();
-        let mut number = 1;
+        let mut stem = name.to_owned();
         loop {
-            let stem = match number {
-                1 => name.to_owned(),
-                _ => format!("{name}-{number}"),
-            };
             let file = |extension: &str| Path::new(DIRECTORY).join(format!("{stem}.{extension}"));
             let (mcap, rrd) = (file("mcap"), file("rrd"));
-            let taken = [&mcap, &rrd]
-                .into_iter()
-                .any(|path| path.exists() || partial_name(path).exists());
-            if replace || !taken {
-                return Self {
-                    mcap,
-                    rrd: Some(rrd),
-                    earlier,
-                };
+            let is_free = |path: &Path| !path.exists() && !partial_name(path).exists();
+            if arguments.force || is_free(&mcap) && is_free(&rrd) {
+                match start(arguments, &mcap) {
+                    // Another run was faster.
+                    Err(SinkError::Exists { .. }) if !arguments.force => {}
+                    mcap => {
+                        let files = Self::with(mcap?, arguments, Some(rrd))?;
+                        return Ok((files, Earlier(earlier)));
+                    }
+                }
             }
             earlier.push(mcap);
-            number += 1;
+            stem = format!("{name}-{}", earlier.len() + 1);
         }
     }
 
-    /// The latest of the earlier recordings whose content is that of the new one.
+    /// The MCAP file, and the Rerun recording at `rrd` unless the arguments name another, or want none.
+    #[cfg(feature = "rerun")]
+    fn with(
+        mcap: Draft,
+        arguments: &RunArguments,
+        rrd: Option<PathBuf>,
+    ) -> Result<Self, SinkError> {
+        let wanted = arguments.rrd.as_ref().or(rrd.as_ref());
+        let rrd = match wanted.filter(|_| !arguments.no_rrd) {
+            Some(rrd) => {
+                refuse_inputs(rrd, [mcap.path()])?;
+                Some(start(arguments, rrd)?)
+            }
+            None => None,
+        };
+        Ok(Self { mcap, rrd })
+    }
+
+    /// The MCAP file; without the Rerun SDK there is no other.
+    #[cfg(not(feature = "rerun"))]
+    #[allow(clippy::unnecessary_wraps, reason = "with the Rerun SDK it may fail")]
+    fn with(mcap: Draft, _: &RunArguments, _: Option<PathBuf>) -> Result<Self, SinkError> {
+        Ok(Self { mcap })
+    }
+}
+
+/// Starts a file, unless it is the scenario that is run.
+fn start(arguments: &RunArguments, path: &Path) -> Result<Draft, SinkError> {
+    refuse_inputs(path, [Path::new(&arguments.scenario)])?;
+    Draft::of_run(path, arguments.existing())
+}
+
+impl Earlier {
+    /// The latest of them whose content is that of the new one.
     pub(super) fn identical(&self, archive: &Archived) -> Option<&Path> {
         let same = |path: &&PathBuf| {
             let earlier = Recording::open(path).ok();
             let end = earlier.as_ref().and_then(Recording::end);
             end.is_some_and(|end| end.get(CONTENT_DIGEST) == Some(&archive.digest))
         };
-        self.earlier.iter().rev().find(same).map(PathBuf::as_path)
+        self.0.iter().rev().find(same).map(PathBuf::as_path)
     }
 }

@@ -2,38 +2,40 @@
 
 use super::super::output;
 use super::Setup;
-use crate::archive::publish::Place;
+use crate::archive::publish::Draft;
 use crate::archive::sink::{Sink, SinkError};
 use crate::rerun::{Destinations, Identity, Playback, RerunSink};
 use crate::telemetry::{Telemetry, Topic};
 use anyhow::{Context as _, Error};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Feeds Rerun, if the run asks for it.
 pub(super) struct Viewer {
     sink: Option<RerunSink>,
-    place: Option<Place>,
+    draft: Option<Draft>,
 }
 
 impl Viewer {
     /// Opens what the run asks for. A viewer that can't be reached is a warning.
-    pub(super) fn open(setup: &Setup<'_>, telemetry: &Telemetry) -> Result<Self, Error> {
-        let reserved = match &setup.plan.rrd {
-            Some(path) => Some(Place::reserve(path, setup.arguments.existing())?),
-            None => None,
-        };
-        let (place, file) = reserved.unzip();
+    pub(super) fn open(
+        setup: &Setup<'_>,
+        mut draft: Option<Draft>,
+        mcap: &Path,
+        telemetry: &Telemetry,
+    ) -> Result<Self, Error> {
         let live = setup.live.clone();
+        let file = draft.as_ref().map(Draft::file).transpose()?;
         if file.is_none() && live.is_none() {
-            return Ok(Self { sink: None, place });
+            return Ok(Self { sink: None, draft });
         }
-        let identity = identity(setup, telemetry);
+        let identity = identity(setup, mcap, telemetry);
         let sink = RerunSink::new(&identity, Destinations { file, live });
         let mut sink = sink.map_err(SinkError::from)?;
         output::warn_all(sink.take_warnings());
+        draft.as_mut().map(Draft::keep);
         Ok(Self {
             sink: Some(sink),
-            place,
+            draft,
         })
     }
 
@@ -47,20 +49,27 @@ impl Viewer {
         let Some(sink) = self.sink else {
             return Ok(None);
         };
-        let (file, warnings) = sink.finish().map_err(SinkError::from)?;
-        output::warn_all(warnings);
-        let Some((place, file)) = self.place.zip(file) else {
+        let ended = sink.finish().map_err(SinkError::from);
+        let Some(draft) = self.draft else {
+            output::warn_all(ended?.1);
             return Ok(None);
         };
-        let metadata = file.metadata();
-        let bytes = metadata.with_context(|| place.partial().display().to_string())?;
-        place.publish(&file)?;
-        Ok(Some((place.path().to_owned(), bytes.len())))
+        let path = draft.path().to_owned();
+        let context = || format!("{} is not written", path.display());
+        match ended {
+            Ok((_, warnings)) => output::warn_all(warnings),
+            Err(error) => {
+                draft.discard();
+                return Err(error).with_context(context);
+            }
+        }
+        let bytes = draft.publish().with_context(context)?;
+        Ok(Some((path, bytes)))
     }
 }
 
-fn identity(setup: &Setup<'_>, telemetry: &Telemetry) -> Identity {
-    let stem = setup.plan.mcap.file_stem().unwrap_or_default();
+fn identity(setup: &Setup<'_>, mcap: &Path, telemetry: &Telemetry) -> Identity {
+    let stem = mcap.file_stem().unwrap_or_default();
     let topics = Topic::all().filter(|topic| telemetry.wants(*topic));
     let playback = if setup.arguments.realtime.is_some() {
         Playback::Following

@@ -1,0 +1,401 @@
+//! Files appear whole or not at all, and nothing that exists is harmed: not what is read, nor what is being written
+//! or was left.
+
+use crate::support::{archive, scenario};
+use assert_cmd::Command;
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Child, Command as Process, Stdio};
+use tempfile::{TempDir, tempdir};
+use toprise::analysis::complete::complete;
+use toprise::archive::publish::{Draft, Existing, partial_name};
+use toprise::archive::recording::{Condition, Overview, Recording};
+use toprise::archive::sink::SinkError;
+use toprise::archive::writer::{Form, McapSink};
+use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::{Telemetry, Topics};
+
+/// The files in a directory, hidden ones too.
+fn files(directory: &Path) -> Vec<String> {
+    let entries = fs::read_dir(directory).unwrap();
+    let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+    let mut names: Vec<_> = entries.map(|entry| name(entry.unwrap())).collect();
+    names.sort();
+    names
+}
+
+fn record(directory: &TempDir, name: &str) -> Vec<u8> {
+    let path = directory.path().join(name);
+    let scenario = scenario("paper", &[("stop.duration", "0.2")]);
+    archive(&path, &scenario, &[], Form::default()).unwrap();
+    fs::read(path).unwrap()
+}
+
+fn toprise(directory: &TempDir, arguments: &[&str]) -> assert_cmd::assert::Assert {
+    let mut command = Command::cargo_bin("toprise").unwrap();
+    command
+        .current_dir(directory.path())
+        .args(arguments)
+        .assert()
+}
+
+/// Arguments with the name of the input in place of `IN`.
+fn with_input<'a>(arguments: &[&'a str], input: &'a str) -> Vec<&'a str> {
+    let name = |word: &&'a str| if *word == "IN" { input } else { word };
+    arguments.iter().map(name).collect()
+}
+
+#[test]
+fn what_is_read_is_never_harmed_whatever_it_is_called() {
+    let directory = tempdir().unwrap();
+    let whole = record(&directory, "a.mcap");
+    let cut = &whole[..whole.len() / 2];
+    let cases: &[(&str, &[u8], &[&str], i32)] = &[
+        (
+            "c.mcap.new",
+            &whole,
+            &[
+                "convert",
+                "IN",
+                "c.mcap",
+                "--encoding",
+                "protobuf",
+                "--force",
+            ],
+            0,
+        ),
+        (
+            "c.mcap.partial",
+            &whole,
+            &["convert", "IN", "c.mcap", "--encoding", "json", "--force"],
+            0,
+        ),
+        (
+            "x.mcap.new",
+            cut,
+            &["recover", "IN", "x.mcap", "--force"],
+            3,
+        ),
+        (
+            "x.mcap.partial",
+            cut,
+            &["recover", "IN", "x.mcap", "--force"],
+            3,
+        ),
+        (
+            "x.mcap.partial",
+            cut,
+            &["recover", "IN", "x.mcap", "--force", "--complete"],
+            0,
+        ),
+        (
+            "d.mcap.partial",
+            &whole,
+            &["diff", "IN", "a.mcap", "--mcap", "d.mcap", "--force"],
+            0,
+        ),
+        // What would replace the input itself is refused.
+        ("x.mcap", cut, &["recover", "IN", "x.mcap", "--force"], 2),
+        (
+            "x.mcap",
+            cut,
+            &["recover", "IN", "./x.mcap", "--force", "--complete"],
+            2,
+        ),
+        (
+            "d.mcap",
+            &whole,
+            &["diff", "IN", "a.mcap", "--mcap", "d.mcap", "--force"],
+            2,
+        ),
+        (
+            "figures/energy.svg",
+            &whole,
+            &["figures", "IN", "--only", "energy", "--force"],
+            2,
+        ),
+    ];
+    for (input, bytes, arguments, code) in cases {
+        let path = directory.path().join(input);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(&path, bytes).unwrap();
+        let arguments = with_input(arguments, input);
+        toprise(&directory, &arguments).code(*code);
+        assert!(fs::read(&path).unwrap() == *bytes, "{arguments:?}");
+    }
+    assert!(
+        !files(directory.path())
+            .iter()
+            .any(|name| name.ends_with(".tmp"))
+    );
+}
+
+#[cfg(feature = "rerun")]
+#[test]
+fn what_is_shown_is_never_harmed() {
+    let directory = tempdir().unwrap();
+    let whole = record(&directory, "a.mcap");
+    let cases: &[(&str, &[&str], i32)] = &[
+        (
+            "h.rrd.new",
+            &["diff", "IN", "a.mcap", "--rrd", "h.rrd", "--force"],
+            0,
+        ),
+        ("e.rrd.new", &["view", "IN", "--rrd", "e.rrd", "--force"], 0),
+        ("e.rrd", &["view", "IN", "--rrd", "e.rrd", "--force"], 2),
+    ];
+    for (input, arguments, code) in cases {
+        let path = directory.path().join(input);
+        fs::write(&path, &whole).unwrap();
+        let arguments = with_input(arguments, input);
+        toprise(&directory, &arguments).code(*code);
+        assert!(fs::read(&path).unwrap() == whole, "{arguments:?}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_input_is_known_by_any_name_or_link() {
+    let directory = tempdir().unwrap();
+    let whole = record(&directory, "a.mcap");
+    let cut = &whole[..whole.len() / 2];
+    fs::write(directory.path().join("cut.mcap"), cut).unwrap();
+    fs::hard_link(
+        directory.path().join("cut.mcap"),
+        directory.path().join("hard.mcap"),
+    )
+    .unwrap();
+    std::os::unix::fs::symlink("cut.mcap", directory.path().join("soft.mcap")).unwrap();
+    for output in ["hard.mcap", "soft.mcap", "../{}/cut.mcap"] {
+        let name = directory.path().file_name().unwrap().to_string_lossy();
+        let output = output.replace("{}", &name);
+        let refused = toprise(&directory, &["recover", "cut.mcap", &output, "--force"]).code(2);
+        let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+        assert!(error.contains("already read or written here"), "{error}");
+        assert!(fs::read(directory.path().join(&output)).unwrap() == cut);
+    }
+    // A scenario is read too.
+    let toml = scenario("paper", &[("stop.duration", "0.05")]).to_toml();
+    fs::write(directory.path().join("mine.toml"), &toml).unwrap();
+    toprise(
+        &directory,
+        &["run", "mine.toml", "-o", "mine.toml", "--force"],
+    )
+    .code(2);
+    assert_eq!(
+        fs::read_to_string(directory.path().join("mine.toml")).unwrap(),
+        toml
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_symbolic_link_is_replaced_as_a_name_and_never_written_through() {
+    let directory = tempdir().unwrap();
+    let precious = directory.path().join("precious");
+    let link = directory.path().join("link.mcap");
+    fs::write(&precious, "precious").unwrap();
+    std::os::unix::fs::symlink("precious", &link).unwrap();
+    // The temporary name of a run may be a link as well.
+    std::os::unix::fs::symlink("precious", partial_name(&link)).unwrap();
+    let scenario = scenario("paper", &[("stop.duration", "0.05")]);
+    let sink = |existing| {
+        let telemetry = Telemetry::default();
+        McapSink::create(&link, existing, &scenario, &telemetry, Form::default())
+    };
+    assert!(matches!(
+        sink(Existing::Keep),
+        Err(SinkError::Exists { .. })
+    ));
+    toprise(
+        &directory,
+        &[
+            "run",
+            "--set",
+            "stop.duration=0.05",
+            "-o",
+            "link.mcap",
+            "--force",
+        ],
+    )
+    .success();
+    assert!(!link.is_symlink() && Overview::read(&link).unwrap().is_whole());
+    assert_eq!(fs::read(&precious).unwrap(), b"precious");
+    assert!(partial_name(&link).is_symlink());
+
+    let schema = directory.path().join("schemas/toprise.State.json");
+    fs::create_dir(directory.path().join("schemas")).unwrap();
+    std::os::unix::fs::symlink("../precious", &schema).unwrap();
+    toprise(&directory, &["schema", "--write", "schemas"]).success();
+    assert!(!schema.is_symlink() && fs::read(&schema).unwrap().starts_with(b"{"));
+    assert_eq!(fs::read(&precious).unwrap(), b"precious");
+}
+
+#[test]
+fn whichever_of_several_files_of_one_name_is_published_last_stays_and_is_whole() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("x.mcap");
+    let start = |name: fn(&Path, Existing) -> Result<Draft, SinkError>| {
+        name(&path, Existing::Replace).unwrap()
+    };
+    let drafts = [
+        start(Draft::of_run),
+        start(Draft::of_run),
+        start(Draft::new),
+        start(Draft::new),
+    ];
+    for (number, mut draft) in drafts.into_iter().enumerate() {
+        draft
+            .write_all(&vec![number as u8; 1000 * (4 - number)])
+            .unwrap();
+        draft.publish().unwrap();
+        assert_eq!(
+            fs::read(&path).unwrap(),
+            vec![number as u8; 1000 * (4 - number)]
+        );
+    }
+    assert_eq!(files(directory.path()), ["x.mcap"]);
+}
+
+#[test]
+fn what_an_interrupted_run_left_is_never_touched() {
+    let directory = tempdir().unwrap();
+    let left = directory.path().join("x.mcap.partial");
+    fs::write(&left, "interrupted").unwrap();
+    let run = ["run", "--set", "stop.duration=0.05", "-o", "x.mcap"];
+    let refused = toprise(&directory, &run).code(2);
+    let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(error.contains("toprise recover x.mcap.partial"), "{error}");
+    toprise(&directory, &[&run[..], &["--force"]].concat()).success();
+    assert_eq!(fs::read(&left).unwrap(), b"interrupted");
+    assert_eq!(files(directory.path()), ["x.mcap", "x.mcap.partial"]);
+}
+
+/// Starts a run in the background.
+fn start(directory: &TempDir, arguments: &[&str]) -> Child {
+    let program = assert_cmd::cargo::cargo_bin("toprise");
+    let mut command = Process::new(program);
+    command
+        .current_dir(directory.path())
+        .args(["run", "--set", "stop.duration=0.3"]);
+    command
+        .args(arguments)
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+#[test]
+fn runs_that_start_at_once_each_find_a_free_name() {
+    let directory = tempdir().unwrap();
+    let runs: Vec<_> = (0..4).map(|_| start(&directory, &[])).collect();
+    for mut run in runs {
+        assert!(run.wait().unwrap().success());
+    }
+    let recordings = files(&directory.path().join("recordings"));
+    let recordings = recordings.iter().filter(|name| name.ends_with(".mcap"));
+    assert_eq!(
+        recordings.collect::<Vec<_>>(),
+        ["paper-2.mcap", "paper-3.mcap", "paper-4.mcap", "paper.mcap"]
+    );
+}
+
+#[test]
+fn runs_with_one_name_each_publish_a_whole_file() {
+    let directory = tempdir().unwrap();
+    let mut expected = Vec::new();
+    for encoding in ["json", "protobuf"] {
+        let own = format!("{encoding}.mcap");
+        start(&directory, &["-o", &own, "--encoding", encoding])
+            .wait()
+            .unwrap();
+        expected.push(fs::read(directory.path().join(own)).unwrap());
+    }
+    for _ in 0..5 {
+        let one = |encoding| {
+            start(
+                &directory,
+                &["-o", "x.mcap", "--force", "--encoding", encoding],
+            )
+        };
+        for mut run in ["json", "protobuf"].map(one) {
+            assert!(run.wait().unwrap().success());
+        }
+        assert!(expected.contains(&fs::read(directory.path().join("x.mcap")).unwrap()));
+    }
+    assert_eq!(
+        files(directory.path()),
+        ["json.mcap", "protobuf.mcap", "x.mcap"]
+    );
+}
+
+#[test]
+fn a_run_that_is_killed_before_its_first_message_can_be_completed() {
+    let scenario = scenario("paper", &[("stop.duration", "0.05")]);
+    for (encoding, topics, views) in [
+        (Encoding::Json, &[][..], true),
+        (Encoding::Protobuf, &["/top/state", "/events"][..], false),
+    ] {
+        let directory = tempdir().unwrap();
+        let path = directory.path().join("run.mcap");
+        let form = Form { encoding, views };
+        archive(&path, &scenario, topics, form).unwrap();
+        let whole = fs::read(&path).unwrap();
+
+        let telemetry = match topics {
+            [] => Telemetry::default(),
+            _ => Telemetry::with_topics(&Topics::named(topics).unwrap()),
+        };
+        let live = directory.path().join("live.mcap");
+        let sink = McapSink::create(&live, Existing::Keep, &scenario, &telemetry, form).unwrap();
+        // What is on the disk now is what a killed process leaves.
+        let killed = directory.path().join("killed.mcap");
+        fs::copy(partial_name(&live), &killed).unwrap();
+        drop(sink);
+        let recording = Recording::open(&killed).unwrap();
+        assert_eq!(recording.condition(), Condition::Interrupted);
+        let completed = directory.path().join("completed.mcap");
+        complete(&recording, &completed, Existing::Keep, &|_| {}).unwrap();
+        assert!(fs::read(&completed).unwrap() == whole, "{encoding:?}");
+    }
+}
+
+#[test]
+fn a_complete_recording_that_has_not_got_its_name_gets_it() {
+    let directory = tempdir().unwrap();
+    let whole = record(&directory, "a.mcap");
+    fs::rename(
+        directory.path().join("a.mcap"),
+        directory.path().join("a.mcap.partial"),
+    )
+    .unwrap();
+    let saved = toprise(&directory, &["recover", "a.mcap.partial", "a.mcap"]).success();
+    let text = String::from_utf8_lossy(&saved.get_output().stdout).into_owned();
+    assert!(text.contains("nothing is lost"), "{text}");
+    assert!(fs::read(directory.path().join("a.mcap")).unwrap() == whole);
+}
+
+/// A Rerun recording for which there is no room leaves the MCAP file alone.
+#[cfg(all(feature = "rerun", target_os = "linux"))]
+#[test]
+fn a_run_goes_on_without_a_rerun_recording_that_finds_no_room() {
+    let directory = tempdir().unwrap();
+    let program = assert_cmd::cargo::cargo_bin("toprise");
+    // The limit stands for the full disk: larger than the MCAP file, smaller than the Rerun recording.
+    let script = format!(
+        "ulimit -f 1100; trap '' XFSZ; exec {} run --set stop.duration=1 -o x.mcap --rrd x.rrd",
+        program.display()
+    );
+    let output = Process::new("bash")
+        .current_dir(directory.path())
+        .args(["-c", &script])
+        .output()
+        .unwrap();
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{error}");
+    assert!(error.contains("x.rrd"), "{error}");
+    let recording = Recording::open(&directory.path().join("x.mcap")).unwrap();
+    assert_eq!(recording.condition(), Condition::Whole);
+    assert_eq!(files(directory.path()), ["x.mcap"]);
+}
