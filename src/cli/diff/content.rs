@@ -9,6 +9,8 @@ use crate::analysis::phrase::{duration, quantity, significant, symbol};
 use crate::archive::recording::Condition;
 use crate::cli::format;
 use crate::cli::page::{Page, Part, Section, Table, Tone};
+use crate::run::simulation::EventKind;
+use crate::telemetry::fields::{NumberField, state};
 use unicode_width::{UnicodeWidthChar as _, UnicodeWidthStr as _};
 
 /// Of long lists, so many entries are shown.
@@ -198,7 +200,7 @@ fn happened(report: &Report) -> Section {
     for (name, only) in [("A", &found.only_in_a), ("B", &found.only_in_b)] {
         let told: Vec<&EventMoment> = only
             .iter()
-            .filter(|event| !event.name.starts_with("nutation_"))
+            .filter(|event| !EventKind::find(&event.name).is_some_and(EventKind::is_of_nutation))
             .collect();
         if !told.is_empty() {
             let moment = |event: &&EventMoment| format!("{} at {:.4} s", event.name, event.time);
@@ -700,17 +702,17 @@ fn errors(report: &Report) -> Section {
         "Integrator errors",
         "each run against itself with tighter tolerances".to_owned(),
     );
-    let theta = |fields: &[(String, f64)], name: &str| {
-        let field = fields.iter().find(|(field, _)| field == name);
+    let of = |fields: &[(String, f64)], wanted: NumberField| {
+        let field = fields.iter().find(|(name, _)| *name == wanted.to_string());
         field.map_or(String::new(), |(_, error)| significant(*error, 2))
     };
     let row = |letter: &str, error: &crate::analysis::diff::IntegratorError| {
         vec![
             letter.to_owned(),
             format!("{:e} → {:e}", error.relative_tolerance, error.compared_with),
-            theta(&error.fields, "/top/state.theta"),
-            theta(&error.fields, "/top/state.phi_dot"),
-            theta(&error.fields, "/top/state.psi"),
+            of(&error.fields, state::THETA),
+            of(&error.fields, state::PHI_DOT),
+            of(&error.fields, state::PSI),
             duration(error.event_shift),
         ]
     };
