@@ -171,7 +171,6 @@ fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::telemetry::fields::{NumberField, STATE, state};
 
     #[test]
     fn paths_are_unique_and_objects_are_contiguous() {
@@ -189,27 +188,5 @@ mod tests {
             paths.dedup();
             assert_eq!(paths.len(), channel.leaves().count(), "{}", channel.topic);
         }
-    }
-
-    #[test]
-    fn derivatives_are_those_of_the_angles() {
-        for channel in channels() {
-            for leaf in channel.numbers.iter() {
-                let derivative = leaf.derivative.map(|at| &channel.numbers[at]);
-                let expected = match leaf.quantity {
-                    Quantity::Angle => Quantity::Rate,
-                    _ => Quantity::Acceleration,
-                };
-                assert!(derivative.is_none_or(|derivative| derivative.quantity == expected));
-            }
-        }
-        let info = STATE.info();
-        let path = |field: NumberField| {
-            let derivative = field.leaf().derivative?;
-            Some(info.numbers[derivative].path.as_str())
-        };
-        assert_eq!(path(state::PHI), Some("phi_dot"));
-        assert_eq!(path(state::PSI_DOT), Some("psi_ddot"));
-        assert_eq!(path(state::THETA_DDOT), None);
     }
 }

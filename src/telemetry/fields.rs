@@ -480,7 +480,8 @@ handles!(EVENTS, events = "/events" {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::telemetry::channels;
+    use crate::telemetry::channel::channels;
+    use crate::telemetry::quantity::Quantity;
 
     #[test]
     fn every_field_of_the_table_has_one_handle() {
@@ -547,5 +548,27 @@ mod tests {
         assert_eq!(pose::ORIENTATION.of(&message).w, 3.0);
         assert!(state::THETA.of(&message).is_nan());
         assert_eq!(events::NAME.of(&message), "");
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_angles() {
+        for channel in channels() {
+            for leaf in &channel.numbers {
+                let derivative = leaf.derivative.map(|at| &channel.numbers[at]);
+                let expected = match leaf.quantity {
+                    Quantity::Angle => Quantity::Rate,
+                    _ => Quantity::Acceleration,
+                };
+                assert!(derivative.is_none_or(|derivative| derivative.quantity == expected));
+            }
+        }
+        let info = STATE.info();
+        let path = |field: NumberField| {
+            let derivative = field.leaf().derivative?;
+            Some(info.numbers[derivative].path.as_str())
+        };
+        assert_eq!(path(state::PHI), Some("phi_dot"));
+        assert_eq!(path(state::PSI_DOT), Some("psi_ddot"));
+        assert_eq!(path(state::THETA_DDOT), None);
     }
 }
