@@ -10,8 +10,12 @@ use crate::physics::dynamics::Model;
 use crate::physics::friction::Dissipation;
 use crate::physics::math;
 use crate::run::scenario::{FormulationKind, Scenario};
-use crate::telemetry::{Message, channel_index, channels};
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use crate::telemetry::fields::{
+    NumberField, VectorField, acceleration, contact, energy, momentum, pose, precession, state,
+    torque,
+};
+use crate::telemetry::{Message, Numbers, Topic, channels};
+use nalgebra::{UnitQuaternion, Vector3};
 
 const EPS: f64 = f64::EPSILON;
 /// So many steps the integrator takes at most per radian of the fastest rate.
@@ -46,7 +50,6 @@ pub(super) struct Physics {
     rows: Vec<Option<Vec<f64>>>,
     time_ns: u64,
     history: Option<History>,
-    fields: HistoryFields,
     scenario: Scenario,
 }
 
@@ -68,17 +71,6 @@ struct History {
     gravity_moment: f64,
 }
 
-struct HistoryFields {
-    kinetic: Number,
-    potential: Number,
-    energy: Number,
-    work: Number,
-    vertical: Number,
-    axial: Number,
-    omega: Vector,
-    momentum: Vector,
-}
-
 impl Physics {
     pub(super) fn new(scenario: &Scenario) -> Self {
         Self {
@@ -86,16 +78,6 @@ impl Physics {
             rows: vec![None; channels().len()],
             time_ns: 0,
             history: None,
-            fields: HistoryFields {
-                kinetic: number("/top/energy", "kinetic"),
-                potential: number("/top/energy", "potential"),
-                energy: number("/top/energy", "total"),
-                work: number("/top/energy", "friction_work"),
-                vertical: number("/top/momentum", "vertical"),
-                axial: number("/top/momentum", "axial"),
-                omega: vector("/top/pose", "omega_world"),
-                momentum: vector("/top/momentum", "world"),
-            },
             scenario: scenario.clone(),
         }
     }
@@ -122,10 +104,10 @@ impl Physics {
         };
         let history = match &mut self.history {
             Some(history) => {
-                history.take(&instant, &self.fields);
+                history.take(&instant);
                 history
             }
-            none => none.insert(History::new(&instant, &self.fields, &self.scenario)),
+            none => none.insert(History::new(&instant, &self.scenario)),
         };
         for law in &mut self.laws {
             let (violation, allowed) = (law.judge)(&instant, history);
@@ -186,7 +168,7 @@ impl Law {
 }
 
 impl History {
-    fn new(now: &Instant<'_>, fields: &HistoryFields, scenario: &Scenario) -> Self {
+    fn new(now: &Instant<'_>, scenario: &Scenario) -> Self {
         let top = &scenario.model.top;
         let mut history = Self {
             energy: f64::NAN,
@@ -205,27 +187,25 @@ impl History {
             },
             gravity_moment: top.gravity_moment(),
         };
-        history.take(now, fields);
+        history.take(now);
         history
     }
 
-    fn take(&mut self, now: &Instant<'_>, fields: &HistoryFields) {
-        let remember = |first: &mut f64, field: Number| {
+    fn take(&mut self, now: &Instant<'_>) {
+        let remember = |first: &mut f64, field: NumberField| {
             if first.is_nan() {
-                *first = now.number(field);
+                *first = field.of(now);
             }
         };
-        remember(&mut self.energy, fields.energy);
-        remember(&mut self.work, fields.work);
-        remember(&mut self.vertical, fields.vertical);
-        remember(&mut self.axial, fields.axial);
-        let energy = now.number(fields.kinetic) + now.number(fields.potential).abs();
+        remember(&mut self.energy, energy::TOTAL);
+        remember(&mut self.work, energy::FRICTION_WORK);
+        remember(&mut self.vertical, momentum::VERTICAL);
+        remember(&mut self.axial, momentum::AXIAL);
+        let energy = energy::KINETIC.of(now) + energy::POTENTIAL.of(now).abs();
         // f64::max leaves out what is not a number, because it is not recorded.
         self.largest_energy = self.largest_energy.max(energy);
-        self.largest_momentum = self
-            .largest_momentum
-            .max(now.vector(fields.momentum).norm());
-        self.fastest = self.fastest.max(now.vector(fields.omega).norm());
+        self.largest_momentum = self.largest_momentum.max(momentum::WORLD.of(now).norm());
+        self.fastest = self.fastest.max(pose::OMEGA_WORLD.of(now).norm());
     }
 
     /// A bound on the integrator's steps up to an instant.
@@ -255,46 +235,9 @@ struct Instant<'a> {
     time: f64,
 }
 
-/// Where a number of the table stands: channel and index.
-#[derive(Clone, Copy)]
-struct Number(usize, usize);
-
-/// Where the first component of a vector or quaternion stands.
-#[derive(Clone, Copy)]
-struct Vector(usize, usize);
-
-fn number(topic: &str, path: &str) -> Number {
-    let at = channel_index(topic).unwrap_or_else(|| unreachable!("the table has no {topic}"));
-    let index = channels()[at].number_index(path);
-    Number(
-        at,
-        index.unwrap_or_else(|| unreachable!("{topic} has no {path}")),
-    )
-}
-
-fn vector(topic: &str, path: &str) -> Vector {
-    let Number(channel, index) = number(topic, &format!("{path}.x"));
-    Vector(channel, index)
-}
-
-impl Instant<'_> {
-    fn component(&self, channel: usize, index: usize) -> f64 {
-        self.rows[channel]
-            .as_ref()
-            .map_or(f64::NAN, |row| row[index])
-    }
-
-    fn number(&self, Number(channel, index): Number) -> f64 {
-        self.component(channel, index)
-    }
-
-    fn vector(&self, Vector(channel, index): Vector) -> Vector3<f64> {
-        Vector3::from_fn(|row, _| self.component(channel, index + row))
-    }
-
-    fn quaternion(&self, Vector(channel, index): Vector) -> Quaternion<f64> {
-        let [x, y, z, w] = [0, 1, 2, 3].map(|part| self.component(channel, index + part));
-        Quaternion::new(w, x, y, z)
+impl Numbers for Instant<'_> {
+    fn numbers(&self, topic: Topic) -> Option<&[f64]> {
+        self.rows[topic.index()].as_deref()
     }
 }
 
@@ -333,38 +276,39 @@ fn laws(scenario: &Scenario) -> Vec<Law> {
     }
     laws.push(energy_balance());
     if !friction.turns_about_vertical() || scenario.is_frictionless() {
-        laws.push(constant("vertical momentum", "vertical", |history| {
-            history.vertical
-        }));
+        laws.push(constant(
+            "vertical momentum",
+            momentum::VERTICAL,
+            |history| history.vertical,
+        ));
     }
     let tilts_only = friction.dissipation == Dissipation::TiltTorqueOnly;
     if scenario.is_frictionless() || (tilts_only && !friction.has_losses()) {
-        laws.push(constant("axial momentum", "axial", |history| history.axial));
+        laws.push(constant("axial momentum", momentum::AXIAL, |history| {
+            history.axial
+        }));
     }
     laws
 }
 
 /// Friction gives no energy. Torques that mix directions, like those of the air, do so up to rounding.
 fn only_takes(scenario: &Scenario) -> Law {
-    let power = number("/top/energy", "friction_power");
-    let torque = vector("/top/torque", "friction_node");
-    let omega = vector("/top/pose", "omega_world");
     let mixes = scenario.model.friction.has_losses();
     law("friction only takes", "W", move |now, _| {
         let allowed = if mixes {
-            8.0 * EPS * now.vector(torque).norm() * now.vector(omega).norm()
+            let size = torque::FRICTION_NODE.of(now).norm() * pose::OMEGA_WORLD.of(now).norm();
+            8.0 * EPS * size
         } else {
             0.0
         };
-        (now.number(power), allowed)
+        (energy::FRICTION_POWER.of(now), allowed)
     })
 }
 
 /// A momentum stays what it was.
-fn constant(name: &'static str, field: &str, first: fn(&History) -> f64) -> Law {
-    let momentum = number("/top/momentum", field);
+fn constant(name: &'static str, field: NumberField, first: fn(&History) -> f64) -> Law {
     law(name, "kg m²/s", move |now, history| {
-        let error = (now.number(momentum) - first(history)).abs();
+        let error = (field.of(now) - first(history)).abs();
         (error, history.momentum_error(now))
     })
 }
@@ -380,27 +324,20 @@ fn torque_of_friction(scenario: &Scenario) -> Law {
 }
 
 /// How the rounding of the angles grows with their turns.
-fn turns() -> impl Fn(&Instant<'_>) -> f64 {
-    let phi = number("/top/state", "phi");
-    let psi = number("/top/state", "psi");
-    move |now| 1.0 + now.number(phi).abs() + now.number(psi).abs()
+fn turns(now: &Instant<'_>) -> f64 {
+    1.0 + state::PHI.of(now).abs() + state::PSI.of(now).abs()
 }
 
 /// The quaternion is a rotation, and turns body components of axis and rates into those in the world.
 fn orientation() -> Law {
-    let quaternion = vector("/top/pose", "orientation");
-    let axis = vector("/top/pose", "axis");
-    let omega_body = vector("/top/pose", "omega_body");
-    let omega_world = vector("/top/pose", "omega_world");
-    let turns = turns();
-    law("orientation", "", move |now, _| {
-        let quaternion = now.quaternion(quaternion);
+    law("orientation", "", |now, _| {
+        let quaternion = pose::ORIENTATION.of(now);
         let rotation = UnitQuaternion::new_unchecked(quaternion);
         let length = (quaternion.norm() - 1.0).abs();
-        let axis = (rotation * Vector3::z() - now.vector(axis)).norm();
-        let omega = rotation * now.vector(omega_body) - now.vector(omega_world);
-        let rate = now.vector(omega_world).norm();
-        let rates = omega.norm() / rate.max(f64::MIN_POSITIVE);
+        let axis = (rotation * Vector3::z() - pose::AXIS.of(now)).norm();
+        let omega_world = pose::OMEGA_WORLD.of(now);
+        let omega = rotation * pose::OMEGA_BODY.of(now) - omega_world;
+        let rates = omega.norm() / omega_world.norm().max(f64::MIN_POSITIVE);
         (length + axis + rates, 16.0 * EPS * turns(now))
     })
 }
@@ -408,30 +345,28 @@ fn orientation() -> Law {
 /// The contact point slips at ω × r with r = −R z′.
 fn slip(scenario: &Scenario) -> Law {
     let radius = scenario.model.top.peg_radius;
-    let omega = vector("/top/pose", "omega_world");
-    let slip = vector("/top/contact", "slip_world");
-    let speed = number("/top/contact", "slip_speed");
-    let turns = turns();
     law("slip velocity", "m/s", move |now, _| {
-        let omega = now.vector(omega);
-        let slip = now.vector(slip);
+        let omega = pose::OMEGA_WORLD.of(now);
+        let slip = contact::SLIP_WORLD.of(now);
         let error = radius * Vector3::new(-omega.y, omega.x, 0.0) - slip;
-        let of_speed = (slip.norm() - now.number(speed)).abs();
+        let of_speed = (slip.norm() - contact::SLIP_SPEED.of(now)).abs();
         let allowed = 16.0 * EPS * turns(now) * radius * omega.norm();
         (error.norm() + of_speed, allowed)
     })
 }
 
 fn sum_of_torques() -> Law {
-    let part = |part: &str| ["body", "node"].map(|f| vector("/top/torque", &format!("{part}_{f}")));
-    let [gravity, friction, total] = ["gravity", "friction", "total"].map(part);
-    law("sum of torques", "N m", move |now, _| {
-        let sum = |frame: usize| {
-            let (gravity, friction) = (now.vector(gravity[frame]), now.vector(friction[frame]));
-            let error = (gravity + friction - now.vector(total[frame])).norm();
+    use torque::{
+        FRICTION_BODY, FRICTION_NODE, GRAVITY_BODY, GRAVITY_NODE, TOTAL_BODY, TOTAL_NODE,
+    };
+    law("sum of torques", "N m", |now, _| {
+        let sum = |[gravity, friction, total]: [VectorField; 3]| {
+            let (gravity, friction) = (gravity.of(now), friction.of(now));
+            let error = (gravity + friction - total.of(now)).norm();
             (error, gravity.norm() + friction.norm())
         };
-        let ((body, _), (node, size)) = (sum(0), sum(1));
+        let (body, _) = sum([GRAVITY_BODY, FRICTION_BODY, TOTAL_BODY]);
+        let (node, size) = sum([GRAVITY_NODE, FRICTION_NODE, TOTAL_NODE]);
         (body + node, 8.0 * EPS * size)
     })
 }
@@ -439,11 +374,10 @@ fn sum_of_torques() -> Law {
 /// r × f has the length R |f| in every frame.
 fn torque_of_force(scenario: &Scenario) -> Law {
     let radius = scenario.model.top.peg_radius;
-    let force = vector("/top/contact", "friction_force");
-    let torques = ["friction_body", "friction_node"].map(|path| vector("/top/torque", path));
     law("torque of the force", "N m", move |now, _| {
-        let expected = radius * now.vector(force).norm();
-        let error = torques.map(|torque| (now.vector(torque).norm() - expected).abs());
+        let expected = radius * contact::FRICTION_FORCE.of(now).norm();
+        let error = [torque::FRICTION_BODY, torque::FRICTION_NODE]
+            .map(|torque| (torque.of(now).norm() - expected).abs());
         (error[0] + error[1], 32.0 * EPS * expected)
     })
 }
@@ -451,20 +385,14 @@ fn torque_of_force(scenario: &Scenario) -> Law {
 /// Parts of r × f, and the torques beside it that follow from rates and slip speed.
 fn torque_of_parts(scenario: &Scenario) -> Law {
     let Model { top, friction } = scenario.model;
-    let [force, slip] = ["friction_force", "slip_world"].map(|path| vector("/top/contact", path));
-    let normal = number("/top/contact", "normal_force");
-    let [omega, axis, rotation] =
-        ["omega_world", "axis", "orientation"].map(|path| vector("/top/pose", path));
-    let [body, node] = ["friction_body", "friction_node"].map(|path| vector("/top/torque", path));
-    let turns = turns();
     law("torque of friction", "N m", move |now, _| {
-        let (normal, axis) = (now.number(normal), now.vector(axis));
-        let slip_speed = now.vector(slip).norm();
-        let force = now.vector(force);
+        let (normal, axis) = (contact::NORMAL_FORCE.of(now), pose::AXIS.of(now));
+        let slip_speed = contact::SLIP_WORLD.of(now).norm();
+        let force = contact::FRICTION_FORCE.of(now);
         let of_force = top.peg_radius * Vector3::new(force.y, -force.x, 0.0);
         let sliding = kept(friction.dissipation, &of_force, &axis);
         let losses = friction
-            .torque_of_losses(slip_speed, normal, now.vector(omega), axis)
+            .torque_of_losses(slip_speed, normal, pose::OMEGA_WORLD.of(now), axis)
             .unwrap_or_default();
         // The resistance of a peg that doesn't roll is what it has to be, up to a bound.
         let unknown = if slip_speed > 0.0 {
@@ -472,10 +400,10 @@ fn torque_of_parts(scenario: &Scenario) -> Law {
         } else {
             friction.rolling_arm() * normal
         };
-        let rotation = UnitQuaternion::new_unchecked(now.quaternion(rotation));
-        let torque = rotation * now.vector(body);
+        let rotation = UnitQuaternion::new_unchecked(pose::ORIENTATION.of(now));
+        let torque = rotation * torque::FRICTION_BODY.of(now);
         let error = (torque - sliding - losses).norm();
-        let of_node = (now.vector(node).norm() - torque.norm()).abs();
+        let of_node = (torque::FRICTION_NODE.of(now).norm() - torque.norm()).abs();
         let size = of_force.norm() + losses.norm() + unknown;
         (error + of_node, unknown + 32.0 * EPS * turns(now) * size)
     })
@@ -495,23 +423,31 @@ fn kept(part: Dissipation, torque: &Vector3<f64>, axis: &Vector3<f64>) -> Vector
 
 /// The accelerations are the sums of their terms.
 fn sum_of_accelerations() -> Law {
-    let angle = |angle: &str, terms: &[&str]| {
-        let term = |term: &&str| number("/top/acceleration", &format!("{angle}_ddot.{term}"));
-        let total = number("/top/state", &format!("{angle}_ddot"));
-        (total, terms.iter().map(term).collect::<Vec<_>>())
-    };
-    let theta = ["gyroscopic", "centrifugal", "gravitational", "frictional"];
-    let others = ["gyroscopic", "coriolis", "frictional"];
-    let angles = [
-        angle("theta", &theta),
-        angle("phi", &others),
-        angle("psi", &others),
+    use acceleration::*;
+    let angles: [(NumberField, &[NumberField]); 3] = [
+        (
+            state::THETA_DDOT,
+            &[
+                THETA_DDOT_GYROSCOPIC,
+                THETA_DDOT_CENTRIFUGAL,
+                THETA_DDOT_GRAVITATIONAL,
+                THETA_DDOT_FRICTIONAL,
+            ],
+        ),
+        (
+            state::PHI_DDOT,
+            &[PHI_DDOT_GYROSCOPIC, PHI_DDOT_CORIOLIS, PHI_DDOT_FRICTIONAL],
+        ),
+        (
+            state::PSI_DDOT,
+            &[PSI_DDOT_GYROSCOPIC, PSI_DDOT_CORIOLIS, PSI_DDOT_FRICTIONAL],
+        ),
     ];
     law("sum of accelerations", "of the terms", move |now, _| {
-        let error = |(total, terms): &(Number, Vec<Number>)| {
-            let terms = terms.iter().map(|term| now.number(*term));
+        let error = |(total, terms): &(NumberField, &[NumberField])| {
+            let terms = terms.iter().map(|term| term.of(now));
             let (sum, size) = terms.fold((0.0, 0.0), |(s, a), t| (s + t, a + t.abs()));
-            (sum - now.number(*total)).abs() / f64::max(size, f64::MIN_POSITIVE)
+            (sum - total.of(now)).abs() / f64::max(size, f64::MIN_POSITIVE)
         };
         (angles.iter().map(error).sum(), 16.0 * EPS)
     })
@@ -519,22 +455,15 @@ fn sum_of_accelerations() -> Law {
 
 /// Kinetic and potential energy add up; the kinetic is ω·L/2; the momenta are components of L.
 fn energies_and_momenta() -> Law {
-    let [kinetic, potential, total] =
-        ["kinetic", "potential", "total"].map(|path| number("/top/energy", path));
-    let [vertical, axial] = ["vertical", "axial"].map(|path| number("/top/momentum", path));
-    let momentum = vector("/top/momentum", "world");
-    let omega = vector("/top/pose", "omega_world");
-    let axis = vector("/top/pose", "axis");
-    let turns = turns();
-    law("energies and momenta", "of their size", move |now, _| {
-        let (kinetic, potential) = (now.number(kinetic), now.number(potential));
-        let momentum = now.vector(momentum);
+    law("energies and momenta", "of their size", |now, _| {
+        let (kinetic, potential) = (energy::KINETIC.of(now), energy::POTENTIAL.of(now));
+        let (momentum, omega) = (momentum::WORLD.of(now), pose::OMEGA_WORLD.of(now));
         let of_size = |error: f64, size: f64| error.abs() / size.max(f64::MIN_POSITIVE);
         let size = kinetic.abs() + potential.abs();
-        let sum = of_size(kinetic + potential - now.number(total), size);
-        let of_rates = of_size(kinetic - 0.5 * momentum.dot(&now.vector(omega)), kinetic);
-        let vertical = of_size(momentum.z - now.number(vertical), momentum.norm());
-        let axial = momentum.dot(&now.vector(axis)) - now.number(axial);
+        let sum = of_size(kinetic + potential - energy::TOTAL.of(now), size);
+        let of_rates = of_size(kinetic - 0.5 * momentum.dot(&omega), kinetic);
+        let vertical = of_size(momentum.z - momentum::VERTICAL.of(now), momentum.norm());
+        let axial = momentum.dot(&pose::AXIS.of(now)) - momentum::AXIAL.of(now);
         let axial = of_size(axial, momentum.norm());
         (sum + of_rates + vertical + axial, 32.0 * EPS * turns(now))
     })
@@ -543,14 +472,11 @@ fn energies_and_momenta() -> Law {
 /// The slow root solves (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0.
 fn regular_precession(scenario: &Scenario) -> Law {
     let top = scenario.model.top;
-    let root = number("/top/precession", "slow_root");
-    let theta = number("/top/state", "theta");
-    let psi_dot = number("/top/state", "psi_dot");
     law("regular precession", "of the terms", move |now, _| {
-        let root = now.number(root);
-        let cos = math::cos(now.number(theta));
+        let root = precession::SLOW_ROOT.of(now);
+        let cos = math::cos(state::THETA.of(now));
         let square = (top.transverse_moment - top.axial_moment) * cos * root * root;
-        let linear = -top.axial_moment * now.number(psi_dot) * root;
+        let linear = -top.axial_moment * state::PSI_DOT.of(now) * root;
         let constant = top.gravity_moment();
         let size = square.abs() + linear.abs() + constant.abs();
         ((square + linear + constant).abs() / size, 32.0 * EPS)
@@ -560,14 +486,10 @@ fn regular_precession(scenario: &Scenario) -> Law {
 /// The friction force is no larger than the law's and doesn't push along the slip.
 fn bound_of_force(scenario: &Scenario) -> Law {
     let friction_law = scenario.model.friction.law;
-    let force = vector("/top/contact", "friction_force");
-    let normal = number("/top/contact", "normal_force");
-    let slip = vector("/top/contact", "slip_world");
-    let speed = number("/top/contact", "slip_speed");
     law("bound of the force", "N", move |now, _| {
-        let force = now.vector(force);
-        let bound = friction_law.bound(now.number(speed), now.number(normal));
-        let along = force.dot(&now.vector(slip));
+        let force = contact::FRICTION_FORCE.of(now);
+        let bound = friction_law.bound(contact::SLIP_SPEED.of(now), contact::NORMAL_FORCE.of(now));
+        let along = force.dot(&contact::SLIP_WORLD.of(now));
         let excess = force.norm() - bound;
         (excess.max(along).max(0.0), 8.0 * EPS * bound)
     })
@@ -575,12 +497,10 @@ fn bound_of_force(scenario: &Scenario) -> Law {
 
 /// The change of energy is the work of friction.
 fn energy_balance() -> Law {
-    let energy = number("/top/energy", "total");
-    let work = number("/top/energy", "friction_work");
-    law("energy balance", "J", move |now, history| {
-        let change = now.number(energy) - history.energy;
+    law("energy balance", "J", |now, history| {
+        let change = energy::TOTAL.of(now) - history.energy;
         let allowed = 2.0 * history.energy_error(now);
-        let work = now.number(work) - history.work;
+        let work = energy::FRICTION_WORK.of(now) - history.work;
         ((change - work).abs(), allowed)
     })
 }
