@@ -10,7 +10,8 @@ use super::coefficients::{
     STAGE_5, STAGE_6, STAGE_7, STAGE_8, STAGE_9, STAGE_10, STAGE_11, STAGE_13, STAGE_14, STAGE_15,
     STAGES,
 };
-use super::{Direction, IntegrateError, Statistics, System, Tolerances};
+use super::dense::Dense;
+use super::problem::{Direction, IntegrateError, Statistics, System, Tolerances};
 
 // Step control: the default values of `dop853.f`.
 /// A step aims at this fraction of the length that the error estimate allows.
@@ -21,6 +22,21 @@ const LARGEST_SHRINKAGE: f64 = 0.333;
 const LARGEST_GROWTH: f64 = 6.0;
 /// Weight of the third-order error estimate (squared) beside the fifth-order one.
 const WEIGHT_OF_THIRD: f64 = 0.01;
+
+/// The dense output may err by this many times as much as a step.
+///
+/// The errors of steps add up, those of the dense output don't: it adds what ten steps do. In smooth motion it errs
+/// by 1 to 7 tolerances where steps err by 0.1, for it is one order less exact than they are; so a smaller multiple
+/// would shorten every step.
+const DENSE_ALLOWANCE: f64 = 10.0;
+
+/// Where the dense output is checked, as a fraction of the step. Its slope is right at 0, 0.1, 0.2, 7/9 and 1, whatever
+/// the equations; here its defect is large, and so is its error.
+const CHECKED_AT: f64 = 0.8;
+
+/// The defect of the dense output at [`CHECKED_AT`] is this multiple of its largest error, where steps are so short that
+/// the next term of the Taylor series tells it. Where they aren't, up to three times smaller or larger.
+const DEFECT_PER_ERROR: f64 = 2.64;
 
 /// The shortest step that can still advance t well, as a multiple of |t|.
 const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
@@ -55,22 +71,25 @@ const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
 pub struct Dop853<S, const N: usize> {
     system: S,
     tolerances: Tolerances,
-    t: f64,
-    y: [f64; N],
-    dy: [f64; N],
+    /// The last accepted step; one of no length before the first.
+    last: Step<N>,
     /// The step to try next, with its sign.
     next_h: f64,
-    last: Step<N>,
+    /// Whether the steps would be longer if the dense output were not checked.
+    dense_limits: bool,
     statistics: Statistics,
 }
 
-/// What the dense output needs of an accepted step.
+/// A step: where it starts, where it ends, and its stages.
 #[derive(Clone, Debug)]
 struct Step<const N: usize> {
     t: f64,
     h: f64,
     y: [f64; N],
     k: Stages<N>,
+    end: f64,
+    end_y: [f64; N],
+    end_dy: [f64; N],
 }
 
 /// The derivatives at the stages of a step.
@@ -99,17 +118,18 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         let mut integrator = Self {
             system,
             tolerances,
-            t: t0,
-            y: y0,
-            dy,
-            next_h: 0.0,
             // Before the first step the dense output is the constant y0.
             last: Step {
                 t: t0,
                 h: 0.0,
                 y: y0,
                 k: [[0.0; N]; STAGES],
+                end: t0,
+                end_y: y0,
+                end_dy: dy,
             },
+            next_h: 0.0,
+            dense_limits: false,
             statistics: Statistics {
                 evaluations: 1,
                 ..Statistics::default()
@@ -143,17 +163,17 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
 
     /// The end of the last accepted step, or the start.
     pub fn t(&self) -> f64 {
-        self.t
+        self.last.end
     }
 
     /// The state at [`Dop853::t`].
     pub fn y(&self) -> &[f64; N] {
-        &self.y
+        &self.last.end_y
     }
 
     /// The derivative at [`Dop853::t`], the very numbers with which the next step begins.
     pub fn dy(&self) -> &[f64; N] {
-        &self.dy
+        &self.last.end_dy
     }
 
     /// The cost so far.
@@ -171,26 +191,37 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// [`IntegrateError::NonFiniteState`] if one succeeds, but it ends where a quadrature or a derivative is
     /// not finite. The state and the dense output are then still those of the last accepted step.
     pub fn step(&mut self) -> Result<(), IntegrateError> {
+        let (step, factor) = self.try_steps(LARGEST_GROWTH)?;
+        self.next_h = step.h * factor;
+        self.accept(step);
+        Ok(())
+    }
+
+    /// Advances by one step whose dense output is good too, and returns it: it errs by at most ten times as much
+    /// as a step may. [`Dop853::step`] doesn't look at that and goes a little faster.
+    ///
+    /// # Errors
+    /// As [`Dop853::step`].
+    pub fn step_densely(&mut self) -> Result<Dense<N>, IntegrateError> {
         let mut growth_limit = LARGEST_GROWTH;
         loop {
-            let h = self.resolvable_step()?;
-            let k = self.stages(h);
-            let y = advance(&self.y, h, &combine(&SOLUTION, &k));
-            self.statistics.evaluations += 11;
-            let error = self.error(h, &y, &k);
-            let factor = step_factor(error, growth_limit);
-            if error <= 1.0 && all_finite(&y[..S::CONTROLLED]) {
-                self.accept(h, y, k)?;
-                self.next_h = h * factor;
-                return Ok(());
+            let (step, factor) = self.try_steps(growth_limit)?;
+            let dense = self.dense_of(&step);
+            let error = self.dense_error(&step, &dense);
+            let dense_factor = step_factor(error, growth_limit);
+            if error <= 1.0 {
+                self.dense_limits &= dense_factor < factor;
+                let factor = if self.dense_limits {
+                    dense_factor
+                } else {
+                    factor
+                };
+                self.next_h = step.h * factor;
+                self.accept(step);
+                return Ok(dense);
             }
-            self.statistics.rejected += 1;
-            self.next_h = h * if error > 1.0 {
-                factor
-            } else {
-                LARGEST_SHRINKAGE
-            };
-            // What has just failed would fail again.
+            self.reject(step.h, error);
+            self.dense_limits = true;
             growth_limit = 1.0;
         }
     }
@@ -199,10 +230,44 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     ///
     /// Costs three evaluations of the derivative. Before the first step it is the constant start.
     pub fn dense(&mut self) -> Dense<N> {
-        let Step { t, h, y, .. } = self.last;
-        let k = self.all_stages();
+        let last = self.last.clone();
+        self.dense_of(&last)
+    }
+
+    /// Tries steps until one has a small enough error. Returns it and the length of the next as a multiple of its own.
+    #[inline]
+    fn try_steps(&mut self, mut growth_limit: f64) -> Result<(Step<N>, f64), IntegrateError> {
+        loop {
+            let h = self.resolvable_step()?;
+            let k = self.stages(h);
+            let y = advance(self.y(), h, &combine(&SOLUTION, &k));
+            self.statistics.evaluations += 11;
+            let error = self.error(h, &y, &k);
+            if error <= 1.0 && all_finite(&y[..S::CONTROLLED]) {
+                return Ok((self.ended(h, y, k)?, step_factor(error, growth_limit)));
+            }
+            self.reject(h, error);
+            // What has just failed would fail again.
+            growth_limit = 1.0;
+        }
+    }
+
+    /// Throws a step away whose error is too large or not finite.
+    fn reject(&mut self, h: f64, error: f64) {
+        self.statistics.rejected += 1;
+        self.next_h = h * if error > 1.0 {
+            step_factor(error, 1.0)
+        } else {
+            LARGEST_SHRINKAGE
+        };
+    }
+
+    /// The solution within a step.
+    fn dense_of(&mut self, step: &Step<N>) -> Dense<N> {
+        let Step { t, h, y, .. } = *step;
+        let k = self.all_stages(step);
         self.statistics.evaluations += 3;
-        let rise = difference(&self.y, &y);
+        let rise = difference(&step.end_y, &y);
         let start_bend = difference(&k[0].map(|dy| h * dy), &rise);
         let end_bend = difference(&rise, &k[STAGES].map(|dy| h * dy));
         let high = |row| combine(row, &k).map(|dy| h * dy);
@@ -223,10 +288,26 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         }
     }
 
+    /// The error of the dense output of a step in units of what it may be, by its defect: how far its slope is from the
+    /// derivative.
+    #[inline]
+    fn dense_error(&mut self, step: &Step<N>, dense: &Dense<N>) -> f64 {
+        let (t, h) = (step.t + CHECKED_AT * step.h, step.h);
+        let slope = dense.slope(CHECKED_AT);
+        let dy = self.system.derivative(t, &dense.at(CHECKED_AT));
+        self.statistics.checks += 1;
+        let mut squared = 0.0;
+        for i in 0..S::CONTROLLED {
+            let scale = self.scale(larger(step.y[i].abs(), step.end_y[i].abs()));
+            squared += square((slope[i] - h * dy[i]) / scale);
+        }
+        (squared / Self::controlled()).sqrt() / (DEFECT_PER_ERROR * DENSE_ALLOWANCE)
+    }
+
     /// The step to try, rounded so that t + h is exact; without that, t and the state would drift
     /// apart by half an ulp of t per step.
     fn resolvable_step(&self) -> Result<f64, IntegrateError> {
-        let (t, step) = (self.t, self.next_h);
+        let (t, step) = (self.t(), self.next_h);
         let resolvable = step.abs() > SHORTEST_STEP * t.abs();
         if !resolvable {
             return Err(IntegrateError::StepSizeUnderflow { t, step });
@@ -242,7 +323,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     #[inline]
     fn stages(&self, h: f64) -> Stages<N> {
         let mut k = [[0.0; N]; STAGES];
-        k[0] = self.dy;
+        k[0] = *self.dy();
         k[1] = self.stage(h, NODES[1], &STAGE_1, &k);
         k[2] = self.stage(h, NODES[2], &STAGE_2, &k);
         k[3] = self.stage(h, NODES[3], &STAGE_3, &k);
@@ -260,30 +341,31 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// The derivative at one stage of a step from the current state.
     #[inline(always)]
     fn stage<const M: usize>(&self, h: f64, node: f64, row: &Row<M>, k: &Stages<N>) -> [f64; N] {
-        let y = advance(&self.y, h, &combine(row, k));
-        self.system.derivative(self.t + node * h, &y)
+        let y = advance(self.y(), h, &combine(row, k));
+        self.system.derivative(self.t() + node * h, &y)
     }
 
-    /// The stages of the last accepted step with those that only the dense output needs.
-    fn all_stages(&self) -> [[f64; N]; ALL_STAGES] {
+    /// The stages of a step with those that only the dense output needs.
+    fn all_stages(&self, step: &Step<N>) -> [[f64; N]; ALL_STAGES] {
         let mut k = [[0.0; N]; ALL_STAGES];
-        k[..STAGES].copy_from_slice(&self.last.k);
-        k[12] = self.dy;
-        k[13] = self.extra_stage(NODES[13], &STAGE_13, &k);
-        k[14] = self.extra_stage(NODES[14], &STAGE_14, &k);
-        k[15] = self.extra_stage(NODES[15], &STAGE_15, &k);
+        k[..STAGES].copy_from_slice(&step.k);
+        k[12] = step.end_dy;
+        k[13] = self.extra_stage(step, NODES[13], &STAGE_13, &k);
+        k[14] = self.extra_stage(step, NODES[14], &STAGE_14, &k);
+        k[15] = self.extra_stage(step, NODES[15], &STAGE_15, &k);
         k
     }
 
-    /// The derivative at one more stage of the last accepted step.
+    /// The derivative at one more stage of a step.
     #[inline(always)]
     fn extra_stage<const M: usize>(
         &self,
+        step: &Step<N>,
         node: f64,
         row: &Row<M>,
         k: &[[f64; N]; ALL_STAGES],
     ) -> [f64; N] {
-        let Step { t, h, y, .. } = &self.last;
+        let Step { t, h, y, .. } = step;
         let y = advance(y, *h, &combine(row, k));
         self.system.derivative(t + node * h, &y)
     }
@@ -298,7 +380,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         let fifth = combine(&ERROR_5, k);
         let (mut third_squared, mut fifth_squared) = (0.0, 0.0);
         for i in 0..S::CONTROLLED {
-            let scale = self.scale(larger(self.y[i].abs(), y[i].abs()));
+            let scale = self.scale(larger(self.y()[i].abs(), y[i].abs()));
             third_squared += square(third[i] / scale);
             fifth_squared += square(fifth[i] / scale);
         }
@@ -309,25 +391,31 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         h.abs() * fifth_squared / (Self::controlled() * damped).sqrt()
     }
 
-    /// Makes the step of length `h` to `y` the last accepted one, unless it ends in numbers that are not
-    /// finite.
+    /// A step of length `h` to `y`, unless it ends in numbers that are not finite.
     #[inline]
-    fn accept(&mut self, h: f64, y: [f64; N], k: Stages<N>) -> Result<(), IntegrateError> {
-        let t = self.t + h;
-        let dy = self.system.derivative(t, &y);
+    fn ended(&mut self, h: f64, y: [f64; N], k: Stages<N>) -> Result<Step<N>, IntegrateError> {
+        let end = self.t() + h;
+        let dy = self.system.derivative(end, &y);
         self.statistics.evaluations += 1;
         if !(all_finite(&y) && all_finite(&dy)) {
-            return Err(IntegrateError::NonFiniteState { t });
+            return Err(IntegrateError::NonFiniteState { t: end });
         }
-        self.last = Step {
-            t: self.t,
+        Ok(Step {
+            t: self.t(),
             h,
-            y: self.y,
+            y: *self.y(),
             k,
-        };
-        (self.t, self.y, self.dy) = (t, y, dy);
-        self.statistics.count_step(h.abs());
-        Ok(())
+            end,
+            end_y: y,
+            end_dy: dy,
+        })
+    }
+
+    /// Makes a step the last accepted one.
+    #[inline]
+    fn accept(&mut self, step: Step<N>) {
+        self.statistics.count_step(step.h.abs());
+        self.last = step;
     }
 
     /// A first step such that the terms of the Taylor series behind it are small (book, II.4; `hinit` of
@@ -337,16 +425,16 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
             Direction::Forward => 1.0,
             Direction::Backward => -1.0,
         };
-        let (size, speed) = (self.size(&self.y), self.size(&self.dy));
+        let (size, speed) = (self.size(self.y()), self.size(self.dy()));
         let guess = if size <= 1e-5 || speed <= 1e-5 {
             1e-6
         } else {
             0.01 * (size / speed)
         };
-        let probe = advance(&self.y, sign * guess, &self.dy);
-        let dy = self.system.derivative(self.t + sign * guess, &probe);
+        let probe = advance(self.y(), sign * guess, self.dy());
+        let dy = self.system.derivative(self.t() + sign * guess, &probe);
         self.statistics.evaluations += 1;
-        let curvature = self.size(&difference(&dy, &self.dy)) / guess;
+        let curvature = self.size(&difference(&dy, self.dy())) / guess;
         let steepest = larger(curvature, speed);
         let careful = if !curvature.is_finite() {
             // The probe left the domain of the equations.
@@ -362,7 +450,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// Length of the controlled part of a vector in units of the tolerances at the current state.
     fn size(&self, v: &[f64; N]) -> f64 {
         let mut squared = 0.0;
-        for (v, y) in v.iter().zip(&self.y).take(S::CONTROLLED) {
+        for (v, y) in v.iter().zip(self.y()).take(S::CONTROLLED) {
             squared += square(v / self.scale(y.abs()));
         }
         squared.sqrt()
@@ -387,40 +475,6 @@ impl Statistics {
         }
         self.largest_step = larger(self.largest_step, length);
         self.accepted += 1;
-    }
-}
-
-/// The solution within one accepted step: a polynomial of degree 7 that agrees with the steps in value and
-/// slope at both ends (Hairer, Nørsett, Wanner, II.6).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Dense<const N: usize> {
-    /// Where the step starts.
-    pub t0: f64,
-    /// Its length, negative for steps backward. The step ends at exactly `t0 + h`.
-    pub h: f64,
-    coefficients: [[f64; N]; 8],
-}
-
-impl<const N: usize> Dense<N> {
-    /// The state at `t0 + s h`, with `s` in [0, 1].
-    #[must_use]
-    #[inline]
-    pub fn at(&self, s: f64) -> [f64; N] {
-        std::array::from_fn(|i| self.component(i, s))
-    }
-
-    /// Component `i` of the state at `t0 + s h`, with `s` in [0, 1]: cheaper than [`Dense::at`], and the
-    /// same bits.
-    ///
-    /// # Panics
-    /// If `i` is not less than `N`.
-    #[must_use]
-    #[inline]
-    pub fn component(&self, i: usize, s: f64) -> f64 {
-        // The factors s and 1 − s alternate; a published crate has them the wrong way round here.
-        let [c0, c1, c2, c3, c4, c5, c6, c7] = self.coefficients.each_ref().map(|c| c[i]);
-        let r = 1.0 - s;
-        c0 + s * (c1 + r * (c2 + s * (c3 + r * (c4 + s * (c5 + r * (c6 + s * c7))))))
     }
 }
 

@@ -1,0 +1,56 @@
+//! The solution between the steps.
+
+/// The solution within one accepted step: a polynomial of degree 7 that agrees with the steps in value and
+/// slope at both ends (Hairer, Nørsett, Wanner, II.6).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dense<const N: usize> {
+    /// Where the step starts.
+    pub t0: f64,
+    /// Its length, negative for steps backward. The step ends at exactly `t0 + h`.
+    pub h: f64,
+    /// Of Hairer's nested form: see [`Dense::component`].
+    pub(super) coefficients: [[f64; N]; 8],
+}
+
+impl<const N: usize> Dense<N> {
+    /// The state at `t0 + s h`, with `s` in [0, 1].
+    #[must_use]
+    #[inline]
+    pub fn at(&self, s: f64) -> [f64; N] {
+        std::array::from_fn(|i| self.component(i, s))
+    }
+
+    /// Component `i` of the state at `t0 + s h`, with `s` in [0, 1]: cheaper than [`Dense::at`], and the
+    /// same bits.
+    ///
+    /// # Panics
+    /// If `i` is not less than `N`.
+    #[must_use]
+    #[inline]
+    pub fn component(&self, i: usize, s: f64) -> f64 {
+        // The factors s and 1 − s alternate; a published crate has them the wrong way round here.
+        let [c0, c1, c2, c3, c4, c5, c6, c7] = self.coefficients.each_ref().map(|c| c[i]);
+        let r = 1.0 - s;
+        c0 + s * (c1 + r * (c2 + s * (c3 + r * (c4 + s * (c5 + r * (c6 + s * c7))))))
+    }
+
+    /// The derivative of the state with respect to `s`, which is `h` times that with respect to t.
+    #[must_use]
+    #[inline]
+    pub fn slope(&self, s: f64) -> [f64; N] {
+        std::array::from_fn(|i| {
+            let c = self.coefficients.each_ref().map(|c| c[i]);
+            let (mut value, mut slope) = (c[7], 0.0);
+            for (order, c) in c[..7].iter().enumerate().rev() {
+                let (factor, sign) = if order % 2 == 0 {
+                    (s, 1.0)
+                } else {
+                    (1.0 - s, -1.0)
+                };
+                slope = factor * slope + sign * value;
+                value = c + factor * value;
+            }
+            slope
+        })
+    }
+}

@@ -1,0 +1,91 @@
+//! What is integrated, how exactly, and what an integration tells: the types that the integrator shares.
+
+use thiserror::Error;
+
+/// A system of ordinary differential equations y′ = f(t, y) with `N` components.
+pub trait System<const N: usize> {
+    /// The first `CONTROLLED` components enter the error norm and so choose the steps; at least one. The
+    /// rest are quadratures that travel along (a dissipated energy, a path length) and never influence
+    /// the steps, provided that the derivatives of the first don't depend on them.
+    const CONTROLLED: usize = N;
+
+    /// The derivative y′ at (t, y). Where it is not defined it may be infinite or NaN.
+    fn derivative(&self, t: f64, y: &[f64; N]) -> [f64; N];
+}
+
+/// Bounds on the local error of a step: `absolute + relative · |y|` for each controlled component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerances {
+    /// Part proportional to the component's magnitude, dimensionless. Not negative.
+    pub relative: f64,
+    /// Fixed part, in the unit of the component. Positive if a component can be zero.
+    pub absolute: f64,
+}
+
+/// The way time goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Toward larger t.
+    Forward,
+    /// Toward smaller t.
+    Backward,
+}
+
+/// What an integration has cost so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// Steps taken.
+    pub accepted: u64,
+    /// Steps tried and thrown away.
+    pub rejected: u64,
+    /// Evaluations of the derivative for steps and dense output.
+    pub evaluations: u64,
+    /// Evaluations beside those, which only checked the dense output.
+    pub checks: u64,
+    /// Length of the shortest step taken, in the unit of t; 0 before the first.
+    pub smallest_step: f64,
+    /// Length of the longest step taken, in the unit of t; 0 before the first.
+    pub largest_step: f64,
+}
+
+impl Statistics {
+    /// What this and an integration before have cost together.
+    #[must_use]
+    pub(super) fn after(self, before: Self) -> Self {
+        let smallest = match (before.smallest_step, self.smallest_step) {
+            (before, 0.0) => before,
+            (0.0, now) => now,
+            (before, now) => before.min(now),
+        };
+        Self {
+            accepted: before.accepted + self.accepted,
+            rejected: before.rejected + self.rejected,
+            evaluations: before.evaluations + self.evaluations,
+            checks: before.checks + self.checks,
+            smallest_step: smallest,
+            largest_step: before.largest_step.max(self.largest_step),
+        }
+    }
+}
+
+/// Why an integration can't go on.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum IntegrateError {
+    /// The tolerances ask for a step that t can't resolve: the solution is singular or discontinuous
+    /// ahead, or the equations are not defined there.
+    #[error(
+        "the step size fell to {step:e} at t = {t}: the solution is singular or discontinuous there"
+    )]
+    StepSizeUnderflow {
+        /// Where the last accepted step ended.
+        t: f64,
+        /// The step, with its sign, that would have been tried next.
+        step: f64,
+    },
+    /// The state or its derivative is infinite or not a number.
+    #[error("the state or its derivative is not finite at t = {t}")]
+    NonFiniteState {
+        /// Where.
+        t: f64,
+    },
+}
