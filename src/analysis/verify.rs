@@ -9,21 +9,10 @@ mod physics;
 mod reproduction;
 
 pub use crate::archive::check::{Check, Group, Verdict};
+pub use content::Options;
+
 use crate::archive::container_check;
 use crate::archive::recording::{Condition, Recording};
-
-/// What to check.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Options {
-    /// Whether to simulate the scenario again, which takes longest.
-    pub reproduce: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { reproduce: true }
-    }
-}
 
 /// What was found out about a recording.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use super::report::{Floor, IntegratorError};
 use super::{Options, Subject, Tolerances, averages, happened, pass};
-use crate::run::scenario::{Scenario, Values};
+use crate::run::scenario::Scenario;
 use std::thread;
 
 /// The factor by which the tolerances are tightened.
@@ -63,18 +63,18 @@ fn until(scenario: &Scenario, time: f64) -> Option<Scenario> {
     {
         return Some(scenario.clone());
     }
-    let mut values = Values::from_toml(&scenario.to_toml()).ok()?;
-    values.set("stop.duration", &format!("{time:?}")).ok()?;
-    Scenario::new(values).ok()
+    scenario.with([("stop.duration", time.into())]).ok()
 }
 
 /// The scenario with a hundredth of its tolerances, as far as that goes.
 fn tightened(scenario: &Scenario) -> Option<Scenario> {
-    let mut values = Values::from_toml(&scenario.to_toml()).ok()?;
     let relative = (scenario.tolerances.relative * TIGHTER).max(TIGHTEST_RELATIVE);
     let absolute = (scenario.tolerances.absolute * TIGHTER).max(TIGHTEST_ABSOLUTE);
-    let mut set = |key: &str, value: f64| values.set(key, &format!("{value:?}")).ok();
-    set("integrator.relative_tolerance", relative)?;
-    set("integrator.absolute_tolerance", absolute)?;
-    (relative < scenario.tolerances.relative).then(|| Scenario::new(values).ok())?
+    let tighter = scenario.with([
+        ("integrator.relative_tolerance", relative.into()),
+        ("integrator.absolute_tolerance", absolute.into()),
+    ]);
+    tighter
+        .ok()
+        .filter(|_| relative < scenario.tolerances.relative)
 }

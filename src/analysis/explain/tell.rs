@@ -7,7 +7,7 @@ use crate::analysis::course::{CourseReport, Event};
 use crate::analysis::phrase::{duration, list, moment, quantity, significant};
 use crate::physics::friction::Dissipation;
 use crate::physics::kinematics::Tilt;
-use crate::run::scenario::{Scenario, Values};
+use crate::run::scenario::Scenario;
 use crate::run::simulation::{Simulation, StopReason};
 use std::f64::consts::{PI, TAU};
 
@@ -436,14 +436,13 @@ fn dropped(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
 
 /// How the same top ends when nothing is left out, if it does so in a few times the time.
 fn with_all_parts(facts: &Facts) -> Option<String> {
-    let mut values = Values::from_toml(&facts.scenario.to_toml()).ok()?;
-    values.set("friction.dissipation", "full").ok()?;
     let longest = LONGER * seconds(facts.stages.whole().to);
     let planned = facts.scenario.stop.duration.unwrap_or(f64::INFINITY);
-    values
-        .set("stop.duration", &format!("{:?}", longest.min(planned)))
-        .ok()?;
-    let mut simulation = Simulation::new(&Scenario::new(values).ok()?).ok()?;
+    let whole = facts.scenario.with([
+        ("friction.dissipation", "full".into()),
+        ("stop.duration", longest.min(planned).into()),
+    ]);
+    let mut simulation = Simulation::new(&whole.ok()?).ok()?;
     simulation.by_ref().take_while(Result::is_ok).for_each(drop);
     let outcome = simulation.outcome();
     let rates = quantity(outcome.motion.tilt.rates.psi, 4, "rad/s");

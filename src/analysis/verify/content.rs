@@ -1,6 +1,5 @@
 //! The messages, one by one: as their schemas say, at their times, in sequence, counted.
 
-use super::Options;
 use super::physics::Physics;
 use super::reproduction::Reproduction;
 use crate::archive::check::{Check, Group, Problems, Verdict};
@@ -12,6 +11,19 @@ use crate::telemetry::encoding::Encoding;
 use crate::telemetry::views::{Views, view_channels};
 use crate::telemetry::{Message, channels};
 use std::collections::VecDeque;
+
+/// What to check.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Whether to simulate the scenario again, which takes longest.
+    pub reproduce: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { reproduce: true }
+    }
+}
 
 /// Checks everything about the messages of a recording.
 pub(super) fn check(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -> Vec<Check> {

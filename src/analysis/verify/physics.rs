@@ -5,7 +5,7 @@
 //! grows with the turns: a factor 1 + |φ| + |ψ|. Balances hold up to the integrator's error: no step errs
 //! by more than the relative tolerance, and there are at most five steps per radian of the fastest rate.
 
-use super::{Check, Group, Verdict};
+use crate::archive::check::{Check, Group, Verdict};
 use crate::physics::dynamics::Model;
 use crate::physics::friction::Dissipation;
 use crate::physics::math;

@@ -1,6 +1,6 @@
 //! Whether the simulation gives the recording again, bit for bit.
 
-use super::{Check, Group, Verdict};
+use crate::archive::check::{Check, Group, Verdict};
 use crate::archive::format::{STOP_REASON, VERSION, end_entries};
 use crate::archive::memory::Owned;
 use crate::archive::recording::{Entries, Recording};

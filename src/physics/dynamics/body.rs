@@ -1,6 +1,8 @@
 //! Variables without a singularity: orientation as a quaternion and angular momentum.
 
-use super::{Formulation, INTEGRALS, Model, Motion, Regime, integrals};
+use super::formulation::{Formulation, Motion, Regime};
+use super::integrals::{INTEGRALS, integrals};
+use super::model::Model;
 use crate::physics::integrate::System;
 use crate::physics::kinematics::{Euler, Tilt, euler_angles, lean_to_world, world_from_body};
 use crate::physics::math::{atan2, hypot};

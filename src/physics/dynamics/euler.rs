@@ -1,6 +1,8 @@
 //! The paper's own variables: Euler angles and their rates, equations (7).
 
-use super::{Formulation, INTEGRALS, Model, Motion, Regime, integrals};
+use super::formulation::{Formulation, Motion, Regime};
+use super::integrals::{INTEGRALS, integrals};
+use super::model::Model;
 use crate::physics::integrate::System;
 use crate::physics::kinematics::{Euler, Tilt, world_from_body};
 use nalgebra::UnitQuaternion;

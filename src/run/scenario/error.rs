@@ -18,7 +18,7 @@ pub enum ScenarioError {
     },
     /// Not TOML.
     #[error("not valid TOML: {0}")]
-    Syntax(toml::de::Error),
+    Syntax(String),
     /// A key that scenarios don't have.
     #[error("unknown key {key}{near}; allowed: {allowed}")]
     UnknownKey {

@@ -1,99 +1,10 @@
 //! The table of everything that a scenario says: one row per key.
 
-use super::laws::SLIDING;
+use super::key::Key;
+use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Positive, Text};
+use super::key::Presence::{self, Beside, Optional, Required, With};
+use super::words::{ACTING_LAWS, DISSIPATIONS, FORMULATIONS, ON_STICK, SLIDING_LAWS, SlidingLaw};
 use std::f64::consts::PI;
-use std::fmt;
-
-/// What a scenario says under one key.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value {
-    /// A name, a choice or a text.
-    Text(String),
-    /// A number in SI units or radians.
-    Number(f64),
-}
-
-impl fmt::Display for Value {
-    /// As TOML.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Text(text) => write!(f, "{}", toml::Value::from(text.as_str())),
-            Self::Number(number) => write!(f, "{number:?}"),
-        }
-    }
-}
-
-/// Which values a key takes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
-    /// Any text.
-    Text,
-    /// A word that can be part of a file's name.
-    Name,
-    /// One of these words.
-    Choice(&'static [&'static str]),
-    /// Any finite number.
-    Any,
-    /// A finite number larger than 0.
-    Positive,
-    /// A finite number not less than the first and not larger than the second.
-    Between(f64, f64),
-    /// A whole number of nanoseconds from 1 ns to one hour, in seconds.
-    Nanoseconds,
-}
-
-impl Kind {
-    /// Whether the values are texts; otherwise they are numbers.
-    #[must_use]
-    pub fn is_text(self) -> bool {
-        matches!(self, Self::Text | Self::Name | Self::Choice(_))
-    }
-}
-
-impl fmt::Display for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Text => write!(f, "a text"),
-            Self::Name => write!(
-                f,
-                "a name of letters, digits, '-', '_' and '.', not beginning with '.'"
-            ),
-            Self::Choice(words) => write!(f, "one of {}", words.join(", ")),
-            Self::Any => write!(f, "a finite number"),
-            Self::Positive => write!(f, "a finite number > 0"),
-            Self::Between(low, high) => write!(f, "a number from {low:?} to {high:?}"),
-            Self::Nanoseconds => write!(f, "a whole number of nanoseconds from 1e-9 to 3600 s"),
-        }
-    }
-}
-
-/// When a scenario has to, or may, have a key.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Presence {
-    /// Always.
-    Required,
-    /// It may be left out.
-    Optional,
-    /// Exactly when another key has one of these values.
-    With(&'static str, &'static [&'static str]),
-    /// Exactly when this other key is there.
-    Beside(&'static str),
-}
-
-/// One row of the table.
-#[derive(Clone, Copy, Debug)]
-pub struct Key {
-    /// The section and name, as in `top.mass`; a name alone stands before the first section.
-    pub path: &'static str,
-    /// Unit, empty where there is none.
-    pub unit: &'static str,
-    /// Allowed values.
-    pub kind: Kind,
-    /// When it is there.
-    pub presence: Presence,
-    /// What it means.
-    pub meaning: &'static str,
-}
 
 const fn key(
     path: &'static str,
@@ -111,11 +22,17 @@ const fn key(
     }
 }
 
-use Kind::{Any, Between, Choice, Name, Nanoseconds, Positive, Text};
-use Presence::{Beside, Optional, Required, With};
-
-/// Of slip that sets a scale.
+/// Slip speeds that set the scale of a law.
 const SPEED: Kind = Between(1e-9, 1e6);
+
+const SMOOTH_LAWS: &[&str] = &[
+    SlidingLaw::CoulombSqrt.word(),
+    SlidingLaw::CoulombTanh.word(),
+    SlidingLaw::CoulombRational.word(),
+];
+const VISCOUS: &[&str] = &[SlidingLaw::Viscous.word()];
+const STRIBECK: &[&str] = &[SlidingLaw::Stribeck.word()];
+const CONTENSOU: &[&str] = &[SlidingLaw::Contensou.word()];
 
 /// The scenario format that this version writes and reads.
 pub const FORMAT: &str = "toprise-1";
@@ -126,7 +43,7 @@ pub const KEYS: &[Key] = &[
     key("format", "", Choice(&[FORMAT]), Optional, "version of this format"),
     key("name", "", Name, Required, "names the recordings"),
     key("description", "", Text, Optional, "a sentence for people"),
-    key("formulation", "", Choice(&["euler", "body"]), Required,
+    key("formulation", "", Choice(FORMULATIONS), Required,
         "variables of integration: Euler angles (singular upright), or rotation of the body"),
     key("gravity", "m/s²", Positive, Required, "acceleration of gravity g"),
     key("top.mass", "kg", Positive, Required, "mass M"),
@@ -142,26 +59,25 @@ pub const KEYS: &[Key] = &[
     key("initial.phi_dot", "rad/s", Between(-1e6, 1e6), Required, "precession rate φ̇"),
     key("initial.theta_dot", "rad/s", Between(-1e6, 1e6), Required, "nutation rate θ̇"),
     key("initial.psi_dot", "rad/s", Between(-1e6, 1e6), Required, "spin rate ψ̇"),
-    key("friction.law", "", Choice(SLIDING), Required, "law of friction at the contact"),
-    key("friction.k", "", Between(0.0, 100.0), With("friction.law", SLIDING.split_at(1).1),
+    key("friction.law", "", Choice(SLIDING_LAWS), Required, "law of friction at the contact"),
+    key("friction.k", "", Between(0.0, 100.0), With("friction.law", ACTING_LAWS),
         "coefficient of friction k"),
-    key("friction.static_k", "", Between(0.0, 100.0), With("friction.law", &["stribeck"]),
+    key("friction.static_k", "", Between(0.0, 100.0), With("friction.law", STRIBECK),
         "coefficient of static friction k_s"),
     key("friction.smoothing_speed", "m/s", SPEED,
-        With("friction.law", &["coulomb-sqrt", "coulomb-tanh", "coulomb-rational"]),
+        With("friction.law", SMOOTH_LAWS),
         "slip speed v_ε below which the force fades"),
-    key("friction.viscous_speed", "m/s", SPEED, With("friction.law", &["viscous"]),
+    key("friction.viscous_speed", "m/s", SPEED, With("friction.law", VISCOUS),
         "slip speed v_0 at which the force is k N"),
-    key("friction.stribeck_speed", "m/s", SPEED, With("friction.law", &["stribeck"]),
+    key("friction.stribeck_speed", "m/s", SPEED, With("friction.law", STRIBECK),
         "slip speed v_s over which static friction falls to kinetic"),
-    key("friction.viscous_slope", "s/m", Between(0.0, 100.0), With("friction.law", &["stribeck"]),
+    key("friction.viscous_slope", "s/m", Between(0.0, 100.0), With("friction.law", STRIBECK),
         "growth c_v of the coefficient with the slip speed"),
-    key("friction.patch_radius", "m", Between(1e-9, 1.0), With("friction.law", &["contensou"]),
+    key("friction.patch_radius", "m", Between(1e-9, 1.0), With("friction.law", CONTENSOU),
         "radius a of the patch of contact"),
     key("friction.dissipation", "",
-        Choice(&["full", "without-nutation-part", "precession-term-only", "spin-term-only",
-            "tilt-torque-only", "spin-torque-only"]),
-        With("friction.law", SLIDING.split_at(1).1), "which parts of the friction torque act"),
+        Choice(DISSIPATIONS),
+        With("friction.law", ACTING_LAWS), "which parts of the friction torque act"),
     key("rolling.arm", "m", Between(0.0, 1.0), Optional, "arm δ of rolling resistance"),
     key("drilling.k", "", Between(0.0, 100.0), Optional, "coefficient k of drilling friction"),
     key("drilling.patch_radius", "m", Between(1e-9, 1.0), Beside("drilling.k"),
@@ -179,7 +95,7 @@ pub const KEYS: &[Key] = &[
     key("sampling.period", "s", Nanoseconds, Required, "time between samples"),
     key("stop.theta_risen", "rad", Between(1e-6, PI), Optional, "stop when θ falls to this: risen"),
     key("stop.theta_fallen", "rad", Between(1e-6, PI), Optional, "stop when θ grows to this: fallen"),
-    key("stop.on_stick", "", Choice(&["stop", "continue"]), Optional,
+    key("stop.on_stick", "", Choice(ON_STICK), Optional,
         "whether to stop when the contact point sticks; \"stop\" if left out"),
     key("stop.duration", "s", Between(0.0, 1e6), Optional, "stop at this time"),
 ];

@@ -1,6 +1,8 @@
 //! The table of the laws of friction: what there is to choose, for people.
 
-use super::keys::{KEYS, Key, Presence};
+use super::key::{Key, Presence};
+use super::keys::KEYS;
+use super::words::{SLIDING_LAWS, SlidingLaw};
 
 /// A law of friction, as a scenario names it.
 #[derive(Debug)]
@@ -33,37 +35,25 @@ const fn law(
     }
 }
 
-/// The words of `friction.law`, `none` first.
-pub(super) const SLIDING: &[&str] = &[
-    "none",
-    "coulomb",
-    "coulomb-sqrt",
-    "coulomb-tanh",
-    "coulomb-rational",
-    "viscous",
-    "stribeck",
-    "contensou",
-];
-
 /// All laws: those of sliding in the order of `friction.law`, then those that add to any of them.
 #[rustfmt::skip]
 pub const LAWS: &[Law] = &[
-    law("none", "f = 0", "", ""),
-    law("coulomb", "f = −k N v/|v|; at rest any up to k N",
+    law(SlidingLaw::None.word(), "f = 0", "", ""),
+    law(SlidingLaw::Coulomb.word(), "f = −k N v/|v|; at rest any up to k N",
         "k: steel on PTFE 0.04, lubricated 0.05 to 0.1, steel on plastic 0.2 to 0.3",
         "V. Tanrıverdi, arXiv:2204.14060, section 2"),
-    law("coulomb-sqrt", "f = −k N v/√(v² + v_ε²)", "v_ε: 0.001 to 0.01 m/s",
+    law(SlidingLaw::CoulombSqrt.word(), "f = −k N v/√(v² + v_ε²)", "v_ε: 0.001 to 0.01 m/s",
         "usual regularisation of Coulomb's law"),
-    law("coulomb-tanh", "f = −k N tanh(|v|/v_ε) v/|v|", "v_ε: 0.001 to 0.01 m/s",
+    law(SlidingLaw::CoulombTanh.word(), "f = −k N tanh(|v|/v_ε) v/|v|", "v_ε: 0.001 to 0.01 m/s",
         "usual regularisation of Coulomb's law"),
-    law("coulomb-rational", "f = −k N v/(|v| + v_ε)", "v_ε: 0.001 to 0.01 m/s",
+    law(SlidingLaw::CoulombRational.word(), "f = −k N v/(|v| + v_ε)", "v_ε: 0.001 to 0.01 m/s",
         "T. Ueda, K. Sasaki, S. Watanabe, SIAM J. Appl. Dyn. Syst. 4 (2005) 1159"),
-    law("viscous", "f = −k N v/v_0", "k/v_0: 0.3 s/m",
+    law(SlidingLaw::Viscous.word(), "f = −k N v/v_0", "k/v_0: 0.3 s/m",
         "N. M. Bou-Rabee, J. E. Marsden, L. A. Romero, SIAM J. Appl. Dyn. Syst. 3 (2004) 352"),
-    law("stribeck", "f = −N (k + (k_s − k) exp(−(v/v_s)²) + c_v |v|) v/|v|; at rest any up to k_s N",
+    law(SlidingLaw::Stribeck.word(), "f = −N (k + (k_s − k) exp(−(v/v_s)²) + c_v |v|) v/|v|; at rest any up to k_s N",
         "k_s/k: 1.2 to 1.7; v_s: 0.01 to 0.1 m/s",
         "B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083"),
-    law("contensou", "f = −k N v/(|v| + 8 a |ω_z′|/3π), M_z′ = −(3π/16) k N a · a ω_z′/(a |ω_z′| + 15π |v|/16)",
+    law(SlidingLaw::Contensou.word(), "f = −k N v/(|v| + 8 a |ω_z′|/3π), M_z′ = −(3π/16) k N a · a ω_z′/(a |ω_z′| + 15π |v|/16)",
         "a = (3 N R/4 E*)^(1/3): 0.14 mm for E* = 2 GPa", ZHURAVLEV),
     law("rolling", "M = −δ N ω_⊥/|ω_⊥|; without rolling any up to δ N", "δ: 0.01 to 0.3 mm",
         "R. Cross, Am. J. Phys. 81 (2013) 280"),
@@ -76,7 +66,7 @@ impl Law {
     /// Whether it is a word of `friction.law`; else it adds to any of those.
     #[must_use]
     pub fn is_sliding(&self) -> bool {
-        SLIDING.contains(&self.name)
+        SLIDING_LAWS.contains(&self.name)
     }
 
     /// The keys of its parameters.

@@ -1,6 +1,8 @@
 //! Scenarios that come with the program: the paper's run and its variations.
 
-use super::{Scenario, ScenarioError, Values};
+use super::definition::Scenario;
+use super::error::ScenarioError;
+use super::values::Values;
 
 /// The paper's run (V. Tanrıverdi, arXiv:2204.14060, section 3): the base of all presets.
 const PAPER: &str = include_str!("paper.toml");

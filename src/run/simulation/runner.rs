@@ -2,12 +2,12 @@
 
 use super::event::{Event, EventKind, StopReason, UPRIGHT};
 use super::nutation::{NutationCycle, NutationTracker};
+use super::record::{Outcome, Record, SimulationError};
 use super::sample::Sample;
-use super::{Outcome, Record, SimulationError};
 use crate::physics::dynamics::{Formulation, Model, Motion, Regime};
 use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope};
 use crate::physics::kinematics::{Euler, Tilt};
-use crate::run::scenario::{FormulationKind, Scenario, Stop};
+use crate::run::scenario::{FormulationKind, OnStick, Scenario, Stop};
 use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
 
@@ -21,7 +21,7 @@ const NO_SLIP: f64 = 1e-9;
 const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
 
 /// A run, whatever its formulation.
-pub(super) trait Run {
+pub(super) trait RecordStream {
     /// The next record; `None` after the last.
     fn next_record(&mut self) -> Result<Option<Record>, SimulationError>;
 
@@ -29,15 +29,16 @@ pub(super) trait Run {
     fn outcome(&self) -> Outcome;
 }
 
-/// So many steps that take less than this time (s) together don't get on: a torque that jumps changes its sign
-/// with each of them.
+/// A run has stalled if this many steps advance it by less than [`STALLED_TIME`]: a torque that jumps changes its
+/// sign with each of them.
 const STALLED_STEPS: u32 = 1_000_000;
+/// The time that a run which has not stalled takes at least for [`STALLED_STEPS`], s.
 const STALLED_TIME: f64 = 0.05;
 
 /// A run in one formulation.
 pub(super) struct Runner<F, const N: usize> {
     integrator: Dop853<F, N>,
-    scenario: Setup,
+    settings: LoopSettings,
     watches: Vec<Watch>,
     nutation: NutationTracker,
     /// The step that records are being read from; none before the first.
@@ -50,8 +51,8 @@ pub(super) struct Runner<F, const N: usize> {
     events: u32,
     /// Nutation cycles that have been handed out.
     cycles: u32,
-    /// Steps since, and when, it was last looked whether time passes (s).
-    watched: (u32, f64),
+    /// Steps since it was last checked that the run advances, and the time of that check, s.
+    since_check: (u32, f64),
     energy_at_start: f64,
     /// Where the step is left before its end, once that is known.
     end: Option<(f64, End)>,
@@ -62,7 +63,7 @@ pub(super) struct Runner<F, const N: usize> {
 }
 
 /// What the loop needs of a scenario.
-struct Setup {
+struct LoopSettings {
     period_ns: u64,
     stop: Stop,
     is_euler: bool,
@@ -119,7 +120,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     pub(super) fn new(formulation: F, scenario: &Scenario) -> Result<Self, SimulationError> {
         let state = F::state(scenario.angles, scenario.rates, &scenario.model);
         let motion = formulation.motion(&state, scenario.angles);
-        let sticks = !scenario.stop.on_stick
+        let sticks = scenario.stop.on_stick == OnStick::Continue
             && scenario.slip_speed_at_start() == 0.0
             && scenario.model.grip(&motion.tilt).holds();
         let formulation = formulation.in_regime(if sticks {
@@ -143,16 +144,16 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         } else {
             1.0
         };
-        let setup = Setup {
+        let settings = LoopSettings {
             period_ns: scenario.sample_period_ns,
             stop: scenario.stop,
             is_euler: scenario.formulation == FormulationKind::Euler,
             sense,
         };
         Ok(Self {
-            watches: watches(&setup, integrator.system()),
+            watches: watches(&settings, integrator.system()),
             integrator,
-            scenario: setup,
+            settings,
             nutation: NutationTracker::default(),
             dense: None,
             reference: scenario.angles,
@@ -160,7 +161,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             next_sample: 0,
             events: 0,
             cycles: 0,
-            watched: (0, 0.0),
+            since_check: (0, 0.0),
             energy_at_start: energy(&scenario.model, &motion),
             end: None,
             last: (0.0, motion),
@@ -177,9 +178,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         if let Some(dense) = &self.dense {
             self.reference = self.motion(dense, 1.0).angles;
         }
-        self.integrator.step()?;
-        let dense = self.integrator.dense();
-        self.watch_time(dense.t0 + dense.h)?;
+        let dense = self.integrator.step_densely()?;
+        self.check_advance(dense.t0 + dense.h)?;
         for (s, meaning, slope) in self.crossings(&dense) {
             self.note(&dense, s, meaning, slope);
             if self.end.is_some() {
@@ -198,11 +198,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut found: Vec<Crossing> = Vec::new();
         let mut all = Vec::new();
         for Watch { meaning, tracker } in &mut watches {
-            let values = motions.map(|motion| self.watched(*meaning, &motion));
+            let values = motions.map(|motion| self.value(*meaning, &motion));
             tracker.scan(
                 &KNOTS,
                 &values,
-                |s| self.watched(*meaning, &self.motion(dense, s)),
+                |s| self.value(*meaning, &self.motion(dense, s)),
                 &mut found,
             );
             all.extend(found.drain(..).map(|c| (c.s, *meaning, c.slope)));
@@ -214,7 +214,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 
     /// The value of a watched function. Factors of sin θ keep it regular upright.
-    fn watched(&self, meaning: Meaning, motion: &Motion) -> f64 {
+    fn value(&self, meaning: Meaning, motion: &Motion) -> f64 {
         let tilt = &motion.tilt;
         match meaning {
             Meaning::Nutation => tilt.sin * tilt.rates.theta,
@@ -222,13 +222,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 let contact = self.model().contact(tilt);
                 self.model().accelerations(&contact, tilt).total().theta
             }
-            Meaning::Precession => self.scenario.sense * tilt.rates.phi * tilt.sin * tilt.sin,
+            Meaning::Precession => self.settings.sense * tilt.rates.phi * tilt.sin * tilt.sin,
             Meaning::Strength => self.model().top.strength_ratio(tilt) - 1.0,
             Meaning::Risen(limit) | Meaning::Fallen(limit) => motion.angles.theta - limit,
             Meaning::Slip => self.model().top.slip_speed(tilt) - NO_SLIP,
             Meaning::Singular => tilt.sin - SINGULAR,
             Meaning::Grip => self.grip_margin(tilt),
-            Meaning::Turning => self.scenario.sense * tilt.omega_lean.z,
+            Meaning::Turning => self.settings.sense * tilt.omega_lean.z,
         }
     }
 
@@ -265,7 +265,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             }
             (Meaning::Fallen(_), Slope::Rising) => {
                 event(EventKind::Fallen);
-                if self.scenario.stop.theta_fallen.is_some() {
+                if self.settings.stop.theta_fallen.is_some() {
                     self.end = Some((time, End::Stop(StopReason::Fallen)));
                 }
             }
@@ -301,7 +301,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// What a contact point means that has come to rest, and what follows.
     fn rest_of_contact(&self, motion: &Motion) -> (EventKind, End) {
-        if self.scenario.stop.on_stick {
+        if self.settings.stop.on_stick == OnStick::Stop {
             (EventKind::SlipStops, End::Stop(StopReason::SlipStopped))
         } else if self.model().grip(&motion.tilt).holds() {
             (EventKind::Stick, End::Switch(Regime::Sticking))
@@ -310,10 +310,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// Ends the run within this step if its duration is over in it.
     /// Gives up where steps have become so short that the run would never end.
-    fn watch_time(&mut self, time: f64) -> Result<(), SimulationError> {
-        let (steps, since) = &mut self.watched;
+    fn check_advance(&mut self, time: f64) -> Result<(), SimulationError> {
+        let (steps, since) = &mut self.since_check;
         *steps += 1;
         if *steps < STALLED_STEPS {
             return Ok(());
@@ -321,12 +320,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         if time - *since < STALLED_TIME {
             return Err(SimulationError::Stalled { time });
         }
-        self.watched = (0, time);
+        self.since_check = (0, time);
         Ok(())
     }
 
+    /// Ends the run within this step if its duration is over in it.
     fn end_at_duration(&mut self, dense: &Dense<N>) {
-        let Some(duration) = self.scenario.stop.duration else {
+        let Some(duration) = self.settings.stop.duration else {
             return;
         };
         let step_end = dense.t0 + dense.h;
@@ -347,7 +347,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// The time of the next sample, if it lies within what has been integrated and before the end.
     fn next_sample_time(&self) -> Option<u64> {
-        let time_ns = u64::from(self.next_sample) * self.scenario.period_ns;
+        let time_ns = u64::from(self.next_sample) * self.settings.period_ns;
         let reached = match (self.end, &self.dense) {
             (Some((end, _)), _) => time_ns <= to_nanoseconds(end),
             (None, Some(dense)) => to_seconds(time_ns) <= dense.t0 + dense.h,
@@ -410,7 +410,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.reference = system.motion(&state, self.reference).angles;
         self.integrator
             .restart(system, time, state, Direction::Forward)?;
-        self.watches = watches(&self.scenario, self.integrator.system());
+        self.watches = watches(&self.settings, self.integrator.system());
         self.nutation.interrupt();
         self.end = None;
         Ok(())
@@ -426,7 +426,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 }
 
-impl<F: Formulation<N>, const N: usize> Run for Runner<F, N> {
+impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
     fn next_record(&mut self) -> Result<Option<Record>, SimulationError> {
         while self.stopped.is_none() {
             let sample = self.next_sample_time();
@@ -472,8 +472,11 @@ impl<F: Formulation<N>, const N: usize> Run for Runner<F, N> {
 }
 
 /// What to look for in a run, as long as it stays in its regime.
-fn watches<F: Formulation<N>, const N: usize>(setup: &Setup, formulation: &F) -> Vec<Watch> {
-    let stop = &setup.stop;
+fn watches<F: Formulation<N>, const N: usize>(
+    settings: &LoopSettings,
+    formulation: &F,
+) -> Vec<Watch> {
+    let stop = &settings.stop;
     let watch = |meaning, floor| Watch {
         meaning,
         tracker: SignTracker::with_floor(floor),
@@ -496,7 +499,7 @@ fn watches<F: Formulation<N>, const N: usize>(setup: &Setup, formulation: &F) ->
     if formulation.model().friction.is_set_valued() {
         watches.push(watch(Meaning::Slip, 0.0));
     }
-    if setup.is_euler {
+    if settings.is_euler {
         watches.push(watch(Meaning::Singular, 0.0));
     }
     watches

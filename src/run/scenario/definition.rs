@@ -1,0 +1,334 @@
+//! A scenario that has passed every check, in the types of the physics.
+
+use super::error::ScenarioError;
+use super::key::{Key, Value};
+use super::keys::{FORMAT, KEYS};
+use super::model::model;
+use super::values::{Values, nanoseconds};
+use super::words::{FormulationKind, OnStick};
+use crate::physics::dynamics::Model;
+use crate::physics::integrate::Tolerances;
+use crate::physics::kinematics::{Euler, Tilt};
+use sha2::{Digest as _, Sha256};
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+
+/// When a run ends. At least one is set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// When θ falls to this angle, rad.
+    pub theta_risen: Option<f64>,
+    /// When θ grows to this angle, rad.
+    pub theta_fallen: Option<f64>,
+    /// At this time, s.
+    pub duration: Option<f64>,
+    /// Whether the run ends where the contact point stops slipping.
+    pub on_stick: OnStick,
+}
+
+/// A checked, complete definition of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    values: Values,
+    /// Variables of integration.
+    pub formulation: FormulationKind,
+    /// The top and its friction.
+    pub model: Model,
+    /// Euler angles at the start, rad.
+    pub angles: Euler,
+    /// Euler rates at the start, rad/s.
+    pub rates: Euler,
+    /// Local error bounds.
+    pub tolerances: Tolerances,
+    /// Time between samples, ns.
+    pub sample_period_ns: u64,
+    /// When the run ends.
+    pub stop: Stop,
+}
+
+impl Scenario {
+    /// Checks that `values` are complete and fit together.
+    ///
+    /// # Errors
+    /// The first key that is missing, has no meaning here, or contradicts another.
+    pub fn new(mut values: Values) -> Result<Self, ScenarioError> {
+        values.put("format", FORMAT)?;
+        values.check_presence()?;
+        let scenario = Self {
+            formulation: values.choice("formulation")?,
+            model: model(&values)?,
+            angles: Euler {
+                phi: values.number("initial.phi")?,
+                theta: values.number("initial.theta")?,
+                psi: values.number("initial.psi")?,
+            },
+            rates: Euler {
+                phi: values.number("initial.phi_dot")?,
+                theta: values.number("initial.theta_dot")?,
+                psi: values.number("initial.psi_dot")?,
+            },
+            tolerances: Tolerances {
+                relative: values.number("integrator.relative_tolerance")?,
+                absolute: values.number("integrator.absolute_tolerance")?,
+            },
+            sample_period_ns: nanoseconds(values.number("sampling.period")?).ok_or(
+                ScenarioError::MissingKey {
+                    key: "sampling.period",
+                },
+            )?,
+            stop: Stop {
+                theta_risen: values.optional_number("stop.theta_risen"),
+                theta_fallen: values.optional_number("stop.theta_fallen"),
+                duration: values.optional_number("stop.duration"),
+                on_stick: values
+                    .optional_choice("stop.on_stick")?
+                    .unwrap_or(OnStick::Stop),
+            },
+            values,
+        };
+        scenario.check_body()?;
+        scenario.check_start()?;
+        scenario.check_end()?;
+        Ok(scenario)
+    }
+
+    /// Reads and checks a scenario file.
+    ///
+    /// # Errors
+    /// As [`Values::from_toml`] and [`Scenario::new`].
+    pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
+        Self::new(Values::from_toml(text)?)
+    }
+
+    /// This scenario with some keys set to other numbers or words.
+    ///
+    /// # Errors
+    /// As [`Values::put`] and [`Scenario::new`].
+    pub fn with<'a>(
+        &self,
+        changes: impl IntoIterator<Item = (&'a str, toml::Value)>,
+    ) -> Result<Self, ScenarioError> {
+        let mut values = self.values.clone();
+        for (path, value) in changes {
+            values.put(path, value)?;
+        }
+        Self::new(values)
+    }
+
+    /// The scenario as TOML in canonical form: every key in the order of the table, with unit and
+    /// meaning. Reading it gives back the same scenario to the last bit.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let mut text = String::new();
+        let mut section = "";
+        for key in KEYS {
+            let Some(value) = self.values.get(key.path) else {
+                continue;
+            };
+            let (next, name) = key.path.rsplit_once('.').unwrap_or(("", key.path));
+            if next != section {
+                section = next;
+                // Writing to a String cannot fail.
+                let _ = writeln!(text, "\n[{section}]");
+            }
+            let unit = if key.unit.is_empty() {
+                String::new()
+            } else {
+                format!(" [{}]", key.unit)
+            };
+            let _ = writeln!(text, "{name} = {value}  # {}{unit}", key.meaning);
+        }
+        text
+    }
+
+    /// The keys that it has, in the order of the table, with their values.
+    pub fn entries(&self) -> impl Iterator<Item = (&'static Key, &Value)> {
+        KEYS.iter()
+            .filter_map(|key| Some((key, self.values.get(key.path)?)))
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.values.text("name").unwrap_or_default()
+    }
+
+    /// A sentence about it; empty if it has none.
+    #[must_use]
+    pub fn description(&self) -> &str {
+        self.values.text("description").unwrap_or_default()
+    }
+
+    /// The word that stands for a key's value, empty if the scenario has none: for summaries.
+    #[must_use]
+    pub fn word(&self, path: &'static str) -> &str {
+        self.values.text(path).unwrap_or_default()
+    }
+
+    /// SHA-256 over every key and value but the name and the description, in hexadecimal: equal for
+    /// scenarios that define the same run.
+    #[must_use]
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        for (key, value) in self.entries() {
+            if !matches!(key.path, "name" | "description") {
+                hash.update(format!("{} = {value}\n", key.path));
+            }
+        }
+        hex(&hash.finalize())
+    }
+
+    /// Whether nothing takes energy from the top.
+    #[must_use]
+    pub fn is_frictionless(&self) -> bool {
+        self.model.friction.is_none()
+    }
+
+    /// Largest friction force of the law at the slip speed of the start, N: the scale for drawing it.
+    #[must_use]
+    pub fn force_scale(&self) -> f64 {
+        let Model { top, friction } = &self.model;
+        friction.law.bound(self.slip_speed_at_start(), top.weight())
+    }
+
+    /// Torque of that force and of all losses at the start, N m: the scale for drawing it.
+    #[must_use]
+    pub fn torque_scale(&self) -> f64 {
+        let tilt = Tilt::from_rates(self.angles.theta, self.rates);
+        let losses = self.model.contact(&tilt).losses.unwrap_or_default();
+        self.force_scale() * self.model.top.peg_radius + losses.norm()
+    }
+
+    /// Slip speed of the contact point at the start, m/s.
+    #[must_use]
+    pub fn slip_speed_at_start(&self) -> f64 {
+        let tilt = Tilt::from_rates(self.angles.theta, self.rates);
+        self.model.contact(&tilt).slip_speed
+    }
+
+    fn check_body(&self) -> Result<(), ScenarioError> {
+        let top = &self.model.top;
+        // No body has a larger axial moment than twice its transverse one, about any point of its axis;
+        // the centre of mass is the hardest.
+        let limit = 2.0 * top.transverse_moment;
+        let offset = top.mass * top.center_distance * top.center_distance;
+        for (limit, what) in [
+            (limit, "2 · top.transverse_moment"),
+            (
+                limit - 2.0 * offset,
+                "2 · (top.transverse_moment − top.mass · top.center_distance²), twice the transverse moment about the centre of mass",
+            ),
+        ] {
+            if top.axial_moment > limit {
+                return Err(ScenarioError::OutOfRange {
+                    key: "top.axial_moment",
+                    value: top.axial_moment.to_string(),
+                    allowed: format!("at most {limit:e} kg m² = {what}: no rigid body exceeds it"),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_start(&self) -> Result<(), ScenarioError> {
+        let theta = self.angles.theta;
+        if self.formulation == FormulationKind::Euler && !(theta > 0.0 && theta < PI) {
+            return Err(ScenarioError::OutOfRange {
+                key: "initial.theta",
+                value: theta.to_string(),
+                allowed: "between 0 and π with formulation = \"euler\", which is singular there; \
+                          formulation = \"body\" allows both"
+                    .to_owned(),
+            });
+        }
+        let drops_terms = self.model.friction.dissipation.drops_euler_terms();
+        if drops_terms && !self.is_frictionless() && self.stop.theta_risen.is_none() {
+            return Err(ScenarioError::Conflict {
+                key: "friction.dissipation",
+                value: self.word("friction.dissipation").to_owned(),
+                reason: "divides by sin θ and needs stop.theta_risen to end before upright"
+                    .to_owned(),
+            });
+        }
+        for (key, limit, wrong) in [
+            (
+                "stop.theta_risen",
+                self.stop.theta_risen,
+                self.stop.theta_risen.is_some_and(|limit| theta <= limit),
+            ),
+            (
+                "stop.theta_fallen",
+                self.stop.theta_fallen,
+                self.stop.theta_fallen.is_some_and(|limit| theta >= limit),
+            ),
+        ] {
+            if wrong {
+                return Err(ScenarioError::Conflict {
+                    key,
+                    value: limit.unwrap_or_default().to_string(),
+                    reason: format!("the top starts beyond it, at initial.theta = {theta}"),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_sticking(&self) -> Result<(), ScenarioError> {
+        let conflict = |reason: &str| {
+            Err(ScenarioError::Conflict {
+                key: "stop.on_stick",
+                value: "continue".to_owned(),
+                reason: reason.to_owned(),
+            })
+        };
+        if !self.model.friction.can_stick() {
+            return conflict(
+                "this friction never holds the contact point at rest; friction.law = \"coulomb\" or \
+                 \"stribeck\" and rolling.arm do, if friction.dissipation is \"full\"",
+            );
+        }
+        if self.stop.duration.is_none() {
+            return conflict("a top may stick for ever; set stop.duration");
+        }
+        Ok(())
+    }
+
+    fn check_end(&self) -> Result<(), ScenarioError> {
+        let Stop {
+            theta_risen,
+            theta_fallen,
+            duration,
+            on_stick,
+        } = self.stop;
+        if on_stick == OnStick::Continue {
+            self.check_sticking()?;
+        }
+        let Some(duration) = duration else {
+            let by_angle = theta_risen.is_some() || theta_fallen.is_some();
+            return if by_angle && !self.is_frictionless() {
+                Ok(())
+            } else {
+                Err(ScenarioError::NeverStops)
+            };
+        };
+        if duration * 1e9 / self.sample_period_ns as f64 > f64::from(u32::MAX) {
+            return Err(ScenarioError::OutOfRange {
+                key: "sampling.period",
+                value: (self.sample_period_ns as f64 / 1e9).to_string(),
+                allowed: format!(
+                    "long enough for at most {} samples in stop.duration = {duration} s",
+                    u32::MAX
+                ),
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Bytes in lower-case hexadecimal.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}

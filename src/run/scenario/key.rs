@@ -1,0 +1,94 @@
+//! What a key of a scenario is: its name, its unit, and the values that it takes.
+
+use std::fmt;
+
+/// What a scenario says under one key.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A name, a choice or a text.
+    Text(String),
+    /// A number in SI units or radians.
+    Number(f64),
+}
+
+impl fmt::Display for Value {
+    /// As TOML.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) => write!(f, "{}", toml::Value::from(text.as_str())),
+            Self::Number(number) => write!(f, "{number:?}"),
+        }
+    }
+}
+
+/// Which values a key takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// Any text.
+    Text,
+    /// A word that can be part of a file's name.
+    Name,
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// Any finite number.
+    Any,
+    /// A finite number larger than 0.
+    Positive,
+    /// A finite number not less than the first and not larger than the second.
+    Between(f64, f64),
+    /// A whole number of nanoseconds from 1 ns to one hour, in seconds.
+    Nanoseconds,
+}
+
+impl Kind {
+    /// Whether the values are texts; otherwise they are numbers.
+    #[must_use]
+    pub fn is_text(self) -> bool {
+        matches!(self, Self::Text | Self::Name | Self::Choice(_))
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text => write!(f, "a text"),
+            Self::Name => write!(
+                f,
+                "a name of letters, digits, '-', '_' and '.', not beginning with '.'"
+            ),
+            Self::Choice(words) => write!(f, "one of {}", words.join(", ")),
+            Self::Any => write!(f, "a finite number"),
+            Self::Positive => write!(f, "a finite number > 0"),
+            Self::Between(low, high) => write!(f, "a number from {low:?} to {high:?}"),
+            Self::Nanoseconds => write!(f, "a whole number of nanoseconds from 1e-9 to 3600 s"),
+        }
+    }
+}
+
+/// When a scenario has to, or may, have a key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Presence {
+    /// Always.
+    Required,
+    /// It may be left out.
+    Optional,
+    /// Exactly when another key has one of these values.
+    With(&'static str, &'static [&'static str]),
+    /// Exactly when this other key is there.
+    Beside(&'static str),
+}
+
+/// One row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// The section and name, as in `top.mass`; a name alone stands before the first section.
+    pub path: &'static str,
+    /// Unit, empty where there is none.
+    pub unit: &'static str,
+    /// Allowed values.
+    pub kind: Kind,
+    /// When it is there.
+    pub presence: Presence,
+    /// What it means.
+    pub meaning: &'static str,
+}

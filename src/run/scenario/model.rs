@@ -1,0 +1,96 @@
+//! The top and the friction that a scenario's values describe.
+
+use super::error::ScenarioError;
+use super::values::Values;
+use super::words::SlidingLaw;
+use crate::physics::dynamics::Model;
+use crate::physics::friction::{
+    Air, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing,
+};
+use crate::physics::top::Top;
+
+/// The physics that complete values describe.
+pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
+    Ok(Model {
+        top: top(values)?,
+        friction: friction(values)?,
+    })
+}
+
+fn top(values: &Values) -> Result<Top, ScenarioError> {
+    Ok(Top {
+        mass: values.number("top.mass")?,
+        transverse_moment: values.number("top.transverse_moment")?,
+        axial_moment: values.number("top.axial_moment")?,
+        center_distance: values.number("top.center_distance")?,
+        peg_radius: values.number("top.peg_radius")?,
+        gravity: values.number("gravity")?,
+    })
+}
+
+fn friction(values: &Values) -> Result<Friction, ScenarioError> {
+    let law = law(values)?;
+    let losses = Some(losses(values)).filter(|losses| !losses.is_none());
+    if matches!(law, FrictionLaw::Contensou { .. }) && values.get("drilling.k").is_some() {
+        return Err(ScenarioError::Conflict {
+            key: "drilling.k",
+            value: values.number("drilling.k")?.to_string(),
+            reason: "friction.law = \"contensou\" has a drilling torque of its own".to_owned(),
+        });
+    }
+    Ok(Friction {
+        law,
+        dissipation: values
+            .optional_choice("friction.dissipation")?
+            .unwrap_or(Dissipation::Full),
+        losses,
+    })
+}
+
+fn law(values: &Values) -> Result<FrictionLaw, ScenarioError> {
+    let k = || values.number("friction.k");
+    let regularised = |shape| {
+        Ok(FrictionLaw::Regularised {
+            k: k()?,
+            speed: values.number("friction.smoothing_speed")?,
+            shape,
+        })
+    };
+    match values.choice("friction.law")? {
+        SlidingLaw::None => Ok(FrictionLaw::None),
+        SlidingLaw::Coulomb => Ok(FrictionLaw::Coulomb { k: k()? }),
+        SlidingLaw::CoulombSqrt => regularised(Smoothing::SquareRoot),
+        SlidingLaw::CoulombTanh => regularised(Smoothing::Tanh),
+        SlidingLaw::CoulombRational => regularised(Smoothing::Rational),
+        SlidingLaw::Viscous => Ok(FrictionLaw::Viscous {
+            k: k()?,
+            speed: values.number("friction.viscous_speed")?,
+        }),
+        SlidingLaw::Stribeck => Ok(FrictionLaw::Stribeck {
+            k: k()?,
+            static_k: values.number("friction.static_k")?,
+            speed: values.number("friction.stribeck_speed")?,
+            slope: values.number("friction.viscous_slope")?,
+        }),
+        SlidingLaw::Contensou => Ok(FrictionLaw::Contensou {
+            k: k()?,
+            patch_radius: values.number("friction.patch_radius")?,
+        }),
+    }
+}
+
+fn losses(values: &Values) -> Losses {
+    let number = |path| values.optional_number(path).unwrap_or_default();
+    Losses {
+        rolling_arm: number("rolling.arm"),
+        drilling: Drilling {
+            k: number("drilling.k"),
+            patch_radius: number("drilling.patch_radius"),
+        },
+        air: Air {
+            axial: number("air.axial"),
+            transverse: number("air.transverse"),
+            disc: number("air.disc"),
+        },
+    }
+}

@@ -1,0 +1,260 @@
+//! Keys with values, as a person writes them.
+
+use super::error::ScenarioError;
+use super::key::{Key, Kind, Presence, Value};
+use super::keys::KEYS;
+use super::words::Choice;
+use std::collections::BTreeMap;
+
+/// A name is taken for a misspelt key or word if it is at least this much like it, by Jaro and Winkler.
+const LIKE: f64 = 0.8;
+
+/// Longer syntax errors are cut, bytes.
+const LONGEST_SYNTAX: usize = 1000;
+
+/// Longer values are cut where an error quotes them, characters.
+const LONGEST_EXCERPT: usize = 100;
+
+/// Keys with values of the right type, in no particular combination.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Values(BTreeMap<&'static str, Value>);
+
+impl Values {
+    /// Reads a scenario file. What it says is checked key by key, but not whether it is complete.
+    ///
+    /// # Errors
+    /// Malformed TOML, an unknown key, a value of the wrong type or out of range.
+    pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
+        let table: toml::Table = text.parse().map_err(|error| syntax(text, &error))?;
+        let mut values = Self::default();
+        for (name, value) in table {
+            match value {
+                toml::Value::Table(section) => {
+                    for (inner, value) in section {
+                        values.put(&format!("{name}.{inner}"), value)?;
+                    }
+                }
+                value => values.put(&name, value)?,
+            }
+        }
+        Ok(values)
+    }
+
+    /// Sets one key from `text`, a value as in TOML (quotes around words may be left out). An empty
+    /// text removes the key.
+    ///
+    /// # Errors
+    /// An unknown key, a value of the wrong type or out of range.
+    pub fn set(&mut self, path: &str, text: &str) -> Result<(), ScenarioError> {
+        if text.is_empty() {
+            self.0.remove(find_key(path)?.path);
+            return Ok(());
+        }
+        let is_text = find_key(path)?.kind.is_text();
+        let value = match format!("value = {text}").parse::<toml::Table>() {
+            Ok(mut table) if table.len() == 1 => table.remove("value"),
+            _ => None,
+        };
+        let value = value
+            .filter(|value| !is_text || value.is_str())
+            .unwrap_or_else(|| toml::Value::from(text));
+        self.put(path, value)
+    }
+
+    /// Sets one key to a number or a word.
+    ///
+    /// # Errors
+    /// An unknown key, a value of the wrong type or out of range.
+    pub fn put(&mut self, path: &str, value: impl Into<toml::Value>) -> Result<(), ScenarioError> {
+        let key = find_key(path)?;
+        self.0.insert(key.path, checked(key, &value.into())?);
+        Ok(())
+    }
+
+    /// The value of a key.
+    #[must_use]
+    pub fn get(&self, path: &str) -> Option<&Value> {
+        self.0.get(path)
+    }
+
+    pub(super) fn number(&self, path: &'static str) -> Result<f64, ScenarioError> {
+        self.optional_number(path)
+            .ok_or(ScenarioError::MissingKey { key: path })
+    }
+
+    pub(super) fn optional_number(&self, path: &str) -> Option<f64> {
+        match self.get(path) {
+            Some(Value::Number(number)) => Some(*number),
+            _ => None,
+        }
+    }
+
+    pub(super) fn text(&self, path: &'static str) -> Result<&str, ScenarioError> {
+        match self.get(path) {
+            Some(Value::Text(text)) => Ok(text),
+            _ => Err(ScenarioError::MissingKey { key: path }),
+        }
+    }
+
+    /// The meaning of the word that a key is set to.
+    pub(super) fn choice<T: Choice>(&self, path: &'static str) -> Result<T, ScenarioError> {
+        let word = self.text(path)?;
+        match T::of_word(word) {
+            Some(meaning) => Ok(meaning),
+            None => Err(out_of_range(find_key(path)?, word)),
+        }
+    }
+
+    /// The meaning of the word that a key is set to; none if the key is left out.
+    pub(super) fn optional_choice<T: Choice>(
+        &self,
+        path: &'static str,
+    ) -> Result<Option<T>, ScenarioError> {
+        self.get(path).map(|_| self.choice(path)).transpose()
+    }
+
+    /// Whether each key of the table is there if and only if it has to be.
+    pub(super) fn check_presence(&self) -> Result<(), ScenarioError> {
+        for key in KEYS {
+            let there = self.0.contains_key(key.path);
+            match key.presence {
+                Presence::Required if !there => {
+                    return Err(ScenarioError::MissingKey { key: key.path });
+                }
+                Presence::With(other, words) => {
+                    let value = self.text(other)?;
+                    let wanted = words.contains(&value);
+                    if wanted && !there {
+                        return Err(ScenarioError::MissingKey { key: key.path });
+                    }
+                    if there && !wanted {
+                        return Err(ScenarioError::Inapplicable {
+                            key: key.path,
+                            other,
+                            value: value.to_owned(),
+                        });
+                    }
+                }
+                Presence::Beside(other) if there != self.0.contains_key(other) => {
+                    let key = if there { other } else { key.path };
+                    return Err(ScenarioError::MissingKey { key });
+                }
+                Presence::Required | Presence::Optional | Presence::Beside(_) => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
+    KEYS.iter().find(|key| key.path == path).ok_or_else(|| {
+        let section = path.rsplit_once('.').map_or("", |(section, _)| section);
+        let in_section =
+            |key: &&Key| key.path.rsplit_once('.').map_or("", |(section, _)| section) == section;
+        let mut allowed: Vec<_> = KEYS.iter().filter(in_section).map(|key| key.path).collect();
+        if allowed.is_empty() {
+            allowed = KEYS.iter().map(|key| key.path).collect();
+        }
+        ScenarioError::UnknownKey {
+            key: excerpt(path),
+            near: near(&excerpt(path), KEYS.iter().map(|key| key.path)),
+            allowed: allowed.join(", "),
+        }
+    })
+}
+
+/// What is wrong with a text that is not TOML.
+fn syntax(text: &str, error: &toml::de::Error) -> ScenarioError {
+    let told = error.to_string();
+    if told.len() <= LONGEST_SYNTAX {
+        return ScenarioError::Syntax(told);
+    }
+    // It repeats a line that nobody could read.
+    let before = error.span().and_then(|span| text.get(..span.start));
+    let line = before.map_or(1, |before| 1 + before.matches('\n').count());
+    ScenarioError::Syntax(format!("in line {line}: {}", excerpt(error.message())))
+}
+
+/// The beginning of a text, to stand in a message.
+fn excerpt(text: &str) -> String {
+    match text.char_indices().nth(LONGEST_EXCERPT) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// A question after the name most like a wrong one; empty if none is like it.
+fn near<'a>(wrong: &str, names: impl Iterator<Item = &'a str>) -> String {
+    let likeness = names.map(|name| (strsim::jaro_winkler(wrong, name), name));
+    let most = likeness.max_by(|(a, _), (b, _)| a.total_cmp(b));
+    match most {
+        Some((likeness, name)) if likeness > LIKE => format!(" (did you mean {name}?)"),
+        _ => String::new(),
+    }
+}
+
+/// A value of the type and in the range that `key` asks for.
+fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
+    let wrong_type = || ScenarioError::WrongType {
+        key: key.path,
+        value: excerpt(&value.to_string()),
+        expected: key.kind.to_string(),
+    };
+    if key.kind.is_text() {
+        let text = value.as_str().ok_or_else(wrong_type)?;
+        let allowed = match key.kind {
+            Kind::Choice(words) => words.contains(&text),
+            Kind::Name => is_name(text),
+            _ => true,
+        };
+        return if allowed {
+            Ok(Value::Text(text.to_owned()))
+        } else {
+            Err(out_of_range(key, text))
+        };
+    }
+    let number = match value {
+        toml::Value::Float(number) => *number,
+        toml::Value::Integer(number) => *number as f64,
+        _ => return Err(wrong_type()),
+    };
+    let allowed = match key.kind {
+        Kind::Positive => number > 0.0,
+        Kind::Between(low, high) => number >= low && number <= high,
+        Kind::Nanoseconds => nanoseconds(number).is_some(),
+        Kind::Any | Kind::Text | Kind::Name | Kind::Choice(_) => true,
+    };
+    if allowed && number.is_finite() {
+        Ok(Value::Number(number))
+    } else {
+        Err(out_of_range(key, &number.to_string()))
+    }
+}
+
+fn out_of_range(key: &Key, value: &str) -> ScenarioError {
+    let near = match key.kind {
+        Kind::Choice(words) => near(&excerpt(value), words.iter().copied()),
+        _ => String::new(),
+    };
+    ScenarioError::OutOfRange {
+        key: key.path,
+        value: excerpt(value),
+        allowed: format!("{}{near}", key.kind),
+    }
+}
+
+/// Whether a text can be part of a file's name on every system, and shows there.
+fn is_name(text: &str) -> bool {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    !text.is_empty() && text.len() <= 100 && !text.starts_with('.') && text.chars().all(allowed)
+}
+
+/// Seconds as a whole number of nanoseconds, if they are one, up to an hour.
+///
+/// A decimal number with at most nine places is the double nearest to `ns / 1e9`, which is also what
+/// the division gives.
+pub(super) fn nanoseconds(seconds: f64) -> Option<u64> {
+    let rounded = (seconds * 1e9).round();
+    let whole = (1.0..=3.6e12).contains(&rounded) && rounded / 1e9 == seconds;
+    whole.then_some(rounded as u64)
+}
