@@ -1,8 +1,8 @@
 //! Figures of runs for print: those of the paper, and more.
 //!
-//! A [`Figure`] says which numbers it needs; a [`Run`] has them from a recording or a simulation; what it
-//! draws is a [`Drawing`], which becomes SVG or PNG. The bytes depend on the numbers alone: the font is
-//! part of the program, and nothing asks for the platform's `libm`, a clock or an order of hashes.
+//! A [`Figure`] says which numbers it needs, a [`Run`] collects them from a recording or a simulation, and
+//! [`Figure::draw`] makes a [`Drawing`] of them, which becomes SVG or PNG. The bytes depend on the numbers alone: the
+//! font is part of the program, and neither the platform's `libm` nor a clock nor the order of a hash map has a say.
 //!
 //! ```
 //! use toprise::analysis::figures::{Figure, Run};
@@ -22,48 +22,96 @@
 mod layout_tests;
 mod locus;
 mod looks;
+mod means;
 mod need;
+mod report;
 mod run;
 mod time;
 
+pub use self::report::{FigureFile, FiguresReport, Lacking, RunLoss};
 pub use self::run::Run;
 pub use crate::analysis::plot::drawing::Drawing;
 
-use self::need::{NUTATION, Need};
+use self::need::Need;
 use crate::analysis::subject::Subject;
+use crate::telemetry::fields::{
+    NumberField, acceleration, contact, energy, nutation, pose, precession, state, torque,
+};
 
-/// A kind of figure.
+/// A figure that can be drawn of runs.
 #[derive(Debug)]
 pub struct Figure {
-    /// Its name, which is also that of its file.
+    /// The name, which is also that of its files.
     pub name: &'static str,
-    /// What it shows.
+    /// What the figure shows.
     pub title: &'static str,
-    /// The least number of runs of which it can be drawn.
+    /// The least number of runs that the figure can be drawn of.
     pub least_runs: usize,
-    /// Without these it can't be drawn.
+    /// The numbers without which the figure can't be drawn.
     needs: &'static [Need],
-    /// Without these it is drawn with less.
+    /// The numbers without which parts of the figure are left out.
     uses: &'static [Need],
     draw: fn(&[&Run], f64) -> Drawing,
 }
 
-const ANGLES: Need = Need {
-    topic: "/top/state",
-    fields: &["theta", "theta_dot", "phi_dot", "psi_dot"],
+/// The need for samples of some fields.
+const fn samples(fields: &'static [NumberField]) -> Need {
+    Need {
+        fields,
+        are_means: false,
+    }
+}
+
+const ANGLES: Need = samples(&[
+    state::THETA,
+    state::THETA_DOT,
+    state::PHI_DOT,
+    state::PSI_DOT,
+]);
+
+const NUTATIONS: Need = samples(&[
+    nutation::START,
+    nutation::PERIOD,
+    nutation::THETA_MEAN,
+    nutation::THETA_DOT_MEAN,
+    nutation::PHI_DOT_MEAN,
+    nutation::PSI_DOT_MEAN,
+]);
+
+const THETA: Need = samples(&[state::THETA]);
+const PRECESSION_RATE: Need = samples(&[state::PHI_DOT]);
+const ROOTS: Need = samples(&[precession::SLOW_ROOT, precession::FAST_ROOT]);
+const AXIS: Need = samples(&pose::AXIS.components());
+
+const ACCELERATIONS: Need = Need {
+    fields: &[
+        acceleration::THETA_DDOT_GYROSCOPIC,
+        acceleration::THETA_DDOT_CENTRIFUGAL,
+        acceleration::THETA_DDOT_GRAVITATIONAL,
+        acceleration::THETA_DDOT_FRICTIONAL,
+        acceleration::PHI_DDOT_GYROSCOPIC,
+        acceleration::PHI_DDOT_CORIOLIS,
+        acceleration::PHI_DDOT_FRICTIONAL,
+    ],
+    are_means: true,
 };
 
-const NUTATIONS: Need = Need {
-    topic: NUTATION,
-    fields: &[
-        "start",
-        "period",
-        "theta_mean",
-        "theta_dot_mean",
-        "phi_dot_mean",
-        "psi_dot_mean",
-    ],
-};
+const TORQUES: Need = samples(&[
+    torque::GRAVITY_NODE.x(),
+    torque::FRICTION_NODE.x(),
+    torque::FRICTION_NODE.y(),
+    torque::FRICTION_NODE.z(),
+]);
+
+const SLIP: Need = samples(&[contact::SLIP_SPEED, contact::SLIP_PATH]);
+
+const ENERGIES: Need = samples(&[
+    energy::KINETIC,
+    energy::POTENTIAL,
+    energy::TOTAL,
+    energy::FRICTION_WORK,
+    energy::FRICTION_POWER,
+]);
 
 /// All figures: first those of the paper, with its numbers.
 pub const FIGURES: &[Figure] = &[
@@ -79,10 +127,7 @@ pub const FIGURES: &[Figure] = &[
         name: "figure-3",
         title: "The locus of the symmetry axis, its projection, and its end magnified",
         least_runs: 1,
-        needs: &[Need {
-            topic: "/top/pose",
-            fields: &["axis.x", "axis.y", "axis.z"],
-        }],
+        needs: &[AXIS],
         uses: &[],
         draw: locus::locus,
     },
@@ -90,13 +135,7 @@ pub const FIGURES: &[Figure] = &[
         name: "figure-4",
         title: "θ of each further run, with the averages of the first",
         least_runs: 2,
-        needs: &[
-            Need {
-                topic: "/top/state",
-                fields: &["theta"],
-            },
-            NUTATIONS,
-        ],
+        needs: &[THETA, NUTATIONS],
         uses: &[],
         draw: time::compared,
     },
@@ -104,21 +143,7 @@ pub const FIGURES: &[Figure] = &[
         name: "acceleration",
         title: "Why it rises: the terms of θ̈ and φ̈, averaged over nutations",
         least_runs: 1,
-        needs: &[
-            Need {
-                topic: "/top/acceleration",
-                fields: &[
-                    "theta_ddot.gyroscopic",
-                    "theta_ddot.centrifugal",
-                    "theta_ddot.gravitational",
-                    "theta_ddot.frictional",
-                    "phi_ddot.gyroscopic",
-                    "phi_ddot.coriolis",
-                    "phi_ddot.frictional",
-                ],
-            },
-            NUTATIONS,
-        ],
+        needs: &[ACCELERATIONS, NUTATIONS],
         uses: &[],
         draw: time::acceleration,
     },
@@ -126,16 +151,7 @@ pub const FIGURES: &[Figure] = &[
         name: "precession",
         title: "φ̇ and the rates of regular precession; the top rises between them",
         least_runs: 1,
-        needs: &[
-            Need {
-                topic: "/top/state",
-                fields: &["phi_dot"],
-            },
-            Need {
-                topic: "/top/precession",
-                fields: &["slow_root", "fast_root"],
-            },
-        ],
+        needs: &[PRECESSION_RATE, ROOTS],
         uses: &[NUTATIONS],
         draw: time::precession,
     },
@@ -143,15 +159,7 @@ pub const FIGURES: &[Figure] = &[
         name: "torque",
         title: "Torques along the line of nodes (x), its perpendicular (y) and the symmetry axis (z)",
         least_runs: 1,
-        needs: &[Need {
-            topic: "/top/torque",
-            fields: &[
-                "gravity_node.x",
-                "friction_node.x",
-                "friction_node.y",
-                "friction_node.z",
-            ],
-        }],
+        needs: &[TORQUES],
         uses: &[],
         draw: time::torque,
     },
@@ -159,10 +167,7 @@ pub const FIGURES: &[Figure] = &[
         name: "slip",
         title: "Slip speed and path slipped",
         least_runs: 1,
-        needs: &[Need {
-            topic: "/top/contact",
-            fields: &["slip_speed", "slip_path"],
-        }],
+        needs: &[SLIP],
         uses: &[],
         draw: time::slip,
     },
@@ -170,16 +175,7 @@ pub const FIGURES: &[Figure] = &[
         name: "energy",
         title: "Kinetic, potential and total energy, and what friction takes",
         least_runs: 1,
-        needs: &[Need {
-            topic: "/top/energy",
-            fields: &[
-                "kinetic",
-                "potential",
-                "total",
-                "friction_work",
-                "friction_power",
-            ],
-        }],
+        needs: &[ENERGIES],
         uses: &[],
         draw: time::energy,
     },
@@ -208,13 +204,13 @@ impl Figure {
         FIGURES.iter().find(|figure| figure.name == name)
     }
 
-    /// What a run lacks that the figure can't be drawn without: a channel, its messages, or a field.
+    /// What the figure needs and a run lacks: a channel, its messages, or a field.
     #[must_use]
     pub fn missing(&self, run: &Run) -> Option<String> {
         self.needs.iter().find_map(|need| run.missing(need))
     }
 
-    /// Draws it with a width in mm. With several runs it is an overlay; what a run lacks is left out.
+    /// Draws the figure with a width in mm. Several runs are drawn over one another; what a run lacks is left out.
     #[must_use]
     pub fn draw(&self, runs: &[&Run], width: f64) -> Drawing {
         let mut drawing = (self.draw)(runs, width);

@@ -1,6 +1,6 @@
-//! Numbers in sentences.
+//! Numbers, times and symbols as they stand in sentences.
 
-/// A number with so many significant digits; very small and very large ones with a power of ten.
+/// A number rounded to `digits` significant digits; very small and very large numbers with a power of ten.
 #[must_use]
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
@@ -35,7 +35,7 @@ pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
     }
 }
 
-/// A time without its sign, in the unit that fits.
+/// The magnitude of a time, in the unit that fits.
 #[must_use]
 pub(crate) fn duration(seconds: f64) -> String {
     let size = seconds.abs();
@@ -55,7 +55,7 @@ pub(crate) fn moment(seconds: f64) -> String {
     format!("{seconds:.4} s")
 }
 
-/// A field of the table in the symbols of physics.
+/// The symbol of a field of the table.
 #[must_use]
 pub(crate) fn symbol(field: &str) -> &str {
     match field {
@@ -69,7 +69,7 @@ pub(crate) fn symbol(field: &str) -> &str {
     }
 }
 
-/// Items with commas and an "and".
+/// A list of items, with commas and an "and".
 #[must_use]
 pub(crate) fn list(items: &[String]) -> String {
     match items {

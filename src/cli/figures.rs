@@ -3,7 +3,9 @@
 use super::given::{Given, open};
 use super::progress::Progress;
 use super::{Done, format, output};
-use crate::analysis::figures::{Drawing, FIGURES, Figure, Run};
+use crate::analysis::figures::{
+    Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, Run, RunLoss,
+};
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
 use crate::run::scenario::Preset;
@@ -160,11 +162,14 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     let figures = arguments.figures()?;
     arguments.check_files(&figures)?;
     let runs = runs(arguments, &figures)?;
-    let mut done = Done::Well;
+    let mut report = FiguresReport::default();
     for run in &runs {
         for loss in &run.losses {
             output::warn(&format!("{}: {loss}", run.name));
-            done = Done::WithLosses;
+            report.losses.push(RunLoss {
+                run: run.name.clone(),
+                loss: loss.clone(),
+            });
         }
     }
     let mut drawn = Vec::new();
@@ -172,12 +177,15 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
         let count = arguments.count(figure, runs.len());
         let (able, lacking) = divided(figure, &runs[..count]);
         for (run, missing) in lacking {
-            let Figure { name, .. } = figure;
             output::warn(&format!(
-                "{}: {name} needs {missing}, which it lacks",
-                run.name
+                "{}: {} needs {missing}, which it lacks",
+                run.name, figure.name
             ));
-            done = Done::WithLosses;
+            report.lacking.push(Lacking {
+                run: run.name.clone(),
+                figure: figure.name,
+                missing,
+            });
         }
         // A comparison without one of its runs would be another.
         let is_able = figure.least_runs == 1 || able.len() == count;
@@ -188,8 +196,12 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     if drawn.is_empty() {
         bail!("nothing can be drawn");
     }
-    write_all(arguments, &drawn)?;
-    Ok(done)
+    report.files = write_all(arguments, &drawn)?;
+    Ok(if report.losses.is_empty() && report.lacking.is_empty() {
+        Done::Well
+    } else {
+        Done::WithLosses
+    })
 }
 
 /// Those of which a figure can be drawn, and the others with what they lack.
@@ -259,7 +271,11 @@ fn given(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<(Strin
 }
 
 /// Draws and writes figures, and tells of each file.
-fn write_all(arguments: &FiguresArguments, figures: &[(&Figure, Vec<&Run>)]) -> Result<(), Error> {
+fn write_all(
+    arguments: &FiguresArguments,
+    figures: &[(&'static Figure, Vec<&Run>)],
+) -> Result<Vec<FigureFile>, Error> {
+    let mut files = Vec::new();
     for (figure, runs) in figures {
         let drawing = figure.draw(runs, arguments.width);
         for kind in arguments.kinds() {
@@ -269,7 +285,14 @@ fn write_all(arguments: &FiguresArguments, figures: &[(&Figure, Vec<&Run>)]) -> 
             publish::write(&path, Existing::forced(arguments.force), &bytes)?;
             let size = format::bytes(bytes.len() as u64);
             output::print(&format!("wrote {}  {size}", path.display()))?;
+            files.push(FigureFile {
+                figure: figure.name,
+                title: figure.title,
+                runs: runs.iter().map(|run| run.name.clone()).collect(),
+                path: path.display().to_string(),
+                bytes: bytes.len() as u64,
+            });
         }
     }
-    Ok(())
+    Ok(files)
 }

@@ -20,7 +20,7 @@ mod dense;
 mod dop853;
 mod problem;
 
-pub use crossing::{Crossing, KNOTS, SignTracker, Slope};
+pub use crossing::{Crossing, KNOTS, SignTracker, Slope, zero};
 pub use dense::Dense;
 pub use dop853::Dop853;
 pub use problem::{Direction, IntegrateError, Statistics, System, Tolerances};

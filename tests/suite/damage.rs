@@ -146,7 +146,7 @@ fn chunks_that_were_swapped_or_repeated_are_noticed() {
 }
 
 /// Where the chunks with their indexes lie, by another reader.
-fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
+pub fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
     let summary = mcap::Summary::read(bytes).unwrap().unwrap();
     let mut indexes = summary.chunk_indexes;
     indexes.sort_by_key(|index| index.chunk_start_offset);

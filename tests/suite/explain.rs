@@ -1,13 +1,18 @@
 //! The story of a run.
 
+use crate::damage::chunks;
 use crate::support::{Run, archive, scenario};
 use assert_cmd::Command;
+use proptest::prelude::*;
 use std::fs;
+use std::ops::Range;
 use tempfile::tempdir;
 use toprise::analysis::explain::{Chapter, ExplainError, Story, explain};
+use toprise::analysis::figures::{FIGURES, Run as Drawn};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
 use toprise::run::scenario::PRESETS;
+use toprise::telemetry::fields::ACCELERATION;
 
 fn chapter<'s>(story: &'s Story, heading: &str) -> &'s Chapter {
     let found = story
@@ -139,7 +144,7 @@ fn what_can_t_be_explained_says_why() {
         matches!(
             error,
             ExplainError::Channel {
-                missing: "/top/acceleration"
+                missing: ACCELERATION
             }
         ),
         "{error}"
@@ -194,4 +199,126 @@ fn the_command_prints_a_page() {
             .unwrap()
             .contains("## Why the axis moves")
     );
+}
+
+/// A recording in pieces: what stands before the chunks, the chunks, and what stands after them.
+struct Pieces {
+    whole: Vec<u8>,
+    chunks: Vec<Range<usize>>,
+}
+
+impl Pieces {
+    fn of(preset: &str) -> Self {
+        let directory = tempdir().unwrap();
+        let path = directory.path().join("run.mcap");
+        let scenario = scenario(preset, &[("stop.duration", "0.5")]);
+        archive(&path, &scenario, &[], Form::default()).unwrap();
+        let whole = fs::read(&path).unwrap();
+        let chunks = chunks(&whole);
+        assert!(chunks.len() > 4);
+        Self { whole, chunks }
+    }
+
+    /// The recording with other chunks, in any order.
+    fn with<'a>(&self, chunks: impl IntoIterator<Item = &'a [u8]>) -> Vec<u8> {
+        let end = self.chunks.last().unwrap().end;
+        let mut bytes = self.whole[..self.chunks[0].start].to_vec();
+        bytes.extend(chunks.into_iter().flatten());
+        bytes.extend_from_slice(&self.whole[end..]);
+        bytes
+    }
+
+    fn chunk(&self, index: usize) -> &[u8] {
+        &self.whole[self.chunks[index].clone()]
+    }
+}
+
+/// Explains and reads for all figures what bytes give, if they can be opened.
+fn told_and_drawn(bytes: &[u8]) -> Option<(Result<Story, ExplainError>, Drawn)> {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    fs::write(&path, bytes).unwrap();
+    let recording = Recording::open(&path).ok()?;
+    let figures: Vec<_> = FIGURES.iter().collect();
+    let drawn = Drawn::read(&recording, "run", &figures, &|_| {});
+    for figure in FIGURES
+        .iter()
+        .filter(|figure| figure.missing(&drawn).is_none())
+    {
+        let drawing = figure.draw(&[&drawn], 85.0);
+        assert!(!drawing.svg().contains("NaN"), "{}", figure.name);
+    }
+    Some((explain(&recording), drawn))
+}
+
+#[test]
+fn repeated_and_reordered_chunks_change_neither_story_nor_figures() {
+    let run = Pieces::of("full-coulomb");
+    let (story, drawn) = told_and_drawn(&run.whole).unwrap();
+    let story = story.unwrap();
+    assert!(story.losses.is_empty() && drawn.losses.is_empty());
+    let last = run.chunks.len() - 1;
+    let repeated: Vec<usize> = (0..=last).chain([1, 2, 1]).collect();
+    let reversed: Vec<usize> = (0..=last).rev().collect();
+    for (order, is_repeated) in [(repeated, true), (reversed, false)] {
+        let bytes = run.with(order.iter().map(|index| run.chunk(*index)));
+        let (found, found_drawn) = told_and_drawn(&bytes).unwrap();
+        let found = found.unwrap();
+        assert_eq!(found.chapters, story.chapters, "{order:?}");
+        assert_eq!(found.course, story.course, "{order:?}");
+        let told = "messages that repeat others or go back in time";
+        let is_told = |losses: &[String]| losses.iter().any(|loss| loss.contains(told));
+        assert_eq!(is_told(&found.losses), is_repeated, "{:?}", found.losses);
+        assert_eq!(
+            is_told(&found_drawn.losses),
+            is_repeated,
+            "{:?}",
+            found_drawn.losses
+        );
+        let mut found_drawn = found_drawn;
+        found_drawn.losses.clone_from(&drawn.losses);
+        assert!(found_drawn == drawn, "{order:?}");
+    }
+}
+
+#[test]
+fn nothing_in_a_recording_makes_explain_or_figures_panic() {
+    let [run, other] = ["full-coulomb", "paper"].map(Pieces::of);
+    let (own, foreign) = (run.chunks.len(), other.chunks.len());
+    let config = ProptestConfig::with_cases(64);
+    let orders = prop::collection::vec(0..own + foreign, 0..10);
+    let flips = prop::collection::vec((any::<prop::sample::Index>(), 0_u8..8), 0..3);
+    proptest!(config, |(order in orders, flips in flips, length in any::<prop::sample::Index>(), is_cut in any::<bool>())| {
+        let chunk = |index: &usize| match index.checked_sub(own) {
+            None => run.chunk(*index),
+            Some(index) => other.chunk(index),
+        };
+        let mut bytes = run.with(order.iter().map(chunk));
+        for (at, bit) in flips {
+            let at = at.index(bytes.len());
+            bytes[at] ^= 1 << bit;
+        }
+        if is_cut {
+            bytes.truncate(length.index(bytes.len()));
+        }
+        let _ = told_and_drawn(&bytes);
+    });
+}
+
+#[test]
+fn what_is_told_follows_from_numbers_that_are_given_too() {
+    let story = explain(&scenario("paper", &[("stop.duration", "3.0")])).unwrap();
+    let balance = story.precession.as_ref().unwrap();
+    let change = balance.gyroscopic + balance.coriolis + balance.frictional;
+    assert!(
+        change.abs() < 1e-2 * balance.frictional.abs(),
+        "{balance:?}"
+    );
+    assert_eq!(story.stages.len(), 6);
+    assert!(story.stages.is_sorted_by(|a, b| a.to <= b.from));
+    assert!(story.stages.iter().all(|stage| stage.slow_root.is_some()));
+    let json = serde_json::to_value(&story).unwrap();
+    assert_eq!(json["stages"][0]["theta"], story.stages[0].theta);
+    assert_eq!(json["course"]["stop_time"], 3.0);
+    assert!(json["chapters"][0].get("table").is_none());
 }

@@ -1,15 +1,17 @@
 //! Curves through points, and what is computed from them.
 
-/// A curve through points, in between a polynomial of third degree through the four nearest.
+use crate::physics::integrate::zero;
+
+/// A curve through points: between them the cubic through the four nearest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Curve {
-    /// Strictly increasing.
+    /// The abscissas, strictly increasing.
     x: Vec<f64>,
     y: Vec<f64>,
 }
 
 impl Curve {
-    /// A curve through points in the order of x; those that don't increase x are left out.
+    /// A curve through points in the order of x; points that don't increase x are left out.
     pub(crate) fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut curve = Self::default();
         for (x, y) in points {
@@ -26,7 +28,7 @@ impl Curve {
         Some((*self.x.first()?, *self.x.last()?))
     }
 
-    /// The value at x; none outside of the points.
+    /// The value at x, if x lies between the first and the last point.
     pub(crate) fn at(&self, x: f64) -> Option<f64> {
         let (first, last) = self.domain()?;
         if !(first <= x && x <= last) {
@@ -48,7 +50,7 @@ impl Curve {
         )
     }
 
-    /// The longest beginning on which y goes one way, with x and y exchanged.
+    /// The inverse of the curve, up to where y first turns.
     pub(crate) fn inverse(&self) -> Self {
         let sign = match self.y.as_slice() {
             [first, second, ..] if second < first => -1.0,
@@ -70,26 +72,18 @@ impl Curve {
         Self::new(points)
     }
 
-    /// Where y first reaches a level, going from one side of it to the other.
+    /// The x at which y first passes a level.
     pub(crate) fn first_reaches(&self, level: f64) -> Option<f64> {
         let crosses = |pair: &[f64]| (pair[0] > level) != (pair[1] > level);
         let at = self.y.windows(2).position(crosses)?;
-        let (mut low, mut high) = (self.x[at], self.x[at + 1]);
-        let side = self.y[at] > level;
-        // Halving ends when no double lies between.
-        for _ in 0..100 {
-            let middle = 0.5 * (low + high);
-            if (self.at(middle)? > level) == side {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        Some(high)
+        let (start, width) = (self.x[at], self.x[at + 1] - self.x[at]);
+        let x = |s: f64| start + s * width;
+        let above = |s: f64| self.at(x(s)).map_or(f64::NAN, |y| y - level);
+        Some(x(zero(self.y[at] - level, self.y[at + 1] - level, above)))
     }
 }
 
-/// Lagrange's weights of points for the value at x.
+/// The weights with which the values at points enter Lagrange's interpolation at x.
 pub(crate) fn lagrange(points: &[f64], x: f64) -> impl Iterator<Item = f64> + '_ {
     let weight = move |i: usize| {
         let others = points.iter().enumerate().filter(move |(j, _)| *j != i);
@@ -100,13 +94,14 @@ pub(crate) fn lagrange(points: &[f64], x: f64) -> impl Iterator<Item = f64> + '_
     (0..points.len()).map(weight)
 }
 
-/// The cubic through two points with their slopes, at the part `s` of the way between; `h` apart.
+/// The cubic through two points `h` apart with given slopes, at the part `s` of the way between.
 pub(crate) fn hermite3([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64, s: f64) -> f64 {
     let r = 1.0 - s;
     y0 + s * s * (3.0 - 2.0 * s) * (y1 - y0) + h * s * r * (r * d0 - s * d1)
 }
 
-/// The polynomial of fifth degree through two points with their first and second derivatives.
+/// The polynomial of fifth degree through two points `h` apart with given first and second derivatives, at the part
+/// `s` of the way between.
 pub(crate) fn hermite5([y0, d0, c0]: [f64; 3], [y1, d1, c1]: [f64; 3], h: f64, s: f64) -> f64 {
     let r = 1.0 - s;
     let step = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
@@ -115,34 +110,25 @@ pub(crate) fn hermite5([y0, d0, c0]: [f64; 3], [y1, d1, c1]: [f64; 3], h: f64, s
         + 0.5 * h * h * s * s * r * r * (r * c0 + s * c1)
 }
 
-/// The extreme of the cubic through two points with their slopes, if it has one in between.
+/// The extreme value of the cubic through two points `h` apart with given slopes, if it turns between them.
 pub(crate) fn extreme([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64) -> Option<f64> {
     let changes_sign = d0 * d1 < 0.0;
     if !changes_sign {
         return None;
     }
-    // The slope, a parabola in s, changes sign between 0 and 1: halving finds where.
+    // The slope, a parabola in s, changes sign between 0 and 1.
     let rise = (y1 - y0) / h;
     let slope =
         |s: f64| d0 + s * (6.0 * rise - 4.0 * d0 - 2.0 * d1) + 3.0 * s * s * (d0 + d1 - 2.0 * rise);
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if (slope(middle) > 0.0) == (d0 > 0.0) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Some(hermite3([y0, d0], [y1, d1], h, low))
+    Some(hermite3([y0, d0], [y1, d1], h, zero(d0, d1, slope)))
 }
 
-/// An integral over equally spaced samples, as they come: Gregory's rule, of fourth order.
+/// An integral over equally spaced samples that come one by one, by Gregory's rule of fourth order.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Integral {
     count: u64,
     sum: f64,
-    /// The first three and the last three.
+    /// The first three and the last three samples.
     first: [f64; 3],
     last: [f64; 3],
 }

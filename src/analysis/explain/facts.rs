@@ -2,6 +2,7 @@
 
 use super::stages::Stages;
 use crate::analysis::course::Course;
+use crate::analysis::order::Order;
 use crate::analysis::subject::Subject;
 use crate::run::scenario::Scenario;
 use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, STATE};
@@ -15,24 +16,24 @@ const NEEDED: [Topic; 4] = [STATE, ACCELERATION, ENERGY, EVENTS];
 /// Why a run can't be explained.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ExplainError {
-    /// Not one of ours.
+    /// The recording was not made by toprise.
     #[error("not a toprise recording: its story can't be told")]
     Foreign,
-    /// Without the scenario nothing is known of the top.
+    /// The recording's scenario can't be read, so nothing is known of the top.
     #[error("{0}")]
     NoScenario(String),
     /// A channel is missing.
     #[error("it has no {missing}: needed are {}", NEEDED.map(Topic::name).join(", "))]
     Channel {
         /// The channel.
-        missing: &'static str,
+        missing: Topic,
     },
-    /// It is empty.
+    /// The run is empty.
     #[error("it has fewer than two samples")]
     Empty,
 }
 
-/// Everything that a story is made from.
+/// The facts of a run.
 pub(super) struct Facts {
     pub(super) scenario: Scenario,
     pub(super) course: Course,
@@ -47,7 +48,6 @@ pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
         return Err(ExplainError::Foreign);
     }
     if let Some(missing) = NEEDED.into_iter().find(|topic| !subject.has_topic(*topic)) {
-        let missing = missing.name();
         return Err(ExplainError::Channel { missing });
     }
     let scenario = match subject {
@@ -58,13 +58,17 @@ pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
     };
     let mut course = Course::default();
     let mut stages = Stages::new(scenario.model.top);
+    let mut order = Order::default();
     let ended = subject.read(&Topics::All, &mut |message, _| {
-        course.take(message);
-        stages.take(message);
+        if order.accepts(message) {
+            course.take(message);
+            stages.take(message);
+        }
         ControlFlow::Continue(())
     });
     course.end = ended.end;
     let mut losses = ended.losses;
+    losses.extend(order.loss());
     if let Subject::Recording(recording) = subject {
         losses.splice(0..0, recording.losses().iter().map(ToString::to_string));
     }

@@ -1,35 +1,37 @@
-//! Means over some stages of a run, and sums over the whole of it.
+//! Means over stages of a run, and integrals over the whole of it.
 
 use crate::analysis::course::curve::Integral;
-use crate::analysis::course::{Place, places};
 use crate::physics::math::sin_cos;
 use crate::physics::top::Top;
 use crate::telemetry::Message;
+use crate::telemetry::fields::{
+    ACCELERATION, CONTACT, NUTATION, PRECESSION, STATE, acceleration, contact, precession, state,
+};
 
-/// Nearer to upright than this, precession and spin can hardly be told apart: their terms explode, rad.
+/// The inclination below which precession and spin can hardly be told apart, because their terms explode, rad.
 const UPRIGHT: f64 = 0.01;
-/// What remains after the last nutation is a stage if it is a larger part of the run.
+/// What remains after the last nutation is a stage of its own if it is longer than the run divided by this.
 const NOTABLE: u64 = 50;
-/// Windows that are kept while the run's length is not known.
+/// The most windows that are kept while the length of the run is not known.
 const WINDOWS: usize = 96;
 
-/// Sums over a stretch of time.
+/// Sums over the samples of a stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Stage {
-    /// Whole nutation cycles in it.
+    /// The number of whole nutation cycles.
     cycles: u64,
-    /// From and to, ns.
+    /// The times of the first and last sample, ns.
     pub(super) from: u64,
     pub(super) to: u64,
     samples: u64,
-    /// Of θ, φ̇, ψ̇, θ̇.
+    /// Sums of θ, φ̇, ψ̇, θ̇.
     sums: [f64; 4],
-    /// Of the θ̇ that cancels friction, and samples that have it.
+    /// The sum of the θ̇ that cancels friction, and the number of samples that have one.
     cancelling: f64,
     cancelled: u64,
-    /// Samples with θ̈ < 0.
-    sinking: u64,
-    /// Of the slow root and φ̇ less it; samples that have it, and those with φ̇ above it.
+    /// The number of samples with θ̈ < 0.
+    rising: u64,
+    /// Sums of the slow root and of φ̇ less it; the number of samples that have one, and of those with φ̇ above it.
     roots: [f64; 2],
     rooted: u64,
     above: u64,
@@ -43,7 +45,7 @@ impl Stage {
         self.to = other.to;
         self.cycles += other.cycles;
         self.samples += other.samples;
-        self.sinking += other.sinking;
+        self.rising += other.rising;
         self.rooted += other.rooted;
         self.cancelling += other.cancelling;
         self.cancelled += other.cancelled;
@@ -86,8 +88,8 @@ impl Stage {
     }
 
     /// The part of the time during which θ̈ was negative.
-    pub(super) fn sinking(&self) -> f64 {
-        self.sinking as f64 / self.samples.max(1) as f64
+    pub(super) fn rising(&self) -> f64 {
+        self.rising as f64 / self.samples.max(1) as f64
     }
 
     /// Mean slow root and mean of φ̇ less it, rad/s; none where it was never real.
@@ -102,7 +104,7 @@ impl Stage {
     }
 }
 
-/// What is integrated over the whole run.
+/// An integral over the whole run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Total {
     /// ∫ of the gyroscopic, Coriolis and frictional terms of φ̈, rad/s.
@@ -111,17 +113,17 @@ pub(super) enum Total {
     PrecessionFrictional,
     /// ∫ of the frictional term of ψ̈, rad/s.
     SpinFrictional,
-    /// ∫ friction force · slip velocity, J: what the force of the law would have done.
+    /// ∫ friction force · slip velocity, J: the work that the force of the law would have done.
     ContactWork,
 }
 
-/// Collects means and sums, message by message.
+/// Collects the means over stages and the integrals over the run, message by message.
 ///
 /// Windows begin and end where a nutation does, at a maximum of θ̇: there φ̇ is at the slow root, so that the
 /// ripple, hundreds of times larger than the mean, leaves nothing at their ends.
 #[derive(Clone, Debug)]
 pub(super) struct Stages {
-    /// Cycles in a window.
+    /// The number of cycles in a window.
     width: u64,
     windows: Vec<Stage>,
     /// The cycle that has not ended yet.
@@ -133,7 +135,10 @@ pub(super) struct Stages {
     /// φ̈ per θ̇ of the gyroscopic and Coriolis terms in the last state, 1/s.
     answer: f64,
     totals: [Integral; 5],
+    /// The time between the first two samples, ns, and whether it is the same between all.
     step: Option<u64>,
+    is_even: bool,
+    /// The time of the last sample, ns.
     last: Option<u64>,
     /// When the axis first came near upright, ns: sums over the run end there.
     pub(super) upright: Option<u64>,
@@ -141,16 +146,6 @@ pub(super) struct Stages {
     pub(super) fast_root: Option<f64>,
     /// Whether the roots lie on different sides of zero: then θ̈ is negative outside of them.
     pub(super) are_opposed: bool,
-    fields: Fields,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Fields {
-    state: [Place; 5],
-    acceleration: [Place; 4],
-    contact: [Place; 6],
-    roots: [Place; 3],
-    nutation: Place,
 }
 
 impl Stages {
@@ -166,79 +161,68 @@ impl Stages {
             answer: f64::NAN,
             totals: [Integral::default(); 5],
             step: None,
+            is_even: true,
             last: None,
             upright: None,
             fast_root: None,
             are_opposed: false,
-            fields: Fields {
-                state: places(
-                    "/top/state",
-                    ["theta", "phi_dot", "psi_dot", "theta_dot", "theta_ddot"],
-                ),
-                acceleration: places(
-                    "/top/acceleration",
-                    [
-                        "phi_ddot.gyroscopic",
-                        "phi_ddot.coriolis",
-                        "phi_ddot.frictional",
-                        "psi_ddot.frictional",
-                    ],
-                ),
-                contact: places(
-                    "/top/contact",
-                    [
-                        "friction_force.x",
-                        "friction_force.y",
-                        "friction_force.z",
-                        "slip_world.x",
-                        "slip_world.y",
-                        "slip_world.z",
-                    ],
-                ),
-                roots: places("/top/precession", ["slow_root", "excess", "fast_root"]),
-                nutation: Place::find("/top/nutation", "cycle"),
-            },
         }
     }
 
     /// Takes in a message of the table.
     pub(super) fn take(&mut self, message: &Message<'_>) {
-        let fields = self.fields;
-        let channel = message.channel;
-        let value = |place: Place| place.of(message).unwrap_or(f64::NAN);
-        if channel == fields.state[0].channel {
-            self.state(message.time_ns, fields.state.map(value));
-        } else if channel == fields.nutation.channel {
-            self.cycle();
-        } else if self.upright.is_some() {
-            // What follows is about precession and spin.
-        } else if channel == fields.acceleration[0].channel {
-            let terms = fields.acceleration.map(value);
-            for (total, term) in self.totals.iter_mut().zip(terms) {
-                total.add(term);
+        match message.topic() {
+            STATE => self.state(message),
+            NUTATION => self.cycle(),
+            // The rest is about precession and spin, which can't be told apart any longer.
+            _ if self.upright.is_some() => {}
+            ACCELERATION => self.acceleration(message),
+            CONTACT => {
+                let [force, slip] =
+                    [contact::FRICTION_FORCE, contact::SLIP_WORLD].map(|field| field.of(message));
+                self.totals[Total::ContactWork as usize].add(force.dot(&slip));
             }
-            let cancelling = -terms[Total::PrecessionFrictional as usize] / self.answer;
-            if cancelling.is_finite() {
-                self.open.cancelling += cancelling;
-                self.open.cancelled += 1;
-            }
-        } else if channel == fields.contact[0].channel {
-            let [fx, fy, fz, vx, vy, vz] = fields.contact.map(value);
-            self.totals[Total::ContactWork as usize].add(fx * vx + fy * vy + fz * vz);
-        } else if channel == fields.roots[0].channel {
-            self.roots(fields.roots.map(value));
+            PRECESSION => self.roots(message),
+            _ => {}
         }
     }
 
-    fn state(&mut self, time_ns: u64, [theta, phi, psi, rate, acceleration]: [f64; 5]) {
-        if let Some(last) = self.last {
-            self.step.get_or_insert(time_ns - last);
+    fn acceleration(&mut self, message: &Message<'_>) {
+        let terms = [
+            acceleration::PHI_DDOT_GYROSCOPIC,
+            acceleration::PHI_DDOT_CORIOLIS,
+            acceleration::PHI_DDOT_FRICTIONAL,
+            acceleration::PSI_DDOT_FRICTIONAL,
+        ];
+        let terms = terms.map(|term| term.of(message));
+        for (total, term) in self.totals.iter_mut().zip(terms) {
+            total.add(term);
         }
-        self.last = Some(time_ns);
+        let cancelling = -terms[Total::PrecessionFrictional as usize] / self.answer;
+        if cancelling.is_finite() {
+            self.open.cancelling += cancelling;
+            self.open.cancelled += 1;
+        }
+    }
+
+    fn state(&mut self, message: &Message<'_>) {
+        let fields = [
+            state::THETA,
+            state::PHI_DOT,
+            state::PSI_DOT,
+            state::THETA_DOT,
+            state::THETA_DDOT,
+        ];
+        let [theta, phi, psi, rate, acceleration] = fields.map(|field| field.of(message));
+        let time_ns = message.time_ns;
+        if let Some(last) = self.last.replace(time_ns) {
+            let step = time_ns.saturating_sub(last);
+            self.is_even &= *self.step.get_or_insert(step) == step;
+        }
         if theta < UPRIGHT {
             self.upright.get_or_insert(time_ns);
         }
-        // Where θ̇ is greatest, the first cycle begins: what was before is not part of it.
+        // The first cycle begins where θ̇ is greatest: what was before is not part of it.
         if self.has_not_begun && self.last_acceleration > 0.0 && acceleration <= 0.0 {
             self.has_not_begun = false;
             self.open = Stage::default();
@@ -252,15 +236,15 @@ impl Stages {
             to: time_ns,
             samples: 1,
             sums: [theta, phi, psi, rate],
-            sinking: u64::from(acceleration < 0.0),
+            rising: u64::from(acceleration < 0.0),
             ..Stage::default()
         });
     }
 
-    /// A nutation has ended.
+    /// Closes the cycle that has ended.
     fn cycle(&mut self) {
         self.has_not_begun = false;
-        // Shorter than the time between samples.
+        // The cycle was shorter than the time between samples.
         if self.open.samples == 0 {
             return;
         }
@@ -275,7 +259,13 @@ impl Stages {
         }
     }
 
-    fn roots(&mut self, [slow, excess, fast]: [f64; 3]) {
+    fn roots(&mut self, message: &Message<'_>) {
+        let fields = [
+            precession::SLOW_ROOT,
+            precession::EXCESS,
+            precession::FAST_ROOT,
+        ];
+        let [slow, excess, fast] = fields.map(|field| field.of(message));
         let least = self.fast_root.get_or_insert(fast);
         if fast.abs() < least.abs() {
             *least = fast;
@@ -288,19 +278,20 @@ impl Stages {
         self.open.above += u64::from(excess > 0.0);
     }
 
-    /// Makes the windows twice as long.
+    /// Joins the windows in pairs.
     fn merge(&mut self) {
         self.width *= 2;
         let pairs = self.windows.chunks(2);
         self.windows = pairs.map(together).collect();
     }
 
-    /// Whether there is anything at all.
+    /// Whether there are fewer than two samples.
     pub(super) fn is_empty(&self) -> bool {
         self.step.is_none()
     }
 
-    /// The run in so many stages of about the same number of nutations; of a run without any, all of it.
+    /// The run in at most `count` stages with about the same number of nutations, and the rest; a run without nutations
+    /// is one stage.
     pub(super) fn in_stages(&self, count: usize) -> Vec<Stage> {
         if self.windows.is_empty() {
             return vec![self.open];
@@ -313,14 +304,14 @@ impl Stages {
         stages
     }
 
-    /// The run as one.
+    /// The run as one stage.
     pub(super) fn whole(&self) -> Stage {
         together(&self.in_stages(1))
     }
 
-    /// An integral over the run; none without samples.
+    /// An integral over the run; none if samples are missing.
     pub(super) fn total(&self, total: Total) -> Option<f64> {
-        let step = self.step? as f64 / 1e9;
+        let step = self.step.filter(|_| self.is_even)? as f64 / 1e9;
         Some(self.totals[total as usize].over(step)).filter(|total| total.is_finite())
     }
 }

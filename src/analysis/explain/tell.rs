@@ -1,37 +1,41 @@
-//! The sentences.
+//! Turns the facts of a run into sentences.
 
 use super::facts::Facts;
 use super::stages::{Stage, Total};
-use super::story::{Chapter, Story};
+use super::story::{Chapter, PrecessionReport, StageReport, Story};
 use crate::analysis::course::{CourseReport, Event};
 use crate::analysis::phrase::{duration, list, moment, quantity, significant};
 use crate::physics::friction::Dissipation;
 use crate::physics::kinematics::Tilt;
 use crate::run::scenario::Scenario;
-use crate::run::simulation::{Simulation, StopReason};
+use crate::run::simulation::{EventKind, Simulation, StopReason};
 use std::f64::consts::{PI, TAU};
 
-/// Rows of the table of stages.
+/// The number of stages that are told.
 const STAGES: usize = 6;
-/// A smaller change of the averaged θ is none, rad.
+/// The least change of the averaged θ that counts as one, rad.
 const STEADY: f64 = 1e-3;
-/// A mean difference to the slow root that is a larger part of it is more than friction's doing.
+/// The greatest mean difference of φ̇ to the slow root, as a part of it, with which φ̇ keeps to the root.
 const NEAR: f64 = 0.05;
-/// A mean difference to the slow root that is a smaller part of it is none.
+/// The greatest mean difference of φ̇ to the slow root, as a part of it, that counts as none.
 const BALANCED: f64 = 1e-7;
-/// The whole torque is followed for so many times the run.
+/// The duration for which the top is followed with the whole torque, as a multiple of the run's.
 const LONGER: f64 = 3.0;
-/// Works that are a smaller part of the energy are none.
+/// The greatest work, as a part of the energy, that counts as none.
 const NO_WORK: f64 = 1e-12;
-/// Works that differ by a larger part of themselves are not the same.
+/// The greatest difference of two works, as a part of them, with which they count as equal.
 const SAME_WORK: f64 = 0.01;
 
 pub(super) fn tell(facts: &Facts) -> Story {
     let course = facts.course.report();
+    let stages: Vec<_> = facts.stages.in_stages(STAGES).iter().map(stage).collect();
+    let balance = balance(facts);
     let chapters = [
         beginning(&facts.scenario),
-        precession(facts),
-        motion(facts),
+        balance
+            .as_ref()
+            .and_then(|balance| precession(facts, balance)),
+        motion(facts, &stages),
         energy(facts, &course),
         dropped(facts, &course),
         events(facts),
@@ -39,6 +43,9 @@ pub(super) fn tell(facts: &Facts) -> Story {
     Story {
         title: title(facts, &course),
         chapters: chapters.into_iter().flatten().collect(),
+        course,
+        stages,
+        precession: balance,
         losses: facts.losses.clone(),
     }
 }
@@ -49,7 +56,7 @@ fn title(facts: &Facts, course: &CourseReport) -> String {
     let end = seconds(whole.to);
     match (course.rise_time, course.stop_reason.as_deref()) {
         (Some(time), _) => format!("{name}: the top rises in {}", moment(time)),
-        (None, Some("fallen")) => {
+        (None, Some(reason)) if reason == StopReason::Fallen.name() => {
             let time = course.stop_time.unwrap_or(end);
             format!("{name}: the top falls, at {}", moment(time))
         }
@@ -105,21 +112,51 @@ fn beginning(scenario: &Scenario) -> Option<Chapter> {
     chapter("The top", sentences)
 }
 
-/// What friction did to φ̇, and what became of it.
-fn precession(facts: &Facts) -> Option<Chapter> {
+fn stage(stage: &Stage) -> StageReport {
+    let roots = stage.roots();
+    StageReport {
+        from: seconds(stage.from),
+        to: seconds(stage.to),
+        theta: stage.theta(),
+        theta_dot: stage.theta_dot(),
+        theta_dot_demanded: stage.cancelling(),
+        phi_dot: stage.phi_dot(),
+        slow_root: roots.map(|[slow, _]| slow),
+        excess: roots.map(|[_, excess]| excess),
+        psi_dot: stage.psi_dot(),
+        rising: stage.rising(),
+    }
+}
+
+/// What changed the precession rate, in all.
+fn balance(facts: &Facts) -> Option<PrecessionReport> {
     let stages = &facts.stages;
-    let friction = stages.total(Total::PrecessionFrictional)?;
-    let gyroscopic = stages.total(Total::PrecessionGyroscopic)?;
-    let coriolis = stages.total(Total::PrecessionCoriolis)?;
-    let spin = stages.total(Total::SpinFrictional)?;
-    let whole = stages.whole();
+    Some(PrecessionReport {
+        gyroscopic: stages.total(Total::PrecessionGyroscopic)?,
+        coriolis: stages.total(Total::PrecessionCoriolis)?,
+        frictional: stages.total(Total::PrecessionFrictional)?,
+        spin_frictional: stages.total(Total::SpinFrictional)?,
+        upright: stages.upright.map(seconds),
+    })
+}
+
+/// The chapter on what friction did to φ̇.
+fn precession(facts: &Facts, balance: &PrecessionReport) -> Option<Chapter> {
+    let whole = facts.stages.whole();
+    let &PrecessionReport {
+        gyroscopic,
+        coriolis,
+        frictional: friction,
+        spin_frictional: spin,
+        upright,
+    } = balance;
     let mut sentences = Vec::new();
-    let span = match stages.upright {
-        Some(time_ns) => format!(
-            "until the axis came near upright, at {}",
-            moment(seconds(time_ns))
+    let span = match upright {
+        Some(time) => format!("until the axis came near upright, at {}", moment(time)),
+        None => format!(
+            "in {}",
+            duration(seconds(whole.to.saturating_sub(whole.from)))
         ),
-        None => format!("in {}", duration(seconds(whole.to - whole.from))),
     };
     if friction == 0.0 {
         sentences.push("There is no friction in the equation of the precession.".to_owned());
@@ -148,11 +185,10 @@ fn precession(facts: &Facts) -> Option<Chapter> {
     chapter("What friction does to the precession", sentences)
 }
 
-/// How φ̇ stood to the slow root, and what θ did.
-fn motion(facts: &Facts) -> Option<Chapter> {
-    let stages = facts.stages.in_stages(STAGES);
+/// The chapter on how φ̇ compared with the slow root, and what θ did.
+fn motion(facts: &Facts, stages: &[StageReport]) -> Option<Chapter> {
     let mut sentences = roots(facts);
-    sentences.extend(course_of_theta(facts.scenario.rates.theta, &stages));
+    sentences.extend(course_of_theta(facts.scenario.rates.theta, stages));
     if facts.stages.upright.is_none() {
         sentences.extend(cancelling(&facts.stages.whole()));
     }
@@ -164,34 +200,32 @@ fn motion(facts: &Facts) -> Option<Chapter> {
     })
 }
 
-/// What the averaged θ did.
-fn course_of_theta(start: f64, stages: &[Stage]) -> Option<String> {
+/// Tells what the averaged θ did.
+fn course_of_theta(start: f64, stages: &[StageReport]) -> Option<String> {
     let (first, last) = (stages.first()?, stages.last()?);
-    let lowest = stages
-        .iter()
-        .min_by(|x, y| x.theta().total_cmp(&y.theta()))?;
-    let angle = |stage: &Stage| quantity(stage.theta(), 3, "rad");
+    let lowest = stages.iter().min_by(|x, y| x.theta.total_cmp(&y.theta))?;
+    let angle = |stage: &StageReport| quantity(stage.theta, 3, "rad");
     let rate = |rate: f64| quantity(rate, 3, "rad/s");
-    let has_risen = first.theta() - lowest.theta() > STEADY;
-    if has_risen && last.theta() - lowest.theta() > STEADY {
+    let has_risen = first.theta - lowest.theta > STEADY;
+    if has_risen && last.theta - lowest.theta > STEADY {
         return Some(format!(
             "Averaged over nutations the axis first rose, from {} in the first part of the table to {} in that from {} on, \
              and then sank again, to {} in the last.",
             angle(first),
             angle(lowest),
-            moment(seconds(lowest.from)),
+            moment(lowest.from),
             angle(last),
         ));
     }
-    if (last.theta() - first.theta()).abs() < STEADY {
-        let angle = quantity(first.theta(), 4, "rad");
+    if (last.theta - first.theta).abs() < STEADY {
+        let angle = quantity(first.theta, 4, "rad");
         return Some(format!(
             "The axis neither rose nor sank: averaged over nutations it stayed at θ = {angle}."
         ));
     }
     let way = if has_risen { "rose" } else { "sank" };
     let sign = |change: f64| if change < 0.0 { "negative" } else { "positive" };
-    let (begun, ended) = (first.theta_dot(), last.theta_dot());
+    let (begun, ended) = (first.theta_dot, last.theta_dot);
     Some(format!(
         "Averaged over nutations the axis {way}, from {} in the first part of the table to {} in the last. θ̈ was {} on \
          average at first, which brought θ̇ from {} to {}; then it was {} on average and θ̇ came to {}.",
@@ -205,7 +239,7 @@ fn course_of_theta(start: f64, stages: &[Stage]) -> Option<String> {
     ))
 }
 
-/// The θ̇ that friction demands, and the θ̇ that there was.
+/// Compares the θ̇ that friction demands with the θ̇ that there was.
 fn cancelling(whole: &Stage) -> Option<String> {
     let demanded = whole.cancelling().filter(|rate| *rate != 0.0)?;
     Some(format!(
@@ -215,7 +249,7 @@ fn cancelling(whole: &Stage) -> Option<String> {
     ))
 }
 
-/// How φ̇ stood to the rates of regular precession.
+/// Compares φ̇ with the rates of regular precession.
 fn roots(facts: &Facts) -> Vec<String> {
     let whole = facts.stages.whole();
     let (Some([slow, excess]), Some(fast)) = (whole.roots(), facts.stages.fast_root) else {
@@ -264,7 +298,7 @@ fn roots(facts: &Facts) -> Vec<String> {
         "At single instants the nodding hides this: φ̇ was above the slow rate for {} % of the time, and θ̈ negative for \
          {} %.",
         significant(100.0 * whole.above(), 3),
-        significant(100.0 * whole.sinking(), 3),
+        significant(100.0 * whole.rising(), 3),
     ));
     sentences
 }
@@ -283,20 +317,18 @@ fn header() -> Vec<String> {
     .to_vec()
 }
 
-fn row(stage: &Stage) -> Vec<String> {
-    let roots = stage.roots();
-    let root =
-        |at: usize, digits| roots.map_or("–".to_owned(), |roots| significant(roots[at], digits));
+fn row(stage: &StageReport) -> Vec<String> {
+    let known = |value: Option<f64>, digits| {
+        value.map_or("–".to_owned(), |value| significant(value, digits))
+    };
     vec![
-        format!("{:.2} to {:.2}", seconds(stage.from), seconds(stage.to)),
-        significant(stage.theta(), 4),
-        significant(stage.theta_dot(), 3),
-        stage
-            .cancelling()
-            .map_or("–".to_owned(), |rate| significant(rate, 3)),
-        significant(stage.phi_dot(), 5),
-        root(0, 5),
-        significant(stage.psi_dot(), 5),
+        format!("{:.2} to {:.2}", stage.from, stage.to),
+        significant(stage.theta, 4),
+        significant(stage.theta_dot, 3),
+        known(stage.theta_dot_demanded, 3),
+        significant(stage.phi_dot, 5),
+        known(stage.slow_root, 5),
+        significant(stage.psi_dot, 5),
     ]
 }
 
@@ -353,7 +385,7 @@ fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
     chapter("Where the energy goes", sentences)
 }
 
-/// What became of the angular momentum about the vertical.
+/// Tells what became of the angular momentum about the vertical.
 fn momentum(facts: &Facts, drift: f64) -> String {
     let friction = &facts.scenario.model.friction;
     let start = Tilt::from_rates(facts.scenario.angles.theta, facts.scenario.rates);
@@ -389,7 +421,7 @@ fn momentum(facts: &Facts, drift: f64) -> String {
     )
 }
 
-/// For models that leave something out: what that changed.
+/// The chapter on what a model leaves out, if it leaves out anything.
 fn dropped(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
     let dissipation = facts.scenario.model.friction.dissipation;
     if dissipation == Dissipation::Full || facts.scenario.is_frictionless() {
@@ -405,7 +437,7 @@ fn dropped(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
     } else {
         sentences.push("This model leaves out a part of the torque of friction.".to_owned());
     }
-    // What else takes energy is no work of the force.
+    // The work of other losses is not that of the force.
     let of_force = facts.stages.total(Total::ContactWork);
     let of_force = of_force.filter(|_| !facts.scenario.model.friction.has_losses());
     if let (Some(force), Some(work)) = (of_force, course.friction_work) {
@@ -434,7 +466,7 @@ fn dropped(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
     chapter("What the model leaves out", sentences)
 }
 
-/// How the same top ends when nothing is left out, if it does so in a few times the time.
+/// How the top ends when nothing is left out, if that happens within a few times the duration of the run.
 fn with_all_parts(facts: &Facts) -> Option<String> {
     let longest = LONGER * seconds(facts.stages.whole().to);
     let planned = facts.scenario.stop.duration.unwrap_or(f64::INFINITY);
@@ -443,11 +475,17 @@ fn with_all_parts(facts: &Facts) -> Option<String> {
         ("stop.duration", longest.min(planned).into()),
     ]);
     let mut simulation = Simulation::new(&whole.ok()?).ok()?;
-    simulation.by_ref().take_while(Result::is_ok).for_each(drop);
+    // The times in a damaged file may be ages.
+    let most = usize::try_from(facts.course.messages).ok()?;
+    let records = simulation
+        .by_ref()
+        .take(most.saturating_mul(LONGER as usize));
+    records.take_while(Result::is_ok).for_each(drop);
     let outcome = simulation.outcome();
     let rates = quantity(outcome.motion.tilt.rates.psi, 4, "rad/s");
     let time = moment(outcome.time);
-    Some(if outcome.stop == StopReason::Duration {
+    let is_on_its_way = matches!(outcome.stop, StopReason::Duration | StopReason::Interrupted);
+    Some(if is_on_its_way {
         format!(
             "With the whole torque the same top is still on its way at {time}, with ψ̇ = {rates}."
         )
@@ -457,14 +495,14 @@ fn with_all_parts(facts: &Facts) -> Option<String> {
     })
 }
 
-/// The first event of each kind, and how often there were more.
+/// The chapter on the events: the first of each kind, and how many more there were.
 fn events(facts: &Facts) -> Option<Chapter> {
     let mut kinds: Vec<(&Event, u64, f64)> = Vec::new();
     for event in facts
         .course
         .events
         .iter()
-        .filter(|event| !event.name.starts_with("nutation_"))
+        .filter(|event| !EventKind::find(&event.name).is_some_and(EventKind::is_of_nutation))
     {
         match kinds
             .iter_mut()

@@ -1,4 +1,4 @@
-//! That nothing in a figure overlaps or sticks out, whatever it shows.
+//! Tests that nothing in a figure overlaps or sticks out, whatever it shows.
 
 use super::*;
 use crate::analysis::plot::drawing::{Drawing, Label};

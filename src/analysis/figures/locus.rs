@@ -1,4 +1,4 @@
-//! The paper's figure 3: where the symmetry axis points.
+//! The locus of the symmetry axis: the paper's figure 3.
 
 mod sphere;
 mod trace;
@@ -16,10 +16,10 @@ use crate::analysis::plot::style::{LINE, MARGIN, TWO_COLUMNS};
 /// The greatest height of the sphere, as a part of its width.
 const TALLEST: f64 = 0.8;
 
-/// Between the parts of the figure, mm.
+/// The distance between the parts of the figure, mm.
 const GAP: f64 = 3.0;
 
-/// The horizontal components of the axis.
+/// The horizontal components of the axis, as on axes.
 const X: Quantity = Quantity {
     symbol: "*n*_{*x*}",
     unit: "",
@@ -75,7 +75,7 @@ fn boxed((left, top): Point, width: f64, height: f64) -> Bounds {
     }
 }
 
-/// Draws the projections, and returns the height below them.
+/// Draws the projections, and returns where the room below them begins, mm.
 fn draw_squares(
     drawing: &mut Drawing,
     traces: [&[Trace]; 2],
@@ -113,7 +113,7 @@ fn draw_square(drawing: &mut Drawing, frame: &Frame, traces: &[Trace]) {
     frame.name_y(drawing, Y, frame::ticks_width(&frame.y));
 }
 
-/// The least and greatest x, and y.
+/// The ranges of x and of y.
 fn ranges(traces: &[Trace]) -> [(f64, f64); 2] {
     [0, 1].map(|component| {
         let axes = traces.iter().flat_map(|trace| &trace.axes);
@@ -121,7 +121,7 @@ fn ranges(traces: &[Trace]) -> [(f64, f64); 2] {
     })
 }
 
-/// The same, made even about the vertical.
+/// The ranges of x and of y, made equal and even about the vertical.
 fn around_origin(traces: &[Trace]) -> [(f64, f64); 2] {
     let ends = ranges(traces).map(|(low, high)| high.max(-low));
     let end = ends[0].max(ends[1]);

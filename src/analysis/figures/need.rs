@@ -1,11 +1,29 @@
 //! The numbers that a figure needs.
 
-/// Numbers of a channel that a figure draws.
+use crate::telemetry::Topic;
+use crate::telemetry::fields::NumberField;
+
+/// Numbers of one channel that a figure draws.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Need {
-    pub(super) topic: &'static str,
-    pub(super) fields: &'static [&'static str],
+    /// The fields, at least one.
+    pub(super) fields: &'static [NumberField],
+    /// Whether means over each nutation are drawn instead of the samples.
+    pub(super) are_means: bool,
 }
 
-/// The channel of nutation averages.
-pub(super) const NUTATION: &str = "/top/nutation";
+/// What a run lacks of a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Missing {
+    /// All of its messages.
+    Messages,
+    /// One of the fields.
+    Field(NumberField),
+}
+
+impl Need {
+    /// The channel.
+    pub(super) fn topic(&self) -> Topic {
+        self.fields[0].topic()
+    }
+}

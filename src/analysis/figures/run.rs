@@ -1,65 +1,62 @@
-//! What figures need of a run: some of its numbers over time.
+//! The numbers of a run that figures need.
 
-use super::need::{NUTATION, Need};
+use super::means::Means;
+use super::need::{Missing, Need};
+use crate::analysis::order::Order;
+use crate::analysis::plot::rows::Rows;
 use crate::analysis::plot::shape::Point;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
-use crate::telemetry::{Message, Topic, Topics, channel_index, channels};
+use crate::telemetry::fields::{NUTATION, NumberField, nutation};
+use crate::telemetry::{Message, Topic, Topics};
 use std::ops::ControlFlow;
 
-/// Some numbers of a run, from a recording or a simulation.
+/// The numbers of a run that some figures need, from a recording or a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// What it is called in legends.
+    /// The name in legends.
     pub name: String,
-    /// What is not there, in sentences: the run was interrupted, or parts of the file can't be read.
+    /// What is missing, in sentences: the run was interrupted, or parts of the file can't be read.
     pub losses: Vec<String>,
     tracks: Vec<Track>,
+    means: Vec<Means>,
 }
 
-/// A channel's numbers, as far as they are needed.
+/// Numbers of a channel over time.
 #[derive(Clone, Debug, PartialEq)]
 struct Track {
-    topic: &'static str,
-    /// Index in the table of channels.
-    channel: usize,
-    /// Times, s.
-    times: Vec<f64>,
-    columns: Vec<Column>,
-}
-
-/// A number of a channel over time.
-#[derive(Clone, Debug, PartialEq)]
-struct Column {
-    field: &'static str,
-    /// Where it stands in a message.
-    index: usize,
-    values: Vec<f64>,
+    topic: Topic,
+    fields: Vec<NumberField>,
+    rows: Rows,
 }
 
 impl Run {
-    /// Reads what is needed of a recording or a simulation.
+    /// Reads what is needed of a recording or a simulation, in one pass.
     pub(super) fn collect<'n>(
         subject: Subject<'_>,
         name: &str,
         needs: impl Iterator<Item = &'n Need>,
         progress: &dyn Fn(u64),
     ) -> Self {
-        let mut run = Self::new(name, needs);
-        run.tracks
-            .retain(|track| Topic::find(track.topic).is_some_and(|topic| subject.has_topic(topic)));
-        let topics: Vec<_> = run
-            .tracks
-            .iter()
-            .filter_map(|t| Topic::find(t.topic))
+        let needs: Vec<_> = needs
+            .filter(|need| subject.has_topic(need.topic()))
             .collect();
+        let mut run = Self::new(name, &needs);
+        let mut topics: Vec<_> = needs.iter().map(|need| need.topic()).collect();
+        topics.sort_unstable();
+        topics.dedup();
         if !topics.is_empty() {
+            let mut order = Order::default();
             let ended = subject.read(&Topics::Only(topics), &mut |message, bytes| {
                 progress(bytes);
-                run.take(message);
+                if order.accepts(message) {
+                    run.take(message);
+                }
                 ControlFlow::Continue(())
             });
             run.losses.extend(ended.losses);
+            run.losses.extend(order.loss());
+            run.finish();
         }
         if let Subject::Recording(recording) = subject {
             match recording.condition() {
@@ -75,29 +72,33 @@ impl Run {
         run
     }
 
-    fn new<'n>(name: &str, needs: impl Iterator<Item = &'n Need>) -> Self {
-        let mut tracks: Vec<Track> = Vec::new();
-        for need in needs {
-            let Some(channel) = channel_index(need.topic) else {
-                continue;
-            };
-            let known = tracks.iter().position(|track| track.channel == channel);
-            let at = known.unwrap_or_else(|| {
-                tracks.push(Track {
-                    topic: need.topic,
-                    channel,
-                    times: Vec::new(),
-                    columns: Vec::new(),
-                });
-                tracks.len() - 1
-            });
-            tracks[at].want(need.fields);
-        }
-        Self {
+    fn new(name: &str, needs: &[&Need]) -> Self {
+        let mut run = Self {
             name: name.to_owned(),
             losses: Vec::new(),
-            tracks,
+            tracks: Vec::new(),
+            means: Vec::new(),
+        };
+        for need in needs.iter().filter(|need| need.are_means) {
+            run.means.push(Means::new(need.fields));
         }
+        for topic in Topic::all() {
+            let of_topic = needs
+                .iter()
+                .filter(|need| !need.are_means && need.topic() == topic);
+            let mut fields: Vec<_> = of_topic.flat_map(|need| need.fields).copied().collect();
+            fields.sort_unstable_by_key(|field| field.index());
+            fields.dedup();
+            if !fields.is_empty() {
+                let rows = Rows::new(fields.len(), topic != NUTATION);
+                run.tracks.push(Track {
+                    topic,
+                    fields,
+                    rows,
+                });
+            }
+        }
+        run
     }
 
     fn lose(&mut self, what: &str) {
@@ -105,185 +106,134 @@ impl Run {
     }
 
     fn take(&mut self, message: &Message<'_>) {
-        let tracks = &mut self.tracks;
-        if let Some(track) = tracks.iter_mut().find(|t| t.channel == message.channel) {
-            track.times.push(message.time_ns as f64 / 1e9);
-            for column in &mut track.columns {
-                column.values.push(message.numbers[column.index]);
-            }
+        for means in &mut self.means {
+            means.take(message);
+        }
+        let topic = message.topic();
+        if let Some(track) = self.tracks.iter_mut().find(|track| track.topic == topic) {
+            let time = message.time_ns as f64 / 1e9;
+            let values = track.fields.iter().map(|field| field.of(message));
+            track.rows.push(time, values);
         }
     }
 
-    /// The channel or field that is needed and missing, if one is.
+    fn finish(&mut self) {
+        for means in &mut self.means {
+            means.finish();
+        }
+        for track in &mut self.tracks {
+            track.rows.mark_gaps();
+        }
+    }
+
+    /// What the run lacks of a need: the channel, its messages or a field.
     pub(super) fn missing(&self, need: &Need) -> Option<String> {
-        let Some(track) = self.track(need.topic) else {
-            return Some(need.topic.to_owned());
-        };
-        let is_absent = |field: &&&str| {
-            let values = track.values(field);
-            !values.iter().any(|value| value.is_finite())
-        };
-        let field = need.fields.iter().find(is_absent)?;
-        Some(if track.times.is_empty() {
-            format!("messages of {}", need.topic)
+        let topic = need.topic();
+        let absent = if need.are_means {
+            self.means_of(need.fields[0]).map(Means::missing)
         } else {
-            format!("{}.{field}", need.topic)
+            self.track(topic).map(|track| track.missing(need.fields))
+        };
+        let Some(absent) = absent else {
+            return Some(topic.name().to_owned());
+        };
+        Some(match absent? {
+            Missing::Messages => format!("messages of {topic}"),
+            Missing::Field(field) => field.to_string(),
         })
     }
 
-    fn track(&self, topic: &str) -> Option<&Track> {
+    fn track(&self, topic: Topic) -> Option<&Track> {
         self.tracks.iter().find(|track| track.topic == topic)
     }
 
-    /// A number over time; nothing if the run doesn't have it. Where samples are missing it has a point that
-    /// is not a number.
-    pub(super) fn series(&self, topic: &str, field: &str) -> Vec<Point> {
-        let points = self.points(topic, field);
-        let steps = points.windows(2).map(|pair| pair[1].0 - pair[0].0);
-        let step = steps.fold(f64::INFINITY, f64::min);
-        let mut series = Vec::with_capacity(points.len());
-        for point in points {
-            match series.last() {
-                Some((before, _)) if point.0 - before > 1.5 * step => {
-                    series.push((f64::midpoint(*before, point.0), f64::NAN));
-                }
-                _ => {}
-            }
-            series.push(point);
-        }
-        series
+    fn means_of(&self, field: NumberField) -> Option<&Means> {
+        self.means
+            .iter()
+            .find(|means| means.fields().contains(&field))
     }
 
-    /// The numbers of the messages, with their times.
-    fn points(&self, topic: &str, field: &str) -> Vec<Point> {
-        self.track(topic).map_or_else(Vec::new, |track| {
-            let values = track.values(field).iter().copied();
-            track.times.iter().copied().zip(values).collect()
-        })
+    /// A number over time; nothing if the run doesn't have it. Where samples are missing there is a point that is not
+    /// a number.
+    pub(super) fn series(&self, field: NumberField) -> Vec<Point> {
+        let points = self
+            .track(field.topic())
+            .and_then(|track| track.points(field));
+        points.map_or_else(Vec::new, Iterator::collect)
     }
 
-    /// A mean over each nutation, as it was recorded, at the middle of the nutation.
-    pub(super) fn averages(&self, field: &str) -> Vec<Point> {
-        let means = self.points(NUTATION, field);
-        self.cycles()
-            .zip(means)
-            .map(|((from, to), (_, mean))| (f64::midpoint(from, to), mean))
-            .collect()
-    }
-
-    /// The mean over each nutation of a number that was sampled.
-    pub(super) fn means(&self, topic: &str, field: &str) -> Vec<Point> {
-        let integral = Integral::of(self.points(topic, field));
-        self.cycles()
-            .filter_map(|(from, to)| {
-                let mean = (integral.at(to)? - integral.at(from)?) / (to - from);
-                Some((f64::midpoint(from, to), mean))
+    /// A mean over each nutation that was recorded, in the middle of the nutation.
+    pub(super) fn averages(&self, field: NumberField) -> Vec<Point> {
+        let [starts, periods, means] =
+            [nutation::START, nutation::PERIOD, field].map(|field| self.series(field));
+        let cycles = starts.into_iter().zip(periods).zip(means);
+        cycles
+            .map(|(((_, start), (_, period)), (_, mean))| {
+                (f64::midpoint(start, start + period), mean)
             })
             .collect()
     }
 
-    /// When each nutation began and ended, s.
-    fn cycles(&self) -> impl Iterator<Item = (f64, f64)> {
-        let starts = self.points(NUTATION, "start");
-        let periods = self.points(NUTATION, "period");
-        starts
-            .into_iter()
-            .zip(periods)
-            .map(|((_, start), (_, period))| (start, start + period))
+    /// The mean over each nutation of a number that was sampled, in the middle of the nutation.
+    pub(super) fn means(&self, field: NumberField) -> Vec<Point> {
+        self.means_of(field)
+            .map_or_else(Vec::new, |means| means.points(field))
     }
 }
 
 impl Track {
-    fn want(&mut self, fields: &'static [&'static str]) {
-        for field in fields {
-            let known = self.columns.iter().any(|column| column.field == *field);
-            let index = channels()[self.channel].number_index(field);
-            if let (false, Some(index)) = (known, index) {
-                self.columns.push(Column {
-                    field,
-                    index,
-                    values: Vec::new(),
-                });
-            }
+    fn points(&self, field: NumberField) -> Option<impl Iterator<Item = Point>> {
+        let column = self.fields.iter().position(|known| *known == field)?;
+        Some(self.rows.points(column))
+    }
+
+    /// What the run lacks of some fields, if anything.
+    fn missing(&self, fields: &[NumberField]) -> Option<Missing> {
+        if self.rows.is_empty() {
+            return Some(Missing::Messages);
         }
-    }
-
-    fn values(&self, field: &str) -> &[f64] {
-        let column = self.columns.iter().find(|column| column.field == field);
-        column.map_or(&[], |column| &column.values)
-    }
-}
-
-/// The integral of samples from the first on, with straight lines between them.
-struct Integral {
-    points: Vec<Point>,
-    sums: Vec<f64>,
-}
-
-impl Integral {
-    fn of(points: Vec<Point>) -> Self {
-        let mut sum = 0.0;
-        let mut sums = vec![0.0];
-        for pair in points.windows(2) {
-            sum += (pair[1].0 - pair[0].0) * f64::midpoint(pair[0].1, pair[1].1);
-            sums.push(sum);
-        }
-        Self { points, sums }
-    }
-
-    fn at(&self, time: f64) -> Option<f64> {
-        let after = self.points.partition_point(|(t, _)| *t <= time);
-        let before = after.checked_sub(1)?;
-        let (t0, y0) = *self.points.get(before)?;
-        let Some((t1, y1)) = self.points.get(after) else {
-            return (time == t0).then_some(self.sums[before]);
+        let is_absent = |field: &&NumberField| {
+            let mut points = self.points(**field).into_iter().flatten();
+            !points.any(|(_, value)| value.is_finite())
         };
-        let part = (time - t0) / (t1 - t0);
-        let y = y0 + part * (y1 - y0);
-        Some(self.sums[before] + (time - t0) * f64::midpoint(y0, y))
+        fields.iter().find(is_absent).copied().map(Missing::Field)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::telemetry::fields::contact;
 
     const SLIP: Need = Need {
-        topic: "/top/contact",
-        fields: &["slip_speed", "slip_path"],
+        fields: &[contact::SLIP_SPEED, contact::SLIP_PATH],
+        are_means: false,
     };
 
     fn run(times: &[f64], values: &[f64]) -> Run {
-        let mut run = Run::new("run", [&SLIP].into_iter());
-        run.tracks[0].times = times.to_vec();
-        run.tracks[0].columns[0].values = values.to_vec();
+        let mut run = Run::new("run", &[&SLIP]);
+        for (time, value) in times.iter().zip(values) {
+            run.tracks[0].rows.push(*time, [*value, *value]);
+        }
+        run.finish();
         run
     }
 
     #[test]
     fn missing_samples_are_a_gap() {
         let run = run(&[0.0, 1.0, 2.0, 5.0], &[4.0, 5.0, 6.0, 7.0]);
-        let series = run.series("/top/contact", "slip_speed");
+        let series = run.series(contact::SLIP_SPEED);
         assert_eq!(series.len(), 5);
         assert!(series[3].0 == 3.5 && series[3].1.is_nan());
     }
 
     #[test]
-    fn integrals_are_those_of_straight_lines() {
-        let integral = Integral::of(vec![(0.0, 0.0), (1.0, 2.0), (2.0, 2.0)]);
-        let found = [0.0, 0.5, 1.0, 1.5, 2.0].map(|time| integral.at(time));
-        assert_eq!(found, [0.0, 0.25, 1.0, 2.0, 3.0].map(Some));
-        assert_eq!((integral.at(-0.1), integral.at(2.1)), (None, None));
-    }
-
-    #[test]
     fn what_is_missing_is_named() {
         let missing = |run: &Run| run.missing(&SLIP);
-        let none = Run {
-            tracks: Vec::new(),
-            ..run(&[], &[])
-        };
-        assert_eq!(missing(&none).as_deref(), Some("/top/contact"));
+        assert_eq!(
+            missing(&Run::new("none", &[])).as_deref(),
+            Some("/top/contact")
+        );
         assert_eq!(
             missing(&run(&[], &[])).as_deref(),
             Some("messages of /top/contact")

@@ -8,6 +8,10 @@ use crate::analysis::plot::legend::Entry;
 use crate::analysis::plot::page::{Page, Panel};
 use crate::analysis::plot::shape::Point;
 use crate::analysis::plot::text::Text;
+use crate::telemetry::fields::{
+    NumberField, acceleration as terms_of, contact, energy as energies, nutation,
+    precession as rates, state, torque as torques,
+};
 
 /// Time, as on axes.
 const TIME: Quantity = Quantity {
@@ -15,48 +19,36 @@ const TIME: Quantity = Quantity {
     unit: "s",
 };
 
-const STATE: &str = "/top/state";
-
-/// The paper's figure 2: the angles' course with their nutation averages.
+/// The paper's figure 2: the inclination and the rates with their averages over nutations.
 pub(super) fn motion(runs: &[&Run], width: f64) -> Drawing {
     let panels = [
-        ("*θ*", "rad", "theta", "theta_mean"),
-        ("*θ\u{307}*", "rad/s", "theta_dot", "theta_dot_mean"),
-        ("*φ\u{307}*", "rad/s", "phi_dot", "phi_dot_mean"),
-        ("*ψ\u{307}*", "rad/s", "psi_dot", "psi_dot_mean"),
+        ("*θ*", state::THETA, nutation::THETA_MEAN),
+        ("*θ\u{307}*", state::THETA_DOT, nutation::THETA_DOT_MEAN),
+        ("*φ\u{307}*", state::PHI_DOT, nutation::PHI_DOT_MEAN),
+        ("*ψ\u{307}*", state::PSI_DOT, nutation::PSI_DOT_MEAN),
     ];
-    let panels = panels.map(|(symbol, unit, field, mean)| {
-        let mut panel = Panel::new(symbol, unit);
-        motion_and_average(&mut panel, runs, (STATE, field), |run| run.averages(mean));
+    let panels = panels.map(|(symbol, field, mean)| {
+        let mut panel = Panel::new(symbol, field.unit());
+        motions(&mut panel, runs, field);
+        averages(&mut panel, runs, field, mean);
         panel
     });
     page(motion_legend(runs), panels.into()).draw(width)
 }
 
-/// A number of all runs, and over it their averages.
-fn motion_and_average(
-    panel: &mut Panel,
-    runs: &[&Run],
-    (topic, field): (&str, &str),
-    average: impl Fn(&Run) -> Vec<Point>,
-) {
-    motions(panel, runs, (topic, field));
-    averages(panel, runs, field, average);
-}
-
-fn motions(panel: &mut Panel, runs: &[&Run], (topic, field): (&str, &str)) {
+fn motions(panel: &mut Panel, runs: &[&Run], field: NumberField) {
     let looks = Looks { runs: runs.len() };
     for (index, run) in runs.iter().enumerate() {
-        let meaning = format!("{}: {field}", run.name);
-        panel.curve(meaning, run.series(topic, field), looks.motion(index));
+        let meaning = format!("{}: {}", run.name, field.path());
+        panel.curve(meaning, run.series(field), looks.motion(index));
     }
 }
 
-fn averages(panel: &mut Panel, runs: &[&Run], field: &str, average: impl Fn(&Run) -> Vec<Point>) {
+fn averages(panel: &mut Panel, runs: &[&Run], field: NumberField, mean: NumberField) {
     let looks = Looks { runs: runs.len() };
     for (index, run) in runs.iter().enumerate() {
-        let meaning = format!("{}: average of {field}", run.name);
-        panel.curve(meaning, average(run), looks.average(index));
+        let meaning = format!("{}: average of {}", run.name, field.path());
+        panel.curve(meaning, run.averages(mean), looks.average(index));
     }
 }
 
@@ -85,10 +77,14 @@ pub(super) fn compared(runs: &[&Run], width: f64) -> Drawing {
     };
     let panel = |run: &&Run| {
         let mut panel = Panel::new("*θ*", "rad");
-        let points = run.series(STATE, "theta");
+        let points = run.series(state::THETA);
         panel.curve(format!("{}: theta", run.name), points, looks.motion(0));
         let meaning = format!("{}: average of theta", reference.name);
-        panel.curve(meaning, reference.averages("theta_mean"), looks.average(0));
+        panel.curve(
+            meaning,
+            reference.averages(nutation::THETA_MEAN),
+            looks.average(0),
+        );
         let name = Text::name(&run.name);
         panel.legend.push(Entry::of(looks.motion(0), name));
         panel
@@ -104,7 +100,7 @@ pub(super) fn compared(runs: &[&Run], width: f64) -> Drawing {
     .draw(width)
 }
 
-/// Several quantities of all runs in one panel, and the legend of the quantities.
+/// A panel that shows several quantities of all runs, with a legend of the quantities.
 struct Terms<'a> {
     panel: Panel,
     runs: &'a [&'a Run],
@@ -155,18 +151,18 @@ fn page(legend: Vec<Entry>, panels: Vec<Panel>) -> Page {
     }
 }
 
-/// Why the top rises: what turns θ̇ and φ̇, averaged over nutations.
+/// The terms of θ̈ and φ̈, averaged over nutations: why the top rises.
 pub(super) fn acceleration(runs: &[&Run], width: f64) -> Drawing {
-    let mean = |field: &'static str| move |run: &Run| run.means("/top/acceleration", field);
+    let mean = |field: NumberField| move |run: &Run| run.means(field);
     let theta = Terms::new(runs, "mean *θ\u{308}*", "rad/s²")
-        .term("gravitational", mean("theta_ddot.gravitational"))
-        .term("gyroscopic", mean("theta_ddot.gyroscopic"))
-        .term("centrifugal", mean("theta_ddot.centrifugal"))
-        .term("frictional", mean("theta_ddot.frictional"));
+        .term("gravitational", mean(terms_of::THETA_DDOT_GRAVITATIONAL))
+        .term("gyroscopic", mean(terms_of::THETA_DDOT_GYROSCOPIC))
+        .term("centrifugal", mean(terms_of::THETA_DDOT_CENTRIFUGAL))
+        .term("frictional", mean(terms_of::THETA_DDOT_FRICTIONAL));
     let phi = Terms::new(runs, "mean *φ\u{308}*", "rad/s²")
-        .term("frictional", mean("phi_ddot.frictional"))
-        .term("gyroscopic", mean("phi_ddot.gyroscopic"))
-        .term("Coriolis", mean("phi_ddot.coriolis"));
+        .term("frictional", mean(terms_of::PHI_DDOT_FRICTIONAL))
+        .term("gyroscopic", mean(terms_of::PHI_DDOT_GYROSCOPIC))
+        .term("Coriolis", mean(terms_of::PHI_DDOT_CORIOLIS));
     terms(runs, vec![theta, phi]).draw(width)
 }
 
@@ -177,18 +173,16 @@ pub(super) fn precession(runs: &[&Run], width: f64) -> Drawing {
     let mut fast = Panel::new("*φ\u{307}*", "rad/s");
     fast.height = 0.45;
     fast.is_broken = true;
-    let roots = |panel: &mut Panel, field: &str| {
+    let roots = |panel: &mut Panel, field: NumberField| {
         for (index, run) in runs.iter().enumerate() {
-            let points = run.series("/top/precession", field);
-            panel.curve(format!("{}: {field}", run.name), points, looks.root(index));
+            let meaning = format!("{}: {}", run.name, field.path());
+            panel.curve(meaning, run.series(field), looks.root(index));
         }
     };
-    motions(&mut slow, runs, (STATE, "phi_dot"));
-    roots(&mut slow, "slow_root");
-    averages(&mut slow, runs, "phi_dot", |run| {
-        run.averages("phi_dot_mean")
-    });
-    roots(&mut fast, "fast_root");
+    motions(&mut slow, runs, state::PHI_DOT);
+    roots(&mut slow, rates::SLOW_ROOT);
+    averages(&mut slow, runs, state::PHI_DOT, nutation::PHI_DOT_MEAN);
+    roots(&mut fast, rates::FAST_ROOT);
     // The fast root goes to infinity where the axis becomes horizontal.
     let starts = fast.curves.iter().filter_map(|curve| curve.points.first());
     fast.limit = 2.0 * extremes(starts.map(|point| point.1.abs())).1;
@@ -208,10 +202,10 @@ pub(super) fn precession(runs: &[&Run], width: f64) -> Drawing {
     page(legend, vec![fast, slow]).draw(width)
 }
 
-/// Where θ̈ is negative: it is positive at φ̇ = 0, and changes its sign at the roots.
+/// The regions where θ̈ is negative: θ̈ is positive at φ̇ = 0 and changes its sign at the roots.
 fn rising(run: &Run) -> Vec<Band> {
-    let slow = run.series("/top/precession", "slow_root");
-    let fast = run.series("/top/precession", "fast_root");
+    let slow = run.series(rates::SLOW_ROOT);
+    let fast = run.series(rates::FAST_ROOT);
     let pairs = || slow.iter().zip(&fast);
     let pick = |which: fn(f64, f64) -> f64| -> Vec<Point> {
         pairs().map(|(a, b)| (a.0, which(a.1, b.1))).collect()
@@ -235,42 +229,44 @@ fn rising(run: &Run) -> Vec<Band> {
     }
 }
 
+/// A number of a run over time.
+fn series(field: NumberField) -> impl Fn(&Run) -> Vec<Point> {
+    move |run| run.series(field)
+}
+
 /// The torques in the node frame.
 pub(super) fn torque(runs: &[&Run], width: f64) -> Drawing {
-    let component = |field: &'static str| move |run: &Run| run.series("/top/torque", field);
-    let gravity =
-        Terms::new(runs, "*τ*", "N m").term("gravity, *τ*_{*x*}", component("gravity_node.x"));
+    let gravity = Terms::new(runs, "*τ*", "N m")
+        .term("gravity, *τ*_{*x*}", series(torques::GRAVITY_NODE.x()));
     let friction = Terms::new(runs, "*τ*", "N m")
-        .term("friction, *τ*_{*y*}", component("friction_node.y"))
-        .term("*τ*_{*z*}", component("friction_node.z"))
-        .term("*τ*_{*x*}", component("friction_node.x"));
+        .term("friction, *τ*_{*y*}", series(torques::FRICTION_NODE.y()))
+        .term("*τ*_{*z*}", series(torques::FRICTION_NODE.z()))
+        .term("*τ*_{*x*}", series(torques::FRICTION_NODE.x()));
     terms(runs, vec![gravity, friction]).draw(width)
 }
 
-/// How fast and how far the contact point slips.
+/// The slip speed and the path slipped.
 pub(super) fn slip(runs: &[&Run], width: f64) -> Drawing {
-    let topic = "/top/contact";
-    let series = |field: &'static str| move |run: &Run| run.series(topic, field);
-    let speed = Terms::new(runs, "|*v*|", "m/s").term("slip speed", series("slip_speed"));
-    let path = Terms::new(runs, "*s*", "m").term("path slipped", series("slip_path"));
+    let speed = Terms::new(runs, "|*v*|", "m/s").term("slip speed", series(contact::SLIP_SPEED));
+    let path = Terms::new(runs, "*s*", "m").term("path slipped", series(contact::SLIP_PATH));
     terms(runs, vec![speed, path]).draw(width)
 }
 
-/// Where the energy is, and where it goes.
+/// The energies, and the work and power of friction.
 pub(super) fn energy(runs: &[&Run], width: f64) -> Drawing {
-    let energy = |field: &'static str| move |run: &Run| run.series("/top/energy", field);
     let change = |run: &Run| {
-        let total = run.series("/top/energy", "total");
+        let total = run.series(energies::TOTAL);
         let start = total.first().map_or(0.0, |point| point.1);
         total.into_iter().map(|(t, e)| (t, e - start)).collect()
     };
     let kinetic = Terms::new(runs, "*E*", "J")
-        .term("total", energy("total"))
-        .term("kinetic", energy("kinetic"));
-    let potential = Terms::new(runs, "*E*", "J").term("potential", energy("potential"));
+        .term("total", series(energies::TOTAL))
+        .term("kinetic", series(energies::KINETIC));
+    let potential = Terms::new(runs, "*E*", "J").term("potential", series(energies::POTENTIAL));
     let work = Terms::new(runs, "Δ*E*", "J")
         .term("change of the total", change)
-        .term("work of friction", energy("friction_work"));
-    let power = Terms::new(runs, "*P*", "W").term("power of friction", energy("friction_power"));
+        .term("work of friction", series(energies::FRICTION_WORK));
+    let power =
+        Terms::new(runs, "*P*", "W").term("power of friction", series(energies::FRICTION_POWER));
     terms(runs, vec![kinetic, potential, work, power]).draw(width)
 }

@@ -1,11 +1,11 @@
-//! Fewer points that look the same.
+//! Leaves out points of lines that can't be told apart in print.
 
 use super::shape::Point;
 
-/// Of the points in each column of this width it keeps the first, the lowest, the highest and the last:
-/// the envelope of what oscillates within a column stays as it is.
+/// Keeps the first, the lowest, the highest and the last point of each column of this width, so that the envelope of what
+/// oscillates within a column stays.
 ///
-/// The points must be in the order of their columns. One that is not finite divides the line.
+/// The points must be in the order of their columns. A point that is not finite divides the line.
 pub(crate) fn by_column(points: impl IntoIterator<Item = Point>, width: f64) -> Vec<Vec<Point>> {
     let mut lines = vec![Vec::new()];
     let mut column: Option<Column> = None;
@@ -35,11 +35,11 @@ fn finish(column: &mut Option<Column>, lines: &mut [Vec<Point>]) {
     }
 }
 
-/// What is kept of a column.
+/// The points that are kept of a column.
 struct Column {
     number: i64,
     count: usize,
-    /// Points with their places in the column: first, lowest, highest, last.
+    /// The first, lowest, highest and last point, each with its place among the points of the column.
     kept: [(usize, Point); 4],
 }
 
@@ -77,7 +77,7 @@ impl Column {
     }
 }
 
-/// Leaves out points that lie nearer than `distance` to the last that is kept; the last one stays.
+/// Leaves out points that lie nearer than `distance` to the last one that is kept; the last of all stays.
 pub(crate) fn by_distance(points: &[Point], distance: f64) -> Vec<Point> {
     let mut kept: Vec<Point> = Vec::new();
     for (index, point) in points.iter().enumerate() {

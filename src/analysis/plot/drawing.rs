@@ -1,4 +1,4 @@
-//! A figure as shapes and labels, before it becomes a file. Lengths are in mm, from the upper left corner.
+//! Drawings: shapes and labels, before they become a file. Lengths are in mm, from the upper left corner.
 
 #[cfg(test)]
 use super::shape::Bounds;
@@ -6,29 +6,29 @@ use super::shape::{Colour, Point, Shape};
 use super::style::{self, FONT};
 use super::text::Text;
 
-/// Shapes that belong together, and what they are.
+/// Shapes that belong together, with a description for screen readers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Group {
     pub(crate) meaning: String,
     pub(crate) shapes: Vec<Shape>,
 }
 
-/// A text at its place.
+/// A text at a place of a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Label {
     pub(crate) text: Text,
-    /// Where its baseline begins.
+    /// The start of the baseline.
     pub(crate) origin: Point,
-    /// Em, mm.
+    /// The size of an em, mm.
     pub(crate) size: f64,
-    /// Whether it runs upwards.
+    /// Whether the text runs upwards.
     pub(crate) is_upward: bool,
     pub(crate) colour: Colour,
 }
 
 #[cfg(test)]
 impl Label {
-    /// The space that it takes.
+    /// The space that the label takes.
     pub(crate) fn bounds(&self) -> Bounds {
         let (x, y) = self.origin;
         let [width, above, below] =
@@ -51,7 +51,7 @@ impl Label {
     }
 }
 
-/// Which point of a label is given.
+/// The point of a label that is placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,
@@ -59,25 +59,25 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// A whole figure.
+/// A drawing, which becomes a file with [`Drawing::svg`] or [`Drawing::png`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     pub(crate) title: String,
     pub(crate) width: f64,
     pub(crate) height: f64,
-    /// In the order of drawing; labels are drawn last.
+    /// The shapes in the order of drawing; labels are drawn last.
     pub(crate) groups: Vec<Group>,
     pub(crate) labels: Vec<Label>,
 }
 
 impl Drawing {
-    /// Its width and height, mm.
+    /// The width and height, mm.
     #[must_use]
     pub fn size(&self) -> (f64, f64) {
         (self.width, self.height)
     }
 
-    /// An empty figure; its height is given when it is known.
+    /// An empty drawing; the height is set when it is known.
     pub(crate) fn new(width: f64) -> Self {
         Self {
             title: String::new(),
@@ -88,7 +88,7 @@ impl Drawing {
         }
     }
 
-    /// Puts a text on a baseline.
+    /// Adds a text on a baseline.
     pub(crate) fn label(&mut self, text: Text, (x, y): Point, anchor: Anchor) {
         let width = text.width * FONT;
         let x = match anchor {
@@ -105,7 +105,7 @@ impl Drawing {
         });
     }
 
-    /// Puts a text that runs upwards between two heights, with its ink right of `left`.
+    /// Adds a text that runs upwards in the middle of two heights, with its ink right of `left`.
     pub(crate) fn upward_label(&mut self, text: Text, left: f64, (top, bottom): (f64, f64)) {
         let y = f64::midpoint(top, bottom) + text.width * FONT / 2.0;
         self.labels.push(Label {

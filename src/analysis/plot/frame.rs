@@ -1,4 +1,4 @@
-//! Frames with axes, and lines within them.
+//! Frames: plots with axes, ticks and the curves within them.
 
 use super::decimate;
 use super::drawing::{Anchor, Drawing};
@@ -7,28 +7,28 @@ use super::style::{self, FONT, LINE, RESOLUTION};
 use super::text::Text;
 use super::ticks::Scale;
 
-/// Lengths of ticks, mm.
+/// The lengths of ticks with and without numbers, mm.
 const TICK: f64 = 1.1;
 const MINOR_TICK: f64 = 0.6;
 
-/// From a frame to the numbers at its ticks, and from these to the label of the axis, mm.
+/// The distance from a frame to the numbers at its ticks, and from these to the label of the axis, mm.
 const GAP: f64 = 1.0;
 
 /// The room that a number at a tick needs along its axis, mm.
 const TICK_ROOM_ACROSS: f64 = 11.0;
 const TICK_ROOM_UP: f64 = 6.5;
 
-/// A quantity and its unit, as on axes.
+/// What an axis shows: a quantity and its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Quantity {
-    /// Markup of its symbol.
+    /// The symbol, as markup (see [`Text::markup`]).
     pub(crate) symbol: &'static str,
-    /// Its unit, empty for pure numbers.
+    /// The unit, empty for pure numbers.
     pub(crate) unit: &'static str,
 }
 
 impl Quantity {
-    /// What stands at an axis whose numbers are multiplied by a power of ten.
+    /// The label of an axis whose numbers are to be multiplied by a power of ten.
     fn text(self, exponent: i32) -> Text {
         let Self { symbol, unit } = self;
         let power = match exponent {
@@ -62,7 +62,7 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// Where a point of the data is drawn.
+    /// The place at which a point of the data is drawn.
     pub(crate) fn place(&self, (x, y): Point) -> Point {
         let Bounds { left, bottom, .. } = self.bounds;
         (
@@ -81,7 +81,7 @@ impl Frame {
             .collect()
     }
 
-    /// The shapes of a line that goes anywhere.
+    /// The shapes of a curve that may go anywhere.
     pub(crate) fn path(&self, points: &[Point], stroke: Stroke) -> Vec<Shape> {
         let places: Vec<_> = points.iter().map(|point| self.place(*point)).collect();
         let places = decimate::by_distance(&places, 0.5 / RESOLUTION);
@@ -122,7 +122,7 @@ impl Frame {
         }
     }
 
-    /// The frame and its ticks, which point inwards on all sides.
+    /// Draws the frame and its ticks, which point inwards on all sides.
     pub(crate) fn draw(&self, drawing: &mut Drawing) {
         let mut border = self.bounds.corners();
         border.extend_from_within(..2);
@@ -152,7 +152,7 @@ impl Frame {
         drawing.group("frame", lines.into_iter().map(shape).collect());
     }
 
-    /// The numbers below it, and what they are.
+    /// Draws the numbers below the frame, and the label of the axis.
     pub(crate) fn name_x(&self, drawing: &mut Drawing, quantity: Quantity) {
         let Bounds {
             left,
@@ -170,7 +170,7 @@ impl Frame {
         drawing.label(text, (middle, baseline + LINE), Anchor::Middle);
     }
 
-    /// The numbers to its left, and what they are, beyond the `width` of the numbers.
+    /// Draws the numbers to the left of the frame, and beyond their `width` the label of the axis.
     pub(crate) fn name_y(&self, drawing: &mut Drawing, quantity: Quantity, width: f64) {
         let Bounds {
             left, top, bottom, ..
@@ -184,7 +184,7 @@ impl Frame {
         drawing.upward_label(text, left - 2.0 * GAP - width - ink, (top, bottom));
     }
 
-    /// Marks that the axis is broken at its lower end.
+    /// Marks the upright axis as broken at its lower end.
     pub(crate) fn draw_break(&self, drawing: &mut Drawing) {
         let Bounds {
             left,
@@ -218,18 +218,18 @@ pub(crate) fn ticks_width(scale: &Scale) -> f64 {
 /// The room that numbers and label below a frame take, mm.
 pub(crate) const ROOM_BELOW: f64 = GAP + 0.66 * FONT + LINE + 0.25 * FONT;
 
-/// Right of a frame, where half a number may stick out, mm.
+/// The room to the right of a frame, where half a number may stick out, mm.
 pub(crate) const ROOM_RIGHT: f64 = 2.2;
 
-/// Between the two parts of a broken axis, mm.
+/// The distance between the two parts of a broken axis, mm.
 pub(crate) const BREAK: f64 = 1.6;
 
-/// How many numbers an axis of this length has at most.
+/// The most numbers that a horizontal axis of this length has.
 pub(crate) fn ticks_across(length: f64) -> usize {
     (length / TICK_ROOM_ACROSS) as usize
 }
 
-/// The same for an upright one.
+/// The most numbers that an upright axis of this length has.
 pub(crate) fn ticks_up(length: f64) -> usize {
     (length / TICK_ROOM_UP) as usize
 }
@@ -243,7 +243,7 @@ pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
         })
 }
 
-/// From the baseline of what stands above a frame down to it, mm.
+/// The distance from a frame up to the baseline of what stands above it, mm.
 pub(crate) const ABOVE: f64 = 1.1;
 
 /// Draws the letter of a panel.

@@ -65,7 +65,7 @@ impl Entry {
 }
 
 impl Sample {
-    /// Its width, mm.
+    /// The width, mm.
     fn width(self) -> f64 {
         match self {
             Self::Line(_) | Self::Area(_) => 6.5,
@@ -98,7 +98,7 @@ impl Sample {
 /// The radius of dots, mm.
 const DOT: f64 = 0.7;
 
-/// A dot at a place.
+/// The shape of a dot at a place.
 pub(crate) fn dot(centre: Point, is_filled: bool, colour: Colour) -> Shape {
     Shape::Dot {
         centre,
@@ -113,7 +113,7 @@ pub(crate) fn lines(entries: &[Entry], width: f64) -> usize {
     wrapped(entries, width).len()
 }
 
-/// Draws a legend at the top of a figure, and returns the height below it.
+/// Draws a legend at the top of a drawing, and returns where the room below it begins, mm.
 pub(crate) fn draw_at_top(drawing: &mut Drawing, entries: &[Entry]) -> f64 {
     let sides = (MARGIN, drawing.width - MARGIN);
     draw(drawing, entries, sides, MARGIN + 0.75 * FONT);

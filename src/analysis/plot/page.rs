@@ -7,7 +7,7 @@ use super::shape::{Bounds, Point, Stroke};
 use super::style::{LINE, MARGIN, TWO_COLUMNS};
 use super::ticks::Scale;
 
-/// A line through data.
+/// A curve of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Curve {
     pub(crate) meaning: String,
@@ -20,15 +20,15 @@ pub(crate) struct Curve {
 pub(crate) struct Panel {
     pub(crate) quantity: Quantity,
     pub(crate) bands: Vec<Band>,
-    /// In the order of drawing.
+    /// The curves in the order of drawing.
     pub(crate) curves: Vec<Curve>,
-    /// Its own legend.
+    /// The legend above the panel.
     pub(crate) legend: Vec<Entry>,
-    /// Its height as a part of the usual one.
+    /// The height as a part of the usual one.
     pub(crate) height: f64,
-    /// Whether its axis is broken below it, and goes on in the next panel.
+    /// Whether the upright axis is broken and goes on in the next panel.
     pub(crate) is_broken: bool,
-    /// Values beyond this magnitude may lie outside.
+    /// The greatest magnitude for which there is room: values beyond it may lie outside.
     pub(crate) limit: f64,
 }
 
@@ -53,7 +53,7 @@ impl Panel {
         });
     }
 
-    /// The scale of its axis: the range of its curves with some air.
+    /// The scale of the upright axis: the range of the curves and some air.
     fn scale(&self, usual_height: f64) -> Scale {
         let values = self.curves.iter().flat_map(|curve| &curve.points);
         let values = values.map(|point| point.1);
@@ -64,7 +64,7 @@ impl Panel {
     }
 }
 
-/// Names the upright axes of frames one below the other, the names in one line.
+/// Labels the upright axes of frames one below the other, with the labels in one line.
 fn name_all_y(drawing: &mut Drawing, frames: &[(&Frame, &Panel)]) {
     let widths = frames.iter().map(|(frame, _)| frame::ticks_width(&frame.y));
     let width = widths.fold(0.0, f64::max);
@@ -76,7 +76,7 @@ fn name_all_y(drawing: &mut Drawing, frames: &[(&Frame, &Panel)]) {
 /// Panels and their common legend.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Page {
-    /// What the horizontal axes show.
+    /// The quantity along the horizontal axes.
     pub(crate) x: Quantity,
     pub(crate) legend: Vec<Entry>,
     pub(crate) panels: Vec<Panel>,
@@ -97,7 +97,7 @@ const NEARLY_ZERO: f64 = 0.02;
 const COLUMN_GAP: f64 = 4.0;
 
 impl Page {
-    /// Draws it with a width in mm; the height follows.
+    /// Draws the page with a width in mm; the height follows.
     pub(crate) fn draw(&self, width: f64) -> Drawing {
         let columns = self.columns(width);
         let mut drawing = Drawing::new(width);
@@ -145,7 +145,7 @@ impl Page {
         (first, last)
     }
 
-    /// Whether the panel has numbers of its own below it.
+    /// Whether there are numbers below the panel.
     fn has_x_axis(&self, index: usize, columns: usize) -> bool {
         !self.shares_x || index + columns >= self.panels.len()
     }
@@ -187,7 +187,7 @@ impl Page {
         frames
     }
 
-    /// For each column the room that the labels left of its frames need.
+    /// The room that the labels to the left of the frames need, for each column.
     fn rooms_left(&self, columns: usize, height: f64) -> Vec<f64> {
         let room = |panel: &Panel| frame::room_left(&panel.scale(height), panel.quantity);
         let of_column = |column| self.panels.iter().skip(column).step_by(columns).map(room);

@@ -9,10 +9,10 @@ use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, StrokeDash
 use ttf_parser::OutlineBuilder;
 
 impl Drawing {
-    /// The figure as a PNG file with 300 pixels per inch.
+    /// The drawing as a PNG file with 300 pixels per inch.
     ///
     /// # Errors
-    /// If it has no size, or more pixels than a PNG file can have.
+    /// If the drawing has no size, or more pixels than a PNG file can have.
     pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
         let [width, height] =
             [self.width, self.height].map(|length| (length * RESOLUTION).round() as u32);
@@ -31,7 +31,7 @@ impl Drawing {
     }
 }
 
-/// The opaque pixels as a file.
+/// A PNG file of opaque pixels.
 fn encode(pixels: &Pixmap) -> Result<Vec<u8>, EncodingError> {
     let rgb: Vec<u8> = pixels
         .pixels()
@@ -55,7 +55,7 @@ fn encode(pixels: &Pixmap) -> Result<Vec<u8>, EncodingError> {
     Ok(bytes)
 }
 
-/// From millimetres to pixels.
+/// The scale from millimetres to pixels.
 fn scale() -> Transform {
     Transform::from_scale(RESOLUTION as f32, RESOLUTION as f32)
 }

@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Colour(pub(crate) u8, pub(crate) u8, pub(crate) u8);
 
-/// A place: to the right, and downwards.
+/// A place: distances to the right and downwards.
 pub(crate) type Point = (f64, f64);
 
 /// A rectangle.
@@ -34,7 +34,7 @@ impl Bounds {
         ]
     }
 
-    /// The part of a segment within it.
+    /// The part of a segment within the rectangle.
     pub(crate) fn clip(&self, a: Point, b: Point) -> Option<(Point, Point)> {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
@@ -59,7 +59,7 @@ impl Bounds {
         (from <= to).then(|| (point(from), point(to)))
     }
 
-    /// The parts of a line within it.
+    /// The parts of a line within the rectangle.
     pub(crate) fn clip_line(&self, line: &[Point]) -> Vec<Vec<Point>> {
         let mut parts: Vec<Vec<Point>> = Vec::new();
         for pair in line.windows(2) {
@@ -75,7 +75,7 @@ impl Bounds {
     }
 }
 
-/// How a line is drawn.
+/// The look of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stroke {
     pub(crate) colour: Colour,
@@ -85,14 +85,14 @@ pub(crate) struct Stroke {
     pub(crate) opacity: f64,
 }
 
-/// Something that is drawn.
+/// A part of a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shape {
     /// An open line.
     Line { points: Vec<Point>, stroke: Stroke },
     /// A filled polygon.
     Area { points: Vec<Point>, fill: Colour },
-    /// A dot, filled or not.
+    /// A filled circle with an outline.
     Dot {
         centre: Point,
         radius: f64,

@@ -1,6 +1,7 @@
 //! Drawings as SVG.
 //!
-//! All coordinates are whole hundredths of a millimetre: short, and the same on every machine.
+//! All coordinates are whole hundredths of a millimetre: short, and the same on every machine. Glyphs are defined once and
+//! used by all labels.
 
 use super::drawing::{Drawing, Label};
 use super::shape::{Colour, Point, Shape, Stroke};
@@ -13,7 +14,7 @@ use ttf_parser::OutlineBuilder;
 const SCALE: f64 = 100.0;
 
 impl Drawing {
-    /// The figure as an SVG document.
+    /// The drawing as an SVG document.
     #[must_use]
     pub fn svg(&self) -> String {
         let (width, height) = (unit(self.width), unit(self.height));
@@ -115,7 +116,7 @@ fn stroke(stroke: &Stroke) -> String {
     svg
 }
 
-/// A line as steps from point to point, without steps of no length.
+/// The data of a path from point to point, in relative steps and without steps of no length.
 fn path(points: &[Point]) -> String {
     let mut places: Vec<_> = points.iter().map(|(x, y)| (unit(*x), unit(*y))).collect();
     places.dedup();

@@ -1,4 +1,4 @@
-//! Labels: symbols and units set in the font that the program carries.
+//! Text set in the font that the program carries.
 //!
 //! Glyphs are drawn as outlines, so a figure looks the same wherever it is shown, and the space that a
 //! label takes is known when figures are laid out.
@@ -6,7 +6,7 @@
 use std::sync::OnceLock;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
-/// Upright for units and words, italic for symbols.
+/// The style of a glyph: upright for units and words, italic for symbols.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Style {
     Upright,
@@ -17,22 +17,22 @@ pub(crate) enum Style {
 const UPRIGHT: &[u8] = include_bytes!("font/STIXTwoText-Regular.ttf");
 const ITALIC: &[u8] = include_bytes!("font/STIXTwoText-Italic.ttf");
 
-/// Units of the font in an em.
+/// The units of the font in an em.
 pub(crate) const UNITS: f64 = 1000.0;
 
-/// How large subscripts and superscripts are, and how far they are shifted, em.
+/// The size of subscripts and superscripts, and how far they are shifted upwards, em.
 const SCRIPT: f64 = 0.7;
 const SUBSCRIPT_SHIFT: f64 = -0.18;
 const SUPERSCRIPT_SHIFT: f64 = 0.34;
 
-/// Room between a letter and the dots over it, and between two dots, em.
+/// The room between a letter and the dots over it, and between two dots, em.
 const ACCENT_GAP: f64 = 0.07;
 const ACCENT_STEP: f64 = 0.2;
 
-/// The longest name, em.
+/// The width to which names are cut, em.
 const LONGEST_NAME: f64 = 14.0;
 
-/// Italic letters lean by this much of their height.
+/// The slant of italic letters: how far they lean, as a part of their height.
 const SLANT: f64 = 0.21;
 
 fn face(style: Style) -> Option<&'static Face<'static>> {
@@ -54,7 +54,7 @@ pub(crate) struct Glyph {
     pub(crate) style: Style,
     pub(crate) id: u16,
     pub(crate) x: f64,
-    /// Upward from the baseline.
+    /// The height above the baseline.
     pub(crate) y: f64,
     pub(crate) scale: f64,
 }
@@ -64,20 +64,20 @@ pub(crate) struct Glyph {
 pub(crate) struct Text {
     pub(crate) glyphs: Vec<Glyph>,
     pub(crate) width: f64,
-    /// How far its ink reaches above the baseline, and below.
+    /// How far the ink reaches above the baseline, and below.
     pub(crate) above: f64,
     pub(crate) below: f64,
-    /// The same without what makes it look so.
+    /// The text without markup, for screen readers.
     pub(crate) spoken: String,
 }
 
 impl Text {
-    /// Sets a text as it is: a name that somebody gave.
+    /// Sets a text as it is, without markup.
     pub(crate) fn plain(source: &str) -> Self {
         Self::default().followed_by(source)
     }
 
-    /// Sets the name of a run; of a long one the end, in which names of files differ.
+    /// Sets a name, cut at its start if it is long: names of files differ at their ends.
     pub(crate) fn name(source: &str) -> Self {
         let mut text = Self::plain(source);
         let mut rest = source.chars();
@@ -115,7 +115,7 @@ impl Text {
         text
     }
 
-    /// Adds words to it.
+    /// Adds words to the text.
     pub(crate) fn followed_by(mut self, words: &str) -> Self {
         for letter in words.chars() {
             self.push(letter, Style::Upright, Script::None);
@@ -202,7 +202,7 @@ impl Script {
     }
 }
 
-/// Where the ink of a glyph is, em.
+/// The extent of the ink of a glyph, em.
 struct Ink {
     left: f64,
     right: f64,

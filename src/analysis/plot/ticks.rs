@@ -1,18 +1,18 @@
-//! Where an axis has its ticks, and what stands at them.
+//! Scales of axes: ranges of values with ticks at round numbers.
 
 use std::ops::RangeInclusive;
 
-/// A range of values of an axis with its ticks.
+/// The range of values along an axis, with its ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Scale {
     pub(crate) low: f64,
     pub(crate) high: f64,
-    /// A power of a thousand by which the numbers at the ticks are to be multiplied.
+    /// The numbers at the ticks are to be multiplied by ten to this power, a multiple of three.
     pub(crate) exponent: i32,
     step: Step,
 }
 
-/// The distance of two ticks: 1, 2 or 5 times a power of ten.
+/// The distance between two ticks: 1, 2 or 5 times a power of ten.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Step {
     mantissa: i64,
@@ -55,9 +55,9 @@ pub(crate) struct Tick {
 }
 
 impl Scale {
-    /// A scale from `low` to `high` with at most `most` ticks that bear numbers, but three if they fit the range.
+    /// A scale from `low` to `high` with at most `most` numbers, but with three if they fit the range.
     ///
-    /// A range of no length, or none that is finite, is given one.
+    /// A range without length is widened; if the ends are not finite it becomes 0 to 1.
     pub(crate) fn new(low: f64, high: f64, most: usize) -> Self {
         let (low, high) = widened(low, high);
         let magnitude = low.abs().max(high.abs());
@@ -69,7 +69,7 @@ impl Scale {
             step = step.next();
         }
         let exponent = match decade(magnitude) {
-            // Numbers that are read easily as they are.
+            // These are easily read as they are.
             -1..=3 => 0,
             decade => decade.div_euclid(3) * 3,
         };
@@ -81,7 +81,7 @@ impl Scale {
         }
     }
 
-    /// Where a value lies in the range, from 0 to 1.
+    /// The place of a value in the range, from 0 to 1.
     pub(crate) fn place(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
@@ -91,7 +91,7 @@ impl Scale {
         self.labelled(self.numbers(self.step.value()))
     }
 
-    /// The same, and one more if the last does not nearly reach the upper end.
+    /// The ticks with numbers, and one more if the last is not close to the upper end.
     pub(crate) fn ticks_beyond(&self) -> Vec<Tick> {
         let numbers = self.numbers(self.step.value());
         let last = *numbers.end();
@@ -113,7 +113,7 @@ impl Scale {
         numbers.map(tick).collect()
     }
 
-    /// The ticks between those, without numbers.
+    /// The values of the ticks without numbers, between the others.
     pub(crate) fn minor(&self) -> Vec<f64> {
         let parts = if self.step.mantissa == 2 { 4 } else { 5 };
         let step = self.step.value() / parts as f64;
@@ -146,10 +146,10 @@ fn count(low: f64, high: f64, step: Step) -> f64 {
     (high / step).floor() - (low / step).ceil() + 1.0
 }
 
-/// A range that has a length which numbers at ticks can tell.
+/// A range that is long enough for numbers at ticks to differ.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     let magnitude = low.abs().max(high.abs());
-    // Not so for numbers that are not finite, or such as no run has.
+    // Numbers that are not finite or beyond all use have no scale.
     let is_sound = magnitude < 1e100 && low <= high;
     if !is_sound {
         return (0.0, 1.0);

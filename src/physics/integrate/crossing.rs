@@ -297,6 +297,14 @@ fn extreme_point(
     }
 }
 
+/// Where `g` changes its sign between 0 and 1, given its values there: one is positive, the other is not.
+#[must_use]
+pub fn zero(start: f64, end: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
+    let (from, to) = (Point { s: 0.0, g: start }, Point { s: 1.0, g: end });
+    let new_sign = if end > 0.0 { 1.0 } else { -1.0 };
+    root(from, to, new_sign, &mut g)
+}
+
 /// Where `g` gets the sign `new_sign` (±1) between two points, of which `to` has it.
 ///
 /// The ITP method (I. F. D. Oliveira, R. H. C. Takahashi, *An enhancement of the bisection method average

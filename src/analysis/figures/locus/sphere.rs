@@ -1,4 +1,4 @@
-//! The unit sphere as far down as the axis leans, seen from aside.
+//! The unit sphere, as far down as the axis leans, seen from above and aside.
 
 use super::trace::{Direction, Trace};
 use crate::analysis::figures::looks::SURFACE;
@@ -10,47 +10,49 @@ use crate::analysis::plot::style::{self, LINE, MARGIN, RESOLUTION};
 use crate::analysis::plot::text::Text;
 use crate::analysis::plot::ticks::Scale;
 use crate::physics::math::{atan2, hypot, sin_cos};
+use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// Where the sphere is looked at from: how far above the horizon, and around the vertical, rad.
+/// The direction from which the sphere is seen: above the horizon, and around the vertical, rad.
 const ELEVATION: f64 = 0.65;
 const AZIMUTH: f64 = 0.6;
 
-/// Meridians are 30° apart.
+/// The number of meridians.
 const MERIDIANS: u32 = 12;
 
-/// What lies this little behind the outline of the sphere is there by rounding.
+/// What lies behind the outline of the sphere by less than this lies there by rounding.
 const SLACK: f64 = 1e-9;
 
-/// Pieces of a circle.
+/// The number of pieces of a circle.
 const PIECES: u32 = 360;
 
-/// How far the vertical is drawn above the pole, as a part of the cap's radius, and at most.
+/// The length of the vertical above the pole: as a part of the cap's radius, and at most.
 const VERTICAL: (f64, f64) = (0.75, 0.36);
 
 /// The cap of the sphere around the vertical on which the axes of some runs move.
 pub(super) struct Sphere {
-    /// Circles of equal θ, rad, and what is written of them; the last bounds the cap.
+    /// Circles of equal θ (rad) and their labels; the last bounds the cap.
     circles: Vec<(f64, String)>,
 }
 
-/// Where a direction is seen: to the right, upwards, and towards the eye.
-fn seen(axis: &Direction) -> [f64; 3] {
-    let (sin_e, cos_e) = sin_cos(ELEVATION);
-    let (sin_a, cos_a) = sin_cos(AZIMUTH);
-    let [x, y, z] = *axis;
-    let forward = x * cos_a + y * sin_a;
+/// The rotations that bring the eye to the x axis: about the vertical, and then down to the horizon.
+fn to_eye() -> [Rotation3<f64>; 2] {
     [
-        y * cos_a - x * sin_a,
-        z * cos_e - forward * sin_e,
-        z * sin_e + forward * cos_e,
+        Rotation3::from_axis_angle(&Vector3::z_axis(), -AZIMUTH),
+        Rotation3::from_axis_angle(&Vector3::y_axis(), ELEVATION),
     ]
+}
+
+/// A direction as the eye sees it: x to the right, y upwards, z towards the eye.
+fn seen(axis: &Direction) -> Vector3<f64> {
+    let [turn, lower] = to_eye();
+    (lower * (turn * axis)).yzx()
 }
 
 fn direction(theta: f64, azimuth: f64) -> Direction {
     let (sin_t, cos_t) = sin_cos(theta);
     let (sin_a, cos_a) = sin_cos(azimuth);
-    [sin_t * cos_a, sin_t * sin_a, cos_t]
+    Vector3::new(sin_t * cos_a, sin_t * sin_a, cos_t)
 }
 
 /// Equal steps from 0 to `end`.
@@ -61,7 +63,7 @@ fn steps(end: f64, count: u32) -> impl Iterator<Item = f64> {
 impl Sphere {
     pub(super) fn around(traces: &[Trace]) -> Self {
         let axes = traces.iter().flat_map(|trace| &trace.axes);
-        let thetas = axes.map(|[x, y, z]| atan2(hypot(*x, *y), *z));
+        let thetas = axes.map(|axis| atan2(hypot(axis.x, axis.y), axis.z));
         let (_, greatest) = extremes(thetas);
         let scale = Scale::new(0.0, greatest.max(1e-6), 6);
         Self {
@@ -74,12 +76,12 @@ impl Sphere {
         }
     }
 
-    /// How far down it reaches, rad.
+    /// The θ of the edge of the cap, rad.
     fn edge(&self) -> f64 {
         self.circles.last().map_or(PI, |(theta, _)| *theta)
     }
 
-    /// The circles, the outermost last.
+    /// The circles of equal θ, the outermost last.
     fn parallels(&self) -> Vec<Vec<Direction>> {
         let circle = |(theta, _): &(f64, String)| {
             let azimuths = steps(TAU, PIECES);
@@ -96,20 +98,14 @@ impl Sphere {
         steps(TAU, MERIDIANS).skip(1).map(meridian).collect()
     }
 
-    /// The outline of the sphere where it is part of the cap.
+    /// The parts of the outline of the sphere that belong to the cap.
     fn outline(&self) -> Vec<Vec<Direction>> {
-        let (sin_e, cos_e) = sin_cos(ELEVATION);
-        let (sin_a, cos_a) = sin_cos(AZIMUTH);
+        let [turn, lower] = to_eye();
         let least = sin_cos(self.edge()).1;
         let points: Vec<_> = steps(TAU, 2 * PIECES)
-            .map(|turn| {
-                let (up, right) = sin_cos(turn - PI / 2.0);
-                let forward = -up * sin_e;
-                [
-                    forward * cos_a - right * sin_a,
-                    forward * sin_a + right * cos_a,
-                    up * cos_e,
-                ]
+            .map(|angle| {
+                let (up, right) = sin_cos(angle - PI / 2.0);
+                turn.inverse() * (lower.inverse() * Vector3::new(0.0, right, up))
             })
             .collect();
         let is_on_cap = |axis: &&[Direction]| axis[0][2] >= least;
@@ -121,10 +117,10 @@ impl Sphere {
     fn vertical(&self) -> Vec<Direction> {
         let (part, most) = VERTICAL;
         let length = most.min(part * sin_cos(self.edge().min(PI / 2.0)).0);
-        vec![[0.0, 0.0, 1.0], [0.0, 0.0, 1.0 + length]]
+        vec![Vector3::z(), Vector3::z() * (1.0 + length)]
     }
 
-    /// Where all of it is seen: least and greatest to the right, and upwards.
+    /// The ranges of what is seen, to the right and upwards.
     fn extent(&self) -> [(f64, f64); 2] {
         let vertical = self.vertical();
         let lines = [self.parallels(), self.meridians(), self.outline()];
@@ -136,13 +132,13 @@ impl Sphere {
         })
     }
 
-    /// The height that it takes in a width, mm.
+    /// The height of the drawing at a width, mm.
     pub(super) fn height(&self, width: f64) -> f64 {
         let [across, up] = self.extent();
         (width - 2.0 * MARGIN) * (up.1 - up.0) / (across.1 - across.0) + LINE
     }
 
-    /// Draws it with the ways of the axes into bounds.
+    /// Draws the cap and the paths of the axes into bounds.
     pub(super) fn draw(&self, drawing: &mut Drawing, traces: &[Trace], bounds: Bounds) {
         let [across, up] = self.extent();
         let scale = (bounds.width() - 2.0 * MARGIN) / (across.1 - across.0);
@@ -201,7 +197,7 @@ impl Sphere {
         );
     }
 
-    /// What the circles are.
+    /// The caption, which tells the θ of the circles.
     fn caption(&self) -> Text {
         let mut labels: Vec<_> = self
             .circles
@@ -215,23 +211,23 @@ impl Sphere {
     }
 }
 
-/// How the sphere is put on paper.
+/// The projection of the sphere onto paper.
 struct View {
     scale: f64,
-    /// Where the centre of the sphere is.
+    /// The place of the centre of the sphere.
     origin: Point,
 }
 
 impl View {
     fn place(&self, axis: &Direction) -> Point {
-        let [right, up, _] = seen(axis);
+        let seen = seen(axis);
         (
-            self.origin.0 + self.scale * right,
-            self.origin.1 - self.scale * up,
+            self.origin.0 + self.scale * seen.x,
+            self.origin.1 - self.scale * seen.y,
         )
     }
 
-    /// A line on the sphere, its far side paler.
+    /// A line on the sphere, with its far side paler.
     fn line(&self, axes: &[Direction], stroke: Stroke) -> Vec<Shape> {
         let is_near = |a: &Direction, b: &Direction| (seen(a)[2] >= 0.0) == (seen(b)[2] >= 0.0);
         axes.chunk_by(is_near)
@@ -247,7 +243,7 @@ impl View {
             .collect()
     }
 
-    /// The near side of a line.
+    /// The near side of a line on the sphere.
     fn visible(&self, axes: &[Direction], stroke: Stroke) -> Vec<Shape> {
         let mut shapes = self.line(axes, stroke);
         shapes.retain(|shape| matches!(shape, Shape::Line { stroke, .. } if stroke.opacity == 1.0));

@@ -1,0 +1,242 @@
+//! Rows of numbers over time that thin themselves out, so that memory is bounded by what can be seen of a run and not by
+//! how long it is.
+
+use super::shape::Point;
+
+/// The most rows that are kept: enough for several bins in each column of pixels.
+const MOST: usize = 1 << 17;
+
+/// The last part of the time that is kept finer, so that it can be drawn magnified.
+pub(crate) const END: f64 = 0.02;
+
+/// The number of bins in the last part for a bin of the same width elsewhere.
+const FINER: f64 = 16.0;
+
+/// The width of the narrowest bins, s: a nanosecond, rounded down to a power of two.
+const NARROWEST: f64 = 1.0 / (1_u64 << 30) as f64;
+
+/// The longest step between two samples that is no gap, as a multiple of the shortest step.
+const LONGEST_STEP: f64 = 1.5;
+
+/// Columns of numbers with a common time.
+///
+/// When there are too many rows, time is divided into bins. Each bin keeps its first and its last row, and for each column
+/// the rows with the least and the greatest value, so that envelopes survive. Bins are divided by powers of two, so
+/// thinning again with wider bins gives what thinning once with these would have given.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Rows {
+    times: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+    /// Whether the rows are equally spaced samples, so that a longer step is a gap.
+    are_samples: bool,
+    /// The shortest step between two rows, s.
+    step: f64,
+    /// The number of rows among which gaps have been marked.
+    marked: usize,
+    /// The width of bins, s.
+    width: f64,
+}
+
+impl Rows {
+    /// An empty table with this number of columns.
+    pub(crate) fn new(columns: usize, are_samples: bool) -> Self {
+        Self {
+            times: Vec::new(),
+            columns: vec![Vec::new(); columns],
+            are_samples,
+            step: f64::INFINITY,
+            marked: 0,
+            width: NARROWEST,
+        }
+    }
+
+    /// Adds a row. Times increase from row to row.
+    pub(crate) fn push(&mut self, time: f64, values: impl IntoIterator<Item = f64>) {
+        self.times.push(time);
+        for (column, value) in self.columns.iter_mut().zip(values) {
+            column.push(value);
+        }
+        if self.times.len() >= MOST {
+            self.thin();
+        }
+    }
+
+    /// Whether there are no rows.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    /// The points of a column.
+    pub(crate) fn points(&self, column: usize) -> impl Iterator<Item = Point> {
+        let values = self.columns[column].iter().copied();
+        self.times.iter().copied().zip(values)
+    }
+
+    /// Puts a row that is not a number wherever samples are missing.
+    pub(crate) fn mark_gaps(&mut self) {
+        let from = self.marked.saturating_sub(1);
+        self.marked = self.times.len();
+        if !self.are_samples {
+            return;
+        }
+        let times = &self.times[from..];
+        let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
+        self.step = steps.clone().fold(self.step, f64::min);
+        let longest = LONGEST_STEP * self.step;
+        let after = (from + 1..).zip(steps).filter(|(_, step)| *step > longest);
+        let gaps: Vec<usize> = after.map(|(row, _)| row).collect();
+        insert(&mut self.times, &gaps, f64::midpoint);
+        for column in &mut self.columns {
+            insert(column, &gaps, |_, _| f64::NAN);
+        }
+        self.marked = self.times.len();
+    }
+
+    /// Leaves at most half of the rows, with wider bins if they have to be.
+    fn thin(&mut self) {
+        self.mark_gaps();
+        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        while self.width * (MOST as f64) < last - first {
+            self.width *= 2.0;
+        }
+        loop {
+            let kept = self.kept();
+            let pick =
+                |values: &mut Vec<f64>| *values = kept.iter().map(|row| values[*row]).collect();
+            pick(&mut self.times);
+            self.columns.iter_mut().for_each(pick);
+            if self.times.len() <= MOST / 2 {
+                break;
+            }
+            self.width *= 2.0;
+        }
+        self.marked = self.times.len();
+    }
+
+    /// The rows that stay.
+    fn kept(&self) -> Vec<usize> {
+        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        let end = last - END * (last - first);
+        let bin = |time: f64| {
+            let is_end = time >= end;
+            let bins = if is_end { FINER } else { 1.0 };
+            (is_end, (time / self.width * bins).floor())
+        };
+        let mut kept = Vec::new();
+        let mut from = 0;
+        for rows in self.times.chunk_by(|a, b| bin(*a) == bin(*b)) {
+            kept.extend(self.kept_of(from, from + rows.len()));
+            from += rows.len();
+        }
+        kept
+    }
+
+    /// The rows that stay of a bin.
+    fn kept_of(&self, from: usize, to: usize) -> Vec<usize> {
+        let mut kept = vec![from, to - 1];
+        for column in &self.columns {
+            let value = |row: &usize| column[*row];
+            let finite = (from..to).filter(|row| value(row).is_finite());
+            kept.extend(finite.clone().min_by(|a, b| value(a).total_cmp(&value(b))));
+            kept.extend(finite.min_by(|a, b| value(b).total_cmp(&value(a))));
+        }
+        let is_gap = |row: &usize| self.columns.iter().all(|column| column[*row].is_nan());
+        let mut gaps = (from..to).filter(is_gap);
+        kept.extend(gaps.next());
+        kept.extend(gaps.next_back());
+        kept.sort_unstable();
+        kept.dedup();
+        kept
+    }
+}
+
+/// Inserts values before some places, made from the values around them.
+fn insert(values: &mut Vec<f64>, places: &[usize], between: impl Fn(f64, f64) -> f64) {
+    let mut longer = Vec::with_capacity(values.len() + places.len());
+    let mut from = 0;
+    for &place in places {
+        longer.extend_from_slice(&values[from..place]);
+        longer.push(between(values[place - 1], values[place]));
+        from = place;
+    }
+    longer.extend_from_slice(&values[from..]);
+    *values = longer;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::plot::decimate::by_column;
+    use proptest::prelude::*;
+
+    /// A reproducible wave: a fast oscillation on a slow one, with what `seed` adds.
+    fn wave(seed: u64, sample: usize) -> f64 {
+        let noise = (sample as u64).wrapping_mul(6_364_136_223_846_793_005 + 2 * seed) >> 40;
+        let slow = (sample as f64 / 3e5 - 0.5).abs();
+        slow + 0.1 * f64::from((sample % 40) as u32) + noise as f64 / (1 << 28) as f64
+    }
+
+    #[test]
+    fn few_rows_stay_as_they_are() {
+        let mut rows = Rows::new(1, true);
+        let points: Vec<Point> = (0..MOST - 1).map(|i| (i as f64, wave(0, i))).collect();
+        for (time, value) in &points {
+            rows.push(*time, [*value]);
+        }
+        rows.mark_gaps();
+        assert!(rows.points(0).eq(points));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(6))]
+
+        #[test]
+        fn memory_is_bounded_and_envelopes_survive(seed in 0_u64..1000, count in 200_000_usize..1_000_000) {
+            let mut rows = Rows::new(2, true);
+            let points: Vec<Vec<Point>> = [seed, seed + 1]
+                .map(|seed| (0..count).map(|i| (i as f64 * 1e-3, wave(seed, i))).collect())
+                .into();
+            for (first, second) in points[0].iter().zip(&points[1]) {
+                rows.push(first.0, [first.1, second.1]);
+                prop_assert!(rows.times.len() < MOST);
+            }
+            rows.mark_gaps();
+            prop_assert!(rows.times.is_sorted());
+            let bins = count as f64 * 1e-3 / rows.width;
+            prop_assert!(bins > 2000.0, "{bins} bins");
+            // Columns of pixels into which the bins fit: they look as if nothing had been thinned.
+            let width = 4.0 * rows.width;
+            for (column, points) in points.iter().enumerate() {
+                let thinned = by_column(rows.points(column), width);
+                prop_assert!(thinned == by_column(points.iter().copied(), width));
+            }
+        }
+    }
+
+    #[test]
+    fn gaps_stay() {
+        let mut rows = Rows::new(1, true);
+        let is_missing = |i: usize| (170_000..171_000).contains(&i) || i == 1;
+        for i in (0..500_000).filter(|i| !is_missing(*i)) {
+            rows.push(i as f64, [wave(0, i)]);
+        }
+        rows.mark_gaps();
+        let gaps: Vec<f64> = rows
+            .points(0)
+            .filter(|(_, value)| value.is_nan())
+            .map(|(time, _)| time)
+            .collect();
+        assert_eq!(gaps, [1.0, 170_499.5]);
+    }
+
+    #[test]
+    fn the_end_stays_finer() {
+        let mut rows = Rows::new(1, true);
+        for i in 0..2_000_000 {
+            rows.push(i as f64, [wave(0, i)]);
+        }
+        let is_end = |time: &&f64| **time >= 1_960_000.0;
+        let (end, all) = (rows.times.iter().filter(is_end).count(), rows.times.len());
+        assert!(end as f64 > 4.0 * END * all as f64, "{end} of {all}");
+    }
+}
