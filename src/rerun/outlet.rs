@@ -22,6 +22,17 @@ pub struct Destinations {
     pub live: Option<Live>,
 }
 
+/// Which of the destinations is meant.
+#[derive(Clone, Copy)]
+pub(super) enum To {
+    /// The viewer: the file gets the same rows later, in longer chunks.
+    Viewer,
+    /// The file: the viewer has the rows already.
+    File,
+    /// Both.
+    Both,
+}
+
 /// Numbers the chunks of one recording and passes them to its destinations.
 pub struct Outlet {
     store: StoreId,
@@ -78,39 +89,24 @@ impl Outlet {
         Ok(())
     }
 
-    /// Sends rows everywhere.
+    /// Sends rows of an entity, with their times in ns.
     pub(super) fn send_rows(
         &mut self,
+        to: To,
         entity: &EntityPath,
         times: &[i64],
         columns: Vec<SerializedComponentColumn>,
     ) -> Result<(), RerunError> {
-        let message = rows(&self.store, &mut self.ids, entity, times, columns)?;
-        self.send(&message);
-        Ok(())
-    }
-
-    /// Sends rows to the file only: the viewer has them already.
-    pub(super) fn file_rows(
-        &mut self,
-        entity: &EntityPath,
-        times: &[i64],
-        columns: Vec<SerializedComponentColumn>,
-    ) -> Result<(), RerunError> {
-        let message = rows(&self.store, &mut self.ids, entity, times, columns)?;
-        self.write_file(message);
-        Ok(())
-    }
-
-    /// Sends rows to the viewer only: the file gets them later, in longer chunks.
-    pub(super) fn live_rows(
-        &mut self,
-        entity: &EntityPath,
-        times: &[i64],
-        columns: Vec<SerializedComponentColumn>,
-    ) -> Result<(), RerunError> {
-        let message = rows(&self.store, &mut self.live_ids, entity, times, columns)?;
-        self.feed_viewer(message);
+        let ids = match to {
+            To::Viewer => &mut self.live_ids,
+            To::File | To::Both => &mut self.ids,
+        };
+        let message = rows(&self.store, ids, entity, times, columns)?;
+        match to {
+            To::Viewer => self.feed_viewer(message),
+            To::File => self.write_file(message),
+            To::Both => self.send(&message),
+        }
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! What is known of two runs that are compared before their messages.
 
-use super::blueprint::quantities;
+use super::blueprint::contrasts;
 use super::identity::{Geometry, Identity, Playback};
 use super::look::Look;
 use crate::telemetry::fields::{NUTATION, POSE, Plot};
@@ -54,7 +54,7 @@ impl PairIdentity {
     /// Whether there will be logarithms of these differences: the layout shows them, and the plot has one number. A
     /// row of several could not leave out those that are zero.
     pub(super) fn has_magnitude_of(&self, plot: Plot) -> bool {
-        self.has_difference_of(plot) && quantities::compares(plot) && plot.numbers().count() == 1
+        self.has_difference_of(plot) && contrasts::compares(plot) && plot.numbers().count() == 1
     }
 
     /// Geometry of the larger of the tops that are drawn, if any.

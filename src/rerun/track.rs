@@ -4,7 +4,7 @@ use rerun::external::re_log_types::EntityPath;
 use rerun::{Scalars, SerializedComponentColumn, TextLog};
 
 use super::error::RerunError;
-use super::outlet::Outlet;
+use super::outlet::{Outlet, To};
 
 /// Rows of one chunk: enough that the cost per chunk doesn't matter, few enough to bound memory.
 const CHUNK_ROWS: usize = 4096;
@@ -82,8 +82,7 @@ impl<R: Rows> Track<R> {
 
     fn show(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
         if outlet.is_live() && self.shown < self.times.len() {
-            let times = &self.times[self.shown..];
-            outlet.live_rows(&self.entity, times, self.rows.columns(self.shown)?)?;
+            self.send(To::Viewer, self.shown, outlet)?;
             self.shown = self.times.len();
         }
         Ok(())
@@ -95,15 +94,20 @@ impl<R: Rows> Track<R> {
             return Ok(());
         }
         if self.shown == 0 {
-            outlet.send_rows(&self.entity, &self.times, self.rows.columns(0)?)?;
+            self.send(To::Both, 0, outlet)?;
         } else {
             self.show(outlet)?;
-            outlet.file_rows(&self.entity, &self.times, self.rows.columns(0)?)?;
+            self.send(To::File, 0, outlet)?;
         }
         self.times.clear();
         self.shown = 0;
         self.rows.clear();
         Ok(())
+    }
+
+    fn send(&self, to: To, start: usize, outlet: &mut Outlet) -> Result<(), RerunError> {
+        let columns = self.rows.columns(start)?;
+        outlet.send_rows(to, &self.entity, &self.times[start..], columns)
     }
 }
 

@@ -43,21 +43,11 @@ pub(super) struct LiveDestination {
 impl LiveDestination {
     /// Finds or starts the viewer. The error is a sentence.
     pub(super) fn open(live: &Live) -> Result<Self, String> {
-        match live {
-            Live::Connect(address) => {
-                let uri = parse_address(address)?;
-                wait_for_viewer(&uri, CONNECT)?;
-                Self::feed(uri)
-            }
-            Live::Spawn => {
-                let uri = spawn_viewer()?;
-                wait_for_viewer(&uri, START)?;
-                Self::feed(uri)
-            }
-        }
-    }
-
-    fn feed(uri: ProxyUri) -> Result<Self, String> {
+        let (uri, patience) = match live {
+            Live::Connect(address) => (parse_address(address)?, CONNECT),
+            Live::Spawn => (spawn_viewer()?, START),
+        };
+        wait_for_viewer(&uri, patience)?;
         let address = uri.to_string();
         let (queue, messages) = sync_channel(QUEUE);
         let (report, end) = sync_channel(1);

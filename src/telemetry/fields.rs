@@ -241,6 +241,12 @@ impl Plot {
         plots
     }
 
+    /// The unit of its numbers.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        self.numbers().next().map_or("", NumberField::unit)
+    }
+
     /// Its numbers, in table order.
     pub fn numbers(self) -> impl Iterator<Item = NumberField> {
         let leaves = self.topic.info().numbers.iter().enumerate();

@@ -9,7 +9,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 use rerun::external::re_sdk_types::blueprint::components;
 
 use super::builder::{Child, Layout, column, row, tabs};
-use super::quantities::{FRICTION, MORE, MOTION, Quantity};
+use super::contrasts::{Contrast, FRICTION, MORE, MOTION};
 use super::views::{events, panels, scene, time_series};
 use crate::rerun::entity::{self, ABOUT, STAGE, SUMMARY};
 use crate::rerun::error::RerunError;
@@ -21,7 +21,7 @@ use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
 
 /// The messages of the layout.
-pub(in super::super) fn messages(identity: &PairIdentity) -> Result<Vec<LogMsg>, RerunError> {
+pub(crate) fn messages(identity: &PairIdentity) -> Result<Vec<LogMsg>, RerunError> {
     let mut layout = Layout::new(&identity.recording_id);
     let left = left_side(&mut layout, identity)?;
     let right = right_side(&mut layout, identity)?;
@@ -84,8 +84,8 @@ fn words(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, RerunErr
 fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Option<Child>, RerunError> {
     let mut motion = rows(layout, identity, &MOTION)?;
     let mut friction = Vec::new();
-    for quantity in &FRICTION {
-        friction.extend(overlay(layout, identity, quantity)?);
+    for contrast in &FRICTION {
+        friction.extend(overlay(layout, identity, contrast)?);
     }
     motion.extend(layout.contain_any(row(&[]), &friction)?);
     let more = rows(layout, identity, &MORE)?;
@@ -101,12 +101,12 @@ fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Option<Chi
 fn rows(
     layout: &mut Layout,
     identity: &PairIdentity,
-    quantities: &[Quantity],
+    contrasts: &[Contrast],
 ) -> Result<Vec<Child>, RerunError> {
     let mut rows = Vec::new();
-    for quantity in quantities {
-        let mut charts: Vec<_> = overlay(layout, identity, quantity)?.into_iter().collect();
-        charts.extend(differences(layout, identity, quantity)?);
+    for contrast in contrasts {
+        let mut charts: Vec<_> = overlay(layout, identity, contrast)?.into_iter().collect();
+        charts.extend(differences(layout, identity, contrast)?);
         rows.extend(layout.contain_any(row(&[]), &charts)?);
     }
     Ok(rows)
@@ -116,27 +116,27 @@ fn rows(
 fn overlay(
     layout: &mut Layout,
     identity: &PairIdentity,
-    quantity: &Quantity,
+    contrast: &Contrast,
 ) -> Result<Option<Child>, RerunError> {
     let mut contents = Vec::new();
     for side in [Side::A, Side::B] {
-        let there = quantity.curves.iter();
+        let there = contrast.curves.iter();
         let there = there.filter(|plot| identity.run(side).has(plot.topic()));
         contents.extend(there.map(|plot| identity.look(side).entity(&plot.to_string())));
     }
-    let name = format!("{} ({})", quantity.name, quantity.unit);
-    curves(layout, &name, &contents, quantity.legend)
+    let name = format!("{} ({})", contrast.name, contrast.curves[0].unit());
+    curves(layout, &name, &contents, contrast.legend)
 }
 
 /// The difference of the curves and its logarithm, if both runs have them.
 fn differences(
     layout: &mut Layout,
     identity: &PairIdentity,
-    quantity: &Quantity,
+    contrast: &Contrast,
 ) -> Result<Vec<Child>, RerunError> {
-    let Quantity { name, unit, .. } = quantity;
+    let (name, unit) = (contrast.name, contrast.curves[0].unit());
     let there = |has: &dyn Fn(Plot) -> bool, look: Look| -> Vec<String> {
-        let plots = quantity.differences.iter().filter(|plot| has(**plot));
+        let plots = contrast.differences.iter().filter(|plot| has(**plot));
         plots.map(|plot| look.entity(&plot.to_string())).collect()
     };
     let plain = there(&|plot| identity.has_difference_of(plot), Look::Difference);

@@ -36,51 +36,51 @@ const fn chart(name: &'static str, contents: &'static [Plot], legend: Corner2D) 
 /// Charts of the first page: how the top rises.
 #[rustfmt::skip]
 const RISE: [Chart; 8] = [
-    chart("θ, inclination (rad)", &[state::THETA.plot(), nutation::THETA_MEAN.plot()], Corner2D::RightTop),
-    chart("dθ/dt (rad/s)", &[state::THETA_DOT.plot(), nutation::THETA_DOT_MEAN.plot()], Corner2D::LeftTop),
+    chart("θ, inclination", &[state::THETA.plot(), nutation::THETA_MEAN.plot()], Corner2D::RightTop),
+    chart("dθ/dt", &[state::THETA_DOT.plot(), nutation::THETA_DOT_MEAN.plot()], Corner2D::LeftTop),
     chart(
-        "dφ/dt and the slow root of regular precession (rad/s)",
+        "dφ/dt and the slow root of regular precession",
         &[state::PHI_DOT.plot(), nutation::PHI_DOT_MEAN.plot(), precession::SLOW_ROOT.plot()],
         Corner2D::LeftTop,
     ),
-    chart("dψ/dt, spin (rad/s)", &[state::PSI_DOT.plot(), nutation::PSI_DOT_MEAN.plot()], Corner2D::RightTop),
-    chart("Friction torque, node frame (N m)", &[torque::FRICTION_NODE.plot()], Corner2D::LeftBottom),
+    chart("dψ/dt, spin", &[state::PSI_DOT.plot(), nutation::PSI_DOT_MEAN.plot()], Corner2D::RightTop),
+    chart("Friction torque, node frame", &[torque::FRICTION_NODE.plot()], Corner2D::LeftBottom),
     chart(
-        "d²θ/dt² term by term (rad/s²)",
+        "d²θ/dt² term by term",
         &[acceleration::THETA_DDOT_FRICTIONAL.plot(), state::THETA_DDOT.plot()],
         Corner2D::RightTop,
     ),
     chart(
-        "Slip velocity at the contact, world axes (m/s)",
+        "Slip velocity at the contact, world axes",
         &[contact::SLIP_SPEED.plot(), contact::SLIP_WORLD.plot()],
         Corner2D::RightBottom,
     ),
-    chart("Total and kinetic energy (J)", &[energy::TOTAL.plot()], Corner2D::LeftBottom),
+    chart("Total and kinetic energy", &[energy::TOTAL.plot()], Corner2D::LeftBottom),
 ];
 
 /// Charts of the second page.
 #[rustfmt::skip]
 const MORE: [Chart; 8] = [
     chart(
-        "d²φ/dt² term by term (rad/s²)",
+        "d²φ/dt² term by term",
         &[acceleration::PHI_DDOT_FRICTIONAL.plot(), state::PHI_DDOT.plot()],
         Corner2D::LeftTop,
     ),
     chart(
-        "d²ψ/dt² term by term (rad/s²)",
+        "d²ψ/dt² term by term",
         &[acceleration::PSI_DDOT_FRICTIONAL.plot(), state::PSI_DDOT.plot()],
         Corner2D::LeftTop,
     ),
-    chart("dφ/dt − slow root (rad/s)", &[precession::EXCESS.plot()], Corner2D::LeftTop),
-    chart("Nutation period (s)", &[nutation::PERIOD.plot()], Corner2D::LeftTop),
-    chart("Gravity torque, node frame (N m)", &[torque::GRAVITY_NODE.plot()], Corner2D::RightTop),
-    chart("Angular momentum, vertical and axial (kg m²/s)", &[momentum::VERTICAL.plot()], Corner2D::RightTop),
-    chart("Work of friction (J)", &[energy::FRICTION_WORK.plot()], Corner2D::RightTop),
-    chart("Power of friction (W)", &[energy::FRICTION_POWER.plot()], Corner2D::RightBottom),
+    chart("dφ/dt − slow root", &[precession::EXCESS.plot()], Corner2D::LeftTop),
+    chart("Nutation period", &[nutation::PERIOD.plot()], Corner2D::LeftTop),
+    chart("Gravity torque, node frame", &[torque::GRAVITY_NODE.plot()], Corner2D::RightTop),
+    chart("Angular momentum, vertical and axial", &[momentum::VERTICAL.plot()], Corner2D::RightTop),
+    chart("Work of friction", &[energy::FRICTION_WORK.plot()], Corner2D::RightTop),
+    chart("Power of friction", &[energy::FRICTION_POWER.plot()], Corner2D::RightBottom),
 ];
 
 /// The messages of the layout.
-pub(in super::super) fn messages(identity: &Identity) -> Result<Vec<LogMsg>, RerunError> {
+pub(crate) fn messages(identity: &Identity) -> Result<Vec<LogMsg>, RerunError> {
     let mut layout = Layout::new(&identity.recording_id);
     let left = left_side(&mut layout, identity)?;
     let right = right_side(&mut layout, identity)?;
@@ -125,9 +125,10 @@ fn right_side(layout: &mut Layout, identity: &Identity) -> Result<Option<Child>,
             if !chart.contents.iter().any(|plot| identity.has(plot.topic())) {
                 continue;
             }
+            let name = format!("{} ({})", chart.name, chart.contents[0].unit());
             let contents: Vec<_> = chart.contents.iter().map(Plot::to_string).collect();
             let legend = parts::PlotLegend::new().with_corner(chart.legend);
-            views.push(time_series(layout, chart.name, &contents, &legend)?);
+            views.push(time_series(layout, &name, &contents, &legend)?);
         }
         let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
             .with_grid_columns(2)

@@ -109,7 +109,7 @@ impl ArrowKind {
 }
 
 /// What the arrows mean and how long they are, in Markdown.
-pub(in super::super) fn explanation(identity: &Identity, look: &Look) -> String {
+pub(crate) fn explanation(identity: &Identity, look: &Look) -> String {
     let geometry = &identity.geometry;
     let height = Proportions::new(&geometry.top).tip;
     let mut text = "\n\n## Arrows\n\n| arrow | length |\n| --- | --- |\n".to_owned();
