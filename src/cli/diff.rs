@@ -9,8 +9,8 @@ use super::progress::Progress;
 use super::run::parse_override;
 use super::{Done, EncodingName, format, output};
 use crate::analysis::diff::{
-    Align, Archive, Matrix, Observer, Options, Report, Subject, Tolerance, Tolerances, Verdict,
-    compare_observed,
+    Align, DifferenceFile, Matrix, Observer, Options, Report, Subject, Tolerance, Tolerances,
+    Verdict, compare_observed,
 };
 use crate::archive::publish::{Existing, refuse_inputs};
 use crate::archive::sink::SinkError;
@@ -191,7 +191,7 @@ impl DiffArguments {
     }
 
     /// The file of differences, if one is wanted.
-    fn archive(&self, subjects: [Subject<'_>; 2]) -> Result<Option<Archive>, Error> {
+    fn archive(&self, subjects: [Subject<'_>; 2]) -> Result<Option<DifferenceFile>, Error> {
         let Some(path) = &self.mcap else {
             return Ok(None);
         };
@@ -199,7 +199,7 @@ impl DiffArguments {
             bail!("--mcap writes the fields of toprise's recordings; one of these is another file");
         }
         let existing = Existing::forced(self.force);
-        Ok(Some(Archive::create(
+        Ok(Some(DifferenceFile::create(
             path,
             existing,
             self.encoding.into(),
@@ -275,7 +275,7 @@ fn given(arguments: &DiffArguments) -> Result<Vec<Given>, Error> {
 /// Everything that watches a comparison: the progress bar and what is written.
 struct Watching<'a> {
     progress: &'a Progress,
-    archive: Option<Archive>,
+    archive: Option<DifferenceFile>,
     #[cfg(feature = "rerun")]
     viewer: Option<viewer::Viewer>,
 }

@@ -103,6 +103,18 @@ impl fmt::Display for NumberField {
     }
 }
 
+impl Topic {
+    /// The handles of the numbers of a message.
+    pub fn numbers(self) -> impl Iterator<Item = NumberField> {
+        let leaves = self.info().numbers.iter().enumerate();
+        leaves.map(move |(index, leaf)| NumberField {
+            topic: self,
+            index,
+            plot: leaf.plot,
+        })
+    }
+}
+
 /// The handle of a vector: three numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct VectorField(NumberField);

@@ -15,6 +15,7 @@ use toprise::archive::writer::Form;
 use toprise::physics::math::{exp, ln};
 use toprise::run::scenario::Scenario;
 use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::fields::STATE;
 
 fn quick() -> Options {
     Options {
@@ -769,7 +770,7 @@ fn causes_part_before_effects() {
     let first = |kind: &str| {
         let parted = report.signals.parted.iter();
         parted
-            .filter(|parting| parting.kind == kind)
+            .filter(|parting| parting.kind.name() == kind)
             .map(|parting| parting.time)
             .next()
             .unwrap()
@@ -1304,4 +1305,227 @@ fn reports_have_no_gaps_in_json() {
     let schemas = toprise::analysis::diff::schemas();
     let schema: Value = serde_json::from_str(&schemas[0].1).unwrap();
     numbers_are_there("", &value, &schema, &schema);
+}
+
+// Whatever is in a file, it is equal to itself.
+
+/// That a file is equal to itself, unless it has nothing that could be compared.
+#[track_caller]
+fn assert_equal_to_itself(recording: &Recording) {
+    match compare(recording, recording, &quick()) {
+        Ok(report) => assert_ne!(report.verdict, Verdict::Different, "{:?}", report.summary),
+        Err(DiffError::NoMessages { .. } | DiffError::NoCommonTopics { .. }) => {}
+        Err(error) => panic!("{error}"),
+    }
+}
+
+#[test]
+fn a_recording_out_of_order_is_identical_to_itself() {
+    let directory = tempdir().unwrap();
+    let scenario = short(&[]);
+    let a = recorded(&directory.path().join("a.mcap"), &scenario, Encoding::Json);
+    let moved = |name: &str, to_ns: u64| {
+        rewritten(&directory.path().join(name), &scenario, |message| {
+            if message.channel == STATE.index() && message.time_ns == 500_000_000 {
+                message.time_ns = to_ns;
+            }
+        })
+    };
+    let b = moved("b.mcap", 300_000_000);
+    let report = compare(&b, &b, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Identical, "{:?}", report.summary);
+    assert_eq!(channel(&report, STATE.name()).out_of_order, 2);
+    // It is neither the recording in order nor one that is in another disorder.
+    assert_eq!(verdict_of(&a, &b, &quick()), Verdict::Different);
+    let c = moved("c.mcap", 400_000_000);
+    assert_eq!(verdict_of(&b, &c, &quick()), Verdict::Different);
+}
+
+/// The records of a file: where each begins, its opcode, and where the next one begins.
+fn records(bytes: &[u8]) -> Vec<(u8, std::ops::Range<usize>)> {
+    let magic = 8;
+    let mut records = Vec::new();
+    let mut at = magic;
+    while at + magic < bytes.len() {
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+        records.push((bytes[at], at..at + 9 + length));
+        at += 9 + length;
+    }
+    records
+}
+
+#[derive(Clone, Debug)]
+enum Harm {
+    Flip(prop::sample::Index, u8),
+    Cut(prop::sample::Index),
+    Repeat(prop::sample::Index),
+    Swap(prop::sample::Index, prop::sample::Index),
+}
+
+fn harm() -> impl Strategy<Value = Harm> {
+    let place = any::<prop::sample::Index>;
+    prop_oneof![
+        (place(), 0..8_u8).prop_map(|(at, bit)| Harm::Flip(at, bit)),
+        place().prop_map(Harm::Cut),
+        place().prop_map(Harm::Repeat),
+        (place(), place()).prop_map(|(one, other)| Harm::Swap(one, other)),
+    ]
+}
+
+impl Harm {
+    /// Harms a file with these chunks.
+    fn apply(&self, bytes: &mut Vec<u8>, chunks: &[std::ops::Range<usize>]) {
+        let chunk = |at: &prop::sample::Index| chunks[at.index(chunks.len())].clone();
+        match self {
+            Self::Flip(at, bit) => {
+                let at = at.index(bytes.len());
+                bytes[at] ^= 1 << bit;
+            }
+            Self::Cut(at) => bytes.truncate(at.index(bytes.len()).max(8)),
+            Self::Repeat(at) => {
+                let chunk = chunk(at);
+                let copy = bytes[chunk.clone()].to_vec();
+                bytes.splice(chunk.end..chunk.end, copy);
+            }
+            Self::Swap(one, other) => {
+                let (mut first, mut second) = (chunk(one), chunk(other));
+                if second.start < first.start {
+                    std::mem::swap(&mut first, &mut second);
+                }
+                if first != second {
+                    let swapped = [
+                        &bytes[second.clone()],
+                        &bytes[first.end..second.start],
+                        &bytes[first.clone()],
+                    ]
+                    .concat();
+                    bytes.splice(first.start..second.end, swapped);
+                }
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_damaged_recording_is_equal_to_itself(harms in prop::collection::vec(harm(), 1..4)) {
+        static WHOLE: std::sync::LazyLock<Vec<u8>> = std::sync::LazyLock::new(|| {
+            let directory = tempdir().unwrap();
+            let path = directory.path().join("whole.mcap");
+            recorded(&path, &short(&[("stop.duration", "0.3")]), Encoding::Json);
+            fs::read(&path).unwrap()
+        });
+        let mut bytes = WHOLE.clone();
+        for harm in &harms {
+            let chunks: Vec<_> = records(&WHOLE).into_iter().filter(|(opcode, _)| *opcode == 6).map(|(_, at)| at).collect();
+            // The chunks stand where they stood as long as the length is the same.
+            if bytes.len() == WHOLE.len() {
+                harm.apply(&mut bytes, &chunks);
+            }
+        }
+        let directory = tempdir().unwrap();
+        let path = directory.path().join("harmed.mcap");
+        fs::write(&path, &bytes).unwrap();
+        if let Ok(recording) = Recording::open(&path) {
+            assert_equal_to_itself(&recording);
+        }
+    }
+
+    /// Times in any order, repeated, with gaps; values that are numbers or not.
+    #[test]
+    fn any_file_is_equal_to_itself(
+        topics in prop::collection::vec(prop::collection::vec((0..40_u64, 0..5_usize), 0..30), 1..4),
+    ) {
+        const VALUES: [&str; 5] = [
+            r#"{"x":1}"#, r#"{"x":NaN,"y":2}"#, r#"{"y":-Infinity}"#, r#"{"z":[1,2],"x":0.5}"#, "{}",
+        ];
+        let messages: Vec<Vec<(u64, &str)>> = topics
+            .iter()
+            .map(|topic| topic.iter().map(|(time, value)| (*time, VALUES[*value])).collect())
+            .collect();
+        let names = ["/x", "/y", "/z"];
+        let topics: Vec<(&str, &[(u64, &str)])> = names
+            .into_iter()
+            .zip(messages.iter().map(Vec::as_slice))
+            .collect();
+        let directory = tempdir().unwrap();
+        assert_equal_to_itself(&numbers(&directory, "a.mcap", &topics));
+    }
+}
+
+#[test]
+fn inputs_that_fuzzing_found_are_equal_to_themselves() {
+    let fuzz = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz");
+    let directory = tempdir().unwrap();
+    let whole = recorded(
+        &directory.path().join("a.mcap"),
+        &short(&[("stop.duration", "0.1")]),
+        Encoding::Json,
+    );
+    let mut count = 0;
+    for kind in ["corpus/recording", "regressions/recording"] {
+        let Ok(files) = fs::read_dir(fuzz.join(kind)) else {
+            continue;
+        };
+        for file in files {
+            let path = file.unwrap().path();
+            println!("{}", path.display());
+            if let Ok(recording) = Recording::open(&path) {
+                assert_equal_to_itself(&recording);
+                // Whatever comes of it.
+                let _ = compare(&whole, &recording, &quick());
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 10, "{count}");
+}
+
+// Large files.
+
+/// As many topics would take minutes if each were looked for among all others, or looked at for each batch.
+#[test]
+fn sixty_thousand_topics_are_compared() {
+    let directory = tempdir().unwrap();
+    let names: Vec<String> = (0..60_000).map(|i| format!("/topic/{i}")).collect();
+    let messages = [(1, r#"{"x":1}"#), (2, r#"{"x":2}"#)];
+    let topics: Vec<_> = names
+        .iter()
+        .map(|name| (name.as_str(), &messages[..]))
+        .collect();
+    let a = numbers(&directory, "a.mcap", &topics);
+    let b = numbers(&directory, "b.mcap", &topics[1..]);
+    let report = compare(&a, &b, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
+    assert_eq!(report.setup.topics_only_in_a, ["/topic/0"]);
+    assert_eq!(report.signals.channels.len(), 59_999);
+    assert!(
+        report
+            .signals
+            .channels
+            .iter()
+            .all(|channel| channel.identical == 2)
+    );
+    assert_equal_to_itself(&a);
+}
+
+#[test]
+fn no_more_fields_are_compared_than_memory_allows() {
+    let directory = tempdir().unwrap();
+    let fields: Vec<String> = (0..4096).map(|i| format!("\"{i}\":1")).collect();
+    let message = format!("{{{}}}", fields.join(","));
+    let messages = [(1, message.as_str())];
+    let names: Vec<String> = (0..65).map(|i| format!("/topic/{i}")).collect();
+    let topics: Vec<_> = names
+        .iter()
+        .map(|name| (name.as_str(), &messages[..]))
+        .collect();
+    let file = numbers(&directory, "a.mcap", &topics);
+    let report = compare(&file, &file, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Equal);
+    assert!(!report.is_complete);
+    assert_eq!(report.a.losses, ["fields beyond the first 262144"]);
+    assert_eq!(report.signals.fields().count(), 1 << 18);
 }

@@ -1,19 +1,72 @@
-//! The averaged motions of two runs: means, envelopes, frequency, phase and amplitude of the nutation.
+//! Section c of a report: the averaged motions of two runs.
+//!
+//! `/top/nutation` tells the means of each nutation cycle, and the states of a cycle the least and greatest values.
+//! Each of these quantities is a curve through the middles of the cycles; A's and B's curves are compared at the
+//! middles of A's cycles. How many nutations a run has done by a time, its phase, is known where cycles begin and end;
+//! there B's phase is compared with A's. The amplitude is half the range of θ̇ in a cycle: that of θ is widened by the
+//! drift.
 
-use super::report::{Averaged, Deviation};
 use crate::analysis::course::curve::Curve;
 use crate::analysis::course::{Course, Cycle};
+use crate::telemetry::fields::{NumberField, state};
+use schemars::JsonSchema;
+use serde::Serialize;
 
-/// The quantities of cycles: names, units.
-const QUANTITIES: [(&str, &str); 4] = [
-    ("theta", "rad"),
-    ("theta_dot", "rad/s"),
-    ("phi_dot", "rad/s"),
-    ("psi_dot", "rad/s"),
+/// The quantities that cycles have means and ranges of, in their order.
+const QUANTITIES: [NumberField; 4] = [
+    state::THETA,
+    state::THETA_DOT,
+    state::PHI_DOT,
+    state::PSI_DOT,
 ];
 
-/// Apart by so many nutations, two runs no longer nutate together.
+/// Two runs no longer nutate together when they are apart by this part of a nutation.
 const DECORRELATED: f64 = 0.25;
+
+/// Section c: the averaged motion, at the middle of each of A's nutation cycles.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Averaged {
+    /// Middle of the first cycle, s.
+    pub from: f64,
+    /// Middle of the last cycle, s.
+    pub to: f64,
+    /// Number of A's cycles in between.
+    pub cycles: u64,
+    /// Means over a cycle: θ, θ̇, φ̇, ψ̇.
+    pub means: Vec<Deviation>,
+    /// Least and greatest values within a cycle; those of the rates need `/top/state`.
+    pub envelopes: Vec<Deviation>,
+    /// The nutation frequency, Hz.
+    pub frequency: Deviation,
+    /// How many nutations B is ahead of A.
+    pub phase: Deviation,
+    /// How many nutations B is ahead at the last nutation of both.
+    pub phase_last: f64,
+    /// When B is first ahead or behind by a quarter of a nutation, s: from there on, differences at equal
+    /// times say nothing about the nutation.
+    pub decorrelated: Option<f64>,
+    /// Amplitude of B's nutation over that of A's in the first cycle. The amplitude is half the range of θ̇.
+    pub amplitude_ratio_first: Option<f64>,
+    /// Amplitude of B's nutation over that of A's in the last cycle.
+    pub amplitude_ratio_last: Option<f64>,
+}
+
+/// How far two curves lie apart.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Deviation {
+    /// The quantity.
+    pub quantity: String,
+    /// Its unit.
+    pub unit: String,
+    /// The difference of largest magnitude.
+    pub largest: f64,
+    /// When it was largest, s.
+    pub at: f64,
+    /// Root of the mean square.
+    pub rms: f64,
+    /// The larger magnitude of the two: what the difference is to be compared with.
+    pub scale: f64,
+}
 
 /// Compares the averaged motions at the middles of A's cycles.
 pub(super) fn compare(a: &Course, b: &Course) -> Option<Averaged> {
@@ -29,7 +82,8 @@ pub(super) fn compare(a: &Course, b: &Course) -> Option<Averaged> {
     };
     let mut means = Vec::new();
     let mut envelopes = Vec::new();
-    for (at, (name, unit)) in QUANTITIES.iter().enumerate() {
+    for (at, quantity) in QUANTITIES.into_iter().enumerate() {
+        let (name, unit) = (quantity.path(), quantity.unit());
         means.extend(at_middles(&format!("{name}_mean"), unit, &|c| c.means[at]));
         for (end, ending) in ["min", "max"].iter().enumerate() {
             let name = format!("{name}_{ending}");
@@ -75,6 +129,7 @@ fn ahead([a, b]: &[Curve; 2], time: f64) -> Option<f64> {
     Some(b.at(time)? - a.at(time)?)
 }
 
+/// How far B's curve is from A's at these times, as far as both are known.
 fn deviation(name: &str, unit: &str, times: &[f64], [a, b]: &[Curve; 2]) -> Option<Deviation> {
     let mut found = Deviation {
         quantity: name.to_owned(),

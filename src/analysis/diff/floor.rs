@@ -1,19 +1,63 @@
-//! How exact two runs are: what of their difference is the integrators' doing.
+//! Section f of a report: how much of a difference is the integrators' doing.
+//!
+//! Each scenario is simulated twice more, with its own tolerances and with a hundredth of them, and the two are compared
+//! like any runs. Their difference is the error of the coarser one, as far as it is known. A difference between A and B
+//! that is no larger than both errors together, the floor, says nothing about the models.
 
-use super::plan::Plan;
-use super::report::{Floor, IntegratorError};
-use super::{Options, Subject, Tolerances, averages, happened, pass};
+use super::options::Options;
+use super::plan::ComparisonPlan;
+use super::reading::read_both;
+use super::topic::ComparedTopic;
+use super::{averages, happened};
+use crate::analysis::subject::Subject;
 use crate::run::scenario::Scenario;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::thread;
 
-/// The factor by which the tolerances are tightened.
+/// Factor by which the tolerances are tightened.
 const TIGHTER: f64 = 0.01;
 /// The tightest tolerances that scenarios may have.
 const TIGHTEST_RELATIVE: f64 = 1e-14;
 const TIGHTEST_ABSOLUTE: f64 = 1e-18;
 
+/// Section f: how far each run would be from itself with a hundredth of its tolerances.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Floor {
+    /// A's error.
+    pub a: IntegratorError,
+    /// B's error.
+    pub b: IntegratorError,
+}
+
+/// The error of an integrator.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct IntegratorError {
+    /// The relative tolerance of the run.
+    pub relative_tolerance: f64,
+    /// The relative tolerance that it was compared with.
+    pub compared_with: f64,
+    /// Fields and their largest differences.
+    pub fields: Vec<(String, f64)>,
+    /// Largest shift of an event, s.
+    pub event_shift: f64,
+    /// Largest difference of the mean of θ over a nutation, rad.
+    pub theta_mean: f64,
+}
+
+impl Floor {
+    /// The errors of both integrators together in a field (with its topic), if they are known.
+    pub(super) fn of(&self, field: &str) -> Option<f64> {
+        let of = |error: &IntegratorError| {
+            let mut fields = error.fields.iter();
+            Some(fields.find(|(name, _)| name == field)?.1)
+        };
+        Some(of(&self.a)? + of(&self.b)?)
+    }
+}
+
 /// Finds the errors of both integrators up to a time (s), if both scenarios are known.
-pub(super) fn compute(a: Subject<'_>, b: Subject<'_>, to: f64) -> Option<Floor> {
+pub(super) fn compute([a, b]: [Subject<'_>; 2], to: f64) -> Option<Floor> {
     let (a, b) = (until(&a.scenario()?, to)?, until(&b.scenario()?, to)?);
     if a.digest() == b.digest() {
         let error = error(&a)?;
@@ -31,30 +75,26 @@ pub(super) fn compute(a: Subject<'_>, b: Subject<'_>, to: f64) -> Option<Floor> 
 
 fn error(scenario: &Scenario) -> Option<IntegratorError> {
     let tighter = tightened(scenario)?;
-    let (a, b) = (Subject::Scenario(scenario), Subject::Scenario(&tighter));
+    let runs = [Subject::Scenario(scenario), Subject::Scenario(&tighter)];
     let options = Options::default();
-    let plan = Plan::new(a, b, &options).ok()?;
-    let passed = pass::run(a, b, &plan, &Tolerances::default(), &mut ()).ok()?;
-    let [first, second] = &passed.courses;
+    let plan = ComparisonPlan::new(runs, &options).ok()?;
+    let findings = read_both(runs, &plan, &options.tolerances, &mut ()).ok()?;
+    let [first, second] = [0, 1].map(|side| &findings.runs[side].course);
     let happened = happened::compare(first, second, true);
     let shifts = happened.kinds.iter().filter_map(|kind| kind.largest_shift);
     let means = averages::compare(first, second).map(|averaged| averaged.means);
     let theta = means.and_then(|means| means.first().map(|mean| mean.largest.abs()));
+    let largest = |topic: &ComparedTopic| topic.tally.largest().collect::<Vec<_>>();
     Some(IntegratorError {
         relative_tolerance: scenario.tolerances.relative,
         compared_with: tighter.tolerances.relative,
-        fields: passed
-            .channels
-            .iter()
-            .flatten()
-            .flat_map(|channel| channel.largest())
-            .collect(),
+        fields: findings.compared().flat_map(largest).collect(),
         event_shift: shifts.map(f64::abs).fold(0.0, f64::max),
         theta_mean: theta.unwrap_or_default(),
     })
 }
 
-/// The scenario up to a time, s: its beginning, to the last bit.
+/// The scenario, ended at a time (s): its run is the beginning of the whole, to the last bit.
 fn until(scenario: &Scenario, time: f64) -> Option<Scenario> {
     if scenario
         .stop

@@ -1,16 +1,47 @@
 //! The law by which a difference grows.
+//!
+//! Of the difference over time only the largest values in some hundred windows are kept. Through their logarithms, over
+//! the time and over its logarithm, straight lines are laid: the one that explains more tells whether the difference
+//! grows exponentially or as a power of time, unless it hardly grows at all.
 
-use super::report::{Growth, GrowthLaw};
 use crate::physics::math::ln;
+use schemars::JsonSchema;
+use serde::Serialize;
 
-/// At most so many windows are kept.
+/// Most windows that are kept.
 const WINDOWS: usize = 256;
-/// With fewer, nothing can be said.
+/// With fewer windows than this, nothing can be said.
 const FEWEST: usize = 8;
 /// A power law with a smaller exponent is none: the difference is bounded.
 const SMALLEST_EXPONENT: f64 = 0.2;
 
-/// The largest difference in each of some hundred windows of equal length, whose number doesn't grow.
+/// The law by which a difference grew.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Growth {
+    /// The field.
+    pub field: String,
+    /// The law.
+    pub law: GrowthLaw,
+    /// The law's parameter: the exponent p of t^p, or the rate in 1/s of an exponential; 0 if bounded.
+    pub parameter: f64,
+    /// The part of the variance of the logarithm that the law explains; for a bounded difference, 1 less
+    /// the part that a power law would explain.
+    pub quality: f64,
+}
+
+/// Laws of growth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum GrowthLaw {
+    /// The difference doesn't grow.
+    Bounded,
+    /// The difference grows as a power of time.
+    Power,
+    /// The difference grows exponentially.
+    Exponential,
+}
+
+/// The largest difference in each of some hundred windows of equal length. The windows get longer with the run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Envelope {
     /// The length of a window, ns.
@@ -20,6 +51,7 @@ pub(super) struct Envelope {
 }
 
 impl Envelope {
+    /// Takes in a difference.
     pub(super) fn add(&mut self, time_ns: u64, difference: f64) {
         let size = difference.abs();
         if time_ns == 0 || !size.is_finite() || size == 0.0 {
@@ -45,7 +77,7 @@ impl Envelope {
 
     /// Makes the windows twice as long.
     fn merge(&mut self) {
-        self.window *= 2;
+        self.window = self.window.saturating_mul(2);
         let mut merged: Vec<(u64, f64, f64)> = Vec::with_capacity(WINDOWS);
         for (window, at, peak) in self.peaks.drain(..) {
             match merged.last_mut() {

@@ -1,23 +1,90 @@
-//! What happened in one run and in the other: events matched one to one, and when the average rose.
+//! Section b of a report: what happened in one run and in the other.
+//!
+//! Events of a kind are matched one to one ([`match_times`]). The rise is told twice: when θ first was at the limit,
+//! which depends on which dip of the nutation reaches it, and when the averaged θ passed a level that both reach.
 
-use super::report::{EventKindDifference, EventMoment, EventPair, Happened};
 use crate::analysis::course::{Course, Cycle, Event};
+use crate::run::simulation::EventKind;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::collections::BTreeMap;
 
-/// Events of these kinds come with each nutation: they are counted, not listed.
-const OF_NUTATION: &str = "nutation_";
-
-/// Shifts that are smaller by this factor speak against the order of events.
+/// Matches whose shifts are smaller by this factor are better than matches in order.
 const SMALLER: f64 = 0.25;
+
+/// Section b: what happened.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Happened {
+    /// Kinds of events that both or one of them have.
+    pub kinds: Vec<EventKindDifference>,
+    /// Pairs of events, without nutation extremes.
+    pub matched: Vec<EventPair>,
+    /// Events that only A has, with nutation extremes.
+    pub only_in_a: Vec<EventMoment>,
+    /// Events that only B has, with nutation extremes.
+    pub only_in_b: Vec<EventMoment>,
+    /// The shift of the rise, s.
+    pub rise_shift: Option<f64>,
+    /// How much the nutation alone can have moved the rise, s: half the ripple over the drift.
+    pub rise_shift_uncertainty: Option<f64>,
+    /// The level of the averaged θ that both reach, rad.
+    pub averaged_level: Option<f64>,
+    /// When A's averaged θ reaches it, s.
+    pub averaged_crossing_a: Option<f64>,
+    /// When B's averaged θ reaches it, s.
+    pub averaged_crossing_b: Option<f64>,
+}
+
+/// Events of one kind.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct EventKindDifference {
+    /// The kind.
+    pub name: String,
+    /// How many A has.
+    pub count_a: u64,
+    /// How many B has.
+    pub count_b: u64,
+    /// How many of them were matched.
+    pub matched: u64,
+    /// Mean shift of the matched events, s.
+    pub mean_shift: Option<f64>,
+    /// Shift of largest magnitude, s.
+    pub largest_shift: Option<f64>,
+}
+
+/// Two events that belong together.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct EventPair {
+    /// The kind.
+    pub name: String,
+    /// Time in A, s.
+    pub time_a: f64,
+    /// Time in B, s.
+    pub time_b: f64,
+    /// θ of the event in A, rad.
+    pub theta_a: f64,
+    /// θ of the event in B, rad.
+    pub theta_b: f64,
+}
+
+/// An event that only one run has.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct EventMoment {
+    /// The kind.
+    pub name: String,
+    /// Time, s.
+    pub time: f64,
+    /// What happened, in a sentence.
+    pub description: String,
+}
 
 /// Compares what happened; events only if both have recorded them.
 pub(super) fn compare(a: &Course, b: &Course, both_have_events: bool) -> Happened {
     let mut happened = Happened::default();
-    for name in names(a, b).into_iter().filter(|_| both_have_events) {
-        let of_kind = |course: &'_ Course| -> Vec<Event> {
-            let events = course.events.iter().filter(|event| event.name == name);
-            events.cloned().collect()
-        };
-        compare_kind(&name, &of_kind(a), &of_kind(b), &mut happened);
+    if both_have_events {
+        for (name, [of_a, of_b]) in by_kind(a, b) {
+            compare_kind(name, &of_a, &of_b, &mut happened);
+        }
     }
     let time = |time: &f64, other: &f64| time.total_cmp(other);
     happened.matched.sort_by(|x, y| time(&x.time_a, &y.time_a));
@@ -32,19 +99,26 @@ pub(super) fn compare(a: &Course, b: &Course, both_have_events: bool) -> Happene
     happened
 }
 
-/// The kinds of events in the order in which they first come.
-fn names(a: &Course, b: &Course) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for event in a.events.iter().chain(&b.events) {
-        if !names.contains(&event.name) {
-            names.push(event.name.clone());
+/// The events of A and of B by their kinds, in the order in which these first come.
+fn by_kind<'c>(a: &'c Course, b: &'c Course) -> Vec<(&'c str, [Vec<&'c Event>; 2])> {
+    let mut kinds: Vec<(&str, [Vec<&Event>; 2])> = Vec::new();
+    let mut known = BTreeMap::new();
+    for (side, course) in [a, b].into_iter().enumerate() {
+        for event in &course.events {
+            let name = event.name.as_str();
+            let at = *known.entry(name).or_insert(kinds.len());
+            if at == kinds.len() {
+                kinds.push((name, Default::default()));
+            }
+            kinds[at].1[side].push(event);
         }
     }
-    names
+    kinds
 }
 
-fn compare_kind(name: &str, a: &[Event], b: &[Event], happened: &mut Happened) {
-    let times = |events: &[Event]| -> Vec<f64> { events.iter().map(|event| event.time).collect() };
+/// Compares the events of a kind.
+fn compare_kind(name: &str, a: &[&Event], b: &[&Event], happened: &mut Happened) {
+    let times = |events: &[&Event]| -> Vec<f64> { events.iter().map(|event| event.time).collect() };
     let matches = match_times(&times(a), &times(b));
     let shifts: Vec<f64> = matches
         .iter()
@@ -62,7 +136,8 @@ fn compare_kind(name: &str, a: &[Event], b: &[Event], happened: &mut Happened) {
         mean_shift: largest.map(|_| shifts.iter().sum::<f64>() / shifts.len() as f64),
         largest_shift: largest,
     });
-    if !name.starts_with(OF_NUTATION) {
+    // Those that come with each nutation are counted, not listed.
+    if !EventKind::find(name).is_some_and(EventKind::is_of_nutation) {
         happened
             .matched
             .extend(matches.iter().map(|(i, j)| EventPair {
@@ -73,9 +148,9 @@ fn compare_kind(name: &str, a: &[Event], b: &[Event], happened: &mut Happened) {
                 theta_b: b[*j].theta,
             }));
     }
-    let alone = |events: &[Event], matched: &dyn Fn(usize) -> bool| -> Vec<EventMoment> {
+    let alone = |events: &[&Event], matched: &dyn Fn(usize) -> bool| -> Vec<EventMoment> {
         let alone = events.iter().enumerate().filter(|(at, _)| !matched(*at));
-        let moment = |(_, event): (usize, &Event)| EventMoment {
+        let moment = |(_, event): (usize, &&Event)| EventMoment {
             name: event.name.clone(),
             time: event.time,
             description: event.description.clone(),

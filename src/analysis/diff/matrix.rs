@@ -1,6 +1,6 @@
-//! Three or more runs beside each other.
+//! Three or more runs, compared with each other.
 
-use super::report::Report;
+use super::report::{ComparedRun, Report};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -19,9 +19,9 @@ pub struct Matrix {
 /// A run among others.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MatrixRow {
-    /// What it is called.
+    /// The run's name.
     pub name: String,
-    /// Why it ended.
+    /// Why the run ended.
     pub stop_reason: Option<String>,
     /// When the top had risen, s.
     pub rise_time: Option<f64>,
@@ -73,7 +73,7 @@ impl Matrix {
     }
 }
 
-fn row(run: &super::report::Run) -> MatrixRow {
+fn row(run: &ComparedRun) -> MatrixRow {
     let course = run.course.clone().unwrap_or_default();
     MatrixRow {
         name: run.name.clone(),

@@ -1,27 +1,68 @@
-//! What was different in the set-up of two runs.
+//! Section a of a report: what was different in the set-up of two runs.
 
-use super::Subject;
-use super::report::{KeyDifference, Setup};
-use crate::archive::recording::{Entries, FileChannel, Recording};
+use crate::analysis::subject::Subject;
+use crate::archive::recording::{FileChannel, Recording};
 use crate::run::scenario::KEYS;
-use std::collections::BTreeMap;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// The keys and values of a scenario, as texts.
+/// Keys of what files say about themselves, beside the entries of their metadata records.
+const LIBRARY: &str = "library";
+const ENCODING: &str = "encoding";
+const CONDITION: &str = "condition";
+
+/// Section a: the set-up.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct SetupDifferences {
+    /// Keys of the scenarios with different values.
+    pub scenario: Vec<KeyDifference>,
+    /// Number of keys that both scenarios have with equal values.
+    pub equal_keys: u64,
+    /// What the files say about themselves: versions, encodings, entries of metadata records.
+    pub files: Vec<KeyDifference>,
+    /// Topics with schemas that differ.
+    pub schemas: Vec<String>,
+    /// Topics that only A has.
+    pub topics_only_in_a: Vec<String>,
+    /// Topics that only B has.
+    pub topics_only_in_b: Vec<String>,
+    /// Fields of common topics that only A has.
+    pub fields_only_in_a: Vec<String>,
+    /// Fields of common topics that only B has.
+    pub fields_only_in_b: Vec<String>,
+}
+
+/// A key and its two values.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct KeyDifference {
+    /// The key.
+    pub key: String,
+    /// The unit of the values.
+    pub unit: String,
+    /// A's value; absent if it has none.
+    pub a: Option<String>,
+    /// B's value; absent if it has none.
+    pub b: Option<String>,
+}
+
+/// Keys with their values as texts.
 type Flat = BTreeMap<String, String>;
 
-/// Compares scenarios and files.
-pub(super) fn compare(a: Subject<'_>, b: Subject<'_>) -> Setup {
-    let mut setup = Setup::default();
+/// Compares scenarios and files; which topics and fields only one of them has is found elsewhere.
+pub(super) fn compare(a: Subject<'_>, b: Subject<'_>) -> SetupDifferences {
+    let mut setup = SetupDifferences::default();
     if let (Some(a), Some(b)) = (flat_scenario(a), flat_scenario(b)) {
         compare_scenarios(&a, &b, &mut setup);
     }
     if let (Subject::Recording(a), Subject::Recording(b)) = (a, b) {
-        compare_files(a, b, &mut setup);
+        setup.files = file_differences(a, b);
+        setup.schemas = schema_differences(a, b);
     }
     setup
 }
 
-/// The scenario key by key; of other versions too, whose keys mean nothing here.
+/// The keys of a run's scenario, also of one of another version, whose keys mean nothing here.
 fn flat_scenario(subject: Subject<'_>) -> Option<Flat> {
     let text = match subject {
         Subject::Scenario(scenario) => scenario.to_toml(),
@@ -48,98 +89,80 @@ fn flatten(prefix: &str, table: &toml::Table, flat: &mut Flat) {
     }
 }
 
-fn compare_scenarios(a: &Flat, b: &Flat, setup: &mut Setup) {
-    let known = KEYS.iter().map(|key| key.path.to_owned());
-    let unknown = a
-        .keys()
-        .chain(b.keys())
-        .filter(|path| !KEYS.iter().any(|key| key.path == **path));
-    let mut paths: Vec<String> = known.chain(unknown.cloned()).collect();
-    let mut seen = std::collections::BTreeSet::new();
-    paths.retain(|path| seen.insert(path.clone()));
-    for path in paths {
-        let (x, y) = (a.get(&path), b.get(&path));
-        if x.is_none() && y.is_none() {
-            continue;
-        }
+fn compare_scenarios(a: &Flat, b: &Flat, setup: &mut SetupDifferences) {
+    let known: BTreeMap<&str, &str> = KEYS.iter().map(|key| (key.path, key.unit)).collect();
+    let all: BTreeSet<&str> = a.keys().chain(b.keys()).map(String::as_str).collect();
+    let ours = KEYS.iter().map(|key| key.path);
+    let ours = ours.filter(|path| all.contains(path));
+    let others = all.iter().copied();
+    let others = others.filter(|path| !known.contains_key(path));
+    for path in ours.chain(others) {
+        let (x, y) = (a.get(path), b.get(path));
         if x == y {
             setup.equal_keys += 1;
-            continue;
+        } else {
+            let unit = known.get(path).copied().unwrap_or_default();
+            setup.scenario.push(key_difference(path, unit, x, y));
         }
-        let unit = KEYS
-            .iter()
-            .find(|key| key.path == path)
-            .map_or("", |key| key.unit);
-        setup.scenario.push(KeyDifference {
-            key: path,
-            unit: unit.to_owned(),
-            a: x.cloned(),
-            b: y.cloned(),
-        });
     }
 }
 
-fn compare_files(a: &Recording, b: &Recording, setup: &mut Setup) {
-    let mut add = |key: &str, of: &dyn Fn(&Recording) -> Option<String>| {
-        let (x, y) = (of(a), of(b));
-        if x != y {
-            setup.files.push(KeyDifference {
-                key: key.to_owned(),
-                unit: String::new(),
-                a: x,
-                b: y,
-            });
-        }
-    };
-    add("library", &|recording| Some(recording.library().to_owned()));
-    add("encoding", &|recording| Some(encodings(recording)));
-    add("condition", &|recording| {
-        Some(recording.condition().name().to_owned())
+fn key_difference(key: &str, unit: &str, a: Option<&String>, b: Option<&String>) -> KeyDifference {
+    KeyDifference {
+        key: key.to_owned(),
+        unit: unit.to_owned(),
+        a: a.cloned(),
+        b: b.cloned(),
+    }
+}
+
+/// What files say about themselves that is not the same.
+fn file_differences(a: &Recording, b: &Recording) -> Vec<KeyDifference> {
+    let [of_a, of_b] = [a, b].map(facts);
+    let keys: BTreeSet<&String> = of_a.keys().chain(of_b.keys()).collect();
+    let own = [LIBRARY, ENCODING, CONDITION].map(str::to_owned);
+    let records = keys.into_iter().filter(|key| !own.contains(*key));
+    let all = own.iter().chain(records);
+    let differing = all.filter(|key| of_a.get(*key) != of_b.get(*key));
+    differing
+        .map(|key| key_difference(key, "", of_a.get(key), of_b.get(key)))
+        .collect()
+}
+
+/// What a file says about itself, and the entries of its metadata records.
+fn facts(recording: &Recording) -> Flat {
+    let mut records = BTreeMap::new();
+    for (name, entries) in recording.all_metadata() {
+        // Of records with the same name, the first counts.
+        records.entry(name).or_insert(entries);
+    }
+    let mut facts = Flat::new();
+    for (name, entries) in records {
+        let entries = entries.iter();
+        facts.extend(entries.map(|(key, value)| (format!("{name}: {key}"), value.clone())));
+    }
+    facts.insert(LIBRARY.to_owned(), recording.library().to_owned());
+    facts.insert(ENCODING.to_owned(), encodings(recording));
+    let condition = recording.condition().name().to_owned();
+    facts.insert(CONDITION.to_owned(), condition);
+    facts
+}
+
+/// Topics of both files whose message types differ.
+fn schema_differences(a: &Recording, b: &Recording) -> Vec<String> {
+    let mut of_b: BTreeMap<&str, &FileChannel> = BTreeMap::new();
+    for channel in b.channels() {
+        of_b.entry(&channel.topic).or_insert(channel);
+    }
+    let channels = a.channels().iter();
+    let differences = channels.filter_map(|channel| {
+        let other = of_b.get(channel.topic.as_str())?;
+        schema_difference(channel, other)
     });
-    let names = |recording: &Recording| -> Vec<String> {
-        recording
-            .all_metadata()
-            .map(|(name, _)| name.to_owned())
-            .collect()
-    };
-    let mut all = [names(a), names(b)].concat();
-    all.sort();
-    all.dedup();
-    for name in all {
-        let empty = BTreeMap::new();
-        let entries = |recording: &Recording| recording.metadata(&name).unwrap_or(&empty).clone();
-        let prefix = format!("{name}: ");
-        setup
-            .files
-            .extend(entry_differences(&prefix, &entries(a), &entries(b)));
-    }
-    for channel in a.channels() {
-        let other = b
-            .channels()
-            .iter()
-            .find(|other| other.topic == channel.topic);
-        let Some(other) = other else {
-            continue;
-        };
-        if let Some(difference) = schema_difference(channel, other) {
-            setup.schemas.push(difference);
-        }
-    }
-    let only = |of: &Recording, other: &Recording| -> Vec<String> {
-        let has = |topic: &str| {
-            other
-                .channels()
-                .iter()
-                .any(|channel| channel.topic == topic)
-        };
-        let alone = of.channels().iter().filter(|channel| !has(&channel.topic));
-        alone.map(|channel| channel.topic.clone()).collect()
-    };
-    setup.topics_only_in_a = only(a, b);
-    setup.topics_only_in_b = only(b, a);
+    differences.collect()
 }
 
-/// The encodings of a file's messages.
+/// The encodings of a file's messages, separated by commas.
 pub(super) fn encodings(recording: &Recording) -> String {
     if let Some(encoding) = recording.encoding() {
         return encoding.name().to_owned();
@@ -169,20 +192,4 @@ fn schema_difference(a: &FileChannel, b: &FileChannel) -> Option<String> {
     } else {
         format!("{}: {x} in A, {y} in B", a.topic)
     })
-}
-
-/// Entries of a record as differences: keys with other values.
-fn entry_differences(prefix: &str, a: &Entries, b: &Entries) -> Vec<KeyDifference> {
-    let mut keys: Vec<_> = a.keys().chain(b.keys()).collect();
-    keys.sort();
-    keys.dedup();
-    let differing = keys.into_iter().filter(|key| a.get(*key) != b.get(*key));
-    differing
-        .map(|key| KeyDifference {
-            key: format!("{prefix}{key}"),
-            unit: String::new(),
-            a: a.get(key).cloned(),
-            b: b.get(key).cloned(),
-        })
-        .collect()
 }

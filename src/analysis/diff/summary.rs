@@ -1,21 +1,34 @@
 //! The findings of a comparison in a few sentences, from its numbers.
 
-use super::report::{Averaged, Deviation, Floor, Happened, KeyDifference, Report, Verdict};
+use super::averages::{Averaged, Deviation};
+use super::floor::Floor;
+use super::happened::Happened;
+use super::report::Report;
+use super::setup::KeyDifference;
+use super::verdict::Verdict;
 use crate::analysis::course::CourseReport;
 use crate::analysis::phrase::{duration, list, moment, quantity, significant, symbol};
+use crate::run::simulation::EventKind;
+use crate::telemetry::fields::{NumberField, nutation};
 
 /// Keys of a scenario that don't change the run.
 const NAMES: [&str; 2] = ["name", "description"];
 /// A nutation whose amplitude differs by less than this factor is called equally strong.
 const NOTABLE_RATIO: f64 = 1.25;
-/// So many nutations apart are worth a word.
+/// Runs that are farther apart than this part of a nutation are said to be.
 const NOTABLE_PHASE: f64 = 1e-6;
 /// Averages that differ by no more than this part of their size agree.
 const ALIKE: f64 = 0.02;
-/// So many keys are told one by one.
+/// The averages that are told.
+const AVERAGED: [NumberField; 3] = [
+    nutation::THETA_MEAN,
+    nutation::PHI_DOT_MEAN,
+    nutation::PSI_DOT_MEAN,
+];
+/// Most keys that are told one by one.
 const KEYS_TOLD: usize = 3;
 
-/// What is told, and what the two runs are called.
+/// The report that is told, and what the two runs are called.
 #[derive(Clone, Copy)]
 struct Tale<'r> {
     report: &'r Report,
@@ -233,11 +246,11 @@ fn average_rise(happened: &Happened, name: &str) -> String {
 }
 
 fn averaged(averaged: &Averaged) -> Option<String> {
-    let of = |name: &str| averaged.means.iter().find(|mean| mean.quantity == name);
-    let means: Vec<&Deviation> = ["theta_mean", "phi_dot_mean", "psi_dot_mean"]
-        .iter()
-        .filter_map(|name| of(name))
-        .collect();
+    let of = |field: NumberField| {
+        let mut means = averaged.means.iter();
+        means.find(|mean| mean.quantity == field.path())
+    };
+    let means: Vec<&Deviation> = AVERAGED.into_iter().filter_map(of).collect();
     if means.iter().all(|mean| mean.largest == 0.0) {
         return Some("The averaged motions are the same.".to_owned());
     }
@@ -304,7 +317,7 @@ fn nutation(tale: Tale<'_>) -> Option<String> {
 
 fn looping(Tale { report, a, b }: Tale<'_>, happened: &Happened) -> Option<String> {
     let mut kinds = happened.kinds.iter();
-    let kind = kinds.find(|kind| kind.name == "looping_begins")?;
+    let kind = kinds.find(|kind| kind.name == EventKind::LoopingBegins.name())?;
     let (only, name, other, run) = match (kind.count_a, kind.count_b) {
         (1.., 0) => (&happened.only_in_a, a, b, &report.b),
         (0, 1..) => (&happened.only_in_b, b, a, &report.a),

@@ -1,11 +1,13 @@
 //! How far two numbers may lie apart and still count as equal.
 
-use super::DiffError;
+use super::error::DiffError;
 use crate::physics::math::ulp_distance;
+use crate::telemetry::fields::state::THETA;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Two numbers are equal within it if any of its three bounds holds. By default they must be equal.
+/// A bound on the difference of two numbers that count as equal: any of the three bounds suffices. By default the
+/// numbers must be equal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tolerance {
@@ -35,7 +37,7 @@ impl Tolerance {
     }
 }
 
-/// A general tolerance, and others for some of the fields.
+/// A general tolerance, and tolerances of some of the fields.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tolerances {
     /// For fields that no pattern matches.
@@ -108,7 +110,7 @@ impl Tolerances {
         Ok(tolerances)
     }
 
-    /// Adds one as on the command line: `PATTERN=1e-9`, or `PATTERN=abs:1e-9,rel:1e-6,ulp:4`.
+    /// Adds the tolerance of a pattern as on the command line: `PATTERN=1e-9`, or `PATTERN=abs:1e-9,rel:1e-6,ulp:4`.
     ///
     /// # Errors
     /// [`DiffError::Tolerance`] naming what is wrong.
@@ -120,7 +122,7 @@ impl Tolerances {
         let (pattern, bounds) = text
             .rsplit_once('=')
             .filter(|(pattern, _)| !pattern.is_empty())
-            .ok_or_else(|| malformed("it must be PATTERN=VALUE, as in /top/state.theta=1e-9"))?;
+            .ok_or_else(|| malformed(&format!("it must be PATTERN=VALUE, as in {THETA}=1e-9")))?;
         let mut tolerance = Tolerance::default();
         for bound in bounds.split(',') {
             let (kind, value) = bound.split_once(':').unwrap_or(("abs", bound));
@@ -197,13 +199,13 @@ impl Tolerances {
     }
 }
 
-/// A field with its topic, as in `/top/state.theta`: what patterns are matched with.
+/// The name of a field with its topic, as in `/top/state.theta`, which patterns are matched with.
 #[must_use]
 pub fn full_name(topic: &str, field: &str) -> String {
     format!("{topic}.{field}")
 }
 
-/// Whether a pattern stands for a field: itself, a topic or an object that it is in, or with `*` for any
+/// Whether a pattern stands for a field: the field itself, or a topic or an object that it is in; `*` stands for any
 /// characters.
 fn matches(pattern: &str, name: &str) -> bool {
     let mut parts = pattern.split('*');

@@ -1,9 +1,9 @@
 //! What the report says, section by section.
 
 use crate::analysis::diff::{
-    ChannelDifference, CourseReport, Deviation, EventKindDifference, EventMoment, FieldDifference,
-    Growth, GrowthLaw, Happened, KeyDifference, Matrix, Parting, Report, Residual, Run, Signals,
-    Verdict,
+    ChannelDifference, ComparedRun, CourseReport, Deviation, EventKindDifference, EventMoment,
+    FieldDifference, Growth, GrowthLaw, Happened, IntegratorError, KeyDifference, Matrix, Parting,
+    QuantityKind, Report, Residual, Signals, Verdict,
 };
 use crate::analysis::phrase::{duration, quantity, significant, symbol};
 use crate::archive::recording::Condition;
@@ -11,6 +11,7 @@ use crate::cli::format;
 use crate::cli::page::{Page, Part, Section, Table, Tone};
 use crate::run::simulation::EventKind;
 use crate::telemetry::fields::{NumberField, state};
+use std::collections::BTreeMap;
 use unicode_width::{UnicodeWidthChar as _, UnicodeWidthStr as _};
 
 /// Of long lists, so many entries are shown.
@@ -55,7 +56,7 @@ pub(super) fn page(report: &Report, detail: Detail) -> Page {
 }
 
 fn runs(report: &Report) -> Table {
-    let row = |letter: &str, run: &Run| {
+    let row = |letter: &str, run: &ComparedRun| {
         let what = match &run.condition {
             None => "simulated now",
             Some(Condition::Whole | Condition::Foreign) if run.losses.is_empty() => "",
@@ -192,7 +193,7 @@ fn happened(report: &Report) -> Section {
         rows: found
             .kinds
             .iter()
-            .filter(|kind| kind.name != "start")
+            .filter(|kind| kind.name != EventKind::Start.name())
             .map(kind_row)
             .collect(),
         left: 1,
@@ -571,11 +572,14 @@ fn is_by_itself(channel: &ChannelDifference) -> bool {
 /// Messages without a counterpart, topics with as many of them together.
 fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
     let mut lines: Vec<(String, Vec<String>)> = Vec::new();
-    let mut add =
-        |what: String, topic: &str| match lines.iter_mut().find(|(known, _)| *known == what) {
-            Some((_, topics)) => topics.push(topic.to_owned()),
-            None => lines.push((what, vec![topic.to_owned()])),
-        };
+    let mut known: BTreeMap<String, usize> = BTreeMap::new();
+    let mut add = |what: String, topic: &str| {
+        let at = *known.entry(what.clone()).or_insert(lines.len());
+        if at == lines.len() {
+            lines.push((what, Vec::new()));
+        }
+        lines[at].1.push(topic.to_owned());
+    };
     for channel in channels.iter().filter(|channel| is_by_itself(channel)) {
         for (name, within, beyond) in [
             ("A", channel.only_in_a, channel.beyond_in_a),
@@ -624,14 +628,24 @@ fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
 /// The first field of each kind that parted.
 fn parted(partings: &[Parting]) -> Option<String> {
     let mut first: Vec<&Parting> = Vec::new();
-    for parting in partings.iter().filter(|parting| parting.kind != "other") {
+    for parting in partings
+        .iter()
+        .filter(|parting| parting.kind != QuantityKind::Other)
+    {
         if !first.iter().any(|known| known.kind == parting.kind) {
             first.push(parting);
         }
     }
     let told: Vec<String> = first
         .iter()
-        .map(|parting| format!("{} ({} at {} s)", parting.kind, parting.field, parting.time))
+        .map(|parting| {
+            format!(
+                "{} ({} at {} s)",
+                parting.kind.name(),
+                parting.field,
+                parting.time
+            )
+        })
         .collect();
     (!told.is_empty()).then(|| format!("parted in this order: {}", told.join(", ")))
 }
@@ -702,17 +716,18 @@ fn errors(report: &Report) -> Section {
         "Integrator errors",
         "each run against itself with tighter tolerances".to_owned(),
     );
-    let of = |fields: &[(String, f64)], wanted: NumberField| {
-        let field = fields.iter().find(|(name, _)| *name == wanted.to_string());
-        field.map_or(String::new(), |(_, error)| significant(*error, 2))
+    let of = |error: &IntegratorError, field: NumberField| {
+        let name = field.to_string();
+        let found = error.fields.iter().find(|(field, _)| *field == name);
+        found.map_or(String::new(), |(_, error)| significant(*error, 2))
     };
-    let row = |letter: &str, error: &crate::analysis::diff::IntegratorError| {
+    let row = |letter: &str, error: &IntegratorError| {
         vec![
             letter.to_owned(),
             format!("{:e} → {:e}", error.relative_tolerance, error.compared_with),
-            of(&error.fields, state::THETA),
-            of(&error.fields, state::PHI_DOT),
-            of(&error.fields, state::PSI),
+            of(error, state::THETA),
+            of(error, state::PHI_DOT),
+            of(error, state::PSI),
             duration(error.event_shift),
         ]
     };

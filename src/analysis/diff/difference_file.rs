@@ -1,39 +1,40 @@
 //! The differences of two runs as an MCAP file: each channel of the table with B − A in its fields.
 
-use super::{Observer, Report, Subject};
+use super::observer::Observer;
+use super::report::Report;
+use crate::analysis::subject::Subject;
 use crate::archive::format::{Entries, SCENARIO_ATTACHMENT, scenario_attachment};
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::SinkError;
 use crate::archive::writer::{Archived, Ending, McapSink, Opening, RawChannel, RawMessage};
 use crate::telemetry::encoding::{Encoder, Encoding};
+use crate::telemetry::fields::EVENTS;
 use crate::telemetry::side::Side;
-use crate::telemetry::{ChannelInfo, Message, Topic, channel_index, channels};
+use crate::telemetry::{Message, Topic};
 use std::path::Path;
 
 /// Name of the metadata records at the start and at the end of a file of differences.
 pub const DIFF_RECORD: &str = "toprise.diff";
-/// What writes such files, by its own words: they are no recordings.
+/// The library field of such files, which are no recordings.
 const LIBRARY: &str = concat!("toprise-diff/", env!("CARGO_PKG_VERSION"));
-/// The channel whose messages are kept as they are, of both runs.
-const EVENTS: &str = "/events";
 
-/// Writes differences into an MCAP file.
+/// Writes the differences of two runs into an MCAP file.
 ///
 /// For each channel of the table that both have, but for events, there is `/diff` + topic; for the events of A
 /// and B there are `/a/events` and `/b/events`. Messages are of the same types as in recordings. The file ends
 /// with the report: as sentences, and whole as JSON.
 #[derive(Debug)]
-pub struct Archive {
+pub struct DifferenceFile {
     sink: McapSink,
     encoder: Encoder,
-    /// For each channel of the table, its place in the file.
-    places: Vec<Option<usize>>,
-    /// Where the events of A and of B go.
+    /// The channel of the file for the differences of each channel of the table.
+    differences: Vec<Option<usize>>,
+    /// The channels of the file for the events of A and of B.
     events: [usize; 2],
     buffer: Vec<u8>,
 }
 
-impl Archive {
+impl DifferenceFile {
     /// Begins the file.
     ///
     /// # Errors
@@ -45,22 +46,16 @@ impl Archive {
         [a, b]: [Subject<'_>; 2],
     ) -> Result<Self, SinkError> {
         let mut raw = Vec::new();
-        let mut places = Vec::new();
-        for (topic, channel) in Topic::all().zip(channels()) {
-            let is_common = [a, b].iter().all(|subject| subject.has_topic(topic));
-            places.push((is_common && channel.topic != EVENTS).then(|| {
-                let topic = format!("/diff{}", channel.topic);
-                raw.push(raw_channel(topic, channel, encoding, "B − A"));
-                raw.len() - 1
-            }));
-        }
-        let events = [("/a", "events of A"), ("/b", "events of B")].map(|(prefix, meaning)| {
-            if let Some(at) = channel_index(EVENTS) {
-                let topic = format!("{prefix}{EVENTS}");
-                raw.push(raw_channel(topic, &channels()[at], encoding, meaning));
-            }
+        let mut add = |prefix: &str, topic: Topic, meaning: &str| {
+            raw.push(raw_channel(prefix, topic, encoding, meaning));
             raw.len() - 1
-        });
+        };
+        let is_common = |topic| a.has_topic(topic) && b.has_topic(topic) && topic != EVENTS;
+        let differences = Topic::all()
+            .map(|topic| is_common(topic).then(|| add("/diff", topic, "B − A")))
+            .collect();
+        let events = [("/a", "events of A"), ("/b", "events of B")]
+            .map(|(prefix, meaning)| add(prefix, EVENTS, meaning));
         let opening = Opening {
             library: LIBRARY,
             metadata: vec![(DIFF_RECORD.to_owned(), names(a, b))],
@@ -73,13 +68,13 @@ impl Archive {
                 })
                 .collect(),
             encoding,
-            wanted: vec![false; channels().len()],
+            wanted: vec![false; Topic::all().len()],
             raw,
         };
         Ok(Self {
             sink: McapSink::open(Draft::new(path, existing)?, &opening)?,
             encoder: Encoder::new(encoding),
-            places,
+            differences,
             events,
             buffer: Vec::new(),
         })
@@ -114,35 +109,37 @@ impl Archive {
     }
 }
 
-impl Observer for Archive {
+impl Observer for DifferenceFile {
     fn message(&mut self, side: Side, message: &Message<'_>) -> Result<(), SinkError> {
-        if channels()[message.channel].topic != EVENTS {
+        if message.topic() != EVENTS {
             return Ok(());
         }
         self.write(self.events[side.index()], message)
     }
 
     fn difference(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        match self.places[message.channel] {
-            Some(place) => self.write(place, message),
+        match self.differences[message.channel] {
+            Some(channel) => self.write(channel, message),
             None => Ok(()),
         }
     }
 }
 
-fn raw_channel(topic: String, of: &ChannelInfo, encoding: Encoding, meaning: &str) -> RawChannel {
+fn raw_channel(prefix: &str, topic: Topic, encoding: Encoding, meaning: &str) -> RawChannel {
+    let info = topic.info();
     RawChannel {
-        topic,
+        topic: format!("{prefix}{topic}"),
         encoding: encoding.name().to_owned(),
         schema: Some((
-            of.schema.to_owned(),
+            info.schema.to_owned(),
             encoding.schema_encoding().to_owned(),
-            encoding.schema(of),
+            encoding.schema(info),
         )),
         metadata: Entries::from([("meaning".to_owned(), meaning.to_owned())]),
     }
 }
 
+/// The entries of the record at the start of the file.
 fn names(a: Subject<'_>, b: Subject<'_>) -> Entries {
     let entry = |key: &str, value: String| (key.to_owned(), value);
     let digest = |subject: Subject<'_>| subject.scenario().map(|scenario| scenario.digest());

@@ -1,0 +1,149 @@
+//! How two directions or orientations differ: angles that no single field tells.
+
+use super::field::{FieldDifference, FieldTally};
+use super::tolerance::Tolerance;
+use crate::physics::math::{atan2, unwrap_near};
+use crate::telemetry::Topic;
+use crate::telemetry::fields::{self, NumberField, pose, state};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+/// A number that is computed from others: how two directions or orientations differ.
+#[derive(Clone, Debug)]
+pub(super) struct Derived {
+    name: &'static str,
+    kind: DerivedKind,
+    tally: FieldTally,
+}
+
+/// The kinds of derived numbers, with the columns of the fields that they are computed from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum DerivedKind {
+    /// The angle between two directions in a plane: whole turns don't count.
+    Direction(usize),
+    /// The angle between two orientations (x, y, z, w).
+    Orientation([usize; 4]),
+    /// The angle between two vectors.
+    Between([usize; 3]),
+}
+
+impl DerivedKind {
+    /// The angle from A's to B's, rad.
+    fn difference(self, a: &[f64], b: &[f64]) -> f64 {
+        match self {
+            Self::Direction(at) => unwrap_near(b[at] - a[at], 0.0),
+            Self::Orientation(at) => {
+                let of = |row: &[f64]| {
+                    let [x, y, z, w] = at.map(|at| row[at]);
+                    UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
+                };
+                let turn = of(a).conjugate() * of(b);
+                2.0 * atan2(turn.imag().norm(), turn.scalar().abs())
+            }
+            Self::Between(at) => {
+                let of = |row: &[f64]| Vector3::from(at.map(|at| row[at]));
+                let (a, b) = (of(a), of(b));
+                atan2(a.cross(&b).norm(), a.dot(&b))
+            }
+        }
+    }
+}
+
+impl Derived {
+    /// The derived numbers of a channel of the table; `find` tells which column of the rows has a field.
+    pub(super) fn of(topic: Topic, find: impl Fn(NumberField) -> Option<usize>) -> Vec<Self> {
+        let kinds = match topic {
+            fields::STATE => vec![
+                (
+                    "φ as a direction",
+                    find(state::PHI).map(DerivedKind::Direction),
+                ),
+                (
+                    "ψ as a direction",
+                    find(state::PSI).map(DerivedKind::Direction),
+                ),
+            ],
+            fields::POSE => vec![
+                (
+                    "angle of the orientations",
+                    columns(pose::ORIENTATION.components(), &find).map(DerivedKind::Orientation),
+                ),
+                (
+                    "angle of the axes",
+                    columns(pose::AXIS.components(), &find).map(DerivedKind::Between),
+                ),
+            ],
+            _ => Vec::new(),
+        };
+        let derived = |(name, kind): (&'static str, Option<DerivedKind>)| {
+            Some(Self {
+                name,
+                kind: kind?,
+                tally: FieldTally::new(Tolerance::default()),
+            })
+        };
+        kinds.into_iter().filter_map(derived).collect()
+    }
+
+    /// Takes in the fields of a pair.
+    pub(super) fn add(&mut self, time_ns: u64, a: &[f64], b: &[f64]) {
+        self.tally.add(time_ns, 0.0, self.kind.difference(a, b));
+    }
+
+    /// What was found.
+    pub(super) fn report(&self) -> FieldDifference {
+        FieldDifference {
+            is_derived: true,
+            scale: 0.0,
+            relative: 0.0,
+            ulp: None,
+            ..self.tally.report(self.name, "rad", false)
+        }
+    }
+}
+
+/// The columns of several fields, if all of them are there.
+fn columns<const N: usize>(
+    fields: [NumberField; N],
+    find: impl Fn(NumberField) -> Option<usize>,
+) -> Option<[usize; N]> {
+    let columns: Vec<usize> = fields.into_iter().filter_map(find).collect();
+    columns.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_and_orientations_don_t_count_turns() {
+        let near = |kind: DerivedKind, a: &[f64], b: &[f64], expected: f64| {
+            let found = kind.difference(a, b);
+            assert!((found - expected).abs() < 1e-12, "{kind:?}: {found}");
+        };
+        near(
+            DerivedKind::Direction(0),
+            &[0.1],
+            &[0.3 + 20.0 * std::f64::consts::PI],
+            0.2,
+        );
+        let turned =
+            crate::physics::kinematics::world_from_body(crate::physics::kinematics::Euler {
+                phi: 0.4,
+                theta: 0.0,
+                psi: 0.0,
+            });
+        let c = turned.coords;
+        near(
+            DerivedKind::Orientation([0, 1, 2, 3]),
+            &[0.0, 0.0, 0.0, 1.0],
+            &[-c.x, -c.y, -c.z, -c.w],
+            0.4,
+        );
+        near(
+            DerivedKind::Between([0, 1, 2]),
+            &[1.0, 0.0, 0.0],
+            &[0.0, 0.0, 2.0],
+            0.5 * std::f64::consts::PI,
+        );
+    }
+}

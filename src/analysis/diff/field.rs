@@ -1,0 +1,216 @@
+//! The differences of one field: its numbers in A and B over time, summed up.
+
+use super::tolerance::Tolerance;
+use crate::physics::math::ulp_distance;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// More doubles between two numbers than these are no rounding.
+const ROUNDING_ULPS: u64 = 1 << 16;
+
+/// A field that both have.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct FieldDifference {
+    /// The field.
+    pub field: String,
+    /// The field's unit.
+    pub unit: String,
+    /// Whether it is computed from others: angles between directions.
+    pub is_derived: bool,
+    /// Pairs of numbers.
+    pub count: u64,
+    /// Pairs of which one is not a number.
+    pub not_numbers: u64,
+    /// The difference of largest magnitude.
+    pub largest: f64,
+    /// When it was largest, s.
+    pub at: f64,
+    /// Root of the mean square of the differences.
+    pub rms: f64,
+    /// Mean of the differences.
+    pub mean: f64,
+    /// The largest magnitude of the field in either run.
+    pub scale: f64,
+    /// The largest difference over the scale.
+    pub relative: f64,
+    /// The largest number of doubles from one to the other, where it is all there is: below 2^16.
+    pub ulp: Option<u64>,
+    /// When the two were first not the same to the last bit, s.
+    pub first_different: Option<f64>,
+    /// When they were first apart by more than the tolerance, s.
+    pub first_beyond: Option<f64>,
+    /// How many pairs are apart by more than the tolerance.
+    pub beyond: u64,
+    /// The tolerance.
+    pub tolerance: Tolerance,
+    /// Largest error of interpolating one run at the other's times, as estimated by leaving out every
+    /// eighth message; absent where nothing was interpolated.
+    pub interpolation_error: Option<f64>,
+    /// The errors of both integrators together, if they are known.
+    pub floor: Option<f64>,
+    /// Whether the difference is not larger than those.
+    pub is_below_floor: bool,
+}
+
+/// What is known of a field from its pairs so far, in memory that doesn't grow with their number.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FieldTally {
+    tolerance: Tolerance,
+    count: u64,
+    not_numbers: u64,
+    largest: f64,
+    at_ns: u64,
+    sum: f64,
+    sum_of_squares: f64,
+    scale: f64,
+    ulp: u64,
+    first_different: Option<u64>,
+    first_beyond: Option<u64>,
+    beyond: u64,
+    /// When the difference first reached 2^exponent, for rising exponents.
+    rungs: Vec<(i32, u64)>,
+    interpolation_error: f64,
+}
+
+impl FieldTally {
+    pub(super) fn new(tolerance: Tolerance) -> Self {
+        Self {
+            tolerance,
+            ..Self::default()
+        }
+    }
+
+    /// Takes in A's and B's number of a pair.
+    #[inline]
+    pub(super) fn add(&mut self, time_ns: u64, a: f64, b: f64) {
+        if a.to_bits() == b.to_bits() && !a.is_nan() {
+            self.count += 1;
+            if a.is_finite() {
+                self.scale = self.scale.max(a.abs());
+            }
+            return;
+        }
+        self.add_different(time_ns, a, b);
+    }
+
+    fn add_different(&mut self, time_ns: u64, a: f64, b: f64) {
+        if a.is_nan() && b.is_nan() {
+            return;
+        }
+        self.first_different.get_or_insert(time_ns);
+        if !self.tolerance.allows(a, b) {
+            self.first_beyond.get_or_insert(time_ns);
+            self.beyond += 1;
+        }
+        let difference = b - a;
+        if !difference.is_finite() {
+            self.not_numbers += 1;
+            return;
+        }
+        self.count += 1;
+        self.scale = self.scale.max(a.abs()).max(b.abs());
+        self.ulp = self.ulp.max(ulp_distance(a, b));
+        self.sum += difference;
+        self.sum_of_squares += difference * difference;
+        if difference.abs() > self.largest.abs() {
+            self.largest = difference;
+            self.at_ns = time_ns;
+            let exponent = exponent(difference);
+            if self.rungs.last().is_none_or(|(last, _)| *last < exponent) {
+                self.rungs.push((exponent, time_ns));
+            }
+        }
+    }
+
+    /// Takes in how large the error of interpolation can be.
+    pub(super) fn add_interpolation_error(&mut self, error: f64) {
+        self.interpolation_error = self.interpolation_error.max(error);
+    }
+
+    /// The magnitude of the largest difference.
+    pub(super) fn largest(&self) -> f64 {
+        self.largest.abs()
+    }
+
+    /// The largest magnitude of the field in either run.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Whether all pairs agree within the tolerance.
+    pub(super) fn is_equal(&self) -> bool {
+        self.beyond == 0
+    }
+
+    /// When the difference first reached the threshold, rounded up to the next power of two; ns.
+    pub(super) fn reached(&self, threshold: f64) -> Option<u64> {
+        let needed = if threshold > 0.0 {
+            exponent(threshold) + 1
+        } else {
+            i32::MIN
+        };
+        let rung = self.rungs.iter().find(|(exponent, _)| *exponent >= needed);
+        rung.map(|(_, time_ns)| *time_ns)
+    }
+
+    /// What was found, but for the integrators' errors.
+    pub(super) fn report(&self, field: &str, unit: &str, is_interpolated: bool) -> FieldDifference {
+        let count = self.count.max(1) as f64;
+        FieldDifference {
+            field: field.to_owned(),
+            unit: unit.to_owned(),
+            count: self.count,
+            not_numbers: self.not_numbers,
+            largest: self.largest,
+            at: seconds(self.at_ns),
+            rms: (self.sum_of_squares / count).sqrt(),
+            mean: self.sum / count,
+            scale: self.scale,
+            relative: if self.scale > 0.0 {
+                self.largest.abs() / self.scale
+            } else {
+                0.0
+            },
+            ulp: (self.ulp < ROUNDING_ULPS).then_some(self.ulp),
+            first_different: self.first_different.map(seconds),
+            first_beyond: self.first_beyond.map(seconds),
+            beyond: self.beyond,
+            tolerance: self.tolerance,
+            interpolation_error: is_interpolated.then_some(self.interpolation_error),
+            ..FieldDifference::default()
+        }
+    }
+}
+
+/// The exponent of the largest power of two that is not larger than a magnitude.
+fn exponent(value: f64) -> i32 {
+    libm::frexp(value.abs()).1 - 1
+}
+
+/// A time in s.
+pub(super) fn seconds(time_ns: u64) -> f64 {
+    time_ns as f64 / 1e9
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thresholds_are_reached_within_a_factor_of_two() {
+        let mut tally = FieldTally::new(Tolerance::default());
+        for i in 0..1000_u64 {
+            tally.add(i, 0.0, 1e-9 * i as f64);
+        }
+        for threshold in [1e-9, 3.3e-8, 5e-7] {
+            let time = tally.reached(threshold).unwrap() as f64 * 1e-9;
+            assert!(
+                time >= threshold * 0.999_999 && time <= 2.0 * threshold + 1e-9,
+                "{threshold}: {time}"
+            );
+        }
+        assert_eq!(tally.reached(1e-6), None);
+        // Anything at all.
+        assert_eq!(tally.reached(0.0), Some(1));
+    }
+}

@@ -1,0 +1,149 @@
+//! How the messages of a topic are paired, and how that is chosen.
+//!
+//! Messages that belong to the same instant are paired. Which those are depends on the topic:
+//!
+//! - Cycles and events are counted by their sequence numbers, and belong together by them: the fifth cycle of A
+//!   and the fifth of B, whenever they were.
+//! - Samples belong together by their times. If one run is sampled so many times finer than the other, its
+//!   samples in between are passed over.
+//! - If the runs have few times in common, or times are mapped (`--align`), the times of one of them count (the
+//!   grid), and the other is interpolated.
+
+use super::interpolation::Method;
+use super::time_map::TimeMap;
+use super::times::Times;
+use crate::telemetry::side::Side;
+
+/// A file with so many times more messages is finer; with fewer, the other one lacks some.
+const FINER: f64 = 1.5;
+/// In files that toprise did not write, a distance of so many usual ones is a gap.
+const GAP: u64 = 5;
+
+/// How the messages of a topic are paired.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Rule {
+    /// Messages with the same time.
+    SameTime {
+        /// The run that has more messages in between, which are passed over.
+        finer: Option<Finer>,
+    },
+    /// Messages with the same sequence number: the same cycle.
+    SameSequence,
+    /// Each message of one run with what the other has at its time.
+    Interpolated(Interpolation),
+}
+
+/// A run with more messages than the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Finer {
+    pub(super) side: Side,
+    /// A longer time between two messages of the other run is a gap, ns.
+    pub(super) gap: u64,
+}
+
+/// How one run is interpolated at the times of the other.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Interpolation {
+    /// The run whose times count.
+    pub(super) grid: Side,
+    /// The method for each field; straight lines for fields that have none.
+    pub(super) methods: Vec<Method>,
+    /// Two messages that are farther apart than this are not interpolated between, ns.
+    pub(super) widest: u64,
+    /// A longer time between two messages of the grid is a gap, ns.
+    pub(super) gap: u64,
+}
+
+impl Rule {
+    /// The rule for samples of toprise, from the times between samples (ns) where they are known.
+    pub(super) fn of_samples(map: &TimeMap, periods: [Option<u64>; 2]) -> Self {
+        let [a, b] = periods;
+        match (map, a, b) {
+            (TimeMap::Through(..), ..) => Self::Interpolated(Interpolation {
+                grid: Side::A,
+                methods: Vec::new(),
+                widest: b.map_or(u64::MAX, gap),
+                // Times are stretched: nothing is known of B's messages in between.
+                gap: u64::MAX,
+            }),
+            (TimeMap::Same, Some(x), Some(y)) if x != y => {
+                let (fine, coarse) = (x.min(y), x.max(y));
+                let side = if x < y { Side::A } else { Side::B };
+                if coarse.is_multiple_of(fine) {
+                    let gap = gap(coarse);
+                    return Self::SameTime {
+                        finer: Some(Finer { side, gap }),
+                    };
+                }
+                Self::Interpolated(Interpolation {
+                    grid: side.other(),
+                    methods: Vec::new(),
+                    widest: gap(fine),
+                    gap: gap(coarse),
+                })
+            }
+            _ => Self::SameTime { finer: None },
+        }
+    }
+
+    /// The rule for a topic of two files, from the times of their messages.
+    pub(super) fn of_times(a: &Times, b: &Times) -> Self {
+        let (Some(x), Some(y)) = (a.spacing(), b.spacing()) else {
+            return Self::SameTime { finer: None };
+        };
+        let (coarser, finer, side) = if x >= y {
+            (a, b, Side::B)
+        } else {
+            (b, a, Side::A)
+        };
+        let (long, short) = (x.max(y), x.min(y));
+        if coarser.shared(finer) > 0.5 {
+            let is_finer = long > short && long as f64 >= FINER * short as f64;
+            let gap = gap(long);
+            return Self::SameTime {
+                finer: is_finer.then_some(Finer { side, gap }),
+            };
+        }
+        Self::Interpolated(Interpolation {
+            grid: side.other(),
+            methods: Vec::new(),
+            widest: short.saturating_mul(GAP),
+            gap: long.saturating_mul(GAP),
+        })
+    }
+
+    /// The rule with methods of interpolation for each field, where it interpolates.
+    pub(super) fn with_methods(mut self, methods: Vec<Method>) -> Self {
+        if let Self::Interpolated(interpolation) = &mut self {
+            interpolation.methods = methods;
+        }
+        self
+    }
+
+    /// Whether it interpolates.
+    pub(super) fn is_interpolated(&self) -> bool {
+        matches!(self, Self::Interpolated(_))
+    }
+
+    /// Whether it gives each message of one run a message of the other.
+    pub(super) fn is_one_to_one(&self) -> bool {
+        matches!(self, Self::SameSequence | Self::SameTime { finer: None })
+    }
+
+    /// The run that has messages between those of the other.
+    pub(super) fn finer(&self) -> Option<Finer> {
+        match self {
+            Self::SameTime { finer } => *finer,
+            Self::SameSequence => None,
+            Self::Interpolated(Interpolation { grid, gap, .. }) => Some(Finer {
+                side: grid.other(),
+                gap: *gap,
+            }),
+        }
+    }
+}
+
+/// With this period, more than this between two messages is a gap, ns.
+fn gap(period: u64) -> u64 {
+    period.saturating_add(period / 2)
+}

@@ -1,0 +1,109 @@
+//! Which topics two runs have in common.
+
+use super::error::DiffError;
+use crate::analysis::subject::Subject;
+use crate::archive::recording::FileChannel;
+use std::collections::BTreeSet;
+
+/// Errors name no more topics or losses than this.
+const NAMED: usize = 20;
+
+/// The topics of two runs.
+#[derive(Debug)]
+pub(super) struct Topics {
+    /// Topics that are compared: both runs have them, and they were asked for.
+    pub(super) compared: Vec<String>,
+    /// Topics of both that can't be compared, because the telemetry table doesn't have them.
+    pub(super) uncompared: Vec<String>,
+    /// Topics that only A and only B has, but for those that are derived for viewers.
+    pub(super) alone: [Vec<String>; 2],
+}
+
+impl Topics {
+    /// Chooses the topics to compare: those that are `wanted`, or all if none are. What only one of the runs
+    /// has counts only where everything is compared.
+    pub(super) fn new(
+        runs: [Subject<'_>; 2],
+        are_ours: bool,
+        wanted: &[String],
+    ) -> Result<Self, DiffError> {
+        let [in_a, in_b] = runs.map(|run| comparable(run, are_ours));
+        let mut compared = in_both(&in_a, &in_b);
+        if compared.is_empty() {
+            let [a, b] = [in_a, in_b].map(|topics| some_of(&topics));
+            return Err(DiffError::NoCommonTopics { a, b });
+        }
+        if wanted.is_empty() {
+            let [more_a, more_b] = runs.map(|run| others(run, are_ours));
+            let uncompared = in_both(&more_a, &more_b);
+            let (in_a, in_b) = ([in_a, more_a].concat(), [in_b, more_b].concat());
+            return Ok(Self {
+                compared,
+                uncompared,
+                alone: [only_in(&in_a, &in_b), only_in(&in_b, &in_a)],
+            });
+        }
+        if let Some(topic) = wanted.iter().find(|topic| !compared.contains(topic)) {
+            return Err(DiffError::UnknownTopic {
+                topic: topic.clone(),
+                common: some_of(&compared),
+            });
+        }
+        compared.retain(|topic| wanted.contains(topic));
+        Ok(Self {
+            compared,
+            uncompared: Vec::new(),
+            alone: [Vec::new(), Vec::new()],
+        })
+    }
+}
+
+/// A list for an error.
+pub(super) fn some_of(list: &[String]) -> String {
+    match list {
+        [] => "none".to_owned(),
+        all if all.len() <= NAMED => all.join(", "),
+        all => format!("{} and {} more", all[..NAMED].join(", "), all.len() - NAMED),
+    }
+}
+
+/// The topics of a run that can be compared: those of the table in recordings of toprise, else all.
+fn comparable(run: Subject<'_>, are_ours: bool) -> Vec<String> {
+    match run {
+        Subject::Recording(recording) if !are_ours => {
+            let mut seen = BTreeSet::new();
+            let topics = recording.channels().iter().map(|channel| &channel.topic);
+            topics
+                .filter(|topic| seen.insert(*topic))
+                .cloned()
+                .collect()
+        }
+        run => run.topics().iter().map(ToString::to_string).collect(),
+    }
+}
+
+/// The topics of a recording of toprise that are neither of the table nor derived for viewers.
+fn others(run: Subject<'_>, are_ours: bool) -> Vec<String> {
+    let Subject::Recording(recording) = run else {
+        return Vec::new();
+    };
+    let is_other =
+        |channel: &&FileChannel| are_ours && channel.table.is_none() && !channel.is_view();
+    let others = recording.channels().iter().filter(is_other);
+    others.map(|channel| channel.topic.clone()).collect()
+}
+
+fn in_both(a: &[String], b: &[String]) -> Vec<String> {
+    filtered(a, b, true)
+}
+
+fn only_in(a: &[String], b: &[String]) -> Vec<String> {
+    filtered(a, b, false)
+}
+
+/// The topics of A that B has, or that it hasn't.
+fn filtered(a: &[String], b: &[String], is_in_b: bool) -> Vec<String> {
+    let b: BTreeSet<&String> = b.iter().collect();
+    let kept = a.iter().filter(|topic| b.contains(topic) == is_in_b);
+    kept.cloned().collect()
+}
