@@ -200,8 +200,7 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<Replayed, Er
         }
     })
     .with_context(context)?;
-    let (_, warnings) = sink.finish().map_err(SinkError::from)?;
-    output::warn_all(warnings);
+    output::warn_all(sink.finish().map_err(SinkError::from)?);
     if let Some(draft) = draft {
         if interrupt.is_asked() {
             let path = draft.path().display();

@@ -45,9 +45,10 @@ impl Events {
             return Ok(());
         }
         let kind = EventKind::find(events::NAME.of(message));
-        let track = match kind.is_some_and(EventKind::is_of_nutation) {
-            true => &mut self.nutation,
-            false => &mut self.notable,
+        let track = if kind.is_some_and(EventKind::is_of_nutation) {
+            &mut self.nutation
+        } else {
+            &mut self.notable
         };
         let description = events::DESCRIPTION.of(message).to_owned();
         track.push(outlet, message.time_ns, |rows| rows.push(description))

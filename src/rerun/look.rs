@@ -65,10 +65,9 @@ impl Look {
     /// and leave them visible at both sides.
     pub(super) fn width(&self, own: f32) -> f32 {
         match self {
-            Self::Alone => own,
             // Ripple and dots stay as they are: they form bands that others shine through.
             Self::Compared(Side::A, _) if own > 1.0 => 3.5,
-            Self::Compared(Side::A, _) => own,
+            Self::Alone | Self::Compared(Side::A, _) => own,
             Self::Compared(Side::B, _) | Self::Difference | Self::Magnitude => own.min(1.2),
         }
     }

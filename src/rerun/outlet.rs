@@ -140,16 +140,16 @@ impl Outlet {
         }
     }
 
-    /// Completes all destinations. Gives back the file and the warnings that were not taken yet.
-    pub(super) fn finish(self) -> Result<(Option<File>, Vec<String>), RerunError> {
+    /// Completes all destinations. Gives back the warnings that were not taken yet.
+    pub(super) fn finish(self) -> Result<Vec<String>, RerunError> {
         let file = match self.failure {
             Some(error) => Err(error),
-            None => self.file.map(RrdFile::finish).transpose(),
+            None => self.file.map_or(Ok(()), RrdFile::finish),
         };
         let mut warnings = self.warnings;
         if let Some(Err(warning)) = self.live.map(LiveDestination::finish) {
             warnings.push(warning);
         }
-        Ok((file?, warnings))
+        file.map(|()| warnings)
     }
 }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, BufWriter, IntoInnerError, Write};
+use std::io::{self, BufWriter, Write};
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -23,7 +23,7 @@ use super::message::QUEUE;
 /// An `.rrd` file that is being written.
 pub(super) struct RrdFile {
     queue: SyncSender<LogMsg>,
-    worker: JoinHandle<Result<File, RerunError>>,
+    worker: JoinHandle<Result<(), RerunError>>,
 }
 
 impl RrdFile {
@@ -42,14 +42,14 @@ impl RrdFile {
     }
 
     /// Waits until all messages and the footer are in the file.
-    pub(super) fn finish(self) -> Result<File, RerunError> {
+    pub(super) fn finish(self) -> Result<(), RerunError> {
         drop(self.queue);
         self.worker.join().map_err(|_| RerunError::Worker)?
     }
 }
 
 /// Encodes messages until there are no more, then adds the footer.
-fn encode(file: File, messages: &Receiver<LogMsg>) -> Result<File, RerunError> {
+fn encode(file: File, messages: &Receiver<LogMsg>) -> Result<(), RerunError> {
     let mut file = BufWriter::new(file);
     let mut length = 0;
     let mut write = |bytes: &[u8]| {
@@ -67,7 +67,7 @@ fn encode(file: File, messages: &Receiver<LogMsg>) -> Result<File, RerunError> {
     encoder.finish()?;
     let end = in_fixed_order(&encoded.take(), length)?;
     file.write_all(&end)?;
-    Ok(file.into_inner().map_err(IntoInnerError::into_error)?)
+    Ok(file.flush()?)
 }
 
 /// The bytes that the encoder has written since they were last taken.

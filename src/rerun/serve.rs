@@ -32,9 +32,10 @@ impl WebViewer {
         let options = rerun::ServerOptions {
             memory_limit: rerun::MemoryLimit::from_bytes(MEMORY),
             // By default only pages of this machine may read the stream.
-            cors_allowed_origins: match bind.is_loopback() {
-                true => Vec::new(),
-                false => vec![format!("http://*:{port}")],
+            cors_allowed_origins: if bind.is_loopback() {
+                Vec::new()
+            } else {
+                vec![format!("http://*:{port}")]
             },
             ..Default::default()
         };

@@ -1,7 +1,5 @@
 //! The sinks: a recording of one run, and one of two runs that are compared.
 
-use std::fs::File;
-
 use rerun::external::re_log_types::{LogMsg, StoreKind};
 use rerun::{EntityPath, RecordingInfo, StoreId};
 
@@ -111,12 +109,11 @@ impl<E: Collect> Stream<E> {
 
     /// Sends all that is left and completes the file with its footer.
     ///
-    /// Gives back the file, written but not synced, and the warnings that were not taken yet. A viewer that doesn't
-    /// read is left alone after a few seconds.
+    /// Gives back the warnings that were not taken yet. A viewer that doesn't read is left alone after a few seconds.
     ///
     /// # Errors
     /// The first [`RerunError`]; the file then holds what was written before.
-    pub fn finish(mut self) -> Result<(Option<File>, Vec<String>), RerunError> {
+    pub fn finish(mut self) -> Result<Vec<String>, RerunError> {
         let flushed = self.entities.flush(&mut self.outlet, Flush::All);
         self.outlet.keep(flushed);
         self.outlet.finish()
@@ -147,6 +144,7 @@ mod tests {
     use crate::rerun::viewer::Live;
     use crate::run::scenario::Preset;
     use crate::telemetry::{Topic, channels};
+    use std::fs::File;
 
     fn identity(topics: Vec<Topic>) -> Identity {
         Identity {
@@ -197,7 +195,7 @@ mod tests {
         assert!(sink.take_warnings()[0].contains("no Rerun viewer at"));
         fill(&mut sink, 10).unwrap();
         sink.flush().unwrap();
-        assert_eq!(sink.finish().unwrap().1, [""; 0]);
+        assert_eq!(sink.finish().unwrap(), [""; 0]);
     }
 
     #[test]

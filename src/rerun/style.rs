@@ -87,13 +87,12 @@ pub(super) fn of(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> 
 /// Name, colour and width of a number, which stands at a place in its plot.
 fn one(number: NumberField, place: usize, look: &Look) -> (String, u32, f32) {
     let told = STORY.iter().find(|(told, ..)| *told == number);
-    let (name, color, width) = match told {
-        Some((_, name, color, width)) => ((*name).to_owned(), *color, *width),
-        None => {
-            let path = number.path();
-            let name = path.rsplit('.').next().unwrap_or(path);
-            (name.replace('_', " "), PALETTE[place % PALETTE.len()], 1.2)
-        }
+    let (name, color, width) = if let Some(&(_, name, color, width)) = told {
+        (name.to_owned(), color, width)
+    } else {
+        let path = number.path();
+        let name = path.rsplit('.').next().unwrap_or(path);
+        (name.replace('_', " "), PALETTE[place % PALETTE.len()], 1.2)
     };
     // The means of two runs and of their difference are lighter than the ripple that they lie on.
     let shade = if number.topic() == NUTATION { 1 } else { place };

@@ -101,8 +101,7 @@ impl Viewer {
         markdown: &str,
     ) -> Result<(Target, Option<(PathBuf, u64)>), Error> {
         self.sink.summarize(markdown);
-        let (_, warnings) = self.sink.finish().map_err(SinkError::from)?;
-        output::warn_all(warnings);
+        output::warn_all(self.sink.finish().map_err(SinkError::from)?);
         let written = match self.draft {
             Some(draft) => Some((draft.path().to_owned(), draft.publish()?)),
             None => None,

@@ -51,13 +51,13 @@ impl Viewer {
         };
         let ended = sink.finish().map_err(SinkError::from);
         let Some(draft) = self.draft else {
-            output::warn_all(ended?.1);
+            output::warn_all(ended?);
             return Ok(None);
         };
         let path = draft.path().to_owned();
         let context = || format!("{} is not written", path.display());
         match ended {
-            Ok((_, warnings)) => output::warn_all(warnings),
+            Ok(warnings) => output::warn_all(warnings),
             Err(error) => {
                 draft.discard();
                 return Err(error).with_context(context);

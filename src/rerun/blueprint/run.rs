@@ -85,9 +85,10 @@ pub(crate) fn messages(identity: &Identity) -> Result<Vec<LogMsg>, RerunError> {
     let left = left_side(&mut layout, identity)?;
     let right = right_side(&mut layout, identity)?;
     // Without a scene there are only words at the left.
-    let shares = match identity.has(POSE) {
-        true => [42.0, 58.0],
-        false => [25.0, 75.0],
+    let shares = if identity.has(POSE) {
+        [42.0, 58.0]
+    } else {
+        [25.0, 75.0]
     };
     let root = match right {
         Some(right) => layout.contain(row(&shares), &[left, right])?,
