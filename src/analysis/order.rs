@@ -70,7 +70,7 @@ mod tests {
         let messages = [(0, 0), (5, 1), (5, 2), (5, 2), (4, 3), (6, 4)];
         let (samples, loss) = accepted(STATE, &messages);
         assert_eq!(samples, [true, true, false, false, false, true]);
-        let expected = "3 messages that repeat others or go back in time, the first in /top/state at t = 5e-9 s";
+        let expected = "3 messages that repeat others or go back in time, the first in /top/state at t = 0.000000005 s";
         assert_eq!(loss.as_deref(), Some(expected));
         let (events, _) = accepted(EVENTS, &messages);
         assert_eq!(events, [true, true, true, false, false, true]);

@@ -1,7 +1,7 @@
 //! Means of sampled numbers over each nutation.
 
 use super::need::Missing;
-use crate::analysis::plot::rows::Rows;
+use crate::analysis::plot::rows::{self, Rows};
 use crate::analysis::plot::shape::Point;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{NUTATION, NumberField, nutation};
@@ -38,7 +38,7 @@ impl Means {
             fields,
             samples: VecDeque::new(),
             waiting: VecDeque::new(),
-            means: Rows::new(fields.len(), false),
+            means: Rows::new(fields.len(), rows::MOST, false),
         }
     }
 

@@ -3,11 +3,11 @@
 use super::means::Means;
 use super::need::{Missing, Need};
 use crate::analysis::order::Order;
-use crate::analysis::plot::rows::Rows;
+use crate::analysis::plot::rows::{MOST, Rows};
 use crate::analysis::plot::shape::Point;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
-use crate::telemetry::fields::{NUTATION, NumberField, nutation};
+use crate::telemetry::fields::{NUTATION, NumberField, POSE, nutation};
 use crate::telemetry::{Message, Topic, Topics};
 use std::ops::ControlFlow;
 
@@ -90,7 +90,9 @@ impl Run {
             fields.sort_unstable_by_key(|field| field.index());
             fields.dedup();
             if !fields.is_empty() {
-                let rows = Rows::new(fields.len(), topic != NUTATION);
+                // The locus goes round and round, and too few chords of a circle show.
+                let most = if topic == POSE { 2 * MOST } else { MOST };
+                let rows = Rows::new(fields.len(), most, topic != NUTATION);
                 run.tracks.push(Track {
                     topic,
                     fields,

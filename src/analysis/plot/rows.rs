@@ -3,8 +3,8 @@
 
 use super::shape::Point;
 
-/// The most rows that are kept: enough for several bins in each column of pixels.
-const MOST: usize = 1 << 17;
+/// The most rows that are kept for curves over time: enough for several bins in each column of pixels.
+pub(crate) const MOST: usize = 1 << 17;
 
 /// The last part of the time that is kept finer, so that it can be drawn magnified.
 pub(crate) const END: f64 = 0.02;
@@ -27,6 +27,8 @@ const LONGEST_STEP: f64 = 1.5;
 pub(crate) struct Rows {
     times: Vec<f64>,
     columns: Vec<Vec<f64>>,
+    /// The most rows that are kept.
+    most: usize,
     /// Whether the rows are equally spaced samples, so that a longer step is a gap.
     are_samples: bool,
     /// The shortest step between two rows, s.
@@ -38,9 +40,10 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// An empty table with this number of columns.
-    pub(crate) fn new(columns: usize, are_samples: bool) -> Self {
+    /// An empty table with this number of columns, which keeps at most this number of rows.
+    pub(crate) fn new(columns: usize, most: usize, are_samples: bool) -> Self {
         Self {
+            most,
             times: Vec::new(),
             columns: vec![Vec::new(); columns],
             are_samples,
@@ -56,7 +59,7 @@ impl Rows {
         for (column, value) in self.columns.iter_mut().zip(values) {
             column.push(value);
         }
-        if self.times.len() >= MOST {
+        if self.times.len() >= self.most {
             self.thin();
         }
     }
@@ -96,7 +99,7 @@ impl Rows {
     fn thin(&mut self) {
         self.mark_gaps();
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
-        while self.width * (MOST as f64) < last - first {
+        while self.width * (self.most as f64) < last - first {
             self.width *= 2.0;
         }
         loop {
@@ -105,7 +108,7 @@ impl Rows {
                 |values: &mut Vec<f64>| *values = kept.iter().map(|row| values[*row]).collect();
             pick(&mut self.times);
             self.columns.iter_mut().for_each(pick);
-            if self.times.len() <= MOST / 2 {
+            if self.times.len() <= self.most / 2 {
                 break;
             }
             self.width *= 2.0;
@@ -178,7 +181,7 @@ mod tests {
 
     #[test]
     fn few_rows_stay_as_they_are() {
-        let mut rows = Rows::new(1, true);
+        let mut rows = Rows::new(1, MOST, true);
         let points: Vec<Point> = (0..MOST - 1).map(|i| (i as f64, wave(0, i))).collect();
         for (time, value) in &points {
             rows.push(*time, [*value]);
@@ -192,7 +195,7 @@ mod tests {
 
         #[test]
         fn memory_is_bounded_and_envelopes_survive(seed in 0_u64..1000, count in 200_000_usize..1_000_000) {
-            let mut rows = Rows::new(2, true);
+            let mut rows = Rows::new(2, MOST, true);
             let points: Vec<Vec<Point>> = [seed, seed + 1]
                 .map(|seed| (0..count).map(|i| (i as f64 * 1e-3, wave(seed, i))).collect())
                 .into();
@@ -215,7 +218,7 @@ mod tests {
 
     #[test]
     fn gaps_stay() {
-        let mut rows = Rows::new(1, true);
+        let mut rows = Rows::new(1, MOST, true);
         let is_missing = |i: usize| (170_000..171_000).contains(&i) || i == 1;
         for i in (0..500_000).filter(|i| !is_missing(*i)) {
             rows.push(i as f64, [wave(0, i)]);
@@ -231,7 +234,7 @@ mod tests {
 
     #[test]
     fn the_end_stays_finer() {
-        let mut rows = Rows::new(1, true);
+        let mut rows = Rows::new(1, MOST, true);
         for i in 0..2_000_000 {
             rows.push(i as f64, [wave(0, i)]);
         }
