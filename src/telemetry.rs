@@ -23,7 +23,7 @@ pub mod table;
 mod topic;
 pub mod views;
 
-pub use self::channel::{ChannelInfo, Content, Leaf, Member, channel_index, channels};
+pub use self::channel::{ChannelInfo, Content, Leaf, Member, channels};
 pub use self::logging::{Telemetry, TelemetryError};
 pub use self::message::{Message, Numbers};
 pub use self::quantity::Quantity;

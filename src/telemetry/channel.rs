@@ -119,12 +119,6 @@ pub fn channels() -> &'static [ChannelInfo] {
     })
 }
 
-/// The index in [`channels`] of the channel with this topic.
-#[must_use]
-pub fn channel_index(topic: &str) -> Option<usize> {
-    channels().iter().position(|channel| channel.topic == topic)
-}
-
 fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
     let (texts, numbers): (Vec<_>, Vec<_>) = channel
         .fields

@@ -38,13 +38,8 @@ impl NumberField {
     /// The number at `path` of the channel `topic`, for names that are known only when the program runs.
     #[must_use]
     pub fn find(topic: &str, path: &str) -> Option<Self> {
-        let topic = Topic::find(topic)?;
-        let index = topic.info().number_index(path)?;
-        Some(Self {
-            topic,
-            index,
-            plot: topic.info().numbers[index].plot,
-        })
+        let mut numbers = Topic::find(topic)?.numbers();
+        numbers.find(|number| number.path() == path)
     }
 
     /// Its channel.

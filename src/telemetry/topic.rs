@@ -1,6 +1,6 @@
 //! Topics: names of the table's channels.
 
-use super::channel::{ChannelInfo, channel_index, channels};
+use super::channel::{ChannelInfo, channels};
 use super::table::{EVENTS, NUTATION, SAMPLES};
 use std::fmt;
 use thiserror::Error;
@@ -18,7 +18,7 @@ impl Topic {
     /// The topic with this name, for names that are known only when the program runs.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
-        channel_index(name).map(Self)
+        Self::all().find(|topic| topic.name() == name)
     }
 
     /// All topics, in table order.

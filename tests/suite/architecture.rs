@@ -106,7 +106,6 @@ fn the_rooms_are_those_of_the_table_in_architecture_md() {
 }
 
 #[test]
-#[ignore = "the rooms are being tidied"]
 fn topics_are_named_in_the_table_alone() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut sources = BTreeMap::new();

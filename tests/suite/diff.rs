@@ -15,7 +15,7 @@ use toprise::archive::writer::Form;
 use toprise::physics::math::{exp, ln};
 use toprise::run::scenario::Scenario;
 use toprise::telemetry::encoding::Encoding;
-use toprise::telemetry::fields::STATE;
+use toprise::telemetry::fields::{EVENTS, NumberField, STATE, events};
 
 fn quick() -> Options {
     Options {
@@ -506,9 +506,8 @@ fn rewritten(
 }
 
 fn at(topic: &str, name: &str) -> (usize, usize) {
-    let channel = toprise::telemetry::channel_index(topic).unwrap();
-    let info = &toprise::telemetry::channels()[channel];
-    (channel, info.number_index(name).unwrap())
+    let field = NumberField::find(topic, name).unwrap();
+    (field.topic().index(), field.index())
 }
 
 #[test]
@@ -557,11 +556,10 @@ fn one_ulp_in_one_number_is_named() {
 fn a_changed_event_is_different_whatever_the_tolerance() {
     let directory = tempdir().unwrap();
     let scenario = short(&[]);
-    let events = toprise::telemetry::channel_index("/events").unwrap();
     let a = recorded(&directory.path().join("a.mcap"), &scenario, Encoding::Json);
     let changed = |text: usize, name: &str| {
         rewritten(&directory.path().join(name), &scenario, |message| {
-            if message.channel == events && message.sequence == 3 {
+            if message.channel == EVENTS.index() && message.sequence == 3 {
                 message.texts[text] = "other".to_owned();
             }
         })
@@ -629,13 +627,13 @@ proptest! {
         let scenario = short(&[("stop.duration", "1.0")]);
         let a = recorded(&directory.path().join("a.mcap"), &scenario, Encoding::Protobuf);
         let (nutation, start) = at("/top/nutation", "start");
-        let (events, time) = at("/events", "time");
+        let time = events::TIME.index();
         let delay = 0.04398 * cycles;
         let b = rewritten(&directory.path().join("b.mcap"), &scenario, |message| {
             if message.channel == nutation {
                 message.numbers[start] += delay;
             }
-            if message.channel == events && message.texts[0] != "start" {
+            if message.channel == EVENTS.index() && message.texts[0] != "start" {
                 message.numbers[time] += delay;
             }
         });
