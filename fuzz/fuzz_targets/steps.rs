@@ -3,6 +3,9 @@
 
 use std::fs;
 use std::path::Path;
+use toprise::analysis::diff::{self, Report, Verdict};
+use toprise::analysis::explain::explain;
+use toprise::analysis::figures::{FIGURES, Figure, Run};
 use toprise::analysis::verify::{Options, verify};
 use toprise::archive::convert::convert;
 use toprise::archive::publish::{Existing, partial_name};
@@ -66,6 +69,36 @@ pub fn recording(data: &[u8], scratch: &Path) {
         let _ = fs::remove_file(&output);
         let _ = fs::remove_file(partial_name(&output));
     }
+}
+
+/// Asks everything of `recording` that can be asked of runs.
+///
+/// # Panics
+/// If the recording differs from itself, or anything else is wrong.
+pub fn analyses(recording: &Recording) {
+    match explain(recording) {
+        Ok(story) => told(&format!("{story:?}")),
+        Err(error) => told(&error.to_string()),
+    }
+    let all: Vec<&Figure> = FIGURES.iter().collect();
+    let run = Run::read(recording, "a", &all, &|_| {});
+    for figure in all.iter().filter(|figure| figure.missing(&run).is_none()) {
+        let runs = vec![&run; figure.least_runs];
+        told(&figure.draw(&runs, 85.0).svg());
+    }
+    if let Some(report) = difference(recording, recording) {
+        assert_ne!(report.verdict, Verdict::Different, "{report:?}");
+    }
+}
+
+/// Compares two recordings, without simulating them again.
+fn difference(a: &Recording, b: &Recording) -> Option<Report> {
+    let options = diff::Options {
+        floor: false,
+        ..diff::Options::default()
+    };
+    let report = diff::compare(a, b, &options);
+    report.map_err(|error| told(&error.to_string())).ok()
 }
 
 /// What is saved or converted is a recording without faults, whatever it was made from.

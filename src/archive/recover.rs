@@ -13,7 +13,6 @@ use crate::archive::writer::{Archived, Ending, McapSink, Opening};
 use crate::telemetry::channels;
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
-use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::Path;
 use thiserror::Error;
@@ -159,7 +158,7 @@ struct Saved {
     /// Messages on each channel of the table.
     counts: Vec<u64>,
     undecodable: u64,
-    /// Messages that stand behind later ones of their channel, as where a chunk is repeated.
+    /// Messages that stand behind later ones of their channel, as those of a chunk that is repeated.
     repeated: u64,
     last_ns: u64,
     losses: Vec<Loss>,
@@ -174,8 +173,7 @@ fn salvage(
     let copier = Copier::new(recording);
     let mut digest = ContentDigest::default();
     let mut counts = vec![0; channels().len()];
-    let (mut undecodable, mut repeated, mut last_ns) = (0, 0, 0);
-    let mut latest = Latest::default();
+    let (mut undecodable, mut last_ns) = (0, 0);
     let mut reader = recording.reader(Selection::default()).in_order_of_time();
     while let Some(message) = reader.next_of_any() {
         match message {
@@ -183,20 +181,12 @@ fn salvage(
             Ok(Any::Decoded(message)) if message.numbers.iter().any(|n| !n.is_finite()) => {
                 undecodable += 1;
             }
-            Ok(Any::Decoded(message))
-                if latest.has_passed(Channel::OfTable(message.channel), message.sequence) =>
-            {
-                repeated += 1;
-            }
             Ok(Any::Decoded(message)) => {
                 sink.write(&message)?;
                 digest.update(&message);
                 counts[message.channel] += 1;
                 last_ns = message.time_ns;
             }
-            Ok(Any::Other(view))
-                if view.channel.is_view()
-                    && latest.has_passed(Channel::Other(view.channel.id), view.sequence) => {}
             Ok(Any::Other(other)) => copier.copy(&other, sink)?,
             Err(_) => undecodable += 1,
         }
@@ -207,7 +197,7 @@ fn salvage(
     Ok(Saved {
         counts,
         undecodable,
-        repeated,
+        repeated: reader.passed_over(),
         last_ns,
         losses,
         digest: digest.finish(),
@@ -275,28 +265,6 @@ impl Saved {
         if parts.len() == before {
             parts.push("some of the messages: the content digest is another one".to_owned());
         }
-    }
-}
-
-/// A channel of the table by its index, or another by its MCAP id.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Channel {
-    OfTable(usize),
-    Other(u16),
-}
-
-/// The sequence number of the last message of each channel.
-#[derive(Default)]
-struct Latest(BTreeMap<Channel, u32>);
-
-impl Latest {
-    /// Whether a message is no later than the last of its channel; if it is later, it is the last now.
-    fn has_passed(&mut self, channel: Channel, sequence: u32) -> bool {
-        let has_passed = self.0.get(&channel).is_some_and(|last| sequence <= *last);
-        if !has_passed {
-            self.0.insert(channel, sequence);
-        }
-        has_passed
     }
 }
 

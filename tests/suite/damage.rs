@@ -1,10 +1,13 @@
 //! Recordings that were damaged: nothing goes unnoticed, nothing panics, and what is whole is saved.
 
+use crate::fuzz_corpus::steps::analyses;
 use crate::support::{archive, scenario};
 use std::fs;
 use std::path::Path;
 use std::thread;
 use toprise::analysis::complete::complete;
+use toprise::analysis::explain::explain;
+use toprise::analysis::figures::{Figure, Run};
 use toprise::analysis::verify::{Group, Options, Verdict, verify};
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Condition, Overview, Recording};
@@ -101,6 +104,11 @@ fn flipped_bits_are_noticed_all_over_a_recording() {
             if position % 10 == 0 {
                 endures(path);
             }
+            if position % 50 == 0
+                && let Ok(recording) = Recording::open(path)
+            {
+                analyses(&recording);
+            }
         });
     }
 }
@@ -115,6 +123,11 @@ fn a_recording_may_end_anywhere() {
         assert!(is_noticed(path), "{length} bytes");
         if length % 5 == 0 {
             endures(path);
+        }
+        if length % 25 == 0
+            && let Ok(recording) = Recording::open(path)
+        {
+            analyses(&recording);
         }
     });
 }
@@ -142,7 +155,42 @@ fn chunks_that_were_swapped_or_repeated_are_noticed() {
         fs::write(path, bytes).unwrap();
         assert!(is_noticed(path));
         endures(path);
+        analyses(&Recording::open(path).unwrap());
     });
+}
+
+#[test]
+fn messages_that_come_twice_are_left_out_and_told() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let whole = recorded("0.5", &[], Form::default());
+    let first = chunks(&whole)[1].clone();
+    let mut bytes = whole[..first.end].to_vec();
+    bytes.extend_from_slice(&whole[first.start..]);
+    fs::write(&path, &bytes).unwrap();
+    let recording = Recording::open(&path).unwrap();
+    let figure = Figure::find("figure-2").unwrap();
+    let run = Run::read(&recording, "run", &[figure], &|_| {});
+    let story = explain(&recording).unwrap();
+    for losses in [&run.losses, &story.losses] {
+        assert!(
+            losses
+                .iter()
+                .any(|loss| loss.contains("that come twice or behind later ones")),
+            "{losses:?}"
+        );
+    }
+    // Sorted and without the repetition it is the run that was recorded.
+    let original = directory.path().join("original.mcap");
+    fs::write(&original, &whole).unwrap();
+    let original = Recording::open(&original).unwrap();
+    let sound = Run::read(&original, "run", &[figure], &|_| {});
+    assert_eq!(sound.losses, Vec::<String>::new());
+    assert_eq!(
+        figure.draw(&[&run], 85.0).svg(),
+        figure.draw(&[&sound], 85.0).svg()
+    );
+    analyses(&recording);
 }
 
 /// Where the chunks with their indexes lie, by another reader.

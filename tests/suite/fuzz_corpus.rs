@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 #[path = "../../fuzz/fuzz_targets/steps.rs"]
-mod steps;
+pub mod steps;
 
 /// The files of a target, which must be some.
 fn inputs(target: &str) -> Vec<PathBuf> {

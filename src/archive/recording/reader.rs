@@ -1,5 +1,6 @@
 //! Reading messages in the order of the file, a section at a time.
 
+use super::condition::Condition;
 use super::file::Recording;
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::{Loss, Span};
@@ -57,26 +58,72 @@ pub enum Any<'a> {
     Other(Undecoded<'a>),
 }
 
+/// Sections that overlap in time are put in order together as long as they take no more bytes than this.
+const LARGEST_BATCH: usize = 1 << 26;
+
 /// Reads the messages of a recording from start to end.
 ///
-/// It holds one chunk in memory. Parts of the file that can't be read are left out and told by
-/// [`Reader::losses`].
+/// One chunk at a time is held in memory, or several where chunks overlap in time and the order matters. Parts of
+/// the file that can't be read are left out and told by [`Reader::losses`].
 #[derive(Debug)]
 pub struct Reader<'r> {
     recording: &'r Recording,
     selection: Selection,
-    /// The sections that are to be read, and how many of them have been.
-    sections: Vec<usize>,
+    /// The sections that are to be read, in batches, and how many batches have been read.
+    batches: Vec<Vec<usize>>,
     read: usize,
     buffers: Buffers,
-    /// Where the next record starts in the section that is being read.
-    position: usize,
+    /// The records of the batch that is being read.
+    records: Vec<u8>,
+    /// Where the wanted messages start in them, and how many of these have been given.
+    starts: Vec<u32>,
+    given: usize,
     /// What to do with the messages of each of the file's channels.
     plans: Vec<Plan>,
     row: Row,
     losses: Vec<Loss>,
+    order: Option<Order>,
     /// How much of the progress has been told, bytes.
     told: u64,
+}
+
+/// Keeps the messages of each channel in order.
+#[derive(Debug)]
+struct Order {
+    /// Channels on which each message has a greater sequence number than the one before.
+    is_numbered: Vec<bool>,
+    /// Time and sequence number of the last message of each channel.
+    latest: Vec<Option<(u64, u32)>>,
+    /// Messages that were left out.
+    passed_over: u64,
+}
+
+impl Order {
+    fn new(recording: &Recording) -> Self {
+        let is_ours = recording.condition() != Condition::Foreign;
+        let channels = recording.channels();
+        let is_numbered = |channel: &FileChannel| is_ours && channel.is_known();
+        Self {
+            is_numbered: channels.iter().map(is_numbered).collect(),
+            latest: vec![None; channels.len()],
+            passed_over: 0,
+        }
+    }
+
+    /// Whether a message comes behind the last one of its channel; then it is the last now.
+    fn advances(&mut self, at: &At) -> bool {
+        let now = (at.head.log_time, at.head.sequence);
+        let latest = &mut self.latest[at.channel];
+        let is_numbered = self.is_numbered[at.channel];
+        let is_late = latest
+            .is_some_and(|(time, sequence)| now.0 < time || (is_numbered && now.1 <= sequence));
+        if is_late {
+            self.passed_over += 1;
+        } else {
+            *latest = Some(now);
+        }
+        !is_late
+    }
 }
 
 /// What to do with the messages of a channel.
@@ -116,59 +163,91 @@ impl<'r> Reader<'r> {
             }
         };
         Self {
-            sections: (0..recording.layout.sections.len()).collect(),
+            batches: (0..recording.layout.sections.len())
+                .map(|section| vec![section])
+                .collect(),
             read: 0,
             plans: recording.channels().iter().map(plan).collect(),
             recording,
             selection,
             buffers: Buffers::default(),
-            position: 0,
+            records: Vec::new(),
+            starts: Vec::new(),
+            given: 0,
             row: Row::default(),
             losses: Vec::new(),
+            order: None,
             told: 0,
         }
     }
 
     /// Restricts it to some of the sections.
     pub(super) fn within(mut self, sections: Range<usize>) -> Self {
-        self.sections = sections.collect();
+        self.batches = sections.map(|section| vec![section]).collect();
         self
     }
 
-    /// Reads the chunks in the order of their times, wherever they stand.
+    /// Gives the messages in the order of their times, wherever they stand.
     ///
-    /// The times in the heads of chunks have no checksum: where they are not in order, those of the
-    /// messages count.
+    /// Chunks are sorted, and messages within them. A message that comes too late even so, or a second time, is
+    /// left out and counted by [`Reader::passed_over`]: the times of a channel never go back.
     pub(crate) fn in_order_of_time(mut self) -> Self {
-        let sections = &self.recording.layout.sections;
-        let noted = |section: &usize| sections[*section].span.map(|(start, _)| start);
-        if !self.sections.is_sorted_by_key(noted) {
-            let mut last = 0;
-            let mut starts = Vec::new();
-            for section in &self.sections {
-                // What can't be read stays where it is.
-                last = self.first_time(*section).unwrap_or(last);
-                starts.push((last, *section));
-            }
-            starts.sort_by_key(|(start, _)| *start);
-            self.sections = starts.into_iter().map(|(_, section)| section).collect();
+        if !self.are_sections_in_order() {
+            self.batches = self.batches_by_time();
         }
+        self.order = Some(Order::new(self.recording));
         self
     }
 
-    /// The time of the first message in a section.
-    fn first_time(&self, section: usize) -> Option<u64> {
+    /// Messages that were left out because they come behind later ones of their channel, or twice.
+    pub(crate) fn passed_over(&self) -> u64 {
+        self.order.as_ref().map_or(0, |order| order.passed_over)
+    }
+
+    /// Whether each chunk begins where the one before has ended, as their heads say.
+    fn are_sections_in_order(&self) -> bool {
+        let mut last = 0;
+        self.recording.layout.sections.iter().all(|section| {
+            section.span.is_some_and(|(start, end)| {
+                let follows = last <= start;
+                last = end;
+                follows
+            })
+        })
+    }
+
+    /// The sections by the times of their messages, with those that overlap in one batch.
+    ///
+    /// The times in the heads of chunks have no checksum: where they are not in order, the messages count.
+    fn batches_by_time(&self) -> Vec<Vec<usize>> {
         let mut buffers = Buffers::default();
-        let section = &self.recording.layout.sections[section];
-        section.load(&self.recording.source, &mut buffers).ok()?;
-        let mut position = 0;
-        while let Some(Ok((inner, next))) = record_at(&buffers.records, position) {
-            if let Some(message) = MessageRecord::parse(&inner) {
-                return Some(message.log_time);
-            }
-            position = next;
+        let mut found = Vec::new();
+        let mut last = 0;
+        for (index, section) in self.recording.layout.sections.iter().enumerate() {
+            let loaded = section.load(&self.recording.source, &mut buffers);
+            let span = loaded.ok().and_then(|()| span(&buffers.records));
+            // What can't be read stays where it is.
+            let (start, end) = span.unwrap_or((last, last));
+            last = start;
+            found.push((start, end, buffers.records.len(), index));
         }
-        None
+        found.sort_by_key(|(start, ..)| *start);
+        let mut batches: Vec<Vec<usize>> = Vec::new();
+        let (mut batch_end, mut batch_size) = (0, 0);
+        for (start, end, size, index) in found {
+            match batches.last_mut() {
+                Some(batch) if start < batch_end && batch_size + size <= LARGEST_BATCH => {
+                    batch.push(index);
+                    batch_end = end.max(batch_end);
+                    batch_size += size;
+                }
+                _ => {
+                    batches.push(vec![index]);
+                    (batch_end, batch_size) = (end, size);
+                }
+            }
+        }
+        batches
     }
 
     /// Decodes only some numbers of a channel.
@@ -225,7 +304,7 @@ impl<'r> Reader<'r> {
         else {
             return None;
         };
-        let raw = at.raw(&self.buffers.records);
+        let raw = at.raw(&self.records);
         let decoded = match decoder {
             Ok(decoder) => decoder.decode(raw.data, &mut self.row),
             Err(error) => Err(error.clone()),
@@ -256,7 +335,7 @@ impl<'r> Reader<'r> {
     }
 
     fn undecoded(&self, at: &At) -> Undecoded<'_> {
-        let raw = at.raw(&self.buffers.records);
+        let raw = at.raw(&self.records);
         Undecoded {
             channel: &self.recording.channels()[at.channel],
             position: at.channel,
@@ -269,18 +348,17 @@ impl<'r> Reader<'r> {
 
     /// How many bytes of the file have been looked at since this was asked last.
     pub fn progress(&mut self) -> u64 {
-        let last = self.current();
-        let offset = last.map_or(0, |section| section.offset + section.length);
+        let batch = self.read.checked_sub(1).and_then(|at| self.batches.get(at));
+        let sections = batch.into_iter().flatten();
+        let ends = sections.map(|index| {
+            let section = &self.recording.layout.sections[*index];
+            section.offset + section.length
+        });
+        let offset = ends.max().unwrap_or(0);
         // Where chunks are out of order, it goes back.
         let more = offset.saturating_sub(self.told);
         self.told = self.told.max(offset);
         more
-    }
-
-    /// The section that is being read.
-    fn current(&self) -> Option<&'r Section> {
-        let index = self.sections.get(self.read.checked_sub(1)?)?;
-        Some(&self.recording.layout.sections[*index])
     }
 
     /// The next message as it stands in the file, whatever its channel.
@@ -292,71 +370,104 @@ impl<'r> Reader<'r> {
     /// Finds the next message that is wanted.
     fn advance(&mut self) -> Option<At> {
         loop {
-            match record_at(&self.buffers.records, self.position) {
-                None => self.load_next()?,
-                Some(Err(reason)) => {
-                    self.lose(reason.to_owned());
-                    self.buffers.records.clear();
-                }
-                Some(Ok((inner, next))) => {
-                    let start = std::mem::replace(&mut self.position, next);
-                    if inner.opcode != op::MESSAGE {
-                        continue;
-                    }
-                    let Some(raw) = MessageRecord::parse(&inner) else {
-                        self.lose("a message in it is shorter than its head".to_owned());
-                        continue;
-                    };
-                    let Some(channel) = self.recording.layout.channels.position(raw.channel_id)
-                    else {
-                        let reason = format!("nothing is known of its channel {}", raw.channel_id);
-                        self.lose(reason);
-                        self.buffers.records.clear();
-                        continue;
-                    };
-                    if !matches!(self.plans[channel], Plan::Leave)
-                        && self.selection.wants_time(raw.log_time)
-                    {
-                        return Some(At {
-                            channel,
-                            start,
-                            head: raw.without_data(),
-                            end: next,
-                        });
-                    }
-                }
+            let Some(start) = self.starts.get(self.given) else {
+                self.load_next()?;
+                continue;
+            };
+            self.given += 1;
+            let Some(at) = self.message_at(*start as usize) else {
+                continue;
+            };
+            let order = self.order.as_mut();
+            if order.is_none_or(|order| order.advances(&at)) {
+                return Some(at);
             }
         }
     }
 
-    /// Loads the next section that may have wanted messages.
+    /// The message that starts at a position of the records.
+    fn message_at(&self, start: usize) -> Option<At> {
+        let (record, end) = record_at(&self.records, start)?.ok()?;
+        let head = MessageRecord::parse(&record)?.without_data();
+        Some(At {
+            channel: self.recording.layout.channels.position(head.channel_id)?,
+            start,
+            end,
+            head,
+        })
+    }
+
+    /// Loads the next batch that may have wanted messages.
     fn load_next(&mut self) -> Option<()> {
-        loop {
-            let index = *self.sections.get(self.read)?;
-            self.read += 1;
-            let section = &self.recording.layout.sections[index];
-            if section
+        let batch = std::mem::take(self.batches.get_mut(self.read)?);
+        self.records.clear();
+        self.starts.clear();
+        self.given = 0;
+        let recording = self.recording;
+        let sections = &recording.layout.sections;
+        for section in batch.iter().map(|index| &sections[*index]) {
+            if !section
                 .span
-                .is_some_and(|span| !self.selection.wants_span(span))
+                .is_none_or(|span| self.selection.wants_span(span))
             {
                 continue;
             }
-            self.position = 0;
-            match section.load(&self.recording.source, &mut self.buffers) {
-                Ok(()) => return Some(()),
-                Err(error) => {
-                    self.buffers.records.clear();
-                    self.lose(error.to_string());
-                }
+            match section.load(&recording.source, &mut self.buffers) {
+                Ok(()) => self.take_section(section),
+                Err(error) => self.lose(section, error.to_string()),
+            }
+        }
+        if self.order.is_some() {
+            let mut starts = std::mem::take(&mut self.starts);
+            let time = |start: &u32| self.message_at(*start as usize).map(|at| at.head.log_time);
+            if !starts.is_sorted_by_key(time) {
+                starts.sort_by_key(time);
+            }
+            self.starts = starts;
+        }
+        self.batches[self.read] = batch;
+        self.read += 1;
+        Some(())
+    }
+
+    /// Adds the records of a section that has been loaded, and finds the wanted messages in them.
+    fn take_section(&mut self, section: &Section) {
+        let mut position = self.records.len();
+        if position == 0 {
+            std::mem::swap(&mut self.records, &mut self.buffers.records);
+        } else {
+            self.records.extend_from_slice(&self.buffers.records);
+        }
+        while let Some(next) = record_at(&self.records, position) {
+            let (record, end) = match next {
+                Ok(found) => found,
+                Err(reason) => return self.lose(section, reason.to_owned()),
+            };
+            let start = std::mem::replace(&mut position, end);
+            if record.opcode != op::MESSAGE {
+                continue;
+            }
+            let Some(message) = MessageRecord::parse(&record) else {
+                self.lose(
+                    section,
+                    "a message in it is shorter than its head".to_owned(),
+                );
+                continue;
+            };
+            let Some(channel) = self.recording.layout.channels.position(message.channel_id) else {
+                let reason = format!("nothing is known of its channel {}", message.channel_id);
+                return self.lose(section, reason);
+            };
+            let is_wanted = !matches!(self.plans[channel], Plan::Leave)
+                && self.selection.wants_time(message.log_time);
+            if is_wanted && let Ok(start) = u32::try_from(start) {
+                self.starts.push(start);
             }
         }
     }
 
-    /// Notes that something of the section is lost.
-    fn lose(&mut self, reason: String) {
-        let Some(section) = self.current() else {
-            return;
-        };
+    /// Notes that something of a section is lost.
+    fn lose(&mut self, section: &Section, reason: String) {
         // A chunk decompresses to a thousand times its size: not each of its records is a loss of its own.
         let last = self.losses.last();
         if last.is_some_and(|loss| loss.offset == section.offset) {
@@ -374,7 +485,21 @@ impl<'r> Reader<'r> {
     }
 }
 
-/// A message within the section that is being read.
+/// The times of the first and last message in a section's records.
+fn span(records: &[u8]) -> Option<(u64, u64)> {
+    let mut span: Option<(u64, u64)> = None;
+    let mut position = 0;
+    while let Some(Ok((record, next))) = record_at(records, position) {
+        if let Some(message) = MessageRecord::parse(&record) {
+            let time = message.log_time;
+            span = Some(span.map_or((time, time), |(from, to)| (from.min(time), to.max(time))));
+        }
+        position = next;
+    }
+    span
+}
+
+/// A message within the batch that is being read.
 struct At {
     /// Position of its channel in the file's list.
     channel: usize,
