@@ -5,7 +5,6 @@ pub mod course;
 pub mod diff;
 pub mod explain;
 pub mod figures;
-pub(crate) mod order;
 pub(crate) mod phrase;
 pub(crate) mod plot;
 pub mod subject;

@@ -158,13 +158,7 @@ impl Undecodable {
     /// What could not be read, in sentences: these messages and the reader's losses.
     pub(crate) fn losses(self, reader: &Reader<'_>) -> Vec<String> {
         let mut losses: Vec<_> = reader.losses().iter().map(ToString::to_string).collect();
-        match reader.passed_over() {
-            0 => {}
-            1 => losses.push("a message that comes twice or behind a later one".to_owned()),
-            count => losses.push(format!(
-                "{count} messages that come twice or behind later ones"
-            )),
-        }
+        losses.extend(reader.misplaced().map(ToString::to_string));
         losses.extend(self.0.map(|(first, count)| match count {
             1 => first,
             _ => format!("{first} (the first of {count} messages that can't be decoded)"),

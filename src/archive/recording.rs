@@ -17,6 +17,7 @@
 mod condition;
 mod file;
 mod numbers;
+mod order;
 mod overview;
 mod reader;
 mod series;
@@ -24,6 +25,7 @@ mod series;
 pub use self::condition::Condition;
 pub use self::file::Recording;
 pub use self::numbers::{MAX_FIELDS, NumberDecoder, NumbersError};
+pub use self::order::Misplaced;
 pub use self::overview::{ChannelOverview, EventOverview, Overview};
 pub use self::reader::{Any, Reader, Selection, Undecoded};
 pub use self::series::{Columns, Series, SeriesError};

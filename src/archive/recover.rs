@@ -197,7 +197,7 @@ fn salvage(
     Ok(Saved {
         counts,
         undecodable,
-        repeated: reader.passed_over(),
+        repeated: reader.misplaced().map_or(0, |misplaced| misplaced.messages),
         last_ns,
         losses,
         digest: digest.finish(),

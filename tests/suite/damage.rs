@@ -176,7 +176,7 @@ fn messages_that_come_twice_are_left_out_and_told() {
         assert!(
             losses
                 .iter()
-                .any(|loss| loss.contains("that come twice or behind later ones")),
+                .any(|loss| loss.contains("messages that repeat others or go back in time")),
             "{losses:?}"
         );
     }

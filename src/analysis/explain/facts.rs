@@ -2,7 +2,6 @@
 
 use super::stages::Stages;
 use crate::analysis::course::Course;
-use crate::analysis::order::Order;
 use crate::analysis::subject::Subject;
 use crate::run::scenario::Scenario;
 use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, STATE};
@@ -58,17 +57,13 @@ pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
     };
     let mut course = Course::default();
     let mut stages = Stages::new(scenario.model.top);
-    let mut order = Order::default();
     let ended = subject.read(&Topics::All, &mut |message, _| {
-        if order.accepts(message) {
-            course.take(message);
-            stages.take(message);
-        }
+        course.take(message);
+        stages.take(message);
         ControlFlow::Continue(())
     });
     course.end = ended.end;
     let mut losses = ended.losses;
-    losses.extend(order.loss());
     if let Subject::Recording(recording) = subject {
         losses.splice(0..0, recording.losses().iter().map(ToString::to_string));
     }

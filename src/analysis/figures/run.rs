@@ -2,7 +2,6 @@
 
 use super::means::Means;
 use super::need::{Missing, Need};
-use crate::analysis::order::Order;
 use crate::analysis::plot::rows::{MOST, Rows};
 use crate::analysis::plot::shape::Point;
 use crate::analysis::subject::Subject;
@@ -46,16 +45,12 @@ impl Run {
         topics.sort_unstable();
         topics.dedup();
         if !topics.is_empty() {
-            let mut order = Order::default();
             let ended = subject.read(&Topics::Only(topics), &mut |message, bytes| {
                 progress(bytes);
-                if order.accepts(message) {
-                    run.take(message);
-                }
+                run.take(message);
                 ControlFlow::Continue(())
             });
             run.losses.extend(ended.losses);
-            run.losses.extend(order.loss());
             run.finish();
         }
         if let Subject::Recording(recording) = subject {

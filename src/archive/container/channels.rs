@@ -54,12 +54,6 @@ impl FileChannel {
         view_channels().iter().any(|view| view.topic == self.topic)
     }
 
-    /// Whether it is of the table, or there for viewers: then each of its messages has a greater sequence number
-    /// than the one before.
-    pub(crate) fn is_known(&self) -> bool {
-        self.table.is_some() || self.is_view()
-    }
-
     /// What decodes its messages, if it is a channel of the table.
     ///
     /// # Errors

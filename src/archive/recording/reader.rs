@@ -1,7 +1,7 @@
 //! Reading messages in the order of the file, a section at a time.
 
-use super::condition::Condition;
 use super::file::Recording;
+use super::order::{Misplaced, Order};
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::{Loss, Span};
 use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
@@ -87,45 +87,6 @@ pub struct Reader<'r> {
     told: u64,
 }
 
-/// Keeps the messages of each channel in order.
-#[derive(Debug)]
-struct Order {
-    /// Channels on which each message has a greater sequence number than the one before.
-    is_numbered: Vec<bool>,
-    /// Time and sequence number of the last message of each channel.
-    latest: Vec<Option<(u64, u32)>>,
-    /// Messages that were left out.
-    passed_over: u64,
-}
-
-impl Order {
-    fn new(recording: &Recording) -> Self {
-        let is_ours = recording.condition() != Condition::Foreign;
-        let channels = recording.channels();
-        let is_numbered = |channel: &FileChannel| is_ours && channel.is_known();
-        Self {
-            is_numbered: channels.iter().map(is_numbered).collect(),
-            latest: vec![None; channels.len()],
-            passed_over: 0,
-        }
-    }
-
-    /// Whether a message comes behind the last one of its channel; then it is the last now.
-    fn advances(&mut self, at: &At) -> bool {
-        let now = (at.head.log_time, at.head.sequence);
-        let latest = &mut self.latest[at.channel];
-        let is_numbered = self.is_numbered[at.channel];
-        let is_late = latest
-            .is_some_and(|(time, sequence)| now.0 < time || (is_numbered && now.1 <= sequence));
-        if is_late {
-            self.passed_over += 1;
-        } else {
-            *latest = Some(now);
-        }
-        !is_late
-    }
-}
-
 /// What to do with the messages of a channel.
 #[derive(Debug)]
 enum Plan {
@@ -190,7 +151,7 @@ impl<'r> Reader<'r> {
     /// Gives the messages in the order of their times, wherever they stand.
     ///
     /// Chunks are sorted, and messages within them. A message that comes too late even so, or a second time, is
-    /// left out and counted by [`Reader::passed_over`]: the times of a channel never go back.
+    /// left out and told by [`Reader::misplaced`]: the times of a channel never go back.
     pub(crate) fn in_order_of_time(mut self) -> Self {
         if !self.are_sections_in_order() {
             self.batches = self.batches_by_time();
@@ -199,9 +160,9 @@ impl<'r> Reader<'r> {
         self
     }
 
-    /// Messages that were left out because they come behind later ones of their channel, or twice.
-    pub(crate) fn passed_over(&self) -> u64 {
-        self.order.as_ref().map_or(0, |order| order.passed_over)
+    /// What has been left out so far because it repeats other messages or goes back in time.
+    pub(crate) fn misplaced(&self) -> Option<&Misplaced> {
+        self.order.as_ref()?.misplaced()
     }
 
     /// Whether each chunk begins where the one before has ended, as their heads say.
@@ -379,7 +340,9 @@ impl<'r> Reader<'r> {
                 continue;
             };
             let order = self.order.as_mut();
-            if order.is_none_or(|order| order.advances(&at)) {
+            if order
+                .is_none_or(|order| order.accepts(at.channel, at.head.log_time, at.head.sequence))
+            {
                 return Some(at);
             }
         }

@@ -1,0 +1,137 @@
+//! The order of messages within each channel.
+
+use super::condition::Condition;
+use super::file::Recording;
+use crate::archive::container::channels::FileChannel;
+use std::fmt;
+
+/// Tells messages that come in their order from those that repeat others or go back in time, as in a file with a chunk
+/// that stands there twice.
+#[derive(Debug)]
+pub(super) struct Order {
+    channels: Vec<Channel>,
+    misplaced: Option<Misplaced>,
+}
+
+#[derive(Debug)]
+struct Channel {
+    topic: String,
+    rule: Rule,
+    /// Time (ns) and sequence number of the last message.
+    last: Option<(u64, u32)>,
+}
+
+/// What each message of a channel must have beside a time that is no earlier than the last one's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rule {
+    /// A time of its own.
+    Time,
+    /// A greater sequence number: several events may happen at the same time.
+    Sequence,
+    /// Nothing: a channel of others.
+    Nothing,
+}
+
+/// The messages that were left out because they repeat others or go back in time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Misplaced {
+    /// How many there are.
+    pub messages: u64,
+    /// The topic of the first.
+    pub topic: String,
+    /// The time of the first, ns.
+    pub time_ns: u64,
+}
+
+impl fmt::Display for Misplaced {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.messages {
+            1 => f.write_str("1 message that repeats another or goes")?,
+            count => write!(f, "{count} messages that repeat others or go")?,
+        }
+        let time = self.time_ns as f64 / 1e9;
+        write!(
+            f,
+            " back in time, the first in {} at t = {time} s",
+            self.topic
+        )
+    }
+}
+
+impl Order {
+    /// For the channels of a recording, in the order of the file.
+    pub(super) fn new(recording: &Recording) -> Self {
+        let is_ours = recording.condition() != Condition::Foreign;
+        let channel = |channel: &FileChannel| Channel {
+            topic: channel.topic.clone(),
+            rule: match channel.info() {
+                _ if !is_ours => Rule::Nothing,
+                Some(info) if info.is_sampled => Rule::Time,
+                None if !channel.is_view() => Rule::Nothing,
+                _ => Rule::Sequence,
+            },
+            last: None,
+        };
+        Self {
+            channels: recording.channels().iter().map(channel).collect(),
+            misplaced: None,
+        }
+    }
+
+    /// Whether a message comes after the last one of its channel that did.
+    pub(super) fn accepts(&mut self, channel: usize, time_ns: u64, sequence: u32) -> bool {
+        let channel = &mut self.channels[channel];
+        let is_later = channel.last.is_none_or(|last| match channel.rule {
+            Rule::Time => time_ns > last.0 && sequence > last.1,
+            Rule::Sequence => time_ns >= last.0 && sequence > last.1,
+            Rule::Nothing => time_ns >= last.0,
+        });
+        if is_later {
+            channel.last = Some((time_ns, sequence));
+        } else {
+            let misplaced = self.misplaced.get_or_insert_with(|| Misplaced {
+                messages: 0,
+                topic: channel.topic.clone(),
+                time_ns,
+            });
+            misplaced.messages += 1;
+        }
+        is_later
+    }
+
+    /// The messages that were not accepted.
+    pub(super) fn misplaced(&self) -> Option<&Misplaced> {
+        self.misplaced.as_ref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn accepted(rule: Rule) -> (Vec<bool>, Option<String>) {
+        let mut order = Order {
+            channels: vec![Channel {
+                topic: "/top/state".to_owned(),
+                rule,
+                last: None,
+            }],
+            misplaced: None,
+        };
+        let messages = [(0, 0), (5, 1), (5, 2), (5, 2), (4, 3), (6, 4)];
+        let accepts = messages.map(|(time_ns, sequence)| order.accepts(0, time_ns, sequence));
+        (accepts.to_vec(), order.misplaced().map(ToString::to_string))
+    }
+
+    #[test]
+    fn samples_have_times_of_their_own_and_events_need_not() {
+        let (samples, misplaced) = accepted(Rule::Time);
+        assert_eq!(samples, [true, true, false, false, false, true]);
+        let expected = "3 messages that repeat others or go back in time, the first in /top/state at t = 0.000000005 s";
+        assert_eq!(misplaced.as_deref(), Some(expected));
+        let (events, _) = accepted(Rule::Sequence);
+        assert_eq!(events, [true, true, true, false, false, true]);
+        let (others, _) = accepted(Rule::Nothing);
+        assert_eq!(others, [true, true, true, true, false, true]);
+    }
+}
