@@ -185,7 +185,7 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<Replayed, Er
         file: draft.as_ref().map(Draft::file).transpose()?,
         live: way.target.live(),
     };
-    let mut sink = RerunSink::new(&identity, destinations).map_err(SinkError::from)?;
+    let mut sink = RerunSink::new(&identity, destinations);
     let warnings = sink.take_warnings();
     if draft.is_none() && !sink.is_live() {
         bail!("{}", warnings.join("; "));

@@ -3,7 +3,6 @@
 use rerun::TextDocument;
 
 use super::entity::ABOUT;
-use super::error::RerunError;
 use super::events::Events;
 use super::identity::Identity;
 use super::look::Look;
@@ -24,50 +23,36 @@ pub struct Entities {
 
 impl Entities {
     /// Sends what doesn't change: the description, names and colours, the scene's bodies.
-    pub(super) fn new(
-        identity: &Identity,
-        look: &Look,
-        outlet: &mut Outlet,
-    ) -> Result<Self, RerunError> {
+    pub(super) fn new(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Self {
         let has_scene = identity.has(POSE);
         let mut about = identity.description.clone();
         if has_scene {
             about += &arrow::explanation(identity, look);
         }
-        outlet.send_static(look.entity(ABOUT), &TextDocument::from_markdown(about))?;
-        Ok(Self {
-            plots: Plots::new(|plot| identity.has(plot.topic()), look, outlet)?,
-            events: identity
-                .has(EVENTS)
-                .then(|| Events::new(look, outlet))
-                .transpose()?,
-            scene: has_scene
-                .then(|| Scene::new(identity, look, outlet))
-                .transpose()?,
-        })
+        outlet.send_static(look.entity(ABOUT), &TextDocument::from_markdown(about));
+        Self {
+            plots: Plots::new(|plot| identity.has(plot.topic()), look, outlet),
+            events: identity.has(EVENTS).then(|| Events::new(look, outlet)),
+            scene: has_scene.then(|| Scene::new(identity, look, outlet)),
+        }
     }
 
     /// Adds what a message of the run says.
-    pub(super) fn write(
-        &mut self,
-        message: &Message<'_>,
-        outlet: &mut Outlet,
-    ) -> Result<(), RerunError> {
-        self.plots.write(message, Some, outlet)?;
+    pub(super) fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
+        self.plots.write(message, Some, outlet);
         if let Some(events) = &mut self.events {
-            events.write(message, outlet)?;
+            events.write(message, outlet);
         }
         if let Some(scene) = &mut self.scene {
-            scene.write(message, outlet)?;
+            scene.write(message, outlet);
         }
-        Ok(())
     }
 }
 
 impl Collect for Entities {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
-        self.plots.flush(outlet, flush)?;
-        self.events.flush(outlet, flush)?;
-        self.scene.flush(outlet, flush)
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        self.plots.flush(outlet, flush);
+        self.events.flush(outlet, flush);
+        self.scene.flush(outlet, flush);
     }
 }

@@ -47,24 +47,29 @@ pub struct Outlet {
 
 impl Outlet {
     /// Opens a store in all destinations.
-    pub(super) fn open(store: StoreId, destinations: Destinations) -> Result<Self, RerunError> {
+    pub(super) fn open(store: StoreId, destinations: Destinations) -> Self {
         let mut outlet = Self {
             store,
             ids: Ids::RECORDING,
             live_ids: Ids::LIVE,
-            file: destinations.file.map(RrdFile::open).transpose()?,
+            file: None,
             failure: None,
             live: None,
             warnings: Vec::new(),
         };
+        match destinations.file.map(RrdFile::open) {
+            Some(Ok(file)) => outlet.file = Some(file),
+            Some(Err(error)) => outlet.fail(error),
+            None => {}
+        }
         match destinations.live.map(|live| LiveDestination::open(&live)) {
             Some(Ok(live)) => outlet.live = Some(live),
             Some(Err(warning)) => outlet.warnings.push(warning),
             None => {}
         }
         let opening = opening(&outlet.store, &mut outlet.ids);
-        outlet.send(&opening);
-        Ok(outlet)
+        outlet.send(Ok(opening));
+        outlet
     }
 
     /// Whether a viewer is being fed, as far as is known.
@@ -82,11 +87,10 @@ impl Outlet {
         &mut self,
         entity: impl Into<EntityPath>,
         components: &dyn AsComponents,
-    ) -> Result<(), RerunError> {
+    ) {
         let time = TimePoint::STATIC;
-        let message = single_row(&self.store, &mut self.ids, entity, time, components)?;
-        self.send(&message);
-        Ok(())
+        let message = single_row(&self.store, &mut self.ids, entity, time, components);
+        self.send(message);
     }
 
     /// Sends rows of an entity, with their times in ns.
@@ -95,31 +99,37 @@ impl Outlet {
         to: To,
         entity: &EntityPath,
         times: &[i64],
-        columns: Vec<SerializedComponentColumn>,
-    ) -> Result<(), RerunError> {
+        columns: Result<Vec<SerializedComponentColumn>, RerunError>,
+    ) {
         let ids = match to {
             To::Viewer => &mut self.live_ids,
             To::File | To::Both => &mut self.ids,
         };
-        let message = rows(&self.store, ids, entity, times, columns)?;
-        match to {
-            To::Viewer => self.feed_viewer(message),
-            To::File => self.write_file(message),
-            To::Both => self.send(&message),
-        }
-        Ok(())
+        let message = columns.and_then(|columns| rows(&self.store, ids, entity, times, columns));
+        self.send_to(to, message);
     }
 
     /// Sends a message everywhere.
-    pub(super) fn send(&mut self, message: &LogMsg) {
-        self.feed_viewer(message.clone());
-        self.write_file(message.clone());
+    pub(super) fn send(&mut self, message: Result<LogMsg, RerunError>) {
+        self.send_to(To::Both, message);
+    }
+
+    fn send_to(&mut self, to: To, message: Result<LogMsg, RerunError>) {
+        match (to, message) {
+            (To::Viewer, Ok(message)) => self.feed_viewer(message),
+            (To::File, Ok(message)) => self.write_file(message),
+            (To::Both, Ok(message)) => {
+                self.feed_viewer(message.clone());
+                self.write_file(message);
+            }
+            (_, Err(error)) => self.fail(error),
+        }
     }
 
     fn write_file(&mut self, message: LogMsg) {
         if let Some(file) = self.file.take_if(|file| !file.send(message)) {
             // It takes no more because its thread has ended; joining it tells why.
-            self.keep(file.finish().and(Err(RerunError::Worker)));
+            self.fail(file.finish().err().unwrap_or(RerunError::Worker));
         }
     }
 
@@ -133,11 +143,9 @@ impl Outlet {
     }
 
     /// Keeps an error for [`Self::finish`], and gives up the file, in which something is missing now.
-    pub(super) fn keep(&mut self, result: Result<(), RerunError>) {
-        if let Err(error) = result {
-            self.file = None;
-            self.failure.get_or_insert(error);
-        }
+    fn fail(&mut self, error: RerunError) {
+        self.file = None;
+        self.failure.get_or_insert(error);
     }
 
     /// Completes all destinations. Gives back the warnings that were not taken yet.

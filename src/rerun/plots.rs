@@ -1,6 +1,5 @@
 //! Plots: every number of every message, as curves.
 
-use super::error::RerunError;
 use super::look::Look;
 use super::outlet::Outlet;
 use super::style;
@@ -19,23 +18,19 @@ struct PlotTrack {
 
 impl Plots {
     /// Opens the plots that are `wanted`, and sends their names and colours.
-    pub(super) fn new(
-        wanted: impl Fn(Plot) -> bool,
-        look: &Look,
-        outlet: &mut Outlet,
-    ) -> Result<Self, RerunError> {
+    pub(super) fn new(wanted: impl Fn(Plot) -> bool, look: &Look, outlet: &mut Outlet) -> Self {
         let mut open = |plot: Plot| {
             let entity = look.entity(&plot.to_string());
             let numbers: Vec<_> = plot.numbers().collect();
-            outlet.send_static(entity.as_str(), &*style::of(&numbers, look))?;
+            outlet.send_static(entity.as_str(), &*style::of(&numbers, look));
             let track = Track::new(entity, Numbers::new(numbers.len()));
-            Ok(PlotTrack { numbers, track })
+            PlotTrack { numbers, track }
         };
         let plots = Topic::all().map(|topic| {
             let plots = Plot::all(topic).into_iter();
             plots.filter(|plot| wanted(*plot)).map(&mut open).collect()
         });
-        Ok(Self(plots.collect::<Result<_, RerunError>>()?))
+        Self(plots.collect())
     }
 
     /// Adds a row of what `value` makes of the numbers of a message, unless it makes nothing of one of them.
@@ -44,26 +39,25 @@ impl Plots {
         message: &Message<'_>,
         value: impl Fn(f64) -> Option<f64>,
         outlet: &mut Outlet,
-    ) -> Result<(), RerunError> {
+    ) {
         for plot in &mut self.0[message.channel] {
             let row = || plot.numbers.iter().map(|number| value(number.of(message)));
             if row().all(|value| value.is_some()) {
                 let fill = |rows: &mut Numbers| rows.extend(row().flatten());
-                plot.track.push(outlet, message.time_ns, fill)?;
+                plot.track.push(outlet, message.time_ns, fill);
             }
         }
-        Ok(())
     }
 }
 
 impl Collect for Plots {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
-        self.0.flush(outlet, flush)
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        self.0.flush(outlet, flush);
     }
 }
 
 impl Collect for PlotTrack {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
-        self.track.flush(outlet, flush)
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        self.track.flush(outlet, flush);
     }
 }

@@ -51,32 +51,32 @@ impl RrdFile {
 /// Encodes messages until there are no more, then adds the footer.
 fn encode(file: File, messages: &Receiver<LogMsg>) -> Result<(), RerunError> {
     let mut file = BufWriter::new(file);
-    let mut length = 0;
-    let mut write = |bytes: &[u8]| {
-        length += bytes.len() as u64;
-        file.write_all(bytes)
-    };
     let encoded = Encoded::default();
     let version = rerun::build_info().version;
     let options = EncodingOptions::PROTOBUF_COMPRESSED;
     let mut encoder = Encoder::new_eager(version, options, encoded.clone())?;
+    let mut length = encoded.pass_on(&mut file)?;
     for message in messages {
         encoder.append(&message)?;
-        write(&encoded.take())?;
+        length += encoded.pass_on(&mut file)?;
     }
     encoder.finish()?;
-    let end = in_fixed_order(&encoded.take(), length)?;
-    file.write_all(&end)?;
+    file.write_all(&in_fixed_order(&encoded.0.borrow(), length)?)?;
     Ok(file.flush()?)
 }
 
-/// The bytes that the encoder has written since they were last taken.
+/// The bytes that the encoder has written since they were last passed on.
 #[derive(Clone, Default)]
 struct Encoded(Rc<RefCell<Vec<u8>>>);
 
 impl Encoded {
-    fn take(&self) -> Vec<u8> {
-        self.0.take()
+    /// Writes the bytes into a file, and tells how many there were.
+    fn pass_on(&self, file: &mut impl Write) -> io::Result<u64> {
+        let mut bytes = self.0.borrow_mut();
+        file.write_all(&bytes)?;
+        let count = bytes.len() as u64;
+        bytes.clear();
+        Ok(count)
     }
 }
 

@@ -13,7 +13,6 @@ use rerun::ViewCoordinates;
 use self::arrow::Arrow;
 use self::pose::Pose;
 use super::entity::STAGE;
-use super::error::RerunError;
 use super::identity::{Geometry, Identity};
 use super::look::Look;
 use super::outlet::Outlet;
@@ -34,60 +33,51 @@ pub(super) struct Scene {
 
 impl Scene {
     /// Sends bodies, colours and labels, and what stands still if no other run shares it.
-    pub(super) fn new(
-        identity: &Identity,
-        look: &Look,
-        outlet: &mut Outlet,
-    ) -> Result<Self, RerunError> {
+    pub(super) fn new(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Self {
         let geometry = &identity.geometry;
         if look.is_alone() {
-            furnish(geometry, outlet)?;
+            furnish(geometry, outlet);
         }
         let scene = Self {
-            pose: Pose::new(look, &Proportions::new(&geometry.top), outlet)?,
+            pose: Pose::new(look, &Proportions::new(&geometry.top), outlet),
             arrows: Arrow::all(identity, look),
             orientation: None,
             peg: geometry.top.peg_radius * Vector3::z(),
         };
         for arrow in &scene.arrows {
-            arrow.dress(outlet)?;
+            arrow.dress(outlet);
         }
-        Ok(scene)
+        scene
     }
 
     /// Adds what a message says about the scene.
-    pub(super) fn write(
-        &mut self,
-        message: &Message<'_>,
-        outlet: &mut Outlet,
-    ) -> Result<(), RerunError> {
+    pub(super) fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
         if message.topic() == POSE {
             let orientation = UnitQuaternion::new_unchecked(fields::ORIENTATION.of(message));
             self.orientation = Some(orientation);
             self.peg = fields::PEG_POSITION.of(message);
-            return self.pose.write(message, orientation, self.peg, outlet);
+            self.pose.write(message, orientation, self.peg, outlet);
         }
-        let (orientation, peg) = (self.orientation, self.peg);
-        self.arrows
-            .iter_mut()
-            .try_for_each(|arrow| arrow.write(message, orientation, peg, outlet))
+        for arrow in &mut self.arrows {
+            arrow.write(message, self.orientation, self.peg, outlet);
+        }
     }
 }
 
 impl Collect for Scene {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
-        self.arrows.flush(outlet, flush)?;
-        self.pose.flush(outlet, flush)
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        self.arrows.flush(outlet, flush);
+        self.pose.flush(outlet, flush);
     }
 }
 
 /// Sends what stands still, which two runs that are compared share: the table and the vertical.
-pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) -> Result<(), RerunError> {
+pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) {
     let height = Proportions::new(&geometry.top).tip;
     let table = 2.1 * height;
     let vertical = geometry.top.peg_radius + 1.5 * height;
-    outlet.send_static(STAGE, &ViewCoordinates::RIGHT_HAND_Z_UP())?;
-    outlet.send_static("scene/table", &shape::table(table))?;
-    outlet.send_static("scene/table/marks", &shape::table_marks(table))?;
-    outlet.send_static("scene/vertical", &shape::vertical(vertical))
+    outlet.send_static(STAGE, &ViewCoordinates::RIGHT_HAND_Z_UP());
+    outlet.send_static("scene/table", &shape::table(table));
+    outlet.send_static("scene/table/marks", &shape::table_marks(table));
+    outlet.send_static("scene/vertical", &shape::vertical(vertical));
 }

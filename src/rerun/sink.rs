@@ -34,63 +34,54 @@ pub struct Stream<E> {
 
 impl Stream<Entities> {
     /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
-    ///
-    /// # Errors
-    /// [`RerunError`] if no thread can be started for the file, or the layout can't be encoded.
-    pub fn new(identity: &Identity, destinations: Destinations) -> Result<Self, RerunError> {
-        let layout = blueprint::run::messages(identity)?;
+    #[must_use]
+    pub fn new(identity: &Identity, destinations: Destinations) -> Self {
+        let layout = blueprint::run::messages(identity);
         let (id, name) = (&identity.recording_id, &identity.name);
-        let mut outlet = open(id, name, destinations, &layout)?;
-        let entities = Entities::new(identity, &Look::Alone, &mut outlet)?;
-        Ok(Self { entities, outlet })
+        let mut outlet = open(id, name, destinations, layout);
+        let entities = Entities::new(identity, &Look::Alone, &mut outlet);
+        Self { entities, outlet }
     }
 }
 
 impl Sink for Stream<Entities> {
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        let written = self.entities.write(message, &mut self.outlet);
-        self.outlet.keep(written);
+        self.entities.write(message, &mut self.outlet);
         Ok(())
     }
 
     fn flush(&mut self) -> Result<(), SinkError> {
-        let flushed = self.entities.flush(&mut self.outlet, Flush::Viewer);
-        self.outlet.keep(flushed);
+        self.entities.flush(&mut self.outlet, Flush::Viewer);
         Ok(())
     }
 }
 
 impl Stream<Comparison> {
     /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
-    ///
-    /// # Errors
-    /// [`RerunError`] if no thread can be started for the file, or the layout can't be encoded.
-    pub fn new(identity: &PairIdentity, destinations: Destinations) -> Result<Self, RerunError> {
-        let layout = blueprint::pair::messages(identity)?;
+    #[must_use]
+    pub fn new(identity: &PairIdentity, destinations: Destinations) -> Self {
+        let layout = blueprint::pair::messages(identity);
         let (id, name) = (&identity.recording_id, &identity.name);
-        let mut outlet = open(id, name, destinations, &layout)?;
-        let entities = Comparison::new(identity, &mut outlet)?;
-        Ok(Self { entities, outlet })
+        let mut outlet = open(id, name, destinations, layout);
+        let entities = Comparison::new(identity, &mut outlet);
+        Self { entities, outlet }
     }
 
     /// Adds a message of one run. Each run's messages come in the order of time; the runs take turns as they like.
     pub fn write(&mut self, side: Side, message: &Message<'_>) {
-        let written = self.entities.write(side, message, &mut self.outlet);
-        self.outlet.keep(written);
+        self.entities.write(side, message, &mut self.outlet);
     }
 
     /// Adds the differences B − A of the numbers of a message, at the time of A; its texts don't matter.
     ///
     /// Channels that are neither sampled nor `/top/nutation` are passed over.
     pub fn difference(&mut self, message: &Message<'_>) {
-        let written = self.entities.write_difference(message, &mut self.outlet);
-        self.outlet.keep(written);
+        self.entities.write_difference(message, &mut self.outlet);
     }
 
     /// Replaces the summary of the comparison, which is Markdown.
     pub fn summarize(&mut self, markdown: &str) {
-        let written = self.entities.summarize(markdown, &mut self.outlet);
-        self.outlet.keep(written);
+        self.entities.summarize(markdown, &mut self.outlet);
     }
 }
 
@@ -114,8 +105,7 @@ impl<E: Collect> Stream<E> {
     /// # Errors
     /// The first [`RerunError`]; the file then holds what was written before.
     pub fn finish(mut self) -> Result<Vec<String>, RerunError> {
-        let flushed = self.entities.flush(&mut self.outlet, Flush::All);
-        self.outlet.keep(flushed);
+        self.entities.flush(&mut self.outlet, Flush::All);
         self.outlet.finish()
     }
 }
@@ -125,16 +115,16 @@ fn open(
     recording_id: &str,
     name: &str,
     destinations: Destinations,
-    layout: &[LogMsg],
-) -> Result<Outlet, RerunError> {
+    layout: Vec<Result<LogMsg, RerunError>>,
+) -> Outlet {
     let store = StoreId::new(StoreKind::Recording, APPLICATION, recording_id);
-    let mut outlet = Outlet::open(store, destinations)?;
+    let mut outlet = Outlet::open(store, destinations);
     for message in layout {
         outlet.send(message);
     }
     let name = RecordingInfo::update_fields().with_name(name);
-    outlet.send_static(EntityPath::properties(), &name)?;
-    Ok(outlet)
+    outlet.send_static(EntityPath::properties(), &name);
+    outlet
 }
 
 #[cfg(test)]
@@ -190,7 +180,7 @@ mod tests {
             file: None,
             live: Some(Live::Connect("127.0.0.1:9".to_owned())),
         };
-        let mut sink = RerunSink::new(&identity(all_topics()), destinations).unwrap();
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations);
         assert!(!sink.is_live());
         assert!(sink.take_warnings()[0].contains("no Rerun viewer at"));
         fill(&mut sink, 10).unwrap();
@@ -202,7 +192,7 @@ mod tests {
     fn an_address_that_is_none_is_a_warning() {
         let live = Some(Live::Connect("http://".to_owned()));
         let destinations = Destinations { file: None, live };
-        let mut sink = RerunSink::new(&identity(all_topics()), destinations).unwrap();
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations);
         assert!(sink.take_warnings()[0].contains("no address of a Rerun viewer"));
     }
 
@@ -214,7 +204,7 @@ mod tests {
             file: Some(file),
             live: None,
         };
-        let mut sink = RerunSink::new(&identity(all_topics()), destinations).unwrap();
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations);
         fill(&mut sink, 5000).unwrap();
         sink.flush().unwrap();
         let error = sink.finish().unwrap_err().to_string();
@@ -225,7 +215,7 @@ mod tests {
     fn any_choice_of_topics_is_fine() {
         for topic in all_topics() {
             let chosen = identity(vec![topic]);
-            let mut sink = RerunSink::new(&chosen, Destinations::default()).unwrap();
+            let mut sink = RerunSink::new(&chosen, Destinations::default());
             fill(&mut sink, 3).unwrap();
             sink.finish().unwrap();
         }

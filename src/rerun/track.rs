@@ -21,18 +21,22 @@ pub enum Flush {
 /// A collection of rows that wait until they are sent.
 pub trait Collect {
     /// Sends waiting rows.
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError>;
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush);
 }
 
 impl<C: Collect> Collect for Option<C> {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
-        self.iter_mut().try_for_each(|c| c.flush(outlet, flush))
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        if let Some(collected) = self {
+            collected.flush(outlet, flush);
+        }
     }
 }
 
 impl<C: Collect> Collect for Vec<C> {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
-        self.iter_mut().try_for_each(|c| c.flush(outlet, flush))
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        for collected in self {
+            collected.flush(outlet, flush);
+        }
     }
 }
 
@@ -65,54 +69,46 @@ impl<R: Rows> Track<R> {
     }
 
     /// Adds the row that `fill` writes, at a simulation time in ns, and sends a chunk if it is full.
-    pub(super) fn push(
-        &mut self,
-        outlet: &mut Outlet,
-        time_ns: u64,
-        fill: impl FnOnce(&mut R),
-    ) -> Result<(), RerunError> {
+    pub(super) fn push(&mut self, outlet: &mut Outlet, time_ns: u64, fill: impl FnOnce(&mut R)) {
         // A duration of 292 years is beyond any run; saturating keeps the order.
         self.times.push(i64::try_from(time_ns).unwrap_or(i64::MAX));
         fill(&mut self.rows);
         if self.times.len() == CHUNK_ROWS {
-            self.complete(outlet)?;
+            self.complete(outlet);
         }
-        Ok(())
     }
 
-    fn show(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
+    fn show(&mut self, outlet: &mut Outlet) {
         if outlet.is_live() && self.shown < self.times.len() {
-            self.send(To::Viewer, self.shown, outlet)?;
+            self.send(To::Viewer, self.shown, outlet);
             self.shown = self.times.len();
         }
-        Ok(())
     }
 
     /// Sends all rows as one chunk: to the viewer too, unless it has some of them.
-    fn complete(&mut self, outlet: &mut Outlet) -> Result<(), RerunError> {
+    fn complete(&mut self, outlet: &mut Outlet) {
         if self.times.is_empty() {
-            return Ok(());
+            return;
         }
         if self.shown == 0 {
-            self.send(To::Both, 0, outlet)?;
+            self.send(To::Both, 0, outlet);
         } else {
-            self.show(outlet)?;
-            self.send(To::File, 0, outlet)?;
+            self.show(outlet);
+            self.send(To::File, 0, outlet);
         }
         self.times.clear();
         self.shown = 0;
         self.rows.clear();
-        Ok(())
     }
 
-    fn send(&self, to: To, start: usize, outlet: &mut Outlet) -> Result<(), RerunError> {
-        let columns = self.rows.columns(start)?;
-        outlet.send_rows(to, &self.entity, &self.times[start..], columns)
+    fn send(&self, to: To, start: usize, outlet: &mut Outlet) {
+        let columns = self.rows.columns(start);
+        outlet.send_rows(to, &self.entity, &self.times[start..], columns);
     }
 }
 
 impl<R: Rows> Collect for Track<R> {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
         match flush {
             Flush::Viewer => self.show(outlet),
             Flush::All => self.complete(outlet),

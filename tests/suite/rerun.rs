@@ -39,7 +39,7 @@ fn a_missing_viewer_is_a_warning_and_harms_nothing() {
         .args(["run", "--set", "stop.duration=0.3", "-o", "a.mcap"])
         // Nothing listens on the discard port.
         .arg("--connect=rerun+http://127.0.0.1:9/proxy")
-        .timeout(Duration::from_secs(60))
+        .timeout(Duration::from_mins(1))
         .assert()
         .success();
     let warning = String::from_utf8_lossy(&done.get_output().stderr).into_owned();
@@ -87,7 +87,7 @@ fn the_footer_tells_of_every_chunk() {
     let bytes = fs::read(directory.path().join("run.rrd")).unwrap();
     let mut chunks: BTreeMap<StoreId, Vec<ChunkId>> = BTreeMap::new();
     let mut decoder = DecoderApp::decode_eager(&bytes[..]).unwrap();
-    while let Some(message) = decoder.next() {
+    for message in decoder.by_ref() {
         if let LogMsg::ArrowMsg(store, message) = message.unwrap() {
             let chunk = Chunk::from_arrow_msg(&message).unwrap();
             chunks.entry(store).or_default().push(chunk.id());

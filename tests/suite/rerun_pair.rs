@@ -85,7 +85,7 @@ fn write(path: &Path, (a, topics_a): (&Run, &[Topic]), (b, topics_b): (&Run, &[T
         file: Some(File::create(path).unwrap()),
         live: None,
     };
-    let mut sink = PairSink::new(&identity, destinations).unwrap();
+    let mut sink = PairSink::new(&identity, destinations);
     let of_a: Vec<_> = a.messages(topics_a).collect();
     let of_b: Vec<_> = b.messages(topics_b).collect();
     for message in &of_a {

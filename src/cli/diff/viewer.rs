@@ -52,7 +52,7 @@ impl ShowArguments {
             file: draft.as_ref().map(Draft::file).transpose()?,
             live: target.live(),
         };
-        let mut sink = PairSink::new(&identity, destinations).map_err(SinkError::from)?;
+        let mut sink = PairSink::new(&identity, destinations);
         output::warn_all(sink.take_warnings());
         Ok(Some(Viewer {
             sink,

@@ -29,8 +29,7 @@ impl Viewer {
             return Ok(Self { sink: None, draft });
         }
         let identity = identity(setup, mcap, telemetry);
-        let sink = RerunSink::new(&identity, Destinations { file, live });
-        let mut sink = sink.map_err(SinkError::from)?;
+        let mut sink = RerunSink::new(&identity, Destinations { file, live });
         output::warn_all(sink.take_warnings());
         draft.as_mut().map(Draft::keep);
         Ok(Self {

@@ -23,7 +23,7 @@ pub(super) struct Layout {
     store: StoreId,
     ids: Ids,
     children: u64,
-    messages: Vec<LogMsg>,
+    messages: Vec<Result<LogMsg, RerunError>>,
 }
 
 impl Layout {
@@ -31,7 +31,7 @@ impl Layout {
     pub(super) fn new(recording_id: &str) -> Self {
         let store = StoreId::new(StoreKind::Blueprint, APPLICATION, recording_id);
         let mut ids = Ids::BLUEPRINT;
-        let messages = vec![opening(&store, &mut ids)];
+        let messages = vec![Ok(opening(&store, &mut ids))];
         Self {
             store,
             ids,
@@ -41,15 +41,10 @@ impl Layout {
     }
 
     /// Sets components of a part of the layout.
-    pub(super) fn log(
-        &mut self,
-        path: &str,
-        components: &dyn AsComponents,
-    ) -> Result<(), RerunError> {
+    pub(super) fn log(&mut self, path: &str, components: &dyn AsComponents) {
         let time = TimePoint::default().with(Timeline::new_sequence("blueprint"), 0);
-        let row = single_row(&self.store, &mut self.ids, path, time, components)?;
+        let row = single_row(&self.store, &mut self.ids, path, time, components);
         self.messages.push(row);
-        Ok(())
     }
 
     /// The next part, numbered: the viewer only asks that identifiers differ.
@@ -72,7 +67,7 @@ impl Layout {
         name: &str,
         origin: &str,
         contents: &[impl AsRef<str>],
-    ) -> Result<Child, RerunError> {
+    ) -> Child {
         let view = self.child("view");
         let blueprint = parts::ViewBlueprint::new(class)
             .with_display_name(Name(name.into()))
@@ -80,19 +75,14 @@ impl Layout {
         let query = contents
             .iter()
             .map(|entity| components::QueryExpression(format!("+ {}", entity.as_ref()).into()));
-        self.log(&view.path, &blueprint)?;
-        self.property(&view, "ViewContents", &parts::ViewContents::new(query))?;
-        Ok(view)
+        self.log(&view.path, &blueprint);
+        self.property(&view, "ViewContents", &parts::ViewContents::new(query));
+        view
     }
 
     /// Sets a property of a view.
-    pub(super) fn property(
-        &mut self,
-        view: &Child,
-        name: &str,
-        components: &dyn AsComponents,
-    ) -> Result<(), RerunError> {
-        self.log(&format!("{}/{name}", view.path), components)
+    pub(super) fn property(&mut self, view: &Child, name: &str, components: &dyn AsComponents) {
+        self.log(&format!("{}/{name}", view.path), components);
     }
 
     /// Puts parts into a container, which shows the first of them if they are tabs.
@@ -100,7 +90,7 @@ impl Layout {
         &mut self,
         container: parts::ContainerBlueprint,
         children: &[Child],
-    ) -> Result<Child, RerunError> {
+    ) -> Child {
         let child = self.child("container");
         let contents = children
             .iter()
@@ -113,8 +103,8 @@ impl Layout {
             Some(tab) => container.with_active_tab(tab),
             None => container,
         };
-        self.log(&child.path, &container)?;
-        Ok(child)
+        self.log(&child.path, &container);
+        child
     }
 
     /// Puts parts into a container, if there are any.
@@ -122,31 +112,28 @@ impl Layout {
         &mut self,
         container: parts::ContainerBlueprint,
         children: &[Child],
-    ) -> Result<Option<Child>, RerunError> {
-        if children.is_empty() {
-            return Ok(None);
-        }
-        self.contain(container, children).map(Some)
+    ) -> Option<Child> {
+        (!children.is_empty()).then(|| self.contain(container, children))
     }
 
     /// Fills the window with a container.
-    pub(super) fn fill(&mut self, root: &Child) -> Result<(), RerunError> {
+    pub(super) fn fill(&mut self, root: &Child) {
         let viewport = parts::ViewportBlueprint::new()
             .with_root_container(components::RootContainer(root.id))
             .with_auto_layout(false)
             .with_auto_views(false);
-        self.log("viewport", &viewport)
+        self.log("viewport", &viewport);
     }
 
     /// All messages of the blueprint, the last of which activates it.
-    pub(super) fn finish(mut self) -> Vec<LogMsg> {
-        self.messages.push(LogMsg::BlueprintActivationCommand(
-            BlueprintActivationCommand {
-                blueprint_id: self.store,
-                make_active: true,
-                make_default: true,
-            },
-        ));
+    pub(super) fn finish(mut self) -> Vec<Result<LogMsg, RerunError>> {
+        let activation = BlueprintActivationCommand {
+            blueprint_id: self.store,
+            make_active: true,
+            make_default: true,
+        };
+        self.messages
+            .push(Ok(LogMsg::BlueprintActivationCommand(activation)));
         self.messages
     }
 }

@@ -21,21 +21,21 @@ use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
 
 /// The messages of the layout.
-pub(crate) fn messages(identity: &PairIdentity) -> Result<Vec<LogMsg>, RerunError> {
+pub(crate) fn messages(identity: &PairIdentity) -> Vec<Result<LogMsg, RerunError>> {
     let mut layout = Layout::new(&identity.recording_id);
-    let left = left_side(&mut layout, identity)?;
-    let right = right_side(&mut layout, identity)?;
+    let left = left_side(&mut layout, identity);
+    let right = right_side(&mut layout, identity);
     let root = match right {
-        Some(right) => layout.contain(row(&[38.0, 62.0]), &[left, right])?,
+        Some(right) => layout.contain(row(&[38.0, 62.0]), &[left, right]),
         None => left,
     };
-    layout.fill(&root)?;
-    panels(&mut layout, true, identity.playback)?;
-    Ok(layout.finish())
+    layout.fill(&root);
+    panels(&mut layout, true, identity.playback);
+    layout.finish()
 }
 
 /// The scene, if there is one, and below it the summary and the events.
-fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, RerunError> {
+fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
     let mut rows = Vec::new();
     let mut shares = Vec::new();
     if let Some(geometry) = identity.stage() {
@@ -48,16 +48,16 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, Reru
         let runs = looks(identity, POSE);
         let contents = runs.iter().map(|run| run.entity("scene/**"));
         let contents: Vec<_> = contents.chain([format!("{STAGE}/**")]).collect();
-        rows.push(scene(layout, &name, &contents, &runs, &proportions)?);
+        rows.push(scene(layout, &name, &contents, &runs, &proportions));
         shares.push(53.0);
     }
-    rows.push(words(layout, identity)?);
+    rows.push(words(layout, identity));
     shares.push(25.0);
     let runs = looks(identity, EVENTS);
     if !runs.is_empty() {
         let contents: Vec<_> = runs.iter().map(|run| run.entity(entity::EVENTS)).collect();
         let kinds = [TextLogColumnKind::LogLevel, TextLogColumnKind::Body];
-        rows.push(events(layout, &contents, &kinds)?);
+        rows.push(events(layout, &contents, &kinds));
         shares.push(22.0);
     }
     layout.contain(column(&shares), &rows)
@@ -71,53 +71,45 @@ fn looks(identity: &PairIdentity, topic: Topic) -> Vec<Look> {
 }
 
 /// The summary, and the descriptions of the runs behind it.
-fn words(layout: &mut Layout, identity: &PairIdentity) -> Result<Child, RerunError> {
-    let mut pages = vec![layout.view("TextDocument", "Summary", SUMMARY, &["$origin"])?];
+fn words(layout: &mut Layout, identity: &PairIdentity) -> Child {
+    let mut pages = vec![layout.view("TextDocument", "Summary", SUMMARY, &["$origin"])];
     for side in [Side::A, Side::B] {
         let about = identity.look(side).entity(ABOUT);
-        pages.push(layout.view("TextDocument", identity.name_of(side), &about, &["$origin"])?);
+        pages.push(layout.view("TextDocument", identity.name_of(side), &about, &["$origin"]));
     }
     layout.contain(tabs(), &pages)
 }
 
 /// Two pages of charts. Those without data are left out.
-fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Result<Option<Child>, RerunError> {
-    let mut motion = rows(layout, identity, &MOTION)?;
+fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
+    let mut motion = rows(layout, identity, &MOTION);
     let mut friction = Vec::new();
     for contrast in &FRICTION {
-        friction.extend(overlay(layout, identity, contrast)?);
+        friction.extend(overlay(layout, identity, contrast));
     }
-    motion.extend(layout.contain_any(row(&[]), &friction)?);
-    let more = rows(layout, identity, &MORE)?;
+    motion.extend(layout.contain_any(row(&[]), &friction));
+    let more = rows(layout, identity, &MORE);
     let mut pages = Vec::new();
     for (name, rows) in [("How they differ", motion), ("More", more)] {
         let page = column(&[]).with_display_name(Name(name.into()));
-        pages.extend(layout.contain_any(page, &rows)?);
+        pages.extend(layout.contain_any(page, &rows));
     }
     layout.contain_any(tabs(), &pages)
 }
 
 /// A row of charts per quantity: both curves, their difference, and the magnitude of that.
-fn rows(
-    layout: &mut Layout,
-    identity: &PairIdentity,
-    contrasts: &[Contrast],
-) -> Result<Vec<Child>, RerunError> {
+fn rows(layout: &mut Layout, identity: &PairIdentity, contrasts: &[Contrast]) -> Vec<Child> {
     let mut rows = Vec::new();
     for contrast in contrasts {
-        let mut charts: Vec<_> = overlay(layout, identity, contrast)?.into_iter().collect();
-        charts.extend(differences(layout, identity, contrast)?);
-        rows.extend(layout.contain_any(row(&[]), &charts)?);
+        let mut charts: Vec<_> = overlay(layout, identity, contrast).into_iter().collect();
+        charts.extend(differences(layout, identity, contrast));
+        rows.extend(layout.contain_any(row(&[]), &charts));
     }
-    Ok(rows)
+    rows
 }
 
 /// The curves of both runs.
-fn overlay(
-    layout: &mut Layout,
-    identity: &PairIdentity,
-    contrast: &Contrast,
-) -> Result<Option<Child>, RerunError> {
+fn overlay(layout: &mut Layout, identity: &PairIdentity, contrast: &Contrast) -> Option<Child> {
     let mut contents = Vec::new();
     for side in [Side::A, Side::B] {
         let there = contrast.curves.iter();
@@ -129,11 +121,7 @@ fn overlay(
 }
 
 /// The difference of the curves and its logarithm, if both runs have them.
-fn differences(
-    layout: &mut Layout,
-    identity: &PairIdentity,
-    contrast: &Contrast,
-) -> Result<Vec<Child>, RerunError> {
+fn differences(layout: &mut Layout, identity: &PairIdentity, contrast: &Contrast) -> Vec<Child> {
     let (name, unit) = (contrast.name, contrast.curves[0].unit());
     let there = |has: &dyn Fn(Plot) -> bool, look: Look| -> Vec<String> {
         let plots = contrast.differences.iter().filter(|plot| has(**plot));
@@ -141,9 +129,9 @@ fn differences(
     };
     let plain = there(&|plot| identity.has_difference_of(plot), Look::Difference);
     let magnitude = there(&|plot| identity.has_magnitude_of(plot), Look::Magnitude);
-    let plain = curves(layout, &format!("{name}: B − A ({unit})"), &plain, None)?;
-    let magnitude = curves(layout, &format!("{name}: log₁₀ |B − A|"), &magnitude, None)?;
-    Ok(plain.into_iter().chain(magnitude).collect())
+    let plain = curves(layout, &format!("{name}: B − A ({unit})"), &plain, None);
+    let magnitude = curves(layout, &format!("{name}: log₁₀ |B − A|"), &magnitude, None);
+    plain.into_iter().chain(magnitude).collect()
 }
 
 /// A chart whose time axis moves with those of all others, if it has contents.
@@ -152,16 +140,16 @@ fn curves(
     name: &str,
     contents: &[String],
     legend: Option<Corner2D>,
-) -> Result<Option<Child>, RerunError> {
+) -> Option<Child> {
     if contents.is_empty() {
-        return Ok(None);
+        return None;
     }
     let legend = match legend {
         Some(corner) => parts::PlotLegend::new().with_corner(corner),
         None => parts::PlotLegend::new().with_visible(false),
     };
-    let view = time_series(layout, name, contents, &legend)?;
+    let view = time_series(layout, name, contents, &legend);
     let linked = parts::TimeAxis::new().with_link(components::LinkAxis::LinkToGlobal);
-    layout.property(&view, "TimeAxis", &linked)?;
-    Ok(Some(view))
+    layout.property(&view, "TimeAxis", &linked);
+    Some(view)
 }

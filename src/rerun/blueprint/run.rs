@@ -80,10 +80,10 @@ const MORE: [Chart; 8] = [
 ];
 
 /// The messages of the layout.
-pub(crate) fn messages(identity: &Identity) -> Result<Vec<LogMsg>, RerunError> {
+pub(crate) fn messages(identity: &Identity) -> Vec<Result<LogMsg, RerunError>> {
     let mut layout = Layout::new(&identity.recording_id);
-    let left = left_side(&mut layout, identity)?;
-    let right = right_side(&mut layout, identity)?;
+    let left = left_side(&mut layout, identity);
+    let right = right_side(&mut layout, identity);
     // Without a scene there are only words at the left.
     let shares = if identity.has(POSE) {
         [42.0, 58.0]
@@ -91,34 +91,34 @@ pub(crate) fn messages(identity: &Identity) -> Result<Vec<LogMsg>, RerunError> {
         [25.0, 75.0]
     };
     let root = match right {
-        Some(right) => layout.contain(row(&shares), &[left, right])?,
+        Some(right) => layout.contain(row(&shares), &[left, right]),
         None => left,
     };
-    layout.fill(&root)?;
-    panels(&mut layout, identity.is_alone, identity.playback)?;
-    Ok(layout.finish())
+    layout.fill(&root);
+    panels(&mut layout, identity.is_alone, identity.playback);
+    layout.finish()
 }
 
 /// The scene, if there is one, and below it the events and the description.
-fn left_side(layout: &mut Layout, identity: &Identity) -> Result<Child, RerunError> {
-    let about = layout.view("TextDocument", "About this run", ABOUT, &["$origin"])?;
+fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
+    let about = layout.view("TextDocument", "About this run", ABOUT, &["$origin"]);
     let mut pages = vec![about];
     if identity.has(EVENTS) {
         let kinds = [TextLogColumnKind::Body];
-        pages.insert(0, events(layout, &["$origin".to_owned()], &kinds)?);
+        pages.insert(0, events(layout, &["$origin".to_owned()], &kinds));
     }
-    let words = layout.contain(tabs(), &pages)?;
+    let words = layout.contain(tabs(), &pages);
     if !identity.has(POSE) {
-        return Ok(words);
+        return words;
     }
     let whole = ["$origin/**".to_owned()];
     let proportions = Proportions::new(&identity.geometry.top);
-    let scene = scene(layout, "The top", &whole, &[Look::Alone], &proportions)?;
+    let scene = scene(layout, "The top", &whole, &[Look::Alone], &proportions);
     layout.contain(column(&[76.0, 24.0]), &[scene, words])
 }
 
 /// Two pages of charts. Those without data are left out.
-fn right_side(layout: &mut Layout, identity: &Identity) -> Result<Option<Child>, RerunError> {
+fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
     let mut pages = Vec::new();
     for (name, charts) in [("How it rises", &RISE), ("More", &MORE)] {
         let mut views = Vec::new();
@@ -129,12 +129,12 @@ fn right_side(layout: &mut Layout, identity: &Identity) -> Result<Option<Child>,
             let name = format!("{} ({})", chart.name, chart.contents[0].unit());
             let contents: Vec<_> = chart.contents.iter().map(Plot::to_string).collect();
             let legend = parts::PlotLegend::new().with_corner(chart.legend);
-            views.push(time_series(layout, &name, &contents, &legend)?);
+            views.push(time_series(layout, &name, &contents, &legend));
         }
         let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
             .with_grid_columns(2)
             .with_display_name(Name(name.into()));
-        pages.extend(layout.contain_any(grid, &views)?);
+        pages.extend(layout.contain_any(grid, &views));
     }
     layout.contain_any(tabs(), &pages)
 }

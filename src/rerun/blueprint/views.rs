@@ -11,7 +11,6 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{Child, Layout};
 use crate::rerun::entity::{EVENTS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
-use crate::rerun::error::RerunError;
 use crate::rerun::identity::Playback;
 use crate::rerun::look::Look;
 use crate::rerun::message::TIMELINE;
@@ -27,8 +26,8 @@ pub(super) fn scene(
     contents: &[String],
     runs: &[Look],
     proportions: &Proportions,
-) -> Result<Child, RerunError> {
-    let view = layout.view("3D", name, STAGE, contents)?;
+) -> Child {
+    let view = layout.view("3D", name, STAGE, contents);
     let in_heights = |coordinate: f64| (coordinate * proportions.tip) as f32;
     let camera = parts::EyeControls3D::new()
         .with_kind(Eye3DKind::Orbital)
@@ -38,16 +37,16 @@ pub(super) fn scene(
     let background =
         parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(0x1215_1BFF));
     let grid = parts::LineGrid3D::new().with_visible(false);
-    layout.property(&view, "EyeControls3D", &camera)?;
-    layout.property(&view, "Background", &background)?;
-    layout.property(&view, "LineGrid3D", &grid)?;
+    layout.property(&view, "EyeControls3D", &camera);
+    layout.property(&view, "Background", &background);
+    layout.property(&view, "LineGrid3D", &grid);
     for run in runs {
         for trail in [TRAIL_ABOVE, TRAIL_BELOW] {
             let path = format!("ViewContents/overrides{}/visualizers", run.entity(trail));
-            layout.property(&view, &path, &parts::VisibleTimeRanges::new([past()]))?;
+            layout.property(&view, &path, &parts::VisibleTimeRanges::new([past()]));
         }
     }
-    Ok(view)
+    view
 }
 
 /// The time from the beginning to the cursor.
@@ -66,8 +65,8 @@ pub(super) fn events(
     layout: &mut Layout,
     contents: &[String],
     kinds: &[blueprint_data::TextLogColumnKind],
-) -> Result<Child, RerunError> {
-    let view = layout.view("TextLog", "Events", EVENTS, contents)?;
+) -> Child {
+    let view = layout.view("TextLog", "Events", EVENTS, contents);
     let column = |kind: &blueprint_data::TextLogColumnKind| {
         TextLogColumn(blueprint_data::TextLogColumn {
             visible: true.into(),
@@ -80,8 +79,8 @@ pub(super) fn events(
             timeline: TIMELINE.into(),
         })])
         .with_text_log_columns(kinds.iter().map(column));
-    layout.property(&view, "TextLogColumns", &columns)?;
-    Ok(view)
+    layout.property(&view, "TextLogColumns", &columns);
+    view
 }
 
 /// A chart of these entities.
@@ -90,18 +89,14 @@ pub(super) fn time_series(
     name: &str,
     contents: &[impl AsRef<str>],
     legend: &parts::PlotLegend,
-) -> Result<Child, RerunError> {
-    let view = layout.view("TimeSeries", name, "/", contents)?;
-    layout.property(&view, "PlotLegend", legend)?;
-    Ok(view)
+) -> Child {
+    let view = layout.view("TimeSeries", name, "/", contents);
+    layout.property(&view, "PlotLegend", legend);
+    view
 }
 
 /// Sets the panels around the views, and how a viewer begins to play.
-pub(super) fn panels(
-    layout: &mut Layout,
-    is_alone: bool,
-    playback: Playback,
-) -> Result<(), RerunError> {
+pub(super) fn panels(layout: &mut Layout, is_alone: bool, playback: Playback) {
     let hidden = parts::PanelBlueprint::new().with_state(PanelState::Hidden);
     // Between several recordings one chooses in this panel.
     let recordings = if is_alone {
@@ -109,8 +104,8 @@ pub(super) fn panels(
     } else {
         parts::PanelBlueprint::new().with_state(PanelState::Expanded)
     };
-    layout.log("blueprint_panel", &recordings)?;
-    layout.log("selection_panel", &hidden)?;
+    layout.log("blueprint_panel", &recordings);
+    layout.log("selection_panel", &hidden);
     let time = parts::TimePanelBlueprint::new()
         .with_state(PanelState::Collapsed)
         .with_timeline(TIMELINE)
@@ -120,5 +115,5 @@ pub(super) fn panels(
             Playback::PausedAtStart => PlayState::Paused,
             Playback::Following => PlayState::Following,
         });
-    layout.log("time_panel", &time)
+    layout.log("time_panel", &time);
 }

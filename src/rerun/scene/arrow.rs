@@ -162,7 +162,7 @@ impl Arrow {
     }
 
     /// Sends colours, thickness and label.
-    pub(super) fn dress(&self, outlet: &mut Outlet) -> Result<(), RerunError> {
+    pub(super) fn dress(&self, outlet: &mut Outlet) {
         let entity = self.look.entity(self.kind.entity);
         let color = Color::from_u32(self.look.color(self.kind.color, 0));
         let arrow = Arrows3D::update_fields()
@@ -173,8 +173,8 @@ impl Arrow {
             .with_radii([Radius::new_ui_points(0.0)])
             .with_labels([self.look.name(self.kind.label)])
             .with_show_labels(true);
-        outlet.send_static(entity.as_str(), &arrow)?;
-        outlet.send_static(label_entity(&entity), &label)
+        outlet.send_static(entity.as_str(), &arrow);
+        outlet.send_static(label_entity(&entity), &label);
     }
 
     /// Adds a row for a message of the arrow's channel. Orientation (world from body) and centre of the peg are those
@@ -185,16 +185,16 @@ impl Arrow {
         orientation: Option<UnitQuaternion<f64>>,
         peg: Vector3<f64>,
         outlet: &mut Outlet,
-    ) -> Result<(), RerunError> {
+    ) {
         if message.topic() != self.kind.vector.topic() {
-            return Ok(());
+            return;
         }
         let own = self.kind.vector.of(message);
         let vector = match orientation {
             _ if !self.kind.in_body_axes => own,
             Some(orientation) => orientation * own,
             // Without a pose there is no telling where body axes point.
-            None => return Ok(()),
+            None => return,
         };
         let origin = self.kind.origin.map_or(peg, |point| point.of(message));
         if self.scale.is_none() && vector.norm() > 0.0 {
@@ -204,15 +204,15 @@ impl Arrow {
         self.track.push(outlet, message.time_ns, |rows| {
             rows.origins.push(origin.cast::<f32>().into());
             rows.vectors.push(vector.cast::<f32>().into());
-        })?;
-        self.label.write(message.time_ns, origin, vector, outlet)
+        });
+        self.label.write(message.time_ns, origin, vector, outlet);
     }
 }
 
 impl Collect for Arrow {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
-        self.track.flush(outlet, flush)?;
-        self.label.track.flush(outlet, flush)
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        self.track.flush(outlet, flush);
+        self.label.track.flush(outlet, flush);
     }
 }
 
@@ -244,9 +244,9 @@ impl Label {
         origin: Vector3<f64>,
         vector: Vector3<f64>,
         outlet: &mut Outlet,
-    ) -> Result<(), RerunError> {
+    ) {
         if time_ns < self.next_ns {
-            return Ok(());
+            return;
         }
         self.next_ns = time_ns.saturating_add(LABEL_NS);
         let length = vector.norm();
@@ -255,7 +255,7 @@ impl Label {
         let shown = length >= self.shortest;
         self.track.push(outlet, time_ns, |rows| {
             rows.0.push(shown.then(|| place.cast::<f32>().into()));
-        })
+        });
     }
 }
 

@@ -23,22 +23,18 @@ pub(super) struct Pose {
 
 impl Pose {
     /// Sends the body of the top in its own axes, and how its trail is drawn.
-    pub(super) fn new(
-        look: &Look,
-        proportions: &Proportions,
-        outlet: &mut Outlet,
-    ) -> Result<Self, RerunError> {
+    pub(super) fn new(look: &Look, proportions: &Proportions, outlet: &mut Outlet) -> Self {
         let body = shape::top(&proportions.scaled(look.size()));
         let body = match look.albedo() {
             Some(albedo) => body.with_albedo_factor(Rgba32::from_u32(albedo)),
             None => body,
         };
-        outlet.send_static(look.entity("scene/top/body"), &body)?;
-        Trail::dress(look, outlet)?;
-        Ok(Self {
+        outlet.send_static(look.entity("scene/top/body"), &body);
+        Trail::dress(look, outlet);
+        Self {
             track: Track::new(look.entity("scene/top"), Poses::default()),
             trail: Trail::new(look, 1.13 * proportions.tip),
-        })
+        }
     }
 
     /// Adds a row for a message of `/top/pose`, whose orientation (world from body) and centre of the peg are given.
@@ -48,21 +44,21 @@ impl Pose {
         orientation: UnitQuaternion<f64>,
         peg: Vector3<f64>,
         outlet: &mut Outlet,
-    ) -> Result<(), RerunError> {
+    ) {
         self.track.push(outlet, message.time_ns, |rows| {
             rows.quaternions
                 .push(orientation.coords.cast::<f32>().into());
             rows.translations.push(peg.cast::<f32>().into());
-        })?;
+        });
         let axis = pose::AXIS.of(message);
-        self.trail.write(message.time_ns, peg, axis, outlet)
+        self.trail.write(message.time_ns, peg, axis, outlet);
     }
 }
 
 impl Collect for Pose {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
-        self.track.flush(outlet, flush)?;
-        self.trail.flush(outlet, flush)
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        self.track.flush(outlet, flush);
+        self.trail.flush(outlet, flush);
     }
 }
 

@@ -44,14 +44,13 @@ impl Trail {
     }
 
     /// Sends how the path is drawn.
-    pub(super) fn dress(look: &Look, outlet: &mut Outlet) -> Result<(), RerunError> {
+    pub(super) fn dress(look: &Look, outlet: &mut Outlet) {
         for (entity, width) in [(TRAIL_ABOVE, 1.3), (TRAIL_BELOW, 1.0)] {
             let style = LineStrips3D::update_fields()
                 .with_colors([Color::from_u32(look.color(palette::PURPLE, 0))])
                 .with_radii([Radius::new_ui_points(width)]);
-            outlet.send_static(look.entity(entity), &style)?;
+            outlet.send_static(look.entity(entity), &style);
         }
-        Ok(())
     }
 
     /// Adds a point: centre of the peg and direction of the axis at a time in ns.
@@ -61,29 +60,29 @@ impl Trail {
         peg: Vector3<f64>,
         axis: Vector3<f64>,
         outlet: &mut Outlet,
-    ) -> Result<(), RerunError> {
+    ) {
         if time_ns < self.next_point_ns {
-            return Ok(());
+            return;
         }
         self.next_point_ns = time_ns.saturating_add(POINT_NS);
         let point = (peg + self.radius * axis).cast::<f32>().into();
         self.piece.push(point);
         if time_ns < self.next_piece_ns || self.piece.len() < 2 {
-            return Ok(());
+            return;
         }
         self.next_piece_ns = time_ns.saturating_add(PIECE_NS);
         // Each piece begins where the one before it ended.
         let piece = std::mem::replace(&mut self.piece, vec![point]);
         self.below
-            .push(outlet, time_ns, |rows| rows.0.push(projected(&piece)))?;
-        self.above.push(outlet, time_ns, |rows| rows.0.push(piece))
+            .push(outlet, time_ns, |rows| rows.0.push(projected(&piece)));
+        self.above.push(outlet, time_ns, |rows| rows.0.push(piece));
     }
 }
 
 impl Collect for Trail {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) -> Result<(), RerunError> {
-        self.above.flush(outlet, flush)?;
-        self.below.flush(outlet, flush)
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        self.above.flush(outlet, flush);
+        self.below.flush(outlet, flush);
     }
 }
 
