@@ -1,56 +1,75 @@
-//! The command line: arguments, what is printed, exit codes.
+//! The program: its commands, how they end, and what they print.
+//!
+//! Each command is a file with its arguments, its report and what it does. `given` opens the runs that are named;
+//! `report` prints what was found as JSON, or as the `page` that is made from it; `output` is the one way to standard
+//! output and standard error.
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+mod arguments;
+mod completions;
 mod convert;
 mod diff;
+mod done;
 mod explain;
 mod figures;
-mod format;
 mod given;
 mod info;
 mod interrupt;
 mod laws;
+mod numbers;
 mod output;
 mod page;
 mod presets;
 mod progress;
 mod recover;
+mod report;
 mod run;
 mod schema;
+mod table;
+mod text;
 mod verify;
 #[cfg(feature = "rerun")]
 mod view;
 #[cfg(feature = "rerun")]
 mod viewer;
 
-use crate::telemetry::encoding::Encoding;
+use crate::analysis::{diff as compare, explain as story};
 use anyhow::Error;
-use clap::{CommandFactory as _, Parser, Subcommand, ValueEnum};
-use std::path::PathBuf;
+use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand};
+use done::Done;
+use schemars::{JsonSchema, schema_for};
 use std::process::ExitCode;
 
-/// How a command ended, if it did not fail.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Done {
-    /// As asked: exit code 0.
-    Well,
-    /// What was compared is not the same, or not right: exit code 1.
-    Differing,
-    /// Something could not be read, which has been said: exit code 2.
-    Unreadable,
-    /// With less than was asked for: exit code 3.
-    WithLosses,
-}
-
-/// Simulate how a heavy symmetric top rises under slipping friction.
+/// Simulate how a spinning top rises, record every torque, and find out why.
 ///
-/// toprise integrates the motion of a spinning top with a spherical peg and logs every state, every
-/// torque and the slip velocity of the contact point into an MCAP file and a Rerun recording, so that
-/// the rise can be scrubbed through, archived and reproduced bit for bit.
-#[derive(Debug, Parser, PartialEq)]
-#[command(name = "toprise", version, after_help = AFTER_HELP)]
+/// A heavy symmetric top with a spherical peg slips on the table it spins on, and so it stands up. toprise integrates
+/// this motion and records every state, every torque, every term of the accelerations and the slip velocity of the
+/// contact point: in an MCAP file that anyone can reproduce bit for bit, and for the Rerun viewer, where you scrub
+/// through the rise.
+///
+/// A run is named by a preset (`toprise presets` lists them), by a scenario file (TOML; `toprise presets paper >
+/// mine.toml` writes one to start from) or by a recording (MCAP). Units are SI and radians throughout.
+#[derive(Debug, Parser)]
+#[command(name = "toprise", version, after_help = EXAMPLES, after_long_help = MORE)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
+
+    /// Show neither progress nor notes; results, warnings and errors stay.
+    #[arg(short, long, global = true)]
+    quiet: bool,
+
+    /// When to use colours; auto is on a terminal, unless NO_COLOR is set.
+    #[arg(
+        long,
+        global = true,
+        value_name = "WHEN",
+        value_enum,
+        default_value_t,
+        hide_possible_values = true
+    )]
+    color: ColorChoice,
 }
 
 /// The command line's definition, from which help pages, completions and other documents can be made.
@@ -59,50 +78,63 @@ pub fn command() -> clap::Command {
     Arguments::command()
 }
 
-const AFTER_HELP: &str = "\
-Examples:
-  toprise run                              the rise of the paper
+const EXAMPLES: &str = "\
+Start with:
+  toprise run                        the rise of the paper's top, into recordings/
+  toprise explain paper              why it rises
+  toprise --help                     more examples, and what exit codes mean";
+
+const MORE: &str = "\
+Simulate and look:
+  toprise run                              the rise of the paper's top, into recordings/
   toprise run full-coulomb --spawn         another preset, live in the Rerun viewer
   toprise run --set friction.k=0.02        one value changed
   toprise presets paper > mine.toml        a scenario file to start from
   toprise run mine.toml -o mine.mcap
-  toprise info recordings/paper.mcap
   toprise view recordings/*.mcap           recordings again in the Rerun viewer
-  toprise verify recordings/*.mcap         whether they can be trusted
+
+Ask questions:
+  toprise explain paper                    why the top rises
   toprise diff paper full-coulomb          what another friction model changes
   toprise diff a.mcap b.mcap --rel 1e-9    whether two recordings agree
-  toprise explain paper                    why the top rises
   toprise figures                          the paper's figures, and more, as SVG and PNG
+
+Look after recordings:
+  toprise info recordings/paper.mcap       what is in it
+  toprise verify recordings/*.mcap         whether it can be trusted
   toprise convert a.mcap b.mcap --encoding protobuf
   toprise recover a.mcap.partial a.mcap    what an interrupted run left
 
-Exit codes: 0 done; 1 verification failed or runs differ; 2 bad usage, unreadable input or
-failed output; 3 finished with losses (interrupted, parts of a file unreadable, or the motion could
-not be integrated to its end).";
+For programs: all of these take --format json, and `toprise schema --write DIR` writes
+the JSON Schemas of their answers and of the messages in recordings.
 
-#[derive(Debug, Subcommand, PartialEq)]
+Exit codes:
+  0  done; recordings verified, runs equal
+  1  verification failed, or runs differ
+  2  bad usage, unreadable input or failed output
+  3  finished with losses: interrupted, parts of a file unreadable, or the motion
+     could not be integrated to its end";
+
+#[derive(Debug, Subcommand)]
 enum Command {
     /// Simulate a scenario and record it.
+    ///
+    /// Exit codes: 0 recorded, 2 bad scenario or failed output, 3 recorded up to where it was interrupted or the
+    /// motion could not be integrated further.
     Run(run::RunArguments),
-    /// Say what is in a recording.
-    Info {
-        /// An MCAP file.
-        file: PathBuf,
-        /// Form of the answer.
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
-    },
-    /// Show recordings in Rerun, as the run itself would have been shown.
+    /// Show recordings in the Rerun viewer, as the run itself would have been shown.
     ///
     /// Without --connect, --serve and --rrd a viewer is started.
+    ///
+    /// Exit codes: 0 shown, 2 unreadable or no viewer, 3 shown in parts: interrupted, or parts of a file unreadable.
     #[cfg(feature = "rerun")]
     View(view::ViewArguments),
-    /// Check recordings: container, messages, physics, and whether the simulation gives them again, bit
-    /// for bit.
+    /// Tell why the top rose or fell: the story of a run from its numbers.
     ///
-    /// Exit codes: 0 verified, 1 failed, 2 unreadable, 3 all that is there is right, but something is
-    /// missing (a recording that was cut off or recovered).
-    Verify(verify::VerifyArguments),
+    /// It tells what friction did to the precession, what that did to the inclination, and where the energy went.
+    ///
+    /// Exit codes: 0 told, 2 unreadable or nothing to tell, 3 told of what could be read.
+    Explain(explain::ExplainArguments),
     /// Say what differs between runs: in the set-up, in what happened, in the averaged motion and point by
     /// point.
     ///
@@ -112,9 +144,6 @@ enum Command {
     /// Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 equal as
     /// far as both could be read.
     Diff(diff::DiffArguments),
-    /// Tell the story of a run: what friction did to the precession, why the axis rose or fell, where the energy
-    /// went.
-    Explain(explain::ExplainArguments),
     /// Draw figures for print: those of the paper, and more.
     ///
     /// figure-2, figure-3 and figure-4 are the paper's. The others show the accelerations term by term, the rates
@@ -123,109 +152,114 @@ enum Command {
     ///
     /// Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn without what a run lacks.
     Figures(figures::FiguresArguments),
+    /// Say what is in a recording, or in any MCAP file.
+    ///
+    /// Exit codes: 0 all could be read, 2 unreadable, 3 the recording was interrupted, damaged or recovered.
+    Info(info::InfoArguments),
+    /// Check whether recordings can be trusted.
+    ///
+    /// Four groups of checks: the file as MCAP, the messages by themselves, what they say about the motion, and
+    /// whether the simulation gives them again, bit for bit.
+    ///
+    /// Exit codes: 0 verified, 1 failed, 2 unreadable, 3 all that is there is right, but something is
+    /// missing (a recording that was cut off or recovered).
+    Verify(verify::VerifyArguments),
     /// Write a recording in another encoding; content, metadata and attachments stay the same.
+    ///
+    /// Exit codes: 0 converted, 2 unreadable, not whole, or failed output.
     Convert(convert::ConvertArguments),
     /// Save what can be read of an interrupted or damaged recording.
     ///
     /// Exit codes: 0 nothing was lost, 2 nothing could be saved, 3 saved with losses.
     Recover(recover::RecoverArguments),
     /// List the presets, or print one as a scenario file.
-    Presets {
-        /// Preset to print as TOML.
-        name: Option<String>,
-    },
+    Presets(presets::PresetsArguments),
     /// List the laws of friction: formulas, parameters, typical values and sources.
-    Laws {
-        /// Form of the answer.
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
-    },
-    /// List the channels, print the schema of one, or write them all.
-    Schema {
-        /// Topic whose schema to print, as in /top/state.
-        topic: Option<String>,
-        /// Encoding whose schema to print: JSON Schema or a .proto file.
-        #[arg(long, value_enum, default_value_t = EncodingName::Json, requires = "topic")]
-        encoding: EncodingName,
-        /// Write all schemas into this directory, replacing those there.
-        #[arg(long, value_name = "DIRECTORY", conflicts_with = "topic")]
-        write: Option<PathBuf>,
-    },
+    Laws(laws::LawsArguments),
+    /// List the channels of a recording, print the schema of one, or write all schemas.
+    Schema(schema::SchemaArguments),
     /// Print a completion script for a shell.
-    Completions {
-        /// The shell.
-        shell: clap_complete::Shell,
-    },
-}
-
-/// The form of an answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// For people.
-    Text,
-    /// For programs.
-    Json,
-}
-
-/// The encoding of a recording's messages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum EncodingName {
-    /// JSON with JSON Schema: read everywhere.
-    Json,
-    /// Protocol Buffers: smaller, faster, plotted by Rerun.
-    Protobuf,
-}
-
-impl From<EncodingName> for Encoding {
-    fn from(name: EncodingName) -> Self {
-        match name {
-            EncodingName::Json => Self::Json,
-            EncodingName::Protobuf => Self::Protobuf,
-        }
-    }
+    Completions(completions::CompletionsArguments),
 }
 
 /// Runs the program with the arguments of the process.
 #[must_use]
 pub fn main() -> ExitCode {
-    match dispatch(Arguments::parse().command) {
-        Ok(Done::Well) => ExitCode::SUCCESS,
-        Ok(Done::Differing) => ExitCode::from(1),
-        Ok(Done::Unreadable) => ExitCode::from(2),
-        Ok(Done::WithLosses) => ExitCode::from(3),
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(answer) => return told_usage(&answer),
+    };
+    output::set_up(arguments.quiet, arguments.color);
+    match dispatch(arguments.command) {
+        Ok(done) => done.into(),
         Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::from(2)
+            output::error(&output::with_causes(&error));
+            Done::Unreadable.into()
         }
+    }
+}
+
+/// Prints the help, the version, or what is wrong with the arguments.
+fn told_usage(answer: &clap::Error) -> ExitCode {
+    // Help that can't be written is a failure, as any other answer; where standard error is gone there is nobody to
+    // tell.
+    match answer.print() {
+        Err(error) if !answer.use_stderr() && error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Done::Unreadable.into()
+        }
+        _ if answer.use_stderr() => Done::Unreadable.into(),
+        _ => Done::Well.into(),
     }
 }
 
 fn dispatch(command: Command) -> Result<Done, Error> {
     match command {
         Command::Run(arguments) => run::run(&arguments),
-        Command::Info { file, format } => info::info(&file, format),
         #[cfg(feature = "rerun")]
         Command::View(arguments) => view::view(&arguments),
-        Command::Diff(arguments) => diff::diff(&arguments),
         Command::Explain(arguments) => explain::explain(&arguments),
+        Command::Diff(arguments) => diff::diff(&arguments),
         Command::Figures(arguments) => figures::figures(&arguments),
+        Command::Info(arguments) => info::info(&arguments),
+        Command::Verify(arguments) => verify::verify(&arguments),
         Command::Convert(arguments) => convert::convert(&arguments),
         Command::Recover(arguments) => recover::recover(&arguments),
-        Command::Verify(arguments) => verify::verify(&arguments),
-        Command::Presets { name } => presets::presets(name.as_deref()),
-        Command::Laws { format } => laws::laws(format),
-        Command::Schema {
-            topic,
-            encoding,
-            write,
-        } => schema::schema(topic.as_deref(), encoding, write.as_deref()),
-        Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Arguments::command(), "toprise", &mut script);
-            output::print_bytes(&script)?;
-            Ok(Done::Well)
+        Command::Presets(arguments) => presets::presets(&arguments),
+        Command::Laws(arguments) => laws::laws(&arguments),
+        Command::Schema(arguments) => schema::schema(&arguments, schemas()),
+        Command::Completions(arguments) => {
+            completions::completions(&arguments, Arguments::command())
         }
     }
+}
+
+/// The JSON Schemas of what the commands answer with `--format json`, as the files of `schemas/`: names and texts.
+#[must_use]
+pub fn schemas() -> Vec<(String, String)> {
+    vec![
+        schema::<run::RunReport>("RunReport"),
+        #[cfg(feature = "rerun")]
+        schema::<view::ViewReport>("ViewReport"),
+        schema::<story::Story>("ExplainReport"),
+        schema::<compare::Report>("DiffReport"),
+        schema::<compare::Matrix>("DiffMatrix"),
+        schema::<figures::FiguresReport>("FiguresReport"),
+        schema::<info::InfoReport>("InfoReport"),
+        schema::<verify::VerifyReport>("VerifyReport"),
+        schema::<convert::ConvertReport>("ConvertReport"),
+        schema::<recover::RecoverReport>("RecoverReport"),
+        schema::<presets::PresetsReport>("PresetsReport"),
+        schema::<laws::LawsReport>("LawsReport"),
+        schema::<schema::SchemaReport>("SchemaReport"),
+    ]
+}
+
+fn schema<R: JsonSchema>(name: &str) -> (String, String) {
+    let schema = schema_for!(R);
+    (
+        format!("toprise.{name}.json"),
+        format!("{:#}\n", schema.as_value()),
+    )
 }
 
 #[cfg(test)]
@@ -238,11 +272,27 @@ mod tests {
     }
 
     #[test]
-    fn run_alone_means_the_paper() {
-        let arguments = Arguments::try_parse_from(["toprise", "run"]).unwrap();
-        let Command::Run(run) = arguments.command else {
-            panic!("not run");
-        };
-        assert_eq!(run.scenario, "paper");
+    fn what_holds_for_all_commands_stands_before_or_after_them() {
+        for line in [
+            "toprise -q --color never laws",
+            "toprise laws --quiet --color=never",
+        ] {
+            let arguments = Arguments::try_parse_from(line.split(' ')).unwrap();
+            assert!(arguments.quiet && arguments.color == ColorChoice::Never);
+        }
+        assert!(Arguments::try_parse_from(["toprise", "--color", "pink", "laws"]).is_err());
+    }
+
+    #[test]
+    fn every_command_but_completions_answers_in_json() {
+        for command in Arguments::command().get_subcommands() {
+            let has_format = command.get_arguments().any(|a| a.get_id() == "format");
+            assert_eq!(
+                has_format,
+                command.get_name() != "completions",
+                "{}",
+                command.get_name()
+            );
+        }
     }
 }

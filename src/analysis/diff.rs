@@ -121,19 +121,3 @@ pub fn compare_observed<'a>(
     report.summary = report.sentences(["A", "B"]);
     Ok(report)
 }
-
-/// The JSON Schemas of reports, as their files in `schemas/`: names and texts.
-#[must_use]
-pub fn schemas() -> [(&'static str, String); 2] {
-    let text = |schema: schemars::Schema| format!("{:#}\n", schema.as_value());
-    [
-        (
-            "toprise.DiffReport.json",
-            text(schemars::schema_for!(Report)),
-        ),
-        (
-            "toprise.DiffMatrix.json",
-            text(schemars::schema_for!(Matrix)),
-        ),
-    ]
-}

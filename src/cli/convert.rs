@@ -1,12 +1,18 @@
 //! `toprise convert`.
 
+use super::arguments::{EncodingName, FormArguments};
+use super::done::Done;
+use super::page::{Page, Section};
 use super::progress::Progress;
-use super::{Done, EncodingName, format, output};
+use super::report;
+use super::table::Table;
 use crate::archive::convert::convert as write;
 use crate::archive::publish::Existing;
 use crate::archive::recording::Recording;
 use anyhow::{Context as _, Error};
 use clap::Args;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::PathBuf;
 
 /// Arguments of `toprise convert`.
@@ -27,31 +33,81 @@ pub(super) struct ConvertArguments {
     /// Replace the file if it exists.
     #[arg(long)]
     force: bool,
+
+    #[command(flatten)]
+    form: FormArguments,
+}
+
+/// What a conversion has written.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct ConvertReport {
+    /// The new recording.
+    file: String,
+    /// Its size.
+    bytes: u64,
+    /// The encoding of its messages.
+    encoding: EncodingName,
+    /// SHA-256 of its content, which is that of the old recording.
+    content_digest: String,
 }
 
 /// Writes a recording in another encoding.
 pub(super) fn convert(arguments: &ConvertArguments) -> Result<Done, Error> {
     let context = || arguments.input.display().to_string();
     let recording = Recording::open(&arguments.input).with_context(context)?;
-    let existing = Existing::forced(arguments.force);
     let progress = Progress::of_bytes("converting", recording.size());
-    let encoding = arguments.encoding.into();
     let written = write(
         &recording,
         &arguments.output,
-        existing,
-        encoding,
-        &|bytes| {
-            progress.add(bytes);
-        },
+        Existing::forced(arguments.force),
+        arguments.encoding.into(),
+        &|bytes| progress.add(bytes),
     );
     progress.finish();
     let archived = written.with_context(context)?;
-    output::print(&format!(
-        "wrote {}  {}\ncontent sha-256 {}, as before",
-        archived.path.display(),
-        format::bytes(archived.bytes),
-        archived.digest
-    ))?;
+    let report = ConvertReport {
+        file: archived.path.display().to_string(),
+        bytes: archived.bytes,
+        encoding: arguments.encoding,
+        content_digest: archived.digest,
+    };
+    report::print(&report, arguments.form.format(), || report.page())?;
     Ok(Done::Well)
+}
+
+impl ConvertReport {
+    fn page(&self) -> Page {
+        let mut section = Section::default();
+        section.table(Table::of_facts(vec![
+            ("wrote", report::file_line(&self.file, self.bytes)),
+            (
+                "content",
+                format!("sha-256 {}, as before", self.content_digest),
+            ),
+        ]));
+        Page::of(section)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::arguments::parse;
+
+    #[test]
+    fn an_encoding_must_be_chosen() {
+        assert_eq!(
+            parse::<ConvertArguments>("a.mcap b.mcap --encoding protobuf").unwrap(),
+            ConvertArguments {
+                input: "a.mcap".into(),
+                output: "b.mcap".into(),
+                encoding: EncodingName::Protobuf,
+                force: false,
+                form: FormArguments::default(),
+            }
+        );
+        for line in ["a.mcap b.mcap", "a.mcap b.mcap --encoding xml", "a.mcap"] {
+            assert!(parse::<ConvertArguments>(line).is_err(), "{line}");
+        }
+    }
 }

@@ -4,10 +4,12 @@ mod content;
 #[cfg(feature = "rerun")]
 mod viewer;
 
+use super::arguments::{EncodingName, FormArguments, Override, parse_override};
+use super::done::Done;
 use super::given::{Given, open};
 use super::progress::Progress;
-use super::run::parse_override;
-use super::{Done, EncodingName, format, output};
+use super::report::WrittenFile;
+use super::{output, report};
 use crate::analysis::diff::{
     Align, DifferenceFile, Matrix, Observer, Options, Report, Subject, Tolerance, Tolerances,
     Verdict, compare_observed,
@@ -20,26 +22,26 @@ use anyhow::{Context as _, Error, bail};
 use clap::{Args, ValueEnum};
 use content::Detail;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `toprise diff`.
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct DiffArguments {
     /// Two runs or more: recordings (any MCAP files), presets, scenario files.
     #[arg(required = true, num_args = 2.., value_name = "RUN")]
-    runs: Vec<String>,
+    runs: Vec<PathBuf>,
 
     /// Set a key of every scenario that is simulated now, as in friction.k=0.02.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
-    overrides: Vec<(String, String)>,
+    overrides: Vec<Override>,
 
     /// Set a key of the first scenario.
     #[arg(long = "set-a", value_name = "KEY=VALUE", value_parser = parse_override)]
-    overrides_a: Vec<(String, String)>,
+    overrides_a: Vec<Override>,
 
     /// Set a key of the second scenario.
     #[arg(long = "set-b", value_name = "KEY=VALUE", value_parser = parse_override)]
-    overrides_b: Vec<(String, String)>,
+    overrides_b: Vec<Override>,
 
     /// What is compared with what: at equal times, at equal phases of the nutation, or at equal means of θ.
     #[arg(long, value_enum, default_value_t = AlignName::Time)]
@@ -49,11 +51,11 @@ pub(super) struct DiffArguments {
     #[arg(long, value_name = "NUMBER", default_value_t = 0.0)]
     abs: f64,
 
-    /// The same as a part of the larger magnitude.
+    /// Largest difference that counts as none, as a part of the larger magnitude.
     #[arg(long, value_name = "NUMBER", default_value_t = 0.0)]
     rel: f64,
 
-    /// The same as a number of doubles from one to the other.
+    /// Largest difference that counts as none, as a number of doubles from one to the other.
     #[arg(long, value_name = "COUNT", default_value_t = 0)]
     ulp: u64,
 
@@ -93,13 +95,8 @@ pub(super) struct DiffArguments {
     #[arg(long)]
     force: bool,
 
-    /// Form of the report.
-    #[arg(long, value_enum, default_value_t = ReportFormat::Text)]
-    format: ReportFormat,
-
-    /// The report as Markdown: the same as --format markdown.
-    #[arg(long, conflicts_with = "format")]
-    markdown: bool,
+    #[command(flatten)]
+    form: FormArguments,
 }
 
 /// What is compared with what.
@@ -121,17 +118,6 @@ impl From<AlignName> for Align {
             AlignName::Theta => Self::Theta,
         }
     }
-}
-
-/// The form of a report.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ReportFormat {
-    /// For people.
-    Text,
-    /// For programs: schemas/toprise.DiffReport.json describes it.
-    Json,
-    /// For documents.
-    Markdown,
 }
 
 impl DiffArguments {
@@ -182,7 +168,7 @@ impl DiffArguments {
     }
 
     /// The keys to set in the scenario of this run alone.
-    fn overrides_of(&self, at: usize) -> &[(String, String)] {
+    fn overrides_of(&self, at: usize) -> &[Override] {
         match at {
             0 => &self.overrides_a,
             1 => &self.overrides_b,
@@ -213,26 +199,14 @@ impl DiffArguments {
         } else {
             Detail::Short
         };
-        match self.format() {
-            ReportFormat::Text => output::print_styled(&content::page(report, detail).text())?,
-            ReportFormat::Markdown => output::print(&content::page(report, detail).markdown())?,
-            ReportFormat::Json => output::print(&serde_json::to_string_pretty(report)?)?,
-        }
-        Ok(())
-    }
-
-    fn format(&self) -> ReportFormat {
-        if self.markdown {
-            ReportFormat::Markdown
-        } else {
-            self.format
-        }
+        let page = || content::page(report, detail);
+        report::print(report, self.form.format(), page)
     }
 }
 
 /// What is written must neither be a run that is read nor the other file.
 fn refuse_outputs(arguments: &DiffArguments) -> Result<(), Error> {
-    let mut taken: Vec<PathBuf> = arguments.runs.iter().map(PathBuf::from).collect();
+    let mut taken = arguments.runs.clone();
     for output in arguments.outputs() {
         refuse_inputs(output, taken.iter().map(PathBuf::as_path))?;
         taken.push(output.clone());
@@ -309,23 +283,17 @@ impl<'a> Watching<'a> {
 
     /// Completes what is written, and tells of it.
     fn finish(self, report: &Report) -> Result<(), Error> {
-        let told = |path: &Path, bytes| {
-            output::note(&format!(
-                "wrote {}  {}",
-                path.display(),
-                format::bytes(bytes)
-            ));
-        };
+        let tell = |file: &WrittenFile| output::note(&format!("wrote {}", file.line()));
         if let Some(archive) = self.archive {
             let written = archive.finish(report)?;
-            told(&written.path, written.bytes);
+            tell(&WrittenFile::new(&written.path, written.bytes));
         }
         #[cfg(feature = "rerun")]
         if let Some(viewer) = self.viewer {
             let page = content::page(report, Detail::Short);
             let (target, written) = viewer.finish(&page.markdown())?;
-            if let Some((path, bytes)) = written {
-                told(&path, bytes);
+            if let Some(file) = written {
+                tell(&file);
             }
             viewer::serve(target)?;
         }
@@ -378,16 +346,15 @@ fn several(arguments: &DiffArguments, options: &Options, runs: &[Given]) -> Resu
             ..options.clone()
         };
         let [a, b] = [&runs[i], &runs[j]].map(Given::subject);
-        compare_observed(a, b, &options, &mut Watching::alone(&progress))
-            .with_context(|| format!("{} and {}", arguments.runs[i], arguments.runs[j]))
+        compare_observed(a, b, &options, &mut Watching::alone(&progress)).with_context(|| {
+            let [a, b] = [i, j].map(|at| arguments.runs[at].display());
+            format!("{a} and {b}")
+        })
     });
     progress.finish();
     let matrix = matrix?;
-    match arguments.format() {
-        ReportFormat::Text => output::print_styled(&content::matrix_page(&matrix).text())?,
-        ReportFormat::Markdown => output::print(&content::matrix_page(&matrix).markdown())?,
-        ReportFormat::Json => output::print(&serde_json::to_string_pretty(&matrix)?)?,
-    }
+    let page = || content::matrix_page(&matrix);
+    report::print(&matrix, arguments.form.format(), page)?;
     Ok(done(&matrix.against_first))
 }
 
@@ -403,4 +370,40 @@ fn done<'a>(reports: impl IntoIterator<Item = &'a Report>) -> Done {
         }
     }
     done
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::arguments::parse;
+
+    #[test]
+    fn runs_and_tolerances_are_named() {
+        let base = parse::<DiffArguments>("a b").unwrap();
+        assert_eq!(
+            parse::<DiffArguments>("a b --rel 1e-9 --tol *=ulp:4 --topics /events,/top/state")
+                .unwrap(),
+            DiffArguments {
+                rel: 1e-9,
+                tol: vec!["*=ulp:4".to_owned()],
+                topics: vec!["/events".to_owned(), "/top/state".to_owned()],
+                ..base
+            }
+        );
+        for line in [
+            "a",
+            "a b --rel x",
+            "a b --align phase",
+            "a b --encoding json",
+        ] {
+            assert!(parse::<DiffArguments>(line).is_err(), "{line}");
+        }
+    }
+
+    #[test]
+    fn what_is_given_beside_a_file_of_tolerances_counts() {
+        let arguments = parse::<DiffArguments>("a b --abs 0.5 --ulp 3").unwrap();
+        let general = arguments.options().unwrap().tolerances.general;
+        assert_eq!((general.abs, general.rel, general.ulp), (0.5, 0.0, 3));
+    }
 }

@@ -1,8 +1,13 @@
 //! `toprise figures`.
 
+use super::arguments::FormArguments;
+use super::done::Done;
 use super::given::{Given, open};
+use super::output;
+use super::page::{Page, Section};
 use super::progress::Progress;
-use super::{Done, format, output};
+use super::report;
+use super::table::Table;
 use crate::analysis::figures::{
     Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, Run, RunLoss,
 };
@@ -12,7 +17,7 @@ use crate::run::scenario::Preset;
 use anyhow::{Context as _, Error, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::thread;
 
 /// Arguments of `toprise figures`.
@@ -21,7 +26,7 @@ pub(super) struct FiguresArguments {
     /// Recordings, presets or scenario files; several are drawn over one another. Without any the paper's
     /// runs are simulated.
     #[arg(value_name = "RUN")]
-    runs: Vec<String>,
+    runs: Vec<PathBuf>,
 
     /// The directory for the figures.
     #[arg(short, long, value_name = "DIRECTORY", default_value = "figures")]
@@ -39,7 +44,7 @@ pub(super) struct FiguresArguments {
         value_name = "KINDS",
         default_value = "svg,png"
     )]
-    format: Vec<Kind>,
+    kinds: Vec<Kind>,
 
     /// Width of the figures in mm: from 130 mm on there are two columns of plots.
     #[arg(long, value_name = "MM", default_value_t = 85.0, value_parser = parse_width)]
@@ -48,6 +53,9 @@ pub(super) struct FiguresArguments {
     /// Replace files that exist.
     #[arg(long)]
     force: bool,
+
+    #[command(flatten)]
+    form: FormArguments,
 }
 
 /// The kind of a file.
@@ -120,7 +128,7 @@ impl FiguresArguments {
     /// The kinds of files, each once.
     fn kinds(&self) -> impl Iterator<Item = Kind> {
         let kinds = Kind::value_variants().iter().copied();
-        kinds.filter(|kind| self.format.contains(kind))
+        kinds.filter(|kind| self.kinds.contains(kind))
     }
 
     fn path(&self, figure: &Figure, kind: Kind) -> PathBuf {
@@ -135,7 +143,7 @@ impl FiguresArguments {
             .flat_map(|figure| self.kinds().map(|kind| self.path(figure, kind)));
         let all: Vec<_> = all.collect();
         for path in &all {
-            publish::refuse_inputs(path, self.runs.iter().map(Path::new))?;
+            publish::refuse_inputs(path, self.runs.iter().map(PathBuf::as_path))?;
         }
         let taken = all.into_iter().find(|path| path.symlink_metadata().is_ok());
         match taken {
@@ -164,44 +172,60 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     let runs = runs(arguments, &figures)?;
     let mut report = FiguresReport::default();
     for run in &runs {
-        for loss in &run.losses {
-            output::warn(&format!("{}: {loss}", run.name));
-            report.losses.push(RunLoss {
-                run: run.name.clone(),
-                loss: loss.clone(),
-            });
-        }
+        report.losses.extend(run.losses.iter().map(|loss| RunLoss {
+            run: run.name.clone(),
+            loss: loss.clone(),
+        }));
     }
     let mut drawn = Vec::new();
     for figure in figures {
         let count = arguments.count(figure, runs.len());
         let (able, lacking) = divided(figure, &runs[..count]);
-        for (run, missing) in lacking {
-            output::warn(&format!(
-                "{}: {} needs {missing}, which it lacks",
-                run.name, figure.name
-            ));
-            report.lacking.push(Lacking {
-                run: run.name.clone(),
+        report
+            .lacking
+            .extend(lacking.into_iter().map(|(run, missing)| Lacking {
                 figure: figure.name,
+                run: run.name.clone(),
                 missing,
-            });
-        }
+            }));
         // A comparison without one of its runs would be another.
         let is_able = figure.least_runs == 1 || able.len() == count;
         if is_able && !able.is_empty() {
             drawn.push((figure, able));
         }
     }
+    warn(&report);
     if drawn.is_empty() {
         bail!("nothing can be drawn");
     }
     report.files = write_all(arguments, &drawn)?;
+    report::print(&report, arguments.form.format(), || page(&report))?;
     Ok(if report.losses.is_empty() && report.lacking.is_empty() {
         Done::Well
     } else {
         Done::WithLosses
     })
+}
+
+fn warn(report: &FiguresReport) {
+    for RunLoss { run, loss } in &report.losses {
+        output::warn(&format!("{run}: {loss}"));
+    }
+    for Lacking {
+        run,
+        figure,
+        missing,
+    } in &report.lacking
+    {
+        output::warn(&format!("{run}: {figure} needs {missing}, which it lacks"));
+    }
+}
+
+fn page(report: &FiguresReport) -> Page {
+    let wrote = |file: &FigureFile| ("wrote", report::file_line(&file.path, file.bytes));
+    let mut section = Section::default();
+    section.table(Table::of_facts(report.files.iter().map(wrote).collect()));
+    Page::of(section)
 }
 
 /// Those of which a figure can be drawn, and the others with what they lack.
@@ -254,28 +278,29 @@ fn given(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<(Strin
             })
             .collect();
     }
-    let stem = |word: &str| {
-        let stem = Path::new(word).file_stem();
-        stem.map_or_else(
-            || word.to_owned(),
-            |stem| stem.to_string_lossy().into_owned(),
-        )
-    };
-    let stems: Vec<_> = arguments.runs.iter().map(|word| stem(word)).collect();
-    let is_unique = |name: &String| stems.iter().filter(|other| *other == name).count() == 1;
-    let name = |word: &String, stem: &String| if is_unique(stem) { stem } else { word }.clone();
+    let stem = |word: &PathBuf| word.file_stem().unwrap_or(word.as_os_str()).to_owned();
+    let stems: Vec<_> = arguments.runs.iter().map(stem).collect();
+    let is_unique = |stem| stems.iter().filter(|other| *other == stem).count() == 1;
     let words = arguments.runs.iter().zip(&stems);
     words
-        .map(|(word, stem)| Ok((name(word, stem), open(word, &[], &[])?)))
+        .map(|(word, stem)| {
+            let name = if is_unique(stem) {
+                stem
+            } else {
+                word.as_os_str()
+            };
+            let name = name.to_string_lossy().into_owned();
+            Ok((name, open(word, &[], &[])?))
+        })
         .collect()
 }
 
-/// Draws and writes figures, and tells of each file.
+/// Draws and writes figures.
 fn write_all(
     arguments: &FiguresArguments,
     figures: &[(&'static Figure, Vec<&Run>)],
 ) -> Result<Vec<FigureFile>, Error> {
-    let mut files = Vec::new();
+    let mut written = Vec::new();
     for (figure, runs) in figures {
         let drawing = figure.draw(runs, arguments.width);
         for kind in arguments.kinds() {
@@ -283,9 +308,7 @@ fn write_all(
             let context = || path.display().to_string();
             let bytes = kind.bytes(&drawing).with_context(context)?;
             publish::write(&path, Existing::forced(arguments.force), &bytes)?;
-            let size = format::bytes(bytes.len() as u64);
-            output::print(&format!("wrote {}  {size}", path.display()))?;
-            files.push(FigureFile {
+            written.push(FigureFile {
                 figure: figure.name,
                 title: figure.title,
                 runs: runs.iter().map(|run| run.name.clone()).collect(),
@@ -294,5 +317,30 @@ fn write_all(
             });
         }
     }
-    Ok(files)
+    Ok(written)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::arguments::parse;
+
+    #[test]
+    fn figures_are_chosen_by_their_names() {
+        let base = parse::<FiguresArguments>("").unwrap();
+        assert_eq!(base.kinds, [Kind::Svg, Kind::Png]);
+        assert_eq!(base.width, 85.0);
+        assert_eq!(
+            parse::<FiguresArguments>("a.mcap paper --only figure-2,figure-4 --kinds png").unwrap(),
+            FiguresArguments {
+                runs: vec!["a.mcap".into(), "paper".into()],
+                only: vec!["figure-2".to_owned(), "figure-4".to_owned()],
+                kinds: vec![Kind::Png],
+                ..base
+            }
+        );
+        for line in ["--only figure-7", "--width 20", "--kinds pdf"] {
+            assert!(parse::<FiguresArguments>(line).is_err(), "{line}");
+        }
+    }
 }

@@ -1,68 +1,249 @@
 //! `toprise info`.
 
-use super::{Done, Format, format, output};
-use crate::archive::recording::{ChannelOverview, Condition, Loss, Overview};
+use super::arguments::FormArguments;
+use super::done::Done;
+use super::numbers::{bytes, count};
+use super::page::{Page, Section};
+use super::report::{self, LossReport};
+use super::table::Table;
+use crate::archive::recording::{ChannelOverview, Condition, Overview};
+use crate::run::simulation::EventKind;
 use anyhow::{Context as _, Error};
-use serde_json::{Value, json};
+use clap::Args;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Says what is in a recording.
-pub(super) fn info(path: &Path, form: Format) -> Result<Done, Error> {
+/// Kinds of events with more of them are counted, not listed.
+const RARE: u64 = 20;
+
+/// Arguments of `toprise info`.
+#[derive(Args, Debug, Default, PartialEq)]
+pub(super) struct InfoArguments {
+    /// An MCAP file.
+    file: PathBuf,
+
+    #[command(flatten)]
+    form: FormArguments,
+}
+
+/// What is in a file.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct InfoReport {
+    /// The file.
+    file: String,
+    /// Its size.
+    bytes: u64,
+    /// What kind of file it is.
+    state: Condition,
+    /// What wrote it, by its own words.
+    library: String,
+    /// What can't be read.
+    losses: Vec<LossReport>,
+    /// What was lost before the recording was recovered; absent if it was not.
+    recovery: Option<BTreeMap<String, String>>,
+    /// What toprise noted when the run began; absent in other files.
+    run: Option<BTreeMap<String, String>>,
+    /// What toprise noted when the run ended; absent if it did not.
+    end: Option<BTreeMap<String, String>>,
+    /// The scenario, TOML.
+    scenario: Option<String>,
+    /// Number of messages in all channels.
+    messages: u64,
+    /// Time of the last message, ns.
+    last_ns: u64,
+    /// The channels, in the order of the file.
+    channels: Vec<ChannelReport>,
+    /// What happened.
+    events: Vec<EventReport>,
+    /// The losses, for people.
+    #[serde(skip)]
+    told_losses: Vec<String>,
+}
+
+/// A channel of a file.
+#[derive(Debug, Serialize, JsonSchema)]
+struct ChannelReport {
+    /// Its topic.
+    topic: String,
+    /// The name of its message type; empty if it has none.
+    schema: String,
+    /// The encoding of its messages.
+    encoding: String,
+    /// Number of messages.
+    messages: u64,
+    /// Mean rate of the messages, Hz; absent for fewer than two.
+    rate_hz: Option<f64>,
+    /// Bytes of all messages.
+    bytes: u64,
+    /// Time of the first message, ns.
+    first_ns: u64,
+    /// Time of the last message, ns.
+    last_ns: u64,
+}
+
+/// An event of a run.
+#[derive(Debug, Serialize, JsonSchema)]
+struct EventReport {
+    /// Its kind.
+    name: String,
+    /// When, s.
+    time: f64,
+    /// What happened, in a sentence.
+    description: String,
+}
+
+/// Says what is in a file.
+pub(super) fn info(arguments: &InfoArguments) -> Result<Done, Error> {
+    let path = &arguments.file;
     let context = || path.display().to_string();
     let overview = Overview::read(path).with_context(context)?;
     let size = fs::metadata(path).with_context(context)?.len();
-    match form {
-        Format::Text => output::print(&text(path, size, &overview))?,
-        Format::Json => output::print(&format!("{:#}", json(path, size, &overview)))?,
-    }
-    let is_all = matches!(overview.condition, Condition::Whole | Condition::Foreign);
-    Ok(if is_all && overview.losses.is_empty() {
+    let is_whole = matches!(overview.condition, Condition::Whole | Condition::Foreign);
+    let report = InfoReport::of(path, size, overview);
+    report::print(&report, arguments.form.format(), || report.page())?;
+    Ok(if is_whole && report.losses.is_empty() {
         Done::Well
     } else {
         Done::WithLosses
     })
 }
 
-fn text(path: &Path, size: u64, overview: &Overview) -> String {
-    let mut text = String::new();
-    let mut line = |label: &str, value: String| {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "  {label:<10} {value}");
-    };
-    line("state", overview.condition.name().to_owned());
-    if overview.condition == Condition::Foreign {
-        line("written by", overview.library.clone());
+impl InfoReport {
+    fn of(path: &Path, size: u64, overview: Overview) -> Self {
+        let channel = |channel: &ChannelOverview| ChannelReport {
+            topic: channel.topic.clone(),
+            schema: channel.schema.clone(),
+            encoding: channel.encoding.clone(),
+            messages: channel.messages,
+            rate_hz: channel.rate(),
+            bytes: channel.bytes,
+            first_ns: channel.first_ns,
+            last_ns: channel.last_ns,
+        };
+        let events = overview.events.iter().map(|event| EventReport {
+            name: event.name.clone(),
+            time: event.time,
+            description: event.description.clone(),
+        });
+        Self {
+            file: path.display().to_string(),
+            bytes: size,
+            state: overview.condition,
+            losses: overview.losses.iter().map(LossReport::from).collect(),
+            told_losses: overview.losses.iter().map(ToString::to_string).collect(),
+            messages: overview.messages(),
+            last_ns: overview.last_ns(),
+            channels: overview.channels.iter().map(channel).collect(),
+            events: events.collect(),
+            library: overview.library,
+            recovery: overview.recovery,
+            run: overview.run,
+            end: overview.end,
+            scenario: overview.scenario,
+        }
     }
-    for loss in &overview.losses {
-        line("lost", loss.to_string());
+
+    fn page(&self) -> Page {
+        let mut head = Section::new(&self.file);
+        head.note = bytes(self.bytes);
+        head.table(Table::of_facts(self.facts()));
+        let mut rest = Section::default();
+        rest.table(self.channel_table());
+        rest.table(self.event_table());
+        Page {
+            sections: vec![head, rest],
+            ..Page::default()
+        }
     }
-    if let Some(lost) = overview.recovery.as_ref().and_then(|r| r.get("lost")) {
-        line("lost", lost.clone());
+
+    fn facts(&self) -> Vec<(&'static str, String)> {
+        let mut facts = vec![("state", self.state.name().to_owned())];
+        if self.state == Condition::Foreign {
+            facts.push(("written by", self.library.clone()));
+        }
+        facts.extend(self.told_losses.iter().map(|loss| ("lost", loss.clone())));
+        if let Some(lost) = self
+            .recovery
+            .as_ref()
+            .and_then(|entries| entries.get("lost"))
+        {
+            facts.push(("lost", lost.clone()));
+        }
+        if let Some(run) = &self.run {
+            facts.push(("scenario", run_line(run)));
+        }
+        if let Some(end) = &self.end {
+            facts.push(("end", end_line(end)));
+            facts.push((
+                "content",
+                format!("sha-256 {}", entry(end, "content_digest")),
+            ));
+        }
+        facts.push(("span", format!("{} s", self.last_ns as f64 / 1e9)));
+        facts.push(("messages", count(self.messages)));
+        if !self.events.is_empty() {
+            let counts = self.counts().into_iter();
+            let counts: Vec<_> = counts
+                .map(|(name, number)| format!("{} × {}", count(number), name.replace('_', " ")))
+                .collect();
+            facts.push(("events", counts.join(", ")));
+        }
+        facts
     }
-    if let Some(run) = &overview.run {
-        line("scenario", run_line(run));
+
+    /// How often each kind of event happened.
+    fn counts(&self) -> BTreeMap<&str, u64> {
+        let mut counts = BTreeMap::new();
+        for event in &self.events {
+            *counts.entry(event.name.as_str()).or_insert(0) += 1;
+        }
+        counts
     }
-    if let Some(end) = &overview.end {
-        line("end", end_line(end));
-        line("content", entry(end, "content_digest"));
+
+    fn channel_table(&self) -> Table {
+        let header = ["topic", "type", "encoding", "messages", "rate", "bytes"];
+        let row = |channel: &ChannelReport| {
+            let rate = channel.rate_hz.map(|rate| format!("{rate:.1} Hz"));
+            vec![
+                channel.topic.clone(),
+                channel.schema.clone(),
+                channel.encoding.clone(),
+                count(channel.messages),
+                rate.unwrap_or_default(),
+                bytes(channel.bytes),
+            ]
+        };
+        Table {
+            header: header.map(str::to_owned).to_vec(),
+            rows: self.channels.iter().map(row).collect(),
+            left: 3,
+        }
     }
-    line("span", format!("{} s", overview.last_ns() as f64 / 1e9));
-    line("messages", format::count(overview.messages()));
-    line("events", event_counts(overview));
-    format!(
-        "{}  {}\n{text}\n{}{}",
-        path.display(),
-        format::bytes(size),
-        channel_table(&overview.channels),
-        event_table(overview)
-    )
+
+    fn event_table(&self) -> Table {
+        let counts = self.counts();
+        let is_rare = |event: &&EventReport| {
+            let is_of_nutation =
+                EventKind::find(&event.name).is_some_and(EventKind::is_of_nutation);
+            counts[event.name.as_str()] <= RARE && !is_of_nutation
+        };
+        let rare = self.events.iter().filter(is_rare);
+        let row = |event: &EventReport| {
+            vec![
+                format!("{:.6} s", event.time),
+                event.name.replace('_', " "),
+                event.description.clone(),
+            ]
+        };
+        Table::of_texts(rare.map(row).collect())
+    }
 }
 
-fn entry(record: &BTreeMap<String, String>, key: &str) -> String {
-    record.get(key).cloned().unwrap_or_default()
+fn entry<'a>(entries: &'a BTreeMap<String, String>, key: &str) -> &'a str {
+    entries.get(key).map_or("", String::as_str)
 }
 
 fn run_line(run: &BTreeMap<String, String>) -> String {
@@ -87,100 +268,19 @@ fn end_line(end: &BTreeMap<String, String>) -> String {
     )
 }
 
-fn counts(overview: &Overview) -> BTreeMap<&str, u64> {
-    let mut counts = BTreeMap::new();
-    for event in &overview.events {
-        *counts.entry(event.name.as_str()).or_insert(0) += 1;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::arguments::parse;
+
+    #[test]
+    fn one_file_is_named() {
+        let expected = InfoArguments {
+            file: "a.mcap".into(),
+            ..InfoArguments::default()
+        };
+        assert_eq!(parse::<InfoArguments>("a.mcap").unwrap(), expected);
+        assert!(parse::<InfoArguments>("").is_err());
+        assert!(parse::<InfoArguments>("a.mcap b.mcap").is_err());
     }
-    counts
-}
-
-fn event_counts(overview: &Overview) -> String {
-    let counts = counts(overview);
-    let parts = counts.iter().map(|(name, count)| format!("{count} {name}"));
-    parts.collect::<Vec<_>>().join(", ")
-}
-
-fn channel_table(channels: &[ChannelOverview]) -> String {
-    let header = ["topic", "type", "encoding", "messages", "rate", "bytes"];
-    let row = |channel: &ChannelOverview| {
-        let rate = channel.rate().map(|rate| format!("{rate:.1} Hz"));
-        vec![
-            channel.topic.clone(),
-            channel.schema.clone(),
-            channel.encoding.clone(),
-            format::count(channel.messages),
-            rate.unwrap_or_default(),
-            format::bytes(channel.bytes),
-        ]
-    };
-    let mut rows = vec![header.map(str::to_owned).to_vec()];
-    rows.extend(channels.iter().map(row));
-    format::table(&rows, &[3, 4, 5])
-}
-
-/// The events that happen a few times; nutation extremes would bury them.
-fn event_table(overview: &Overview) -> String {
-    let rare = 20;
-    let counts = counts(overview);
-    let rows: Vec<_> = overview
-        .events
-        .iter()
-        .filter(|event| counts[event.name.as_str()] <= rare)
-        .map(|event| {
-            vec![
-                format!("{:.6} s", event.time),
-                event.name.clone(),
-                event.description.clone(),
-            ]
-        })
-        .collect();
-    if rows.is_empty() {
-        String::new()
-    } else {
-        format!("\n{}", format::table(&rows, &[0]))
-    }
-}
-
-fn json(path: &Path, size: u64, overview: &Overview) -> Value {
-    let channel = |channel: &ChannelOverview| {
-        json!({
-            "topic": channel.topic,
-            "schema": channel.schema,
-            "encoding": channel.encoding,
-            "messages": channel.messages,
-            "rate_hz": channel.rate(),
-            "bytes": channel.bytes,
-            "first_ns": channel.first_ns,
-            "last_ns": channel.last_ns,
-        })
-    };
-    let loss = |loss: &Loss| {
-        json!({
-            "offset": loss.offset,
-            "length": loss.length,
-            "from_ns": loss.span.map(|span| span.from_ns),
-            "to_ns": loss.span.and_then(|span| span.to_ns),
-            "reason": loss.reason,
-        })
-    };
-    json!({
-        "file": path.display().to_string(),
-        "bytes": size,
-        "state": overview.condition.name(),
-        "library": overview.library,
-        "losses": overview.losses.iter().map(loss).collect::<Vec<_>>(),
-        "recovery": overview.recovery,
-        "run": overview.run,
-        "end": overview.end,
-        "scenario": overview.scenario,
-        "messages": overview.messages(),
-        "last_ns": overview.last_ns(),
-        "channels": overview.channels.iter().map(channel).collect::<Vec<_>>(),
-        "events": overview.events.iter().map(|event| json!({
-            "name": event.name,
-            "time": event.time,
-            "description": event.description,
-        })).collect::<Vec<_>>(),
-    })
 }

@@ -1,69 +1,133 @@
 //! `toprise laws`.
 
-use super::{Done, Format, format, output};
+use super::arguments::FormArguments;
+use super::done::Done;
+use super::page::{Page, Section};
+use super::report;
+use super::table::Table;
 use crate::run::scenario::{Key, LAWS, Law};
 use anyhow::Error;
-use serde_json::{Value, json};
+use clap::Args;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Arguments of `toprise laws`.
+#[derive(Args, Debug, Default, PartialEq)]
+pub(super) struct LawsArguments {
+    #[command(flatten)]
+    form: FormArguments,
+}
+
+/// All laws of friction.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct LawsReport(Vec<LawReport>);
+
+/// A law of friction.
+#[derive(Debug, Serialize, JsonSchema)]
+struct LawReport {
+    /// Its word under `friction.law`, or the section of a scenario that adds it to any law.
+    name: &'static str,
+    /// Whether it adds to any law of sliding instead of being one.
+    adds_to_any: bool,
+    /// Force or torque.
+    formula: &'static str,
+    /// The keys of a scenario that it has.
+    parameters: Vec<Parameter>,
+    /// Typical values of the parameters.
+    typical: &'static str,
+    /// Who wrote about it.
+    source: &'static str,
+}
+
+/// A parameter of a law.
+#[derive(Debug, Serialize, JsonSchema)]
+struct Parameter {
+    /// Its key in a scenario.
+    key: &'static str,
+    /// Its unit; empty for a pure number.
+    unit: &'static str,
+    /// What it is.
+    meaning: &'static str,
+    /// The values that it may have.
+    allowed: String,
+}
 
 /// Lists the laws of friction.
-pub(super) fn laws(form: Format) -> Result<Done, Error> {
-    output::print(&match form {
-        Format::Text => text(),
-        Format::Json => format!("{:#}", Value::from_iter(LAWS.iter().map(json))),
-    })?;
+pub(super) fn laws(arguments: &LawsArguments) -> Result<Done, Error> {
+    let report = LawsReport(LAWS.iter().map(LawReport::of).collect());
+    report::print(&report, arguments.form.format(), || report.page())?;
     Ok(Done::Well)
 }
 
-fn text() -> String {
-    let (sliding, others): (Vec<_>, Vec<_>) = LAWS.iter().partition(|law| law.is_sliding());
-    let paragraphs = |laws: Vec<&Law>| laws.into_iter().map(paragraph).collect::<String>();
-    format!(
-        "Laws of sliding, as friction.law:\n\n{}What adds to any of them, each by keys of its own:\n\n{}\
-         f force, v slip velocity, N normal force, ω angular velocity, ω_⊥ its horizontal part, w_n its part along \
-         the\nsymmetry axis n, w_t the rest, M torque about the peg's centre, z′ the vertical, R radius of the peg.\n",
-        paragraphs(sliding),
-        paragraphs(others)
-    )
-}
-
-fn paragraph(law: &Law) -> String {
-    let mut rows = vec![vec![law.name.to_owned(), law.formula.to_owned()]];
-    let mut add = |left: String, right: String| rows.push(vec![format!("  {left}"), right]);
-    for key in law.parameters() {
-        add(key.path.to_owned(), parameter(key));
-    }
-    for (name, text) in [("typical", law.typical), ("source", law.source)] {
-        if !text.is_empty() {
-            add(name.to_owned(), text.to_owned());
+impl LawsReport {
+    fn page(&self) -> Page {
+        let section = |title: &str, adds_to_any: bool| {
+            let mut section = Section::new(title);
+            for law in self.0.iter().filter(|law| law.adds_to_any == adds_to_any) {
+                section.table(law.table());
+            }
+            section
+        };
+        let mut symbols = Section::new("Symbols");
+        symbols.line(
+            "f force, v slip velocity, N normal force, ω angular velocity, ω_⊥ its horizontal part, w_n its part \
+             along the symmetry axis n, w_t the rest, M torque about the peg's centre, z′ the vertical, R radius of \
+             the peg.",
+        );
+        Page {
+            sections: vec![
+                section("Laws of sliding: friction.law is one of them", false),
+                section(
+                    "Losses that add to any of them, each by keys of its own",
+                    true,
+                ),
+                symbols,
+            ],
+            ..Page::default()
         }
     }
-    format::table(&rows, &[]) + "\n"
 }
 
-fn parameter(key: &Key) -> String {
-    let unit = if key.unit.is_empty() {
-        String::new()
-    } else {
-        format!(" [{}]", key.unit)
-    };
-    format!("{}{unit}: {}", key.meaning, key.kind)
-}
+impl LawReport {
+    fn of(law: &Law) -> Self {
+        let parameter = |key: &Key| Parameter {
+            key: key.path,
+            unit: key.unit,
+            meaning: key.meaning,
+            allowed: key.kind.to_string(),
+        };
+        Self {
+            name: law.name,
+            adds_to_any: !law.is_sliding(),
+            formula: law.formula,
+            parameters: law.parameters().map(parameter).collect(),
+            typical: law.typical,
+            source: law.source,
+        }
+    }
 
-fn json(law: &Law) -> Value {
-    let parameter = |key: &Key| {
-        json!({
-            "key": key.path,
-            "unit": key.unit,
-            "meaning": key.meaning,
-            "allowed": key.kind.to_string(),
-        })
-    };
-    json!({
-        "name": law.name,
-        "adds_to_any": !law.is_sliding(),
-        "formula": law.formula,
-        "parameters": law.parameters().map(parameter).collect::<Vec<_>>(),
-        "typical": law.typical,
-        "source": law.source,
-    })
+    fn table(&self) -> Table {
+        let mut rows = vec![vec![self.name.to_owned(), self.formula.to_owned()]];
+        let mut add = |left: &str, right: String| rows.push(vec![format!("  {left}"), right]);
+        for Parameter {
+            key,
+            unit,
+            meaning,
+            allowed,
+        } in &self.parameters
+        {
+            let unit = if unit.is_empty() {
+                String::new()
+            } else {
+                format!(" [{unit}]")
+            };
+            add(key, format!("{meaning}{unit}: {allowed}"));
+        }
+        for (name, text) in [("typical", self.typical), ("source", self.source)] {
+            if !text.is_empty() {
+                add(name, text.to_owned());
+            }
+        }
+        Table::of_texts(rows)
+    }
 }

@@ -1,53 +1,142 @@
-//! Writing to standard output without panicking when nobody reads it.
+//! The one way out: whatever the program prints goes through here.
+//!
+//! Standard output carries the answer, standard error everything else. A stream that nobody reads, or that can't be
+//! written, never ends the program in a panic: the exit code still says how the command ended.
 
-use std::io::{self, Write as _};
+use super::text;
+use anstyle::{AnsiColor, Effects, Style};
+use clap::ColorChoice;
+use std::io::{self, IsTerminal as _, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Prints a text and a newline.
-pub(super) fn print(text: &str) -> io::Result<()> {
-    print_bytes(format!("{}\n", text.trim_end()).as_bytes())
-}
+/// Columns of a report that nobody reads on a terminal, and the most on one.
+const WIDTH: usize = 100;
+/// The fewest columns: narrower terminals break the lines themselves.
+const NARROWEST: usize = 60;
 
-/// Prints a text with colours: on a terminal that shows them, unless `NO_COLOR` is set; else without.
-pub(super) fn print_styled(text: &str) -> io::Result<()> {
-    let choice = anstream::AutoStream::choice(&io::stdout());
-    if choice == anstream::ColorChoice::Never {
-        return print(&anstream::adapter::strip_str(text).to_string());
+const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
+const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
+
+/// Whether `--quiet` was given.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Takes in `--quiet` and `--color`, which hold for all that is printed from here on.
+pub(super) fn set_up(quiet: bool, color: ColorChoice) {
+    QUIET.store(quiet, Ordering::Relaxed);
+    match color {
+        ColorChoice::Auto => anstream::ColorChoice::Auto,
+        ColorChoice::Always => anstream::ColorChoice::Always,
+        ColorChoice::Never => anstream::ColorChoice::Never,
     }
-    print(text)
+    .write_global();
 }
 
-/// Prints bytes as they are.
-pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
+/// Whether only results, warnings and errors are wanted.
+pub(super) fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// The number of columns that a report may take.
+pub(super) fn width() -> usize {
+    if io::stdout().is_terminal() {
+        textwrap::termwidth().clamp(NARROWEST, WIDTH)
+    } else {
+        WIDTH
+    }
+}
+
+/// Prints an answer that has no colours.
+pub(super) fn print(answer: &str) -> io::Result<()> {
+    write(&mut io::stdout().lock(), &text::harmless_lines(answer))
+}
+
+/// Prints an answer that is harmless and has colours, which are taken out where they are not wanted.
+pub(super) fn print_styled(answer: &str) -> io::Result<()> {
+    write(&mut anstream::stdout().lock(), answer)
+}
+
+/// Prints JSON.
+pub(super) fn print_json(json: &str) -> io::Result<()> {
+    write(&mut io::stdout().lock(), &text::harmless_json(json))
+}
+
+fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
+    let answer = answer.trim_end();
+    if answer.is_empty() {
+        return Ok(());
+    }
+    let written = writeln!(stream, "{answer}").and_then(|()| stream.flush());
+    match written {
         // Who reads no further has read enough: the exit code says the rest.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         result => result,
     }
 }
 
-/// Says on standard error what went wrong.
-pub(super) fn error(text: &str) {
-    // Where standard error is gone there is nobody to tell.
-    let _ = writeln!(io::stderr(), "error: {text}");
+/// Says what went wrong.
+pub(super) fn error(what: &str) {
+    tell(&format!("{ERROR}error:{ERROR:#} "), what);
 }
 
-/// Says on standard error what else was done, beside an answer on standard output.
-pub(super) fn note(text: &str) {
-    // Where standard error is gone there is nobody to tell.
-    let _ = writeln!(io::stderr(), "{text}");
-}
-
-/// Warns on standard error.
-pub(super) fn warn(text: &str) {
-    // Where standard error is gone there is nobody to warn.
-    let _ = writeln!(io::stderr(), "warning: {text}");
+/// Warns of something.
+pub(super) fn warn(what: &str) {
+    tell(&format!("{WARNING}warning:{WARNING:#} "), what);
 }
 
 /// Warns of several things.
 #[cfg(feature = "rerun")]
-pub(super) fn warn_all(texts: Vec<String>) {
-    for text in texts {
-        warn(&text);
+pub(super) fn warn_all(warnings: Vec<String>) {
+    for warning in warnings {
+        warn(&warning);
+    }
+}
+
+/// Says what else was done; nothing with `--quiet`.
+pub(super) fn note(what: &str) {
+    if !is_quiet() {
+        tell("", what);
+    }
+}
+
+/// Says what must be known to go on, even with `--quiet`.
+#[cfg(feature = "web-viewer")]
+pub(super) fn announce(what: &str) {
+    tell("", what);
+}
+
+fn tell(prefix: &str, what: &str) {
+    // Where standard error is gone there is nobody to tell.
+    let _ = writeln!(anstream::stderr().lock(), "{prefix}{}", text::message(what));
+}
+
+/// An error with its causes, without those that it tells itself.
+pub(super) fn with_causes(error: &anyhow::Error) -> String {
+    error
+        .chain()
+        .map(ToString::to_string)
+        .fold(String::new(), |told, cause| {
+            if told.is_empty() {
+                cause
+            } else if told.contains(&cause) {
+                told
+            } else {
+                format!("{told}: {cause}")
+            }
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::anyhow;
+
+    #[test]
+    fn causes_are_told_once() {
+        let error = anyhow!("no space left").context("cannot write a.mcap: no space left");
+        let error = error.context("a.mcap");
+        assert_eq!(
+            with_causes(&error),
+            "a.mcap: cannot write a.mcap: no space left"
+        );
     }
 }

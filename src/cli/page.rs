@@ -1,75 +1,94 @@
-//! A report as sections with tables and sentences, and that as text for a terminal or as Markdown.
+//! A report for people: sections with tables and sentences, as text for a terminal or as Markdown.
 
-use super::format;
+use super::table::Table;
+use super::text::{harmless, harmless_lines};
 use anstyle::{AnsiColor, Effects, Style};
-use std::fmt::Write as _;
-use unicode_width::UnicodeWidthStr as _;
-
-/// Nothing is wider.
-const WIDTH: usize = 100;
 
 const HEADING: Style = AnsiColor::Cyan.on_default().effects(Effects::BOLD);
+const GOOD: Style = AnsiColor::Green.on_default().effects(Effects::BOLD);
+const WEAK: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
+const BAD: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const FAINT: Style = Style::new().effects(Effects::DIMMED);
+
+/// The sign of something that is as it must be.
+pub(super) const TICK: char = '✓';
+/// The sign of something that is not.
+pub(super) const CROSS: char = '✗';
 
 /// A report for people.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Page {
-    /// The verdict in a word or two.
+    /// What it is about, above the title.
+    pub(super) subjects: Table,
+    /// The verdict in a word or two; empty if the sections speak for themselves.
     pub(super) title: String,
-    /// What the title is coloured with.
+    /// What kind of news the title is.
     pub(super) tone: Tone,
-    /// The runs.
-    pub(super) runs: Table,
-    /// Sentences.
+    /// The findings in a few sentences.
     pub(super) summary: Vec<String>,
+    /// The rest.
     pub(super) sections: Vec<Section>,
 }
 
-/// Whether something is good news.
+/// What kind of news something is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Tone {
+    /// Neither good nor bad.
     #[default]
-    Same,
-    Different,
+    Neutral,
+    /// As it should be.
+    Good,
+    /// Not quite as it should be.
+    Weak,
+    /// Wrong.
+    Bad,
+}
+
+impl Tone {
+    fn style(self) -> Style {
+        match self {
+            Self::Neutral => HEADING,
+            Self::Good => GOOD,
+            Self::Weak => WEAK,
+            Self::Bad => BAD,
+        }
+    }
 }
 
 /// A part of a report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Section {
-    pub(super) title: &'static str,
-    /// What there is to know beside the title.
+    /// Its heading; empty for none.
+    pub(super) title: String,
+    /// What kind of news the heading is.
+    pub(super) tone: Tone,
+    /// What there is to know beside the heading.
     pub(super) note: String,
+    /// What stands in it.
     pub(super) parts: Vec<Part>,
 }
 
 /// A part of a section.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Part {
+    /// A table.
     Table(Table),
+    /// A sentence or more.
     Line(String),
-}
-
-/// Cells in rows; all but the first columns are aligned to the right.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Table {
-    /// Names of the columns; none for a table without.
-    pub(super) header: Vec<String>,
-    pub(super) rows: Vec<Vec<String>>,
-    /// So many columns are aligned to the left.
-    pub(super) left: usize,
+    /// Lines in another language, which stay as they are.
+    Code(String),
 }
 
 impl Section {
-    pub(super) fn new(title: &'static str, note: String) -> Self {
+    pub(super) fn new(title: impl Into<String>) -> Self {
         Self {
-            title,
-            note,
-            parts: Vec::new(),
+            title: title.into(),
+            ..Self::default()
         }
     }
 
-    pub(super) fn line(&mut self, line: String) {
-        self.parts.push(Part::Line(line));
+    pub(super) fn line(&mut self, line: impl Into<String>) {
+        self.parts.push(Part::Line(line.into()));
     }
 
     /// Adds a table if it has rows.
@@ -78,134 +97,111 @@ impl Section {
             self.parts.push(Part::Table(table));
         }
     }
-}
 
-impl Page {
-    /// For a terminal, with colours that are to be taken out where they are not wanted.
-    pub(super) fn text(&self) -> String {
-        let colour = match self.tone {
-            Tone::Same => AnsiColor::Green,
-            Tone::Different => AnsiColor::Yellow,
-        };
-        let title = colour.on_default().effects(Effects::BOLD);
-        let mut text = self.runs.text();
-        if !text.is_empty() {
-            text.push('\n');
-        }
-        let _ = writeln!(text, "{title}{}{title:#}", self.title);
-        if !self.summary.is_empty() {
-            for line in wrapped(&self.summary.join(" "), WIDTH) {
-                let _ = writeln!(text, "{line}");
-            }
-        }
-        for section in &self.sections {
-            let _ = write!(text, "\n{HEADING}{}{HEADING:#}", section.title);
-            if !section.note.is_empty() {
-                let _ = write!(text, "  {FAINT}{}{FAINT:#}", section.note);
-            }
-            text.push('\n');
-            for part in &section.parts {
-                match part {
-                    Part::Table(table) => text.push_str(&table.text()),
-                    Part::Line(line) => {
-                        for (at, line) in wrapped(line, WIDTH - 4).iter().enumerate() {
-                            let indent = if at == 0 { "  " } else { "    " };
-                            let _ = writeln!(text, "{indent}{line}");
-                        }
-                    }
-                }
-            }
-        }
-        text
-    }
-
-    /// For documents.
-    pub(super) fn markdown(&self) -> String {
-        let mut text = format!("# {}\n\n{}\n", self.title, self.summary.join(" "));
-        if !self.runs.rows.is_empty() {
-            let _ = write!(text, "\n{}", self.runs.markdown());
-        }
-        for section in &self.sections {
-            let _ = writeln!(text, "\n## {}\n", section.title);
-            if !section.note.is_empty() {
-                let _ = writeln!(text, "{}\n", section.note);
-            }
-            for part in &section.parts {
-                let _ = match part {
-                    Part::Table(table) => writeln!(text, "{}", table.markdown()),
-                    Part::Line(line) => writeln!(text, "{line}\n"),
-                };
-            }
-        }
-        text
-    }
-}
-
-impl Table {
-    fn text(&self) -> String {
-        let rows: Vec<_> = std::iter::once(&self.header)
-            .chain(&self.rows)
-            .cloned()
-            .collect();
-        let lines = format::aligned(&rows, |column| column >= self.left);
+    fn text(&self, width: usize) -> String {
+        let style = self.tone.style();
         let mut text = String::new();
-        for (at, line) in lines
-            .iter()
-            .enumerate()
-            .filter(|(_, line)| !line.is_empty())
-        {
-            let _ = match at {
-                0 => writeln!(text, "{FAINT}{line}{FAINT:#}"),
-                _ => writeln!(text, "{line}"),
-            };
+        if !self.title.is_empty() {
+            text = format!("{style}{}{style:#}", harmless(&self.title));
+            if !self.note.is_empty() {
+                text += &format!("  {FAINT}{}{FAINT:#}", harmless(&self.note));
+            }
+            text.push('\n');
+        }
+        let mut follows_table = false;
+        for part in &self.parts {
+            let is_table = matches!(part, Part::Table(_));
+            if is_table && follows_table {
+                text.push('\n');
+            }
+            follows_table = is_table;
+            match part {
+                Part::Table(table) => text += &with_signs(&table.text(width)),
+                Part::Line(line) => text += &wrapped(line, width, "  ", "    "),
+                Part::Code(code) => text += &harmless_lines(code),
+            }
         }
         text
     }
 
     fn markdown(&self) -> String {
-        let columns = self
-            .rows
-            .iter()
-            .map(Vec::len)
-            .max()
-            .unwrap_or(0)
-            .max(self.header.len());
-        let row = |cells: &[String]| {
-            let cell = |at: usize| {
-                cells.get(at).map_or(String::new(), |cell| {
-                    format::harmless(cell).replace('|', "\\|")
-                })
+        let mut text = String::new();
+        if !self.title.is_empty() {
+            text = format!("## {}\n\n", harmless(&self.title));
+        }
+        if !self.note.is_empty() {
+            text += &format!("{}\n\n", harmless(&self.note));
+        }
+        for part in &self.parts {
+            text += &match part {
+                Part::Table(table) => table.markdown() + "\n",
+                Part::Line(line) => format!("{}\n\n", harmless(line)),
+                Part::Code(code) => format!("```\n{}\n```\n\n", harmless_lines(code.trim_end())),
             };
-            let cells: Vec<String> = (0..columns).map(cell).collect();
-            format!("| {} |\n", cells.join(" | "))
-        };
-        let rule = |at: usize| if at < self.left { ":--" } else { "--:" }.to_owned();
-        let mut text = row(&self.header);
-        text += &row(&(0..columns).map(rule).collect::<Vec<_>>());
-        for cells in &self.rows {
-            text += &row(cells);
         }
         text
     }
 }
 
-/// A text broken between words into lines that are not wider.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in format::harmless(text).split(' ') {
-        let Some(line) = lines.last_mut() else {
-            continue;
-        };
-        if line.is_empty() {
-            line.push_str(word);
-        } else if line.width() + 1 + word.width() <= width {
-            line.push(' ');
-            line.push_str(word);
-        } else {
-            lines.push(word.to_owned());
+impl Page {
+    /// A page with nothing but a section.
+    pub(super) fn of(section: Section) -> Self {
+        Self {
+            sections: vec![section],
+            ..Self::default()
         }
     }
-    lines
+
+    /// For a terminal of this width, with colours that are to be taken out where they are not wanted.
+    pub(super) fn text(&self, width: usize) -> String {
+        let mut blocks = vec![self.subjects.text(width)];
+        let style = self.tone.style();
+        let mut head = String::new();
+        if !self.title.is_empty() {
+            head = format!("{style}{}{style:#}\n", harmless(&self.title));
+        }
+        if !self.summary.is_empty() {
+            head += &wrapped(&self.summary.join(" "), width, "", "");
+        }
+        blocks.push(head);
+        blocks.extend(self.sections.iter().map(|section| section.text(width)));
+        blocks.retain(|block| !block.trim().is_empty());
+        blocks.join("\n")
+    }
+
+    /// For documents.
+    pub(super) fn markdown(&self) -> String {
+        let mut blocks = Vec::new();
+        if !self.title.is_empty() {
+            blocks.push(format!("# {}\n\n", harmless(&self.title)));
+        }
+        if !self.summary.is_empty() {
+            blocks.push(format!("{}\n\n", harmless(&self.summary.join(" "))));
+        }
+        if !self.subjects.rows.is_empty() {
+            blocks.push(self.subjects.markdown() + "\n");
+        }
+        blocks.extend(self.sections.iter().map(Section::markdown));
+        blocks.concat()
+    }
+}
+
+/// A sentence broken between words into lines that are not wider.
+fn wrapped(sentence: &str, width: usize, first: &str, next: &str) -> String {
+    let options = textwrap::Options::new(width)
+        .initial_indent(first)
+        .subsequent_indent(next)
+        .word_splitter(textwrap::WordSplitter::NoHyphenation);
+    textwrap::fill(&harmless(sentence), options) + "\n"
+}
+
+/// A text with its signs in colours.
+fn with_signs(text: &str) -> String {
+    [(TICK, GOOD), (CROSS, BAD)]
+        .into_iter()
+        .fold(text.to_owned(), |text, (sign, style)| {
+            text.replace(sign, &format!("{style}{sign}{style:#}"))
+        })
 }
 
 #[cfg(test)]
@@ -213,26 +209,35 @@ mod tests {
     use super::*;
 
     #[test]
-    fn combining_marks_take_no_room() {
-        let table = Table {
-            header: vec!["a".to_owned(), "b".to_owned()],
-            rows: vec![
-                vec!["φ̇".to_owned(), "1".to_owned()],
-                vec!["xx".to_owned(), "22".to_owned()],
-            ],
-            left: 1,
-        };
-        let text = anstream::adapter::strip_str(&table.text()).to_string();
-        assert_eq!(text, "  a    b\n  φ̇    1\n  xx  22\n");
+    fn long_sentences_are_broken_between_words() {
+        assert_eq!(wrapped("one two three", 7, "", ""), "one two\nthree\n");
         assert_eq!(
-            table.markdown(),
-            "| a | b |\n| :-- | --: |\n| φ̇ | 1 |\n| xx | 22 |\n"
+            wrapped("one two three", 9, "  ", "    "),
+            "  one two\n    three\n"
         );
     }
 
     #[test]
-    fn long_texts_are_broken_between_words() {
-        assert_eq!(wrapped("one two three", 7), ["one two", "three"]);
-        assert_eq!(wrapped("", 7), [""]);
+    fn text_out_of_files_is_harmless_everywhere() {
+        let hostile = "a\x1b[2J\nerror: forged";
+        let mut section = Section::new(hostile);
+        hostile.clone_into(&mut section.note);
+        section.line(hostile);
+        section.table(Table::of_texts(vec![vec![hostile.to_owned()]]));
+        section.parts.push(Part::Code("a\x1b[2J".to_owned()));
+        let page = Page {
+            subjects: Table::of_texts(vec![vec![hostile.to_owned()]]),
+            title: hostile.to_owned(),
+            summary: vec![hostile.to_owned()],
+            sections: vec![section],
+            ..Page::default()
+        };
+        let plain = anstream::adapter::strip_str(&page.text(80)).to_string();
+        for text in [plain, page.markdown()] {
+            let is_odd = |c: char| c.is_control() && c != '\n';
+            assert!(!text.contains(is_odd), "{text:?}");
+            assert!(!text.contains("\nerror"), "{text}");
+            assert_eq!(text.matches("a�[2J").count(), 8, "{text}");
+        }
     }
 }

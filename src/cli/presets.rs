@@ -1,20 +1,73 @@
 //! `toprise presets`.
 
-use super::{Done, format, output};
+use super::arguments::FormArguments;
+use super::done::Done;
+use super::page::{Page, Part, Section};
+use super::report;
+use super::table::Table;
 use crate::run::scenario::{PRESETS, Preset};
 use anyhow::Error;
+use clap::Args;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Arguments of `toprise presets`.
+#[derive(Args, Debug, Default, PartialEq)]
+pub(super) struct PresetsArguments {
+    /// Preset to print as a scenario file.
+    name: Option<String>,
+
+    #[command(flatten)]
+    form: FormArguments,
+}
+
+/// The presets that were asked for.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct PresetsReport(Vec<PresetReport>);
+
+/// A scenario that comes with the program.
+#[derive(Debug, Serialize, JsonSchema)]
+struct PresetReport {
+    /// Its name on the command line.
+    name: &'static str,
+    /// What it shows.
+    description: &'static str,
+    /// Its scenario file, TOML.
+    scenario: String,
+}
 
 /// Lists the presets, or prints one as TOML.
-pub(super) fn presets(name: Option<&str>) -> Result<Done, Error> {
-    let text = match name {
-        Some(name) => Preset::find(name)?.scenario()?.to_toml(),
-        None => {
-            let row =
-                |preset: &Preset| vec![preset.name.to_owned(), preset.description().to_owned()];
-            let rows: Vec<_> = PRESETS.iter().map(row).collect();
-            format::table(&rows, &[])
-        }
+pub(super) fn presets(arguments: &PresetsArguments) -> Result<Done, Error> {
+    let wanted = match &arguments.name {
+        Some(name) => std::slice::from_ref(Preset::find(name)?),
+        None => PRESETS,
     };
-    output::print(&text)?;
+    let presets = wanted.iter().map(|preset| {
+        Ok::<_, Error>(PresetReport {
+            name: preset.name,
+            description: preset.description(),
+            scenario: preset.scenario()?.to_toml(),
+        })
+    });
+    let report = PresetsReport(presets.collect::<Result<_, _>>()?);
+    let is_one = arguments.name.is_some();
+    report::print(&report, arguments.form.format(), || report.page(is_one))?;
     Ok(Done::Well)
+}
+
+impl PresetsReport {
+    fn page(&self, is_one: bool) -> Page {
+        let mut section = Section::default();
+        if is_one {
+            let code = |preset: &PresetReport| Part::Code(preset.scenario.clone());
+            section.parts.extend(self.0.iter().map(code));
+        } else {
+            let facts = self
+                .0
+                .iter()
+                .map(|preset| (preset.name, preset.description.to_owned()));
+            section.table(Table::of_facts(facts.collect()));
+        }
+        Page::of(section)
+    }
 }

@@ -1,30 +1,51 @@
-//! Progress on standard error, on a terminal only.
+//! Progress on standard error: on a terminal only, and not with `--quiet`.
 
+use super::output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// How far something has come, in bytes.
+/// A line that tells how far a command has come.
 pub(super) struct Progress(ProgressBar);
 
 impl Progress {
-    /// Starts at nothing.
+    /// Starts a bar that fills up to `total` bytes.
     pub(super) fn of_bytes(action: &'static str, total: u64) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-        let template = "{msg}  {bar:40} {percent:>3} %  [{elapsed}]";
+        let progress = Self::new(Some(total), "{msg}  {bar:40} {percent:>3} %  [{elapsed}]");
+        progress.0.set_message(action);
+        progress
+    }
+
+    /// Starts a line for something whose end is not known.
+    pub(super) fn of_state() -> Self {
+        Self::new(None, "{spinner} {msg}  [{elapsed}]")
+    }
+
+    fn new(total: Option<u64>, template: &str) -> Self {
+        let target = if output::is_quiet() {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr()
+        };
+        let bar = ProgressBar::with_draw_target(total, target);
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
-        bar.set_message(action);
         Self(bar)
     }
 
-    /// Some more has been done.
+    /// Takes in that some more bytes are done.
     pub(super) fn add(&self, bytes: u64) {
         if bytes > 0 {
             self.0.inc(bytes);
         }
     }
 
-    /// Removes it.
+    /// Shows another state.
+    pub(super) fn tell(&self, state: String) {
+        self.0.set_message(state);
+        self.0.tick();
+    }
+
+    /// Removes the line.
     pub(super) fn finish(&self) {
         self.0.finish_and_clear();
     }

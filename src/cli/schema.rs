@@ -1,60 +1,156 @@
 //! `toprise schema`.
 
-use super::{Done, EncodingName, format, output};
+use super::arguments::{EncodingName, FormArguments};
+use super::done::Done;
+use super::page::{Page, Part, Section};
+use super::report::{self, WrittenFile};
+use super::table::Table;
 use crate::archive::publish::{self, Existing};
 use crate::telemetry::protobuf::{proto_file, proto_file_name};
 use crate::telemetry::schema::{file_name, json_schema};
 use crate::telemetry::{ChannelInfo, Topic, UnknownTopic, channels};
 use anyhow::Error;
-use std::path::Path;
+use clap::Args;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 
-/// Lists the channels, prints one schema, or writes all.
-pub(super) fn schema(
-    topic: Option<&str>,
+/// Arguments of `toprise schema`.
+#[derive(Args, Debug, PartialEq)]
+pub(super) struct SchemaArguments {
+    /// Topic whose schema to print, as in /top/state.
+    topic: Option<String>,
+
+    /// Encoding whose schema to print: JSON Schema or a .proto file.
+    #[arg(long, value_enum, default_value_t = EncodingName::Json, requires = "topic")]
     encoding: EncodingName,
-    directory: Option<&Path>,
+
+    /// Write all schemas, of channels and of reports, into this directory, replacing those there.
+    #[arg(long, value_name = "DIRECTORY", conflicts_with = "topic")]
+    write: Option<PathBuf>,
+
+    #[command(flatten)]
+    form: FormArguments,
+}
+
+/// The channels that were asked for.
+#[derive(Debug, Default, Serialize, JsonSchema)]
+pub(super) struct SchemaReport {
+    /// The channels.
+    channels: Vec<ChannelSchema>,
+    /// The files that were written.
+    written: Vec<WrittenFile>,
+}
+
+/// A channel of toprise's recordings.
+#[derive(Debug, Serialize, JsonSchema)]
+struct ChannelSchema {
+    /// Its topic.
+    topic: &'static str,
+    /// The name of its message type.
+    schema: &'static str,
+    /// What it carries.
+    meaning: &'static str,
+    /// The language of the definition: JSON Schema for JSON, a .proto file for protobuf.
+    encoding: EncodingName,
+    /// The definition of its messages.
+    definition: String,
+}
+
+/// Lists the channels, prints the schema of one, or writes all, those of `reports` too.
+pub(super) fn schema(
+    arguments: &SchemaArguments,
+    reports: Vec<(String, String)>,
 ) -> Result<Done, Error> {
-    if let Some(directory) = directory {
-        write_all(directory)?;
-        return Ok(Done::Well);
+    let mut report = SchemaReport::default();
+    match (&arguments.write, &arguments.topic) {
+        (Some(directory), _) => report.written = write_all(directory, reports)?,
+        (None, None) => report.add(channels(), arguments.encoding),
+        (None, Some(name)) => {
+            let topic = Topic::find(name).ok_or_else(|| UnknownTopic { name: name.clone() })?;
+            report.add([topic.info()], arguments.encoding);
+        }
     }
-    let Some(topic) = topic else {
-        output::print(&list())?;
-        return Ok(Done::Well);
-    };
-    let topic = Topic::find(topic).ok_or_else(|| UnknownTopic {
-        name: topic.to_owned(),
-    })?;
-    output::print(&match encoding {
-        EncodingName::Json => json_schema(topic.info()),
-        EncodingName::Protobuf => proto_file(topic.info()),
-    })?;
+    let is_one = arguments.topic.is_some();
+    report::print(&report, arguments.form.format(), || report.page(is_one))?;
     Ok(Done::Well)
 }
 
-fn list() -> String {
-    let row = |channel: &ChannelInfo| {
-        vec![
-            channel.topic.to_owned(),
-            channel.schema.to_owned(),
-            channel.meaning.to_owned(),
-        ]
-    };
-    format::table(&channels().iter().map(row).collect::<Vec<_>>(), &[])
+impl SchemaReport {
+    fn add(
+        &mut self,
+        channels: impl IntoIterator<Item = &'static ChannelInfo>,
+        encoding: EncodingName,
+    ) {
+        let channels = channels.into_iter().map(|channel| ChannelSchema {
+            topic: channel.topic,
+            schema: channel.schema,
+            meaning: channel.meaning,
+            encoding,
+            definition: match encoding {
+                EncodingName::Json => json_schema(channel),
+                EncodingName::Protobuf => proto_file(channel),
+            },
+        });
+        self.channels.extend(channels);
+    }
+
+    fn page(&self, is_one: bool) -> Page {
+        let mut section = Section::default();
+        if is_one {
+            let code = |channel: &ChannelSchema| Part::Code(channel.definition.clone());
+            section.parts.extend(self.channels.iter().map(code));
+        } else {
+            let row = |channel: &ChannelSchema| {
+                [channel.topic, channel.schema, channel.meaning]
+                    .map(str::to_owned)
+                    .to_vec()
+            };
+            section.table(Table::of_texts(self.channels.iter().map(row).collect()));
+        }
+        let written = self.written.iter().map(|file| ("wrote", file.line()));
+        section.table(Table::of_facts(written.collect()));
+        Page::of(section)
+    }
 }
 
-fn write_all(directory: &Path) -> Result<(), Error> {
-    for channel in channels() {
-        let files = [
+fn write_all(directory: &Path, reports: Vec<(String, String)>) -> Result<Vec<WrittenFile>, Error> {
+    let of_channel = |channel: &'static ChannelInfo| {
+        [
             (file_name(channel), json_schema(channel)),
             (proto_file_name(channel), proto_file(channel)),
-        ];
-        for (name, text) in files {
-            publish::write(&directory.join(name), Existing::Replace, text.as_bytes())?;
+        ]
+    };
+    channels()
+        .iter()
+        .flat_map(of_channel)
+        .chain(reports)
+        .map(|(name, text)| {
+            let path = directory.join(name);
+            publish::write(&path, Existing::Replace, text.as_bytes())?;
+            Ok(WrittenFile::new(&path, text.len() as u64))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::arguments::parse;
+
+    #[test]
+    fn a_topic_or_a_directory_is_named() {
+        let base = parse::<SchemaArguments>("").unwrap();
+        assert_eq!(
+            parse::<SchemaArguments>("/top/state --encoding protobuf").unwrap(),
+            SchemaArguments {
+                topic: Some("/top/state".to_owned()),
+                encoding: EncodingName::Protobuf,
+                ..base
+            }
+        );
+        for line in ["--encoding protobuf", "/events --write schemas"] {
+            assert!(parse::<SchemaArguments>(line).is_err(), "{line}");
         }
     }
-    for (name, text) in crate::analysis::diff::schemas() {
-        publish::write(&directory.join(name), Existing::Replace, text.as_bytes())?;
-    }
-    Ok(())
 }

@@ -1,20 +1,25 @@
 //! `toprise verify`.
 
+use super::arguments::{FormArguments, Format};
+use super::done::Done;
+use super::numbers::count;
+use super::page::{CROSS, Page, Section, TICK, Tone};
 use super::progress::Progress;
-use super::{Done, Format, format, output};
+use super::table::Table;
+use super::{output, report};
 use crate::analysis::verify::{Check, Options, Report, Verdict, verify as check};
-use crate::archive::recording::{Recording, RecordingError};
+use crate::archive::recording::{Condition, Recording, RecordingError};
 use anyhow::Error;
 use clap::Args;
-use serde_json::{Value, json};
-use std::fmt::Write as _;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 /// Arguments of `toprise verify`.
-#[derive(Args, Debug, PartialEq)]
+#[derive(Args, Debug, Default, PartialEq)]
 pub(super) struct VerifyArguments {
     /// Recordings (MCAP files).
     #[arg(required = true, value_name = "FILE")]
@@ -24,36 +29,70 @@ pub(super) struct VerifyArguments {
     #[arg(long)]
     no_reproduce: bool,
 
-    /// Form of the answer.
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[command(flatten)]
+    form: FormArguments,
 }
 
 type Answer = Result<Report, RecordingError>;
 
+/// What was found out about recordings, in the order in which they were named.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct VerifyReport(Vec<VerifiedFile>);
+
+/// What was found out about a file.
+#[derive(Debug, Serialize, JsonSchema)]
+struct VerifiedFile {
+    /// The file.
+    file: String,
+    /// How it ended as a whole.
+    verdict: FileVerdict,
+    /// What kind of file it is; absent if it could not be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state: Option<Condition>,
+    /// All checks, in order; absent if it could not be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    checks: Option<Vec<Check>>,
+    /// Why it could not be read; absent if it could.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+}
+
+/// How the verification of a file ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum FileVerdict {
+    /// Everything is as it must be.
+    Passed,
+    /// All that is there is as it must be, but something isn't there.
+    Incomplete,
+    /// Something is wrong.
+    Failed,
+    /// It could not be read.
+    Unreadable,
+}
+
 /// Verifies recordings.
 pub(super) fn verify(arguments: &VerifyArguments) -> Result<Done, Error> {
-    let files = &arguments.files;
     let options = Options {
         reproduce: !arguments.no_reproduce,
     };
-    let answers = check_all(files, options);
-    let pairs = || files.iter().map(PathBuf::as_path).zip(&answers);
-    match arguments.format {
-        Format::Text => {
-            for (file, answer) in pairs() {
-                match answer {
-                    Ok(report) => output::print(&text(file, report))?,
-                    Err(error) => output::error(&format!("{}: {error}", file.display())),
-                }
+    let answers = check_all(&arguments.files, options);
+    let files = arguments.files.iter().zip(answers);
+    let report = VerifyReport(
+        files
+            .map(|(file, answer)| VerifiedFile::of(file, answer))
+            .collect(),
+    );
+    let format = arguments.form.format();
+    report::print(&report, format, || report.page())?;
+    if format != Format::Json {
+        for file in &report.0 {
+            if let Some(error) = &file.error {
+                output::error(&format!("{}: {error}", file.file));
             }
         }
-        Format::Json => {
-            let values: Vec<_> = pairs().map(|(file, answer)| value(file, answer)).collect();
-            output::print(&format!("{:#}", Value::Array(values)))?;
-        }
     }
-    Ok(done(&answers))
+    Ok(report.done())
 }
 
 /// Checks all files, as many at once as there are processors.
@@ -89,87 +128,117 @@ fn check_all(files: &[PathBuf], options: Options) -> Vec<Answer> {
     slots.flatten().collect()
 }
 
-/// The worst that happened: unreadable, failed, incomplete.
-fn done(answers: &[Answer]) -> Done {
-    let has = |verdict| {
-        let mut reports = answers.iter().flatten();
-        reports.any(|report| report.verdict() == verdict)
-    };
-    if answers.iter().any(Result::is_err) {
-        Done::Unreadable
-    } else if has(Verdict::Failed) {
-        Done::Differing
-    } else if has(Verdict::Incomplete) {
-        Done::WithLosses
-    } else {
-        Done::Well
-    }
-}
-
-fn text(file: &Path, report: &Report) -> String {
-    let mut text = format!("{}: {}\n", file.display(), conclusion(report));
-    let mut group = None;
-    let width = report.checks.iter().map(|c| c.name.chars().count()).max();
-    let width = width.unwrap_or(0);
-    for check in &report.checks {
-        let heading = if group == Some(check.group) {
-            ""
+impl VerifyReport {
+    /// The worst that happened: unreadable, failed, incomplete.
+    fn done(&self) -> Done {
+        let has = |verdict| self.0.iter().any(|file| file.verdict == verdict);
+        if has(FileVerdict::Unreadable) {
+            Done::Unreadable
+        } else if has(FileVerdict::Failed) {
+            Done::Differing
+        } else if has(FileVerdict::Incomplete) {
+            Done::WithLosses
         } else {
-            check.group.name()
+            Done::Well
+        }
+    }
+
+    fn page(&self) -> Page {
+        Page {
+            sections: self.0.iter().filter_map(VerifiedFile::section).collect(),
+            ..Page::default()
+        }
+    }
+}
+
+impl VerifiedFile {
+    fn of(file: &Path, answer: Answer) -> Self {
+        let file = file.display().to_string();
+        match answer {
+            Ok(report) => Self {
+                file,
+                verdict: match report.verdict() {
+                    Verdict::Failed => FileVerdict::Failed,
+                    Verdict::Incomplete => FileVerdict::Incomplete,
+                    Verdict::Passed | Verdict::Skipped => FileVerdict::Passed,
+                },
+                state: Some(report.condition),
+                checks: Some(report.checks),
+                error: None,
+            },
+            Err(error) => Self {
+                file,
+                verdict: FileVerdict::Unreadable,
+                state: None,
+                checks: None,
+                error: Some(error.to_string()),
+            },
+        }
+    }
+
+    /// The checks for people; none if the file could not be read.
+    fn section(&self) -> Option<Section> {
+        let checks = self.checks.as_deref()?;
+        let failed = checks.iter().filter(|c| c.verdict == Verdict::Failed);
+        let (tone, conclusion) = match self.verdict {
+            FileVerdict::Failed => (
+                Tone::Bad,
+                format!(
+                    "FAILED, {} of {} checks",
+                    count(failed.count() as u64),
+                    count(checks.len() as u64)
+                ),
+            ),
+            FileVerdict::Incomplete => (
+                Tone::Weak,
+                format!(
+                    "{}: what is there is right, but it is not complete",
+                    self.state.map_or("", Condition::name)
+                ),
+            ),
+            FileVerdict::Passed | FileVerdict::Unreadable => (Tone::Good, "verified".to_owned()),
         };
-        group = Some(check.group);
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "  {heading:<12}  {} {:<width$}  {}",
-            mark(check),
-            check.name,
-            check.finding
+        let mut section = Section::new(format!("{}: {conclusion}", self.file));
+        section.tone = tone;
+        let mut group = None;
+        let row = |check: &Check| {
+            let is_next = group.replace(check.group) != Some(check.group);
+            let heading = if is_next { check.group.name() } else { "" };
+            vec![
+                heading.to_owned(),
+                format!("{} {}", sign(check.verdict), check.name),
+                check.finding.clone(),
+            ]
+        };
+        section.table(Table::of_texts(checks.iter().map(row).collect()));
+        Some(section)
+    }
+}
+
+fn sign(verdict: Verdict) -> char {
+    match verdict {
+        Verdict::Passed => TICK,
+        Verdict::Incomplete => '…',
+        Verdict::Failed => CROSS,
+        Verdict::Skipped => '–',
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::arguments::parse;
+
+    #[test]
+    fn files_are_named() {
+        assert_eq!(
+            parse::<VerifyArguments>("a.mcap b.mcap --no-reproduce").unwrap(),
+            VerifyArguments {
+                files: vec!["a.mcap".into(), "b.mcap".into()],
+                no_reproduce: true,
+                ..VerifyArguments::default()
+            }
         );
+        assert!(parse::<VerifyArguments>("").is_err());
     }
-    text
-}
-
-fn mark(check: &Check) -> &'static str {
-    match check.verdict {
-        Verdict::Passed => "✓",
-        Verdict::Incomplete => "…",
-        Verdict::Failed => "✗",
-        Verdict::Skipped => "–",
-    }
-}
-
-fn conclusion(report: &Report) -> String {
-    let count = |verdict| {
-        report
-            .checks
-            .iter()
-            .filter(|c| c.verdict == verdict)
-            .count() as u64
-    };
-    match report.verdict() {
-        Verdict::Failed => format!(
-            "FAILED, {} of {} checks",
-            format::count(count(Verdict::Failed)),
-            format::count(report.checks.len() as u64)
-        ),
-        Verdict::Incomplete => format!(
-            "{}: what is there is right, but it is not complete",
-            report.condition.name()
-        ),
-        _ => "verified".to_owned(),
-    }
-}
-
-fn value(file: &Path, answer: &Answer) -> Value {
-    let mut value = match answer {
-        Ok(report) => json!({
-            "state": report.condition,
-            "verdict": report.verdict(),
-            "checks": report.checks,
-        }),
-        Err(error) => json!({ "verdict": "unreadable", "error": error.to_string() }),
-    };
-    value["file"] = json!(file.display().to_string());
-    value
 }

@@ -1,9 +1,14 @@
 //! `toprise view`: recordings again in Rerun.
 
+use super::arguments::FormArguments;
+use super::done::Done;
 use super::interrupt::Interrupt;
+use super::output;
+use super::page::{Page, Section};
 use super::progress::Progress;
+use super::report::{self, WrittenFile};
+use super::table::Table;
 use super::viewer::{Target, ViewerArguments};
-use super::{Done, format, output, run::parse_seconds};
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
@@ -12,6 +17,8 @@ use crate::rerun::{Destinations, Identity, Live, MISSING_VIEWER, Playback, Rerun
 use crate::telemetry::Topics;
 use anyhow::{Context as _, Error, anyhow, bail};
 use clap::Args;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::env;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -41,6 +48,65 @@ pub(super) struct ViewArguments {
     /// Leave out what is later, in seconds of simulated time.
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     to: Option<f64>,
+
+    #[command(flatten)]
+    form: FormArguments,
+}
+
+/// What was shown.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct ViewReport {
+    /// The recordings, in the order in which they were named, up to the one that was interrupted.
+    recordings: Vec<ShownRecording>,
+    /// Whether the user ended it before all was shown.
+    is_interrupted: bool,
+}
+
+/// A recording that was shown.
+#[derive(Debug, Serialize, JsonSchema)]
+struct ShownRecording {
+    /// Its file.
+    file: String,
+    /// What the viewer calls it.
+    name: String,
+    /// What kind of file it is.
+    state: Condition,
+    /// Number of messages that were shown.
+    messages: u64,
+    /// Number of messages that could not be decoded.
+    undecodable: u64,
+    /// Parts of the file that could not be read.
+    losses: Vec<String>,
+    /// The Rerun recording that was written.
+    rrd: Option<WrittenFile>,
+}
+
+impl ViewReport {
+    fn page(&self) -> Page {
+        let wrote = self
+            .recordings
+            .iter()
+            .filter_map(|shown| shown.rrd.as_ref());
+        let mut section = Section::default();
+        section.table(Table::of_facts(
+            wrote.map(|file| ("wrote", file.line())).collect(),
+        ));
+        Page::of(section)
+    }
+
+    /// Whether everything was shown.
+    fn is_complete(&self) -> bool {
+        let is_whole = |shown: &ShownRecording| shown.losses.is_empty() && shown.undecodable == 0;
+        !self.is_interrupted && self.recordings.iter().all(is_whole)
+    }
+}
+
+/// Reads a time in seconds that is not negative.
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|time: &f64| (0.0..=1e9).contains(time))
+        .ok_or_else(|| "must be a time in seconds, 0 or more, as in 12.5".to_owned())
 }
 
 impl ViewArguments {
@@ -95,7 +161,7 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
     let interrupt = Interrupt::watch()?;
     let target = target(arguments)?;
     let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
-    let mut done = Done::Well;
+    let mut shown = Vec::new();
     for (recording, name) in recordings.iter().zip(arguments.names()) {
         let way = Way {
             arguments,
@@ -104,17 +170,23 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
             interrupt: &interrupt,
             progress: &progress,
         };
-        let replayed = show(recording, &name, &way)?;
-        if report(recording, &replayed) || interrupt.is_asked() {
-            done = Done::WithLosses;
-        }
+        shown.push(show(recording, &name, &way)?);
         if interrupt.is_asked() {
             break;
         }
     }
     progress.finish();
+    let report = ViewReport {
+        recordings: shown,
+        is_interrupted: interrupt.is_asked(),
+    };
+    report::print(&report, arguments.form.format(), || report.page())?;
     target.serve_until(&interrupt);
-    Ok(done)
+    Ok(if report.is_complete() {
+        Done::Well
+    } else {
+        Done::WithLosses
+    })
 }
 
 /// A recording that is shown can't be replaced by what is shown.
@@ -165,7 +237,7 @@ struct Way<'a> {
 }
 
 /// Replays one recording.
-fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<Replayed, Error> {
+fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecording, Error> {
     let Way {
         arguments,
         interrupt,
@@ -201,28 +273,31 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<Replayed, Er
     })
     .with_context(context)?;
     output::warn_all(sink.finish().map_err(SinkError::from)?);
-    if let Some(draft) = draft {
-        if interrupt.is_asked() {
+    let rrd = match draft {
+        Some(draft) if interrupt.is_asked() => {
             let path = draft.path().display();
             output::warn(&format!("interrupted: {path} is not written"));
-        } else {
-            publish(draft)?;
+            None
         }
-    }
-    if replayed.messages == 0 {
-        output::warn(&format!(
-            "{}: no messages in this span of time",
-            path.display()
-        ));
-    }
-    Ok(replayed)
+        Some(draft) => Some(publish(draft)?),
+        None => None,
+    };
+    warn(recording, &replayed);
+    Ok(ShownRecording {
+        file: path.display().to_string(),
+        name: name.to_owned(),
+        state: recording.condition(),
+        messages: replayed.messages,
+        undecodable: replayed.undecodable.map_or(0, |(_, count)| count),
+        losses: replayed.losses.iter().map(ToString::to_string).collect(),
+        rrd,
+    })
 }
 
-fn publish(draft: Draft) -> Result<(), Error> {
+fn publish(draft: Draft) -> Result<WrittenFile, Error> {
     let path = draft.path().to_owned();
-    let bytes = format::bytes(draft.publish()?);
-    output::print(&format!("wrote {}  {bytes}", path.display()))?;
-    Ok(())
+    let bytes = draft.publish()?;
+    Ok(WrittenFile::new(&path, bytes))
 }
 
 fn identity(recording: &Recording, name: &str) -> Result<Identity, Error> {
@@ -237,9 +312,12 @@ fn identity(recording: &Recording, name: &str) -> Result<Identity, Error> {
     ))
 }
 
-/// Warns of what could not be shown; tells whether there is any.
-fn report(recording: &Recording, replayed: &Replayed) -> bool {
+/// Warns of what could not be shown.
+fn warn(recording: &Recording, replayed: &Replayed) {
     let path = recording.path().display();
+    if replayed.messages == 0 {
+        output::warn(&format!("{path}: no messages in this span of time"));
+    }
     if recording.condition() == Condition::Interrupted {
         output::warn(&format!(
             "{path} was interrupted: it is shown as far as it goes"
@@ -253,5 +331,32 @@ fn report(recording: &Recording, replayed: &Replayed) -> bool {
             "{path}: {count} messages left out, the first: {error}"
         ));
     }
-    !replayed.losses.is_empty() || replayed.undecodable.is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::arguments::parse;
+
+    #[test]
+    fn files_and_a_span_of_time_are_named() {
+        let base = parse::<ViewArguments>("a.mcap").unwrap();
+        assert_eq!(
+            parse::<ViewArguments>("a.mcap b.mcap --rrd both --from 0.5").unwrap(),
+            ViewArguments {
+                files: vec!["a.mcap".into(), "b.mcap".into()],
+                rrd: Some("both".into()),
+                from: Some(0.5),
+                ..base
+            }
+        );
+        for line in [
+            "",
+            "a.mcap --from -1",
+            "a.mcap --spawn --serve",
+            "a.mcap --port 1",
+        ] {
+            assert!(parse::<ViewArguments>(line).is_err(), "{line}");
+        }
+    }
 }

@@ -1,13 +1,15 @@
 //! Which Rerun viewer to show something in.
 
 use super::interrupt::Interrupt;
+#[cfg(feature = "web-viewer")]
+use super::output;
 use crate::rerun::Live;
 use anyhow::Error;
 use clap::Args;
 use std::net::IpAddr;
 
 /// Arguments of the commands that show something in a viewer.
-#[derive(Args, Debug, PartialEq)]
+#[derive(Args, Clone, Debug, PartialEq)]
 pub(super) struct ViewerArguments {
     /// Show it in the Rerun viewer at this address.
     #[arg(long, value_name = "URL", num_args = 0..=1, require_equals = true,
@@ -71,9 +73,9 @@ impl ViewerArguments {
     fn serve(&self) -> Result<Target, Error> {
         let viewer = crate::rerun::WebViewer::start(self.bind, self.port);
         let viewer = viewer.map_err(Error::msg)?;
-        eprintln!("serving at {}", viewer.url());
+        output::announce(&format!("serving at {}", viewer.url()));
         if !self.bind.is_loopback() {
-            eprintln!("from another machine, put this one's name in both places of the address");
+            output::note("from another machine, put this one's name in both places of the address");
         }
         Ok(Target::Served(viewer))
     }
@@ -103,7 +105,10 @@ impl Target {
         #[cfg(feature = "web-viewer")]
         if let Self::Served(viewer) = self {
             if !interrupt.is_asked() {
-                eprintln!("still serving at {}; end it with Ctrl-C", viewer.url());
+                output::note(&format!(
+                    "still serving at {}; end it with Ctrl-C",
+                    viewer.url()
+                ));
             }
             while !interrupt.is_asked() {
                 std::thread::sleep(std::time::Duration::from_millis(50));

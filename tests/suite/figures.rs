@@ -372,7 +372,7 @@ fn what_is_missing_is_told_and_the_rest_is_drawn() {
     record(&directory, "some.mcap", &["/top/state", "/top/nutation"]);
     record(&directory, "other.mcap", &["/events"]);
     let error = error_of(
-        &mut figures(&directory, &["some.mcap", "--format", "svg"]),
+        &mut figures(&directory, &["some.mcap", "--kinds", "svg"]),
         3,
     );
     for part in [

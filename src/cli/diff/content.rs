@@ -7,12 +7,13 @@ use crate::analysis::diff::{
 };
 use crate::analysis::phrase::{duration, quantity, significant, symbol};
 use crate::archive::recording::Condition;
-use crate::cli::format;
-use crate::cli::page::{Page, Part, Section, Table, Tone};
+use crate::cli::numbers;
+use crate::cli::page::{Page, Part, Section, Tone};
+use crate::cli::table::Table;
+use crate::cli::text::{clipped, end_of};
 use crate::run::simulation::EventKind;
 use crate::telemetry::fields::{NumberField, state};
 use std::collections::BTreeMap;
-use unicode_width::{UnicodeWidthChar as _, UnicodeWidthStr as _};
 
 /// Of long lists, so many entries are shown.
 const SHOWN: usize = 8;
@@ -29,9 +30,9 @@ pub(super) enum Detail {
 /// The page of a report.
 pub(super) fn page(report: &Report, detail: Detail) -> Page {
     let (title, tone) = match report.verdict {
-        Verdict::Identical => ("Identical", Tone::Same),
-        Verdict::Equal => ("Equal", Tone::Same),
-        Verdict::Different => ("Different", Tone::Different),
+        Verdict::Identical => ("Identical", Tone::Good),
+        Verdict::Equal => ("Equal", Tone::Good),
+        Verdict::Different => ("Different", Tone::Weak),
     };
     let title = if report.is_complete {
         title.to_owned()
@@ -49,7 +50,7 @@ pub(super) fn page(report: &Report, detail: Detail) -> Page {
     Page {
         title,
         tone,
-        runs: runs(report),
+        subjects: runs(report),
         summary: report.summary.clone(),
         sections,
     }
@@ -69,7 +70,7 @@ fn runs(report: &Report) -> Table {
                 .as_ref()
                 .map_or_else(|| run.name.clone(), |file| end_of(file, 50)),
             what.to_owned(),
-            format!("{} messages", format::count(run.messages)),
+            format!("{} messages", numbers::count(run.messages)),
             format!("{:.3} s", run.last),
         ]
     };
@@ -86,7 +87,7 @@ fn cells<const N: usize>(cells: [&str; N]) -> Vec<String> {
 
 fn setup(report: &Report) -> Section {
     let found = &report.setup;
-    let mut section = Section::new("Set-up", String::new());
+    let mut section = Section::new("Set-up");
     let value = |value: &Option<String>, unit: &str| match value {
         Some(value) if unit.is_empty() => clipped(value, 32),
         Some(value) => clipped(&format!("{value} {unit}"), 32),
@@ -129,31 +130,6 @@ fn setup(report: &Report) -> Section {
     section
 }
 
-/// A text cut off to a width.
-fn clipped(text: &str, width: usize) -> String {
-    if text.width() <= width {
-        return text.to_owned();
-    }
-    let mut clipped = String::new();
-    for character in text.chars() {
-        if clipped.width() + character.width().unwrap_or(0) >= width {
-            break;
-        }
-        clipped.push(character);
-    }
-    clipped + "…"
-}
-
-/// The end of a path that is too long.
-fn end_of(path: &str, width: usize) -> String {
-    let count = path.chars().count();
-    if count <= width {
-        return path.to_owned();
-    }
-    let end: String = path.chars().skip(count - width + 1).collect();
-    format!("…{end}")
-}
-
 fn shortened(list: &[String]) -> String {
     let shown = list
         .iter()
@@ -168,7 +144,7 @@ fn shortened(list: &[String]) -> String {
 }
 
 fn happened(report: &Report) -> Section {
-    let mut section = Section::new("What happened", String::new());
+    let mut section = Section::new("What happened");
     let (Some(found), Some(a), Some(b)) = (&report.happened, &report.a.course, &report.b.course)
     else {
         return section;
@@ -357,13 +333,14 @@ fn kind_row(kind: &EventKindDifference) -> Vec<String> {
 
 fn averaged(report: &Report) -> Section {
     let Some(found) = &report.averaged else {
-        return Section::new("Averaged motion", String::new());
+        return Section::new("Averaged motion");
     };
     let note = format!(
         "over {} nutations, from {:.3} s to {:.3} s",
         found.cycles, found.from, found.to
     );
-    let mut section = Section::new("Averaged motion", note);
+    let mut section = Section::new("Averaged motion");
+    section.note = note;
     let row = |deviation: &Deviation| {
         vec![
             readable(&deviation.quantity),
@@ -424,7 +401,7 @@ fn signals(report: &Report, detail: Detail) -> Section {
         "{:.3} s to {:.3} s: {}",
         found.from, found.to, found.alignment
     );
-    let mut section = Section::new("Signals", String::new());
+    let mut section = Section::new("Signals");
     if report.verdict == Verdict::Identical {
         return section;
     }
@@ -497,12 +474,11 @@ fn channel_rows(channel: &ChannelDifference, detail: Detail) -> Vec<Vec<String>>
         }
     };
     let mut rows = Vec::new();
-    let heading = format!(
-        "{}  ({differing} of {} fields)",
-        channel.topic,
-        channel.fields.iter().filter(|f| !f.is_derived).count()
-    );
-    rows.push(vec![heading]);
+    let all = channel.fields.iter().filter(|f| !f.is_derived).count();
+    rows.push(vec![
+        channel.topic.clone(),
+        format!("{differing} of {all} fields"),
+    ]);
     rows.extend(fields.into_iter().map(field_row));
     rows
 }
@@ -540,7 +516,7 @@ fn field_row(field: &FieldDifference) -> Vec<String> {
         format!("{:.3} s", field.at)
     };
     let largest = if field.not_numbers > 0 && field.largest == 0.0 {
-        format!("{} in one only", format::count(field.not_numbers))
+        format!("{} in one only", numbers::count(field.not_numbers))
     } else {
         quantity(field.largest, 3, &field.unit) + mark
     };
@@ -559,7 +535,7 @@ fn field_row(field: &FieldDifference) -> Vec<String> {
         if field.is_derived {
             String::new()
         } else {
-            format::count(field.beyond)
+            numbers::count(field.beyond)
         },
     ]
 }
@@ -587,19 +563,19 @@ fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
         ] {
             if within > 0 {
                 add(
-                    format!("only in {name}: {} messages", format::count(within)),
+                    format!("only in {name}: {} messages", numbers::count(within)),
                     &channel.topic,
                 );
             }
             if beyond > 0 && channel.pairs > 0 {
                 add(
-                    format!("{name} goes on for {} messages", format::count(beyond)),
+                    format!("{name} goes on for {} messages", numbers::count(beyond)),
                     &channel.topic,
                 );
             }
         }
         if channel.out_of_order > 0 {
-            let count = format::count(channel.out_of_order);
+            let count = numbers::count(channel.out_of_order);
             add(
                 format!("{count} messages came too late to be compared"),
                 &channel.topic,
@@ -677,13 +653,14 @@ fn interpolation(signals: &Signals) -> Option<String> {
 
 fn models(report: &Report) -> Section {
     let Some(found) = &report.discrepancy else {
-        return Section::new("Models", String::new());
+        return Section::new("Models");
     };
     let note = format!(
         "B's less A's, at the {} states that A goes through",
-        format::count(found.states)
+        numbers::count(found.states)
     );
-    let mut section = Section::new("Models", note);
+    let mut section = Section::new("Models");
+    section.note = note;
     let row = |residual: &Residual| {
         vec![
             residual.quantity.clone(),
@@ -710,12 +687,10 @@ fn models(report: &Report) -> Section {
 
 fn errors(report: &Report) -> Section {
     let Some(found) = &report.floor else {
-        return Section::new("Integrator errors", String::new());
+        return Section::new("Integrator errors");
     };
-    let mut section = Section::new(
-        "Integrator errors",
-        "each run against itself with tighter tolerances".to_owned(),
-    );
+    let mut section = Section::new("Integrator errors");
+    "each run against itself with tighter tolerances".clone_into(&mut section.note);
     let of = |error: &IntegratorError, field: NumberField| {
         let name = field.to_string();
         let found = error.fields.iter().find(|(field, _)| *field == name);
@@ -746,7 +721,7 @@ fn errors(report: &Report) -> Section {
 }
 
 fn remarks(report: &Report) -> Section {
-    let mut section = Section::new("Remarks", String::new());
+    let mut section = Section::new("Remarks");
     for (name, run) in [("A", &report.a), ("B", &report.b)] {
         for loss in run.losses.iter().take(SHOWN) {
             section.line(format!("{name}: lost {loss}"));
@@ -764,7 +739,7 @@ fn remarks(report: &Report) -> Section {
 /// The page of three or more runs.
 pub(super) fn matrix_page(matrix: &Matrix) -> Page {
     let letters: Vec<String> = (0..matrix.runs.len()).map(letter).collect();
-    let mut runs = Section::new("Runs", String::new());
+    let mut runs = Section::new("Runs");
     runs.table(Table {
         header: cells(["", "run", "end", "rise [s]", "energy lost [J]", "nutations"]),
         rows: matrix
@@ -786,10 +761,8 @@ pub(super) fn matrix_page(matrix: &Matrix) -> Page {
             .collect(),
         left: 3,
     });
-    let mut distances = Section::new(
-        "Averaged distance",
-        "root mean square difference of the mean θ [rad]".to_owned(),
-    );
+    let mut distances = Section::new("Averaged distance");
+    "root mean square difference of the mean θ [rad]".clone_into(&mut distances.note);
     let cell = |distance: &Option<f64>| distance.map_or("–".to_owned(), |d| significant(d, 3));
     distances.table(Table {
         header: std::iter::once(String::new())
@@ -807,7 +780,7 @@ pub(super) fn matrix_page(matrix: &Matrix) -> Page {
             .collect(),
         left: 1,
     });
-    let mut against = Section::new("Each against A", String::new());
+    let mut against = Section::new("Each against A");
     for (report, letter) in matrix.against_first.iter().zip(&letters[1..]) {
         let summary = report.sentences([&letters[0], letter]).join(" ");
         against.line(format!("{letter}  {summary}"));
@@ -816,12 +789,8 @@ pub(super) fn matrix_page(matrix: &Matrix) -> Page {
     let all_same = verdicts().all(|verdict| verdict != Verdict::Different);
     Page {
         title: if all_same { "Equal" } else { "Different" }.to_owned(),
-        tone: if all_same {
-            Tone::Same
-        } else {
-            Tone::Different
-        },
-        runs: Table::default(),
+        tone: if all_same { Tone::Good } else { Tone::Weak },
+        subjects: Table::default(),
         summary: vec![format!(
             "{} of {} runs are equal to the first.",
             verdicts()

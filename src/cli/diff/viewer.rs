@@ -1,11 +1,12 @@
 //! Both runs, and their differences, in Rerun.
 
-use super::super::interrupt::Interrupt;
-use super::super::output;
-use super::super::viewer::{Target, ViewerArguments};
 use crate::analysis::diff::{Observer, Subject};
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::SinkError;
+use crate::cli::interrupt::Interrupt;
+use crate::cli::output;
+use crate::cli::report::WrittenFile;
+use crate::cli::viewer::{Target, ViewerArguments};
 use crate::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
 use crate::telemetry::Message;
 use crate::telemetry::side::Side;
@@ -95,15 +96,15 @@ fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
 }
 
 impl Viewer {
-    /// Shows the report too, and completes the file; gives its path and size.
-    pub(super) fn finish(
-        mut self,
-        markdown: &str,
-    ) -> Result<(Target, Option<(PathBuf, u64)>), Error> {
+    /// Shows the report too, and completes the file; tells of it.
+    pub(super) fn finish(mut self, markdown: &str) -> Result<(Target, Option<WrittenFile>), Error> {
         self.sink.summarize(markdown);
         output::warn_all(self.sink.finish().map_err(SinkError::from)?);
         let written = match self.draft {
-            Some(draft) => Some((draft.path().to_owned(), draft.publish()?)),
+            Some(draft) => {
+                let path = draft.path().to_owned();
+                Some(WrittenFile::new(&path, draft.publish()?))
+            }
             None => None,
         };
         Ok((self.target, written))

@@ -1,6 +1,6 @@
 //! The files that a run writes.
 
-use super::RunArguments;
+use super::arguments::RunArguments;
 use crate::archive::format::CONTENT_DIGEST;
 use crate::archive::publish::{Draft, partial_name, refuse_inputs};
 use crate::archive::recording::Recording;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 const DIRECTORY: &str = "recordings";
 
 /// The files of a run, before it begins.
-pub(super) struct Files {
+pub(super) struct RunFiles {
     pub(super) mcap: Draft,
     #[cfg(feature = "rerun")]
     pub(super) rrd: Option<Draft>,
@@ -22,7 +22,7 @@ pub(super) struct Files {
 /// Recordings that had the names that the run would have liked.
 pub(super) struct Earlier(Vec<PathBuf>);
 
-impl Files {
+impl RunFiles {
     /// Chooses the names and starts the files.
     pub(super) fn start(
         arguments: &RunArguments,
@@ -87,7 +87,7 @@ impl Files {
 
 /// Starts a file, unless it is the scenario that is run.
 fn start(arguments: &RunArguments, path: &Path) -> Result<Draft, SinkError> {
-    refuse_inputs(path, [Path::new(&arguments.scenario)])?;
+    refuse_inputs(path, [arguments.scenario.as_path()])?;
     Draft::of_run(path, arguments.existing())
 }
 

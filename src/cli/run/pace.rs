@@ -1,12 +1,12 @@
 //! What happens between records: real time, flushes, progress, an orderly end.
 
-use super::super::interrupt::Interrupt;
-use super::{Duration, Instant};
 use crate::archive::sink::{Sink, SinkError};
+use crate::cli::interrupt::Interrupt;
+use crate::cli::progress::Progress;
 use crate::run::simulation::Record;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ops::ControlFlow;
 use std::thread;
+use std::time::{Duration, Instant};
 
 /// A paced run passes on what it has this often, so that a viewer follows and little is lost.
 const FLUSH_EVERY: Duration = Duration::from_millis(50);
@@ -21,23 +21,19 @@ pub(super) struct Pace {
     began: Instant,
     flushed: Instant,
     interrupt: Interrupt,
-    bar: ProgressBar,
+    progress: Progress,
 }
 
 impl Pace {
     /// Starts the clock. `speed` is simulated time per real time; none for as fast as possible.
     pub(super) fn start(speed: Option<f64>, interrupt: Interrupt) -> Self {
-        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}  [{elapsed}]") {
-            bar.set_style(style);
-        }
         let now = Instant::now();
         Self {
             speed,
             began: now,
             flushed: now,
             interrupt,
-            bar,
+            progress: Progress::of_state(),
         }
     }
 
@@ -49,12 +45,11 @@ impl Pace {
     ) -> Result<ControlFlow<()>, SinkError> {
         if let Record::Sample(sample) = record {
             if self.speed.is_some() || sample.index % LOOK_EVERY == 0 {
-                self.bar.set_message(format!(
+                self.progress.tell(format!(
                     "simulated {:.2} s, θ = {:.3} rad",
                     sample.time_ns as f64 / 1e9,
                     sample.angles.theta
                 ));
-                self.bar.tick();
             }
             self.wait_for(sample.time_ns, sinks)?;
         }
@@ -65,9 +60,9 @@ impl Pace {
         })
     }
 
-    /// Removes the progress bar.
+    /// Removes the line that shows the progress.
     pub(super) fn finish(&self) {
-        self.bar.finish_and_clear();
+        self.progress.finish();
     }
 
     /// In a paced run, flushes when it is time to and sleeps until the moment of the sample has come.
@@ -75,7 +70,9 @@ impl Pace {
         let Some(speed) = self.speed else {
             return Ok(());
         };
-        let due = Duration::from_secs_f64(time_ns as f64 / 1e9 / speed);
+        // A speed near zero makes it later than a duration can be.
+        let due = time_ns as f64 / 1e9 / speed;
+        let due = Duration::try_from_secs_f64(due).unwrap_or(Duration::MAX);
         loop {
             if self.flushed.elapsed() >= FLUSH_EVERY {
                 for sink in &mut *sinks {

@@ -1,35 +1,34 @@
 //! The Rerun side of a run: a file, a live viewer, or both.
 
-use super::super::output;
-use super::Setup;
+use super::arguments::RunArguments;
 use crate::archive::publish::Draft;
 use crate::archive::sink::{Sink, SinkError};
-use crate::rerun::{Destinations, Identity, Playback, RerunSink};
+use crate::cli::output;
+use crate::cli::report::WrittenFile;
+use crate::rerun::{Destinations, Identity, Live, Playback, RerunSink};
+use crate::run::scenario::Scenario;
 use crate::telemetry::{Telemetry, Topic};
 use anyhow::{Context as _, Error};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Feeds Rerun, if the run asks for it.
-pub(super) struct Viewer {
+pub(super) struct RunViewer {
     sink: Option<RerunSink>,
     draft: Option<Draft>,
 }
 
-impl Viewer {
+impl RunViewer {
     /// Opens what the run asks for. A viewer that can't be reached is a warning.
     pub(super) fn open(
-        setup: &Setup<'_>,
+        identity: &Identity,
         mut draft: Option<Draft>,
-        mcap: &Path,
-        telemetry: &Telemetry,
+        live: Option<Live>,
     ) -> Result<Self, Error> {
-        let live = setup.live.clone();
         let file = draft.as_ref().map(Draft::file).transpose()?;
         if file.is_none() && live.is_none() {
             return Ok(Self { sink: None, draft });
         }
-        let identity = identity(setup, mcap, telemetry);
-        let mut sink = RerunSink::new(&identity, Destinations { file, live });
+        let mut sink = RerunSink::new(identity, Destinations { file, live });
         output::warn_all(sink.take_warnings());
         draft.as_mut().map(Draft::keep);
         Ok(Self {
@@ -43,8 +42,8 @@ impl Viewer {
         self.sink.as_mut().map(|sink| sink as &mut dyn Sink)
     }
 
-    /// Ends the stream; gives the name and size of the file, if there is one.
-    pub(super) fn finish(self) -> Result<Option<(PathBuf, u64)>, Error> {
+    /// Ends the stream; tells of the file, if there is one.
+    pub(super) fn finish(self) -> Result<Option<WrittenFile>, Error> {
         let Some(sink) = self.sink else {
             return Ok(None);
         };
@@ -63,21 +62,27 @@ impl Viewer {
             }
         }
         let bytes = draft.publish().with_context(context)?;
-        Ok(Some((path, bytes)))
+        Ok(Some(WrittenFile::new(&path, bytes)))
     }
 }
 
-fn identity(setup: &Setup<'_>, mcap: &Path, telemetry: &Telemetry) -> Identity {
+/// What a viewer knows of the run before it begins.
+pub(super) fn identity(
+    arguments: &RunArguments,
+    mcap: &Path,
+    scenario: &Scenario,
+    telemetry: &Telemetry,
+) -> Identity {
     let stem = mcap.file_stem().unwrap_or_default();
     let topics = Topic::all().filter(|topic| telemetry.wants(*topic));
-    let playback = if setup.arguments.realtime.is_some() {
+    let playback = if arguments.realtime.is_some() {
         Playback::Following
     } else {
         Playback::PausedAtStart
     };
     Identity::of(
         &stem.to_string_lossy(),
-        setup.scenario,
+        scenario,
         topics.collect(),
         playback,
     )

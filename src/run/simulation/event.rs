@@ -1,6 +1,8 @@
 //! What can happen to a top, and why a run ends.
 
 use crate::physics::dynamics::Motion;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// Something that happened at one moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +22,8 @@ pub struct Event {
 }
 
 /// Kinds of events.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum EventKind {
     /// The run begins.
     Start,
@@ -161,7 +164,8 @@ impl EventKind {
 }
 
 /// Why a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum StopReason {
     /// θ fell to `stop.theta_risen`.
     Risen,

@@ -1,0 +1,112 @@
+//! Arguments that several commands have.
+
+use crate::telemetry::encoding::Encoding;
+use clap::{Args, ValueEnum};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// The form of an answer, as its options choose it.
+#[derive(Args, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct FormArguments {
+    /// Form of the answer.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+
+    /// Short for --format markdown.
+    #[arg(long, conflicts_with = "format")]
+    markdown: bool,
+}
+
+impl FormArguments {
+    /// The form that was chosen.
+    pub(super) fn format(self) -> Format {
+        if self.markdown {
+            Format::Markdown
+        } else {
+            self.format
+        }
+    }
+}
+
+/// The form of an answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Format {
+    /// For people, at a terminal.
+    #[default]
+    Text,
+    /// For programs; schemas/toprise.*Report.json describe it.
+    Json,
+    /// For documents.
+    Markdown,
+}
+
+/// The encoding of a recording's messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum EncodingName {
+    /// JSON with JSON Schema: read everywhere.
+    Json,
+    /// Protocol Buffers: smaller, faster, plotted by Rerun.
+    Protobuf,
+}
+
+impl From<EncodingName> for Encoding {
+    fn from(name: EncodingName) -> Self {
+        match name {
+            EncodingName::Json => Self::Json,
+            EncodingName::Protobuf => Self::Protobuf,
+        }
+    }
+}
+
+/// A key of a scenario and the value that it is set to.
+pub(super) type Override = (String, String);
+
+/// Reads the value of `--set`.
+pub(super) fn parse_override(text: &str) -> Result<Override, String> {
+    text.split_once('=')
+        .map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned()))
+        .ok_or_else(|| "must be KEY=VALUE, as in friction.k=0.02".to_owned())
+}
+
+/// Parses a line of arguments, without the program and the command.
+#[cfg(test)]
+pub(super) fn parse<A: Args>(line: &str) -> Result<A, clap::Error> {
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Command<A: Args> {
+        #[command(flatten)]
+        arguments: A,
+    }
+
+    let words = std::iter::once("toprise").chain(line.split_whitespace());
+    Command::try_parse_from(words).map(|command| command.arguments)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_form_is_chosen_once() {
+        let format = |line: &str| parse::<FormArguments>(line).map(FormArguments::format);
+        assert_eq!(format("").unwrap(), Format::Text);
+        assert_eq!(format("--format json").unwrap(), Format::Json);
+        assert_eq!(format("--markdown").unwrap(), Format::Markdown);
+        assert!(format("--markdown --format json").is_err());
+        assert!(format("--format xml").is_err());
+    }
+
+    #[test]
+    fn keys_are_set_to_values() {
+        let set = |key: &str, value: &str| Ok((key.to_owned(), value.to_owned()));
+        assert_eq!(
+            parse_override("friction.k = 0.02"),
+            set("friction.k", "0.02")
+        );
+        assert_eq!(parse_override("name=a=b"), set("name", "a=b"));
+        assert_eq!(parse_override("stop.duration="), set("stop.duration", ""));
+        assert!(parse_override("friction.k").is_err());
+    }
+}

@@ -1,0 +1,305 @@
+//! What a run says at its end.
+
+use crate::archive::writer::Archived;
+use crate::cli::numbers::{count, number};
+use crate::cli::page::{Page, Section, Tone};
+use crate::cli::report::WrittenFile;
+use crate::cli::table::Table;
+use crate::run::scenario::Scenario;
+use crate::run::simulation::{EventKind, Outcome, Record, StopReason};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::Path;
+use std::time::Duration;
+
+/// A run that took this many times its simulated time is not told so: one of them is next to nothing.
+const SLOWEST: f64 = 1e4;
+
+/// How often each kind of event happened, in the order of their first times.
+#[derive(Debug, Default)]
+pub(super) struct EventCounts(Vec<EventCount>);
+
+/// How often a kind of event happened.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+struct EventCount {
+    /// The kind.
+    name: EventKind,
+    /// How often it happened.
+    count: u64,
+    /// When it happened first, s.
+    first_time: f64,
+}
+
+impl EventCounts {
+    /// Takes in a record, if it is an event.
+    pub(super) fn count(&mut self, record: &Record) {
+        let Record::Event(event) = record else {
+            return;
+        };
+        match self.0.iter_mut().find(|known| known.name == event.kind) {
+            Some(known) => known.count += 1,
+            None => self.0.push(EventCount {
+                name: event.kind,
+                count: 1,
+                first_time: event.time,
+            }),
+        }
+    }
+}
+
+/// A run that is recorded.
+pub(super) struct Finished {
+    pub(super) outcome: Outcome,
+    pub(super) counts: EventCounts,
+    pub(super) archived: Archived,
+    pub(super) rrd: Option<WrittenFile>,
+    /// Whether a Rerun recording was wanted but could not be written.
+    pub(super) is_rrd_lost: bool,
+}
+
+/// What happened in a run, and where it is recorded.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::cli) struct RunReport {
+    /// The name of the scenario.
+    scenario: String,
+    /// SHA-256 of the scenario.
+    scenario_digest: String,
+    /// Why the run ended.
+    stop_reason: StopReason,
+    /// When, s.
+    stop_time: f64,
+    /// The motion at that moment.
+    state: FinalState,
+    /// Total energy at the start, J.
+    energy_at_start: f64,
+    /// Total energy at the end, J.
+    energy: f64,
+    /// Work of friction, J.
+    friction_work: f64,
+    /// Path that the contact point has slipped, m.
+    slip_path: f64,
+    /// Number of samples.
+    samples: u64,
+    /// Time from one sample to the next, s.
+    sample_period: f64,
+    /// Number of whole nutation cycles.
+    nutations: u64,
+    /// How often each kind of event happened, in the order of their first times.
+    events: Vec<EventCount>,
+    /// Steps of the integrator.
+    steps_accepted: u64,
+    /// Steps that the integrator tried and found too long.
+    steps_rejected: u64,
+    /// Evaluations of the equations of motion.
+    evaluations: u64,
+    /// How long it took, s.
+    wall_time: f64,
+    /// The MCAP file.
+    mcap: WrittenFile,
+    /// The Rerun recording; absent if there is none.
+    rrd: Option<WrittenFile>,
+    /// SHA-256 of the recording's content.
+    content_digest: String,
+    /// An earlier recording of this name with the same content; absent if there is none.
+    identical_to: Option<String>,
+}
+
+/// Euler angles (z-x-z), rad, and their rates, rad/s, at the end of a run.
+#[derive(Debug, Serialize, JsonSchema)]
+struct FinalState {
+    /// Precession.
+    phi: f64,
+    /// Inclination.
+    theta: f64,
+    /// Spin.
+    psi: f64,
+    /// Rate of precession.
+    phi_dot: f64,
+    /// Rate of nutation.
+    theta_dot: f64,
+    /// Rate of spin.
+    psi_dot: f64,
+}
+
+impl RunReport {
+    pub(super) fn of(
+        scenario: &Scenario,
+        finished: &Finished,
+        same_as: Option<&Path>,
+        wall: Duration,
+    ) -> Self {
+        let Finished {
+            outcome,
+            counts,
+            archived,
+            rrd,
+            ..
+        } = finished;
+        let (angles, rates) = (&outcome.motion.angles, &outcome.motion.tilt.rates);
+        Self {
+            scenario: scenario.name().to_owned(),
+            scenario_digest: scenario.digest(),
+            stop_reason: outcome.stop,
+            stop_time: outcome.time,
+            state: FinalState {
+                phi: angles.phi,
+                theta: angles.theta,
+                psi: angles.psi,
+                phi_dot: rates.phi,
+                theta_dot: rates.theta,
+                psi_dot: rates.psi,
+            },
+            energy_at_start: outcome.energy_at_start,
+            energy: outcome.energy,
+            friction_work: outcome.motion.integrals.friction_work,
+            slip_path: outcome.motion.integrals.slip_path,
+            samples: outcome.samples,
+            sample_period: scenario.sample_period_ns as f64 / 1e9,
+            nutations: outcome.nutations,
+            events: counts.0.clone(),
+            steps_accepted: outcome.statistics.accepted,
+            steps_rejected: outcome.statistics.rejected,
+            evaluations: outcome.statistics.evaluations,
+            wall_time: wall.as_secs_f64(),
+            mcap: WrittenFile::new(&archived.path, archived.bytes),
+            rrd: rrd.clone(),
+            content_digest: archived.digest.clone(),
+            identical_to: same_as.map(|path| path.display().to_string()),
+        }
+    }
+
+    /// The summary for people.
+    pub(super) fn page(&self) -> Page {
+        let mut facts = vec![
+            ("state", self.angles()),
+            ("rates", self.rates()),
+            ("energy", self.energy_balance()),
+        ];
+        facts.extend(under("events", self.event_lines()));
+        facts.extend([("logged", self.logged()), ("took", self.took())]);
+        let files = std::iter::once(&self.mcap).chain(&self.rrd);
+        facts.extend(under("wrote", files.map(WrittenFile::line).collect()));
+        facts.push(("content", format!("sha-256 {}", self.content_digest)));
+        if let Some(path) = &self.identical_to {
+            facts.push(("", format!("identical to {path}")));
+        }
+        if let Some(rrd) = &self.rrd {
+            facts.push(("open it", format!("rerun {}", rrd.path)));
+            facts.push(("", "(the viewer: pip install rerun-sdk==0.36.3)".to_owned()));
+        }
+        let mut section = Section::default();
+        section.table(Table::of_facts(facts));
+        Page {
+            title: format!(
+                "{}: {} at t = {} s",
+                self.scenario,
+                self.stop_reason.sentence(),
+                number(self.stop_time, 6)
+            ),
+            tone: match self.stop_reason {
+                StopReason::Interrupted | StopReason::Failed => Tone::Weak,
+                _ => Tone::Good,
+            },
+            sections: vec![section],
+            ..Page::default()
+        }
+    }
+
+    fn angles(&self) -> String {
+        let turns = self.state.phi / std::f64::consts::TAU;
+        format!(
+            "θ = {} rad after {} turns of precession",
+            number(self.state.theta, 4),
+            number(turns, 2)
+        )
+    }
+
+    fn rates(&self) -> String {
+        format!(
+            "φ̇ = {}, θ̇ = {}, ψ̇ = {} rad/s",
+            number(self.state.phi_dot, 4),
+            number(self.state.theta_dot, 5),
+            number(self.state.psi_dot, 3)
+        )
+    }
+
+    fn energy_balance(&self) -> String {
+        format!(
+            "{} J → {} J ({} J, friction did {} J)",
+            number(self.energy_at_start, 6),
+            number(self.energy, 6),
+            number(self.energy - self.energy_at_start, 6),
+            number(self.friction_work, 6)
+        )
+    }
+
+    /// Each kind with its number, or its time if it happened once.
+    fn event_lines(&self) -> Vec<String> {
+        let told = self.events.iter().filter(|event| event.first_time > 0.0);
+        let line = |event: &EventCount| {
+            let name = event.name.name().replace('_', " ");
+            match event.count {
+                1 => format!("{name} at {:.4} s", event.first_time),
+                more => format!("{} × {name} from {:.4} s", count(more), event.first_time),
+            }
+        };
+        let lines: Vec<_> = told.map(line).collect();
+        if lines.is_empty() {
+            vec!["none".to_owned()]
+        } else {
+            lines
+        }
+    }
+
+    fn logged(&self) -> String {
+        format!(
+            "{} samples at {} Hz, {} nutation cycles, {} events",
+            count(self.samples),
+            1.0 / self.sample_period,
+            count(self.nutations),
+            count(self.events.iter().map(|event| event.count).sum())
+        )
+    }
+
+    fn took(&self) -> String {
+        let share = self.wall_time / self.stop_time;
+        let share = if share < SLOWEST {
+            format!(", {share:.3} of the simulated time")
+        } else {
+            String::new()
+        };
+        let steps = count(self.steps_accepted);
+        format!("{:.2} s{share}; {steps} integration steps", self.wall_time)
+    }
+}
+
+/// Lines with a label before the first.
+fn under(label: &'static str, lines: Vec<String>) -> impl Iterator<Item = (&'static str, String)> {
+    let labels = std::iter::once(label).chain(std::iter::repeat(""));
+    labels.zip(lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Programs read the names that recordings have.
+    #[test]
+    fn names_are_those_of_recordings() {
+        let written = |name: serde_json::Result<serde_json::Value>| name.unwrap();
+        for kind in [
+            EventKind::Start,
+            EventKind::NutationMaximum,
+            EventKind::WeakTop,
+        ] {
+            assert_eq!(written(serde_json::to_value(kind)), kind.name());
+        }
+        for stop in [
+            StopReason::Risen,
+            StopReason::SlipStopped,
+            StopReason::Failed,
+        ] {
+            assert_eq!(written(serde_json::to_value(stop)), stop.name());
+        }
+    }
+}

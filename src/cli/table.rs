@@ -1,0 +1,151 @@
+//! Tables for a terminal and for documents.
+
+use super::text::harmless;
+use anstyle::{Effects, Style};
+use comfy_table::{
+    CellAlignment, ColumnConstraint, ContentArrangement, Table as Layout, TableComponent, presets,
+};
+
+const FAINT: Style = Style::new().effects(Effects::DIMMED);
+/// Ends the header of a laid-out table; no harmless cell has it.
+const RULE: char = '\u{1}';
+
+/// Cells in rows: the first columns hold text, which may be broken into lines, the others numbers, which line up at
+/// the right.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Table {
+    /// Names of the columns; none for a table without.
+    pub(super) header: Vec<String>,
+    /// The cells.
+    pub(super) rows: Vec<Vec<String>>,
+    /// Number of columns that hold text.
+    pub(super) left: usize,
+}
+
+impl Table {
+    /// A table of texts without a header.
+    pub(super) fn of_texts(rows: Vec<Vec<String>>) -> Self {
+        Self {
+            header: Vec::new(),
+            rows,
+            left: usize::MAX,
+        }
+    }
+
+    /// A list of what there is to say, each with a word for it.
+    pub(super) fn of_facts(facts: Vec<(&str, String)>) -> Self {
+        let row = |(label, fact): (&str, String)| vec![label.to_owned(), fact];
+        Self::of_texts(facts.into_iter().map(row).collect())
+    }
+
+    fn columns(&self) -> usize {
+        let widest = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        widest.max(self.header.len())
+    }
+
+    fn has_header(&self) -> bool {
+        self.header.iter().any(|name| !name.is_empty())
+    }
+
+    /// For a terminal: two columns of space before each column, and the header faint.
+    pub(super) fn text(&self, width: usize) -> String {
+        let mut layout = Layout::new();
+        layout
+            .load_preset(presets::NOTHING)
+            .set_content_arrangement(ContentArrangement::Dynamic)
+            .set_width(u16::try_from(width).unwrap_or(u16::MAX));
+        let cells = |row: &[String]| {
+            let cell = |at| harmless(row.get(at).map_or("", String::as_str)).into_owned();
+            (0..self.columns()).map(cell).collect::<Vec<_>>()
+        };
+        if self.has_header() {
+            layout
+                .set_style(TableComponent::HeaderLines, RULE)
+                .set_header(cells(&self.header));
+        }
+        layout.add_rows(self.rows.iter().map(|row| cells(row)));
+        for (at, column) in layout.column_iter_mut().enumerate() {
+            column.set_padding((2, 0));
+            if at >= self.left {
+                column.set_cell_alignment(CellAlignment::Right);
+                column.set_constraint(ColumnConstraint::ContentWidth);
+            }
+        }
+        let mut text = String::new();
+        let mut is_header = self.has_header();
+        for line in layout.to_string().lines().map(str::trim_end) {
+            if line.contains(RULE) {
+                is_header = false;
+            } else if is_header {
+                text.push_str(&format!("{FAINT}{line}{FAINT:#}\n"));
+            } else {
+                text.push_str(&format!("{line}\n"));
+            }
+        }
+        text
+    }
+
+    /// For documents.
+    pub(super) fn markdown(&self) -> String {
+        let columns = self.columns();
+        let row = |cells: &[String]| {
+            let cell = |at: usize| {
+                cells
+                    .get(at)
+                    .map_or(String::new(), |cell| harmless(cell).replace('|', "\\|"))
+            };
+            let cells: Vec<String> = (0..columns).map(cell).collect();
+            format!("| {} |\n", cells.join(" | "))
+        };
+        let rule = |at: usize| if at < self.left { ":--" } else { "--:" }.to_owned();
+        let mut text = row(&self.header);
+        text += &row(&(0..columns).map(rule).collect::<Vec<_>>());
+        for cells in &self.rows {
+            text += &row(cells);
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
+        cells.map(str::to_owned).to_vec()
+    }
+
+    fn plain(table: &Table, width: usize) -> String {
+        anstream::adapter::strip_str(&table.text(width)).to_string()
+    }
+
+    #[test]
+    fn columns_line_up_and_combining_marks_take_no_room() {
+        let table = Table {
+            header: row(["a", "b"]),
+            rows: vec![row(["φ̇", "1"]), row(["xx", "22"])],
+            left: 1,
+        };
+        assert_eq!(plain(&table, 80), "  a    b\n  φ̇    1\n  xx  22\n");
+        assert_eq!(
+            table.markdown(),
+            "| a | b |\n| :-- | --: |\n| φ̇ | 1 |\n| xx | 22 |\n"
+        );
+    }
+
+    #[test]
+    fn text_is_broken_where_a_table_is_too_wide_and_numbers_never() {
+        let table = Table {
+            header: Vec::new(),
+            rows: vec![row(["one two three", "12345678"])],
+            left: 1,
+        };
+        assert_eq!(plain(&table, 20), "  one two   12345678\n  three\n");
+    }
+
+    #[test]
+    fn cells_are_harmless() {
+        let table = Table::of_texts(vec![row(["a\n\x1b[2Jb"])]);
+        assert_eq!(plain(&table, 80), "  a��[2Jb\n");
+    }
+}
