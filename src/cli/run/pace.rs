@@ -70,9 +70,7 @@ impl Pace {
         let Some(speed) = self.speed else {
             return Ok(());
         };
-        // A speed near zero makes it later than a duration can be.
-        let due = time_ns as f64 / 1e9 / speed;
-        let due = Duration::try_from_secs_f64(due).unwrap_or(Duration::MAX);
+        let due = due(time_ns, speed);
         loop {
             if self.flushed.elapsed() >= FLUSH_EVERY {
                 for sink in &mut *sinks {
@@ -86,5 +84,25 @@ impl Pace {
             }
             thread::sleep(early.min(NAP));
         }
+    }
+}
+
+/// When the moment `time_ns` of a run has come, from its beginning on. A speed near zero makes it later than a
+/// duration can be.
+fn due(time_ns: u64, speed: f64) -> Duration {
+    let seconds = time_ns as f64 / 1e9 / speed;
+    Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_speed_gives_a_time() {
+        assert_eq!(due(3_000_000_000, 2.0), Duration::from_millis(1500));
+        assert_eq!(due(1_000_000, 1e-30), Duration::MAX);
+        assert_eq!(due(1, f64::MIN_POSITIVE), Duration::MAX);
+        assert_eq!(due(u64::MAX, 1e300), Duration::ZERO);
     }
 }

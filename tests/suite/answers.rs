@@ -1,0 +1,440 @@
+//! What all commands have in common: JSON by committed schemas, text that can't steer a terminal, streams that may
+//! break, names of files that are no text.
+
+use assert_cmd::Command;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::BufWriter;
+use std::path::Path;
+use std::process::Output;
+use tempfile::{TempDir, tempdir};
+
+/// What a file would do to a terminal that trusted it: move, recolour, rename the window, forge a line.
+const HOSTILE: &str = "\x1b]0;owned\x07\u{9b}31m\x1b[2J\u{202e}\nFORGED\r";
+
+fn toprise(directory: &TempDir, line: &str) -> Output {
+    let mut command = Command::cargo_bin("toprise").unwrap();
+    let command = command
+        .current_dir(directory.path())
+        .args(line.split_whitespace());
+    command.output().unwrap()
+}
+
+/// Runs a command that must end with `code`; gives its standard output.
+#[track_caller]
+fn answer(directory: &TempDir, line: &str, code: i32) -> String {
+    let output = toprise(directory, line);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{line}: {error}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// A directory with a recording, half of it, and a file that is none.
+fn recorded() -> TempDir {
+    let directory = tempdir().unwrap();
+    answer(&directory, "run --set stop.duration=0.3 -o a.mcap", 0);
+    let whole = fs::read(directory.path().join("a.mcap")).unwrap();
+    fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
+    fs::write(directory.path().join("text.mcap"), "not a recording").unwrap();
+    directory
+}
+
+/// Checks a value against a JSON Schema as `schemars` writes them. Fields that the schema doesn't have are wrong too.
+fn check(path: &str, value: &Value, schema: &Value, root: &Value) -> Result<(), String> {
+    if let Some(name) = schema["$ref"].as_str() {
+        let inner = root.pointer(name.trim_start_matches('#'));
+        return check(path, value, inner.ok_or(name)?, root);
+    }
+    for choice in ["anyOf", "oneOf"] {
+        if let Some(choices) = schema[choice].as_array() {
+            let fits = |schema| check(path, value, schema, root).is_ok();
+            if !choices.iter().any(fits) {
+                return Err(format!("{path}: {value} is none of {choices:?}"));
+            }
+        }
+    }
+    if let Some(constant) = schema.get("const")
+        && constant != value
+    {
+        return Err(format!("{path}: {value} is not {constant}"));
+    }
+    if let Some(words) = schema["enum"].as_array()
+        && !words.contains(value)
+    {
+        return Err(format!("{path}: {value} is none of {words:?}"));
+    }
+    let kind = match value {
+        Value::Null => "null",
+        Value::Bool(_) => "boolean",
+        Value::Number(number) if number.is_f64() => "number",
+        Value::Number(_) => "integer",
+        Value::String(_) => "string",
+        Value::Array(_) => "array",
+        Value::Object(_) => "object",
+    };
+    let is_of = |allowed: &Value| allowed == kind || (allowed == "number" && kind == "integer");
+    let is_right = match &schema["type"] {
+        Value::Array(kinds) => kinds.iter().any(is_of),
+        Value::Null => true,
+        one => is_of(one),
+    };
+    if !is_right {
+        return Err(format!("{path}: {value} is no {}", schema["type"]));
+    }
+    match value {
+        Value::Array(items) => {
+            for (at, item) in items.iter().enumerate() {
+                let of_place = schema["prefixItems"].get(at);
+                if let Some(inner) = of_place.or_else(|| schema.get("items")) {
+                    check(&format!("{path}[{at}]"), item, inner, root)?;
+                }
+            }
+        }
+        Value::Object(fields) => check_object(path, fields, schema, root)?,
+        _ => {}
+    }
+    Ok(())
+}
+
+fn check_object(
+    path: &str,
+    fields: &Map<String, Value>,
+    schema: &Value,
+    root: &Value,
+) -> Result<(), String> {
+    // One of several kinds of objects: their schemas have been checked.
+    if schema.get("properties").is_none() && schema.get("additionalProperties").is_none() {
+        return Ok(());
+    }
+    for (name, value) in fields {
+        let of_others = schema.get("additionalProperties");
+        let inner = schema["properties"].get(name).or(of_others);
+        let inner = inner.ok_or_else(|| format!("{path}.{name} is not in the schema"))?;
+        check(&format!("{path}.{name}"), value, inner, root)?;
+    }
+    let required = schema["required"].as_array().into_iter().flatten();
+    for name in required.filter_map(Value::as_str) {
+        if !fields.contains_key(name) {
+            return Err(format!("{path}.{name} is missing"));
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn every_command_answers_by_its_schema() {
+    let directory = recorded();
+    let schemas = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas");
+    let mut used = BTreeMap::new();
+    for (name, line, code) in [
+        ("RunReport", "run --set stop.duration=0.1 -o b.mcap", 0),
+        #[cfg(feature = "rerun")]
+        (
+            "RunReport",
+            "run --set stop.duration=0.1 -o c.mcap --rrd c.rrd",
+            0,
+        ),
+        #[cfg(feature = "rerun")]
+        ("ViewReport", "view a.mcap cut.mcap --rrd shown", 3),
+        ("ExplainReport", "explain a.mcap", 0),
+        ("ExplainReport", "explain cut.mcap", 3),
+        ("DiffReport", "diff a.mcap cut.mcap", 3),
+        (
+            "DiffReport",
+            "diff a.mcap full-coulomb --set stop.duration=0.3",
+            1,
+        ),
+        ("DiffMatrix", "diff a.mcap a.mcap cut.mcap", 3),
+        (
+            "FiguresReport",
+            "figures a.mcap cut.mcap --only figure-2 -o drawn",
+            3,
+        ),
+        ("InfoReport", "info a.mcap", 0),
+        ("InfoReport", "info cut.mcap", 3),
+        (
+            "VerifyReport",
+            "verify a.mcap cut.mcap text.mcap missing.mcap",
+            2,
+        ),
+        (
+            "ConvertReport",
+            "convert a.mcap p.mcap --encoding protobuf",
+            0,
+        ),
+        ("RecoverReport", "recover cut.mcap saved.mcap", 3),
+        ("RecoverReport", "recover cut.mcap whole.mcap --complete", 0),
+        ("PresetsReport", "presets", 0),
+        ("PresetsReport", "presets paper", 0),
+        ("LawsReport", "laws", 0),
+        ("SchemaReport", "schema", 0),
+        ("SchemaReport", "schema /events --encoding protobuf", 0),
+        ("SchemaReport", "schema --write written", 0),
+    ] {
+        let text = answer(&directory, &format!("{line} --format json"), code);
+        let value: Value = serde_json::from_str(&text).unwrap();
+        let schema = fs::read_to_string(schemas.join(format!("toprise.{name}.json"))).unwrap();
+        let schema: Value = serde_json::from_str(&schema).unwrap();
+        let checked = check(name, &value, &schema, &schema);
+        assert_eq!(checked, Ok(()), "toprise {line}\n{text}");
+        // Nothing but objects and arrays of them, so that there is room for more.
+        assert!(value.is_object() || value[0].is_object(), "{line}");
+        used.insert(name, schema);
+    }
+    for (name, _) in toprise::cli::schemas() {
+        let name = name
+            .trim_start_matches("toprise.")
+            .trim_end_matches(".json");
+        assert!(used.contains_key(name), "{name} is not tried");
+    }
+    // The check is one: what is not by the schema is found.
+    let schema = &used["ConvertReport"];
+    for wrong in [
+        r#"{"file": "a"}"#,
+        r#"{"file": 1, "bytes": 1, "encoding": "json", "content_digest": ""}"#,
+        r#"{"file": "a", "bytes": 1, "encoding": "xml", "content_digest": ""}"#,
+        r#"{"file": "a", "bytes": 1, "encoding": "json", "content_digest": "", "more": 1}"#,
+    ] {
+        let wrong = serde_json::from_str(wrong).unwrap();
+        assert!(check("", &wrong, schema, schema).is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn every_command_answers_in_markdown() {
+    let directory = recorded();
+    for line in [
+        "explain a.mcap",
+        "diff a.mcap a.mcap",
+        "info a.mcap",
+        "verify a.mcap",
+        "presets",
+        "laws",
+        "schema",
+        "run --set stop.duration=0.1 -o b.mcap",
+    ] {
+        let text = answer(&directory, &format!("{line} --markdown"), 0);
+        assert!(text.contains("| :-- |"), "{line}:\n{text}");
+        assert!(!text.contains('\x1b'), "{line}");
+    }
+}
+
+/// Copies a recording with hostile text wherever a file can have text; with another library it is a foreign one.
+fn forge(from: &Path, to: &Path, library: &str) {
+    let bytes = fs::read(from).unwrap();
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let file = BufWriter::new(fs::File::create(to).unwrap());
+    let library = format!("{library}{HOSTILE}");
+    let mut writer = mcap::WriteOptions::new()
+        .library(&library)
+        .create(file)
+        .unwrap();
+    let is_ours = library.starts_with("toprise");
+    for index in &summary.attachment_indexes {
+        let attachment = mcap::read::attachment(&bytes, index).unwrap();
+        writer.attach(&attachment).unwrap();
+    }
+    for index in &summary.metadata_indexes {
+        let mut metadata = mcap::read::metadata(&bytes, index).unwrap();
+        for value in metadata.metadata.values_mut() {
+            value.push_str(HOSTILE);
+        }
+        if is_ours {
+            writer.write_metadata(&metadata).unwrap();
+        }
+    }
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let mut message = message.unwrap();
+        if message.channel.topic == "/events" {
+            let mut event: Value = serde_json::from_slice(&message.data).unwrap();
+            for field in ["name", "description"] {
+                let text = event[field].as_str().unwrap().to_owned();
+                event[field] = (text + HOSTILE).into();
+            }
+            message.data = serde_json::to_vec(&event).unwrap().into();
+        }
+        writer.write(&message).unwrap();
+        if !is_ours && message.sequence < 3 {
+            let mut channel = (*message.channel).clone();
+            channel.topic.push_str(HOSTILE);
+            message.channel = channel.into();
+            writer.write(&message).unwrap();
+        }
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn text_from_files_is_harmless_in_every_answer() {
+    let directory = recorded();
+    let path = |name: &str| directory.path().join(name);
+    forge(&path("a.mcap"), &path("ours.mcap"), "toprise/0.1.0");
+    forge(&path("a.mcap"), &path("other.mcap"), "another");
+    let scenario = format!("name = {HOSTILE:?}\n[top]\nmass = \"{HOSTILE}");
+    fs::write(path("hostile.toml"), scenario).unwrap();
+    let mut lines = vec!["run hostile.toml".to_owned()];
+    for file in ["ours.mcap", "other.mcap"] {
+        for verb in [
+            "info",
+            "verify",
+            "explain",
+            "diff a.mcap",
+            "diff other.mcap",
+        ] {
+            for format in ["text", "json", "markdown"] {
+                lines.push(format!("{verb} {file} --color never --format {format}"));
+            }
+        }
+        for (at, rest) in ["--encoding protobuf", "--encoding json"]
+            .iter()
+            .enumerate()
+        {
+            lines.push(format!("convert {file} {at}-{file} {rest}"));
+        }
+        lines.push(format!("recover {file} saved-{file}"));
+        lines.push(format!("recover {file} whole-{file} --complete"));
+        lines.push(format!("figures {file} -o drawn-{file}"));
+        lines.push(format!("diff a.mcap {file} --mcap diff-{file}"));
+        if cfg!(feature = "rerun") {
+            lines.push(format!("view {file} --rrd {file}.rrd"));
+            lines.push(format!("diff a.mcap {file} --rrd diff-{file}.rrd"));
+        }
+    }
+    let mut shown = 0;
+    for line in &lines {
+        let output = toprise(&directory, line);
+        for stream in [output.stdout, output.stderr] {
+            let text = String::from_utf8(stream).unwrap();
+            let steers = |c: char| (c.is_control() && c != '\n') || c == '\u{202e}';
+            assert!(!text.contains(steers), "toprise {line}: {text:?}");
+            let forges = |line: &str| line.starts_with("FORGED");
+            assert!(!text.lines().any(forges), "toprise {line}: {text}");
+            shown += usize::from(text.contains("FORGED"));
+        }
+    }
+    // Much of it is shown all the same.
+    assert!(shown >= 10, "only {shown} answers show hostile text");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn broken_streams_are_no_panic() {
+    let directory = recorded();
+    let program = assert_cmd::cargo::cargo_bin("toprise");
+    let ends = |line: &str, streams: &str| {
+        let script = format!("{} {line} {streams}", program.display());
+        let status = std::process::Command::new("bash")
+            .current_dir(directory.path())
+            .args(["-c", &script])
+            .status();
+        status.unwrap().code()
+    };
+    for line in [
+        "run nope",
+        "info missing.mcap",
+        "verify text.mcap",
+        "explain text.mcap",
+        "diff a.mcap text.mcap",
+        "convert text.mcap b.mcap --encoding json",
+        "recover text.mcap b.mcap",
+        "figures text.mcap",
+        "presets nope",
+        "schema /nope",
+        "frobnicate",
+    ] {
+        for broken in [
+            "2>/dev/full",
+            "2>&-",
+            "2> >(true)",
+            ">/dev/full 2>/dev/full",
+        ] {
+            assert_eq!(ends(line, broken), Some(2), "{line} {broken}");
+        }
+    }
+    // Warnings and notes that nobody hears change nothing.
+    assert_eq!(ends("explain cut.mcap", "2>/dev/full >/dev/null"), Some(3));
+    let noted = "diff a.mcap a.mcap --mcap d.mcap";
+    assert_eq!(ends(noted, "2>/dev/full >/dev/null"), Some(0));
+    // An answer that can't be written is a failure.
+    for line in [
+        "--help",
+        "--version",
+        "laws",
+        "info a.mcap",
+        "presets --format json",
+    ] {
+        assert_eq!(ends(line, ">/dev/full"), Some(2), "{line}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn names_of_files_need_not_be_text() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let directory = recorded();
+    let name = std::ffi::OsStr::from_bytes(b"\xff\xfe.mcap");
+    let scenario = std::ffi::OsStr::from_bytes(b"\xff.toml");
+    fs::copy(directory.path().join("a.mcap"), directory.path().join(name)).unwrap();
+    let toml = answer(&directory, "presets paper", 0);
+    fs::write(directory.path().join(scenario), toml).unwrap();
+    for (verb, file, rest, code) in [
+        ("info", name, "", 0),
+        ("verify", name, "--no-reproduce", 0),
+        ("explain", name, "", 0),
+        ("diff", name, "a.mcap", 0),
+        ("figures", name, "--only figure-2 -o drawn", 0),
+        ("convert", name, "b.mcap --encoding json", 0),
+        ("run", scenario, "--set stop.duration=0.1 -o c.mcap", 0),
+        ("recover", name, "d.mcap", 2),
+    ] {
+        let mut command = Command::cargo_bin("toprise").unwrap();
+        command.current_dir(directory.path()).arg(verb).arg(file);
+        let ended = command.args(rest.split_whitespace()).assert().code(code);
+        let error = String::from_utf8_lossy(&ended.get_output().stderr).into_owned();
+        assert!(!error.contains("UTF-8"), "{verb}: {error}");
+    }
+}
+
+#[test]
+fn quiet_leaves_notes_out_and_color_is_chosen() {
+    let directory = recorded();
+    let noted = toprise(&directory, "diff a.mcap a.mcap --mcap d.mcap");
+    assert!(String::from_utf8_lossy(&noted.stderr).contains("wrote d.mcap"));
+    let quiet = toprise(&directory, "-q diff a.mcap a.mcap --mcap e.mcap");
+    assert!(quiet.stderr.is_empty());
+    assert_eq!(noted.stdout, quiet.stdout);
+    // Errors stay.
+    let failed = toprise(&directory, "info missing.mcap --quiet");
+    assert!(String::from_utf8_lossy(&failed.stderr).contains("missing.mcap"));
+    let is_coloured = |line: &str, variable: &str| {
+        let mut command = Command::cargo_bin("toprise").unwrap();
+        command.current_dir(directory.path()).env_remove("NO_COLOR");
+        let output = command.args(line.split(' ')).env(variable, "1").output();
+        output.unwrap().stdout.contains(&b'\x1b')
+    };
+    for (line, variable, expected) in [
+        ("info a.mcap", "NO_COLOR", false),
+        ("info a.mcap", "CLICOLOR_FORCE", true),
+        ("info a.mcap --color always", "NO_COLOR", true),
+        ("info a.mcap --color never", "CLICOLOR_FORCE", false),
+        ("info a.mcap --color auto", "OTHER", false),
+        ("info a.mcap --color always --format json", "OTHER", false),
+    ] {
+        assert_eq!(is_coloured(line, variable), expected, "{variable} {line}");
+    }
+}
+
+#[test]
+fn causes_are_told_once() {
+    let directory = recorded();
+    for (line, cause) in [
+        ("info missing.mcap", "No such file"),
+        ("run missing/x.toml", "No such file"),
+        ("explain text.mcap", "not an MCAP file"),
+    ] {
+        let output = toprise(&directory, line);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(error.matches(cause).count(), 1, "{error}");
+    }
+}
