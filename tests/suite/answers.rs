@@ -257,6 +257,7 @@ fn forge(from: &Path, to: &Path, library: &str) {
         writer.write(&message).unwrap();
         if !is_ours && message.sequence < 3 {
             let mut channel = (*message.channel).clone();
+            channel.id += 1000;
             channel.topic.push_str(HOSTILE);
             message.channel = channel.into();
             writer.write(&message).unwrap();

@@ -325,7 +325,7 @@ fn the_command_writes_both_kinds_and_overwrites_nothing() {
     let output = String::from_utf8(output).unwrap();
     let files = ["figure-2.svg", "figure-2.png", "energy.svg", "energy.png"];
     for file in files {
-        assert!(output.contains(&format!("wrote out/{file}")), "{output}");
+        assert!(output.contains(&format!("out/{file}  ")), "{output}");
         assert!(directory.path().join("out").join(file).is_file());
     }
     assert_eq!(
@@ -342,7 +342,7 @@ fn the_command_writes_both_kinds_and_overwrites_nothing() {
         fs::read(directory.path().join("out/energy.png")).unwrap(),
         b"mine"
     );
-    let forced = [&arguments[..], &["--force", "--format", "png,png"]].concat();
+    let forced = [&arguments[..], &["--force", "--kinds", "png,png"]].concat();
     figures(&directory, &forced).assert().success();
     assert!(fs::read(directory.path().join("out/energy.png")).unwrap() != b"mine");
 }
@@ -352,7 +352,7 @@ fn without_a_run_the_presets_are_drawn() {
     let directory = tempdir().unwrap();
     figures(
         &directory,
-        &["--only", "figure-4", "--format", "svg", "--width", "170"],
+        &["--only", "figure-4", "--kinds", "svg", "--width", "170"],
     )
     .assert()
     .success();
@@ -400,7 +400,7 @@ fn an_interrupted_run_is_drawn_as_far_as_it_goes() {
     record(&directory, "whole.mcap", &[]);
     let whole = fs::read(directory.path().join("whole.mcap")).unwrap();
     fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
-    let arguments = ["cut.mcap", "--only", "figure-2", "--format", "svg"];
+    let arguments = ["cut.mcap", "--only", "figure-2", "--kinds", "svg"];
     let error = error_of(&mut figures(&directory, &arguments), 3);
     assert!(error.contains("cut: the run was cut off"), "{error}");
     assert!(directory.path().join("figures/figure-2.svg").is_file());
@@ -414,7 +414,7 @@ fn bad_arguments_write_nothing() {
         (&["--only", "figure-5"][..], "figure-"),
         (&["--only", "precesion"], "'precession'"),
         (&["--width", "20"], "80 to 400"),
-        (&["--format", "pdf"], "svg"),
+        (&["--kinds", "pdf"], "svg"),
         (&["missing.mcap"], "missing.mcap"),
         (&["file"], "file"),
         (&["-o", "file/figures", "--only", "slip"], "file"),

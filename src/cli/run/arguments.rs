@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 /// Arguments of `toprise run`.
 #[derive(Args, Clone, Debug, PartialEq)]
-pub(in crate::cli) struct RunArguments {
+pub(crate) struct RunArguments {
     /// A preset (see `toprise presets`) or a scenario file.
     #[arg(default_value = "paper")]
     pub(super) scenario: PathBuf,

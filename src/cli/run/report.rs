@@ -59,7 +59,7 @@ pub(super) struct Finished {
 
 /// What happened in a run, and where it is recorded.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(in crate::cli) struct RunReport {
+pub(crate) struct RunReport {
     /// The name of the scenario.
     scenario: String,
     /// SHA-256 of the scenario.
