@@ -34,7 +34,7 @@ mod view;
 #[cfg(feature = "rerun")]
 mod viewer;
 
-use crate::analysis::{diff as compare, explain as story};
+use crate::analysis;
 use anyhow::Error;
 use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand};
 use done::Done;
@@ -240,10 +240,10 @@ pub fn schemas() -> Vec<(String, String)> {
         schema::<run::RunReport>("RunReport"),
         #[cfg(feature = "rerun")]
         schema::<view::ViewReport>("ViewReport"),
-        schema::<story::Story>("ExplainReport"),
-        schema::<compare::Report>("DiffReport"),
-        schema::<compare::Matrix>("DiffMatrix"),
-        schema::<figures::FiguresReport>("FiguresReport"),
+        schema::<analysis::explain::Story>("ExplainReport"),
+        schema::<analysis::diff::Report>("DiffReport"),
+        schema::<analysis::diff::Matrix>("DiffMatrix"),
+        schema::<analysis::figures::FiguresReport>("FiguresReport"),
         schema::<info::InfoReport>("InfoReport"),
         schema::<verify::VerifyReport>("VerifyReport"),
         schema::<convert::ConvertReport>("ConvertReport"),
