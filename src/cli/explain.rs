@@ -44,7 +44,7 @@ fn page(story: &Story) -> Page {
     if !story.losses.is_empty() {
         let mut remarks = Section::new("Remarks");
         for loss in &story.losses {
-            remarks.line(format!("lost {loss}"));
+            remarks.line(format!("left out: {loss}"));
         }
         sections.push(remarks);
     }
