@@ -12,7 +12,7 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Seek as _, Write};
 use std::path::{Path, PathBuf};
-use tempfile::{Builder, NamedTempFile, TempPath};
+use tempfile::{Builder, NamedTempFile, PersistError, TempPath};
 
 /// What happens to a file that already has the name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +39,8 @@ pub struct Draft {
     existing: Existing,
     /// The name under which it stays if it is not published; none if it vanishes then.
     partial: Option<PathBuf>,
+    /// Whether it holds a preface, in whose place the first bytes are written.
+    has_preface: bool,
 }
 
 impl Draft {
@@ -48,37 +50,33 @@ impl Draft {
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
     pub fn new(path: &Path, existing: Existing) -> Result<Self, SinkError> {
         prepare(path, existing)?;
-        let mut prefix = OsString::from(".");
-        prefix.push(path.file_name().unwrap_or_default());
-        prefix.push(".");
-        let mut builder = Builder::new();
-        builder.prefix(&prefix).suffix(".tmp");
-        // Files of `tempfile_in` could be read by their owner alone, even after they are published.
-        let file = builder.make_in(directory_of(path), |name| File::create_new(name));
         Ok(Self {
-            file: file.map_err(|error| io_error("create", path, error))?,
+            file: hidden(path)?,
             path: path.to_owned(),
             existing,
             partial: None,
+            has_preface: false,
         })
     }
 
     /// Starts the recording of a run: a file that is called `NAME.partial` until it is published, and stays from
-    /// [`Draft::keep`] on. If [`Existing::Replace`] allows it, a `NAME.partial` that is there already is
+    /// [`Draft::keep`] on. Whoever sees it finds at least the `preface`, which the first bytes replace. If [`Existing::Replace`] allows it, a `NAME.partial` that is there already is
     /// left alone, and the next free name of `NAME.2.partial`, `NAME.3.partial`, … is taken.
     ///
     /// # Errors
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
-    pub fn of_run(path: &Path, existing: Existing) -> Result<Self, SinkError> {
+    pub fn of_run(path: &Path, existing: Existing, preface: &[u8]) -> Result<Self, SinkError> {
         prepare(path, existing)?;
-        let (file, partial) = create_partial(path, existing)?;
-        let name = TempPath::try_from_path(&partial);
-        let name = name.map_err(|error| io_error("create", &partial, error))?;
+        let mut file = hidden(path)?;
+        let written = file.write_all(preface);
+        written.map_err(|error| io_error("write", path, error))?;
+        let (file, partial) = name_partial(file, path, existing)?;
         let draft = Self {
-            file: NamedTempFile::from_parts(file, name),
+            file,
             path: path.to_owned(),
             existing,
             partial: Some(partial),
+            has_preface: !preface.is_empty(),
         };
         // Another run may have published its file and given up the partial name since the first look.
         refuse_existing(path, existing)?;
@@ -97,27 +95,9 @@ impl Draft {
         self.partial.as_deref().unwrap_or(&self.path)
     }
 
-    /// Whether this is the draft of a run.
-    #[must_use]
-    pub fn is_of_run(&self) -> bool {
-        self.partial.is_some()
-    }
-
     /// Lets the draft of a run stay from now on, because there is something in it.
     pub fn keep(&mut self) {
-        self.file.disable_cleanup(self.is_of_run());
-    }
-
-    /// Writes from the beginning again, in place of all that is there; tells how many bytes it has taken.
-    ///
-    /// # Errors
-    /// What the system says.
-    pub(crate) fn restart(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let file = self.file.as_file_mut();
-        file.rewind()?;
-        let written = file.write(bytes)?;
-        file.set_len(written as u64)?;
-        Ok(written)
+        self.file.disable_cleanup(self.partial.is_some());
     }
 
     /// The file, for something that writes it by itself.
@@ -145,6 +125,7 @@ impl Draft {
             path,
             existing,
             partial,
+            ..
         } = self;
         let working_name = partial.as_deref().unwrap_or(&path);
         let length = || {
@@ -154,15 +135,7 @@ impl Draft {
         let bytes = length().map_err(|error| io_error("write", working_name, error))?;
         let named = match existing {
             Existing::Replace => file.persist(&path),
-            Existing::Keep => file.persist_noclobber(&path).or_else(|refused| {
-                // File systems without hard links: the look and the renaming are two moments there.
-                let is_taken = refused.error.kind() == io::ErrorKind::AlreadyExists
-                    || path.symlink_metadata().is_ok();
-                if is_taken {
-                    return Err(refused);
-                }
-                refused.file.persist(&path)
-            }),
+            Existing::Keep => name_anew(file, &path),
         };
         if let Err(refused) = named {
             return Err(match (refused.error.kind(), &partial) {
@@ -184,7 +157,15 @@ impl Draft {
 
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
+        if !self.has_preface {
+            return self.file.write(bytes);
+        }
+        let file = self.file.as_file_mut();
+        file.rewind()?;
+        let written = file.write(bytes)?;
+        file.set_len(written as u64)?;
+        self.has_preface = false;
+        Ok(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -222,29 +203,62 @@ fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
     Ok(())
 }
 
-/// Creates `NAME.partial`, or the next free one if that is allowed.
-fn create_partial(path: &Path, existing: Existing) -> Result<(File, PathBuf), SinkError> {
+/// A new hidden file beside `path`.
+fn hidden(path: &Path) -> Result<NamedTempFile, SinkError> {
+    let mut prefix = OsString::from(".");
+    prefix.push(path.file_name().unwrap_or_default());
+    prefix.push(".");
+    let mut builder = Builder::new();
+    builder.prefix(&prefix).suffix(".tmp");
+    // Files of `tempfile_in` could be read by their owner alone, even after they are published.
+    let file = builder.make_in(directory_of(path), |name| File::create_new(name));
+    file.map_err(|error| io_error("create", path, error))
+}
+
+/// Calls a file `NAME.partial`, or by the next free name if that is allowed.
+fn name_partial(
+    mut file: NamedTempFile,
+    path: &Path,
+    existing: Existing,
+) -> Result<(NamedTempFile, PathBuf), SinkError> {
     let mut name = partial_name(path);
     let mut number = 1;
     loop {
-        match File::create_new(&name) {
-            Ok(file) => return Ok((file, name)),
-            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
-                return Err(io_error("create", &name, error));
+        let refused = match name_anew(file, &name) {
+            Ok(file) => {
+                let named = TempPath::try_from_path(&name);
+                let named = named.map_err(|error| io_error("create", &name, error))?;
+                return Ok((NamedTempFile::from_parts(file, named), name));
             }
-            Err(_) if existing == Existing::Keep => {
-                let advice = format!(
-                    "a run is writing it, or was interrupted; save that one with `toprise recover {} OUT` \
-                     and move the file away, or choose another name",
-                    name.display()
-                );
-                return Err(exists(&name, advice));
-            }
-            Err(_) => {}
+            Err(refused) => refused,
+        };
+        if refused.error.kind() != io::ErrorKind::AlreadyExists {
+            return Err(io_error("create", &name, refused.error));
         }
+        if existing == Existing::Keep {
+            let advice = format!(
+                "a run is writing it, or was interrupted; save that one with `toprise recover {} OUT` \
+                 and move the file away, or choose another name",
+                name.display()
+            );
+            return Err(exists(&name, advice));
+        }
+        file = refused.file;
         number += 1;
         name = with_suffix(path, &format!(".{number}.partial"));
     }
+}
+
+/// Gives a file a name that nothing has.
+fn name_anew(file: NamedTempFile, name: &Path) -> Result<File, PersistError> {
+    file.persist_noclobber(name).or_else(|refused| {
+        let is_taken = refused.error.kind() == io::ErrorKind::AlreadyExists;
+        // File systems without hard links: the look and the renaming are two moments there.
+        if is_taken || name.symlink_metadata().is_ok() {
+            return Err(refused);
+        }
+        refused.file.persist(name)
+    })
 }
 
 /// The name of a run's file while it is not complete.

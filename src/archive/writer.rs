@@ -20,7 +20,7 @@ use crate::telemetry::{Message, Telemetry, Topic, channels};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
-use std::io::{self, BufWriter, Seek, Write};
+use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::{self, JoinHandle};
@@ -32,7 +32,7 @@ const BATCH_BYTES: usize = 128 * 1024;
 /// So many batches may wait for the writing thread: it bounds the memory.
 const BATCHES: usize = 8;
 
-type FileWriter = Writer<NoSeek<BufWriter<Prefaced>>>;
+type FileWriter = Writer<NoSeek<BufWriter<Draft>>>;
 
 /// How a run is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -185,10 +185,36 @@ impl McapSink {
         telemetry: &Telemetry,
         form: Form,
     ) -> Result<Self, SinkError> {
-        Self::create_in(Draft::of_run(path, existing)?, scenario, telemetry, form)
+        let preface = Self::preface(scenario, telemetry, form)?;
+        let draft = Draft::of_run(path, existing, &preface)?;
+        Self::create_in(draft, scenario, telemetry, form)
     }
 
-    /// The same in a place that has been reserved.
+    /// What a draft of the run's recording holds before the first chunk is there: everything that comes before the
+    /// messages, with the channels outside of chunks. So a run that is killed at once can be completed.
+    ///
+    /// # Errors
+    /// [`SinkError`] if the channels are more than a file may have.
+    pub fn preface(
+        scenario: &Scenario,
+        telemetry: &Telemetry,
+        form: Form,
+    ) -> Result<Vec<u8>, SinkError> {
+        let (opening, _) = opening_of_run(scenario, telemetry, form);
+        let written = options(&opening)
+            .use_chunks(false)
+            .create(NoSeek::new(Vec::new()))
+            .and_then(|mut writer| {
+                open_channels(&mut writer, &opening)?;
+                Ok(writer.into_inner().into_inner())
+            });
+        written.map_err(|reason| SinkError::Mcap {
+            path: PathBuf::new(),
+            reason,
+        })
+    }
+
+    /// Starts the recording of `scenario` in a draft, with the channels that `telemetry` wants.
     ///
     /// # Errors
     /// [`SinkError`] if the file can't be written.
@@ -198,17 +224,7 @@ impl McapSink {
         telemetry: &Telemetry,
         form: Form,
     ) -> Result<Self, SinkError> {
-        let views = form
-            .views
-            .then(|| Views::new(scenario, |topic| telemetry.wants(topic)));
-        let opening = Opening {
-            library: LIBRARY,
-            metadata: vec![(RUN_RECORD.to_owned(), run_entries(scenario))],
-            attachments: vec![scenario_attachment(scenario.to_toml())],
-            encoding: form.encoding,
-            wanted: Topic::all().map(|topic| telemetry.wants(topic)).collect(),
-            raw: views.as_ref().map_or_else(Vec::new, raw_views),
-        };
+        let (opening, views) = opening_of_run(scenario, telemetry, form);
         let mut sink = Self::open(draft, &opening)?;
         sink.views = views.map(|views| {
             let wanted = |view: &usize| views.wants(*view);
@@ -219,7 +235,7 @@ impl McapSink {
         Ok(sink)
     }
 
-    /// Starts a recording that begins with `opening`, in a place that has been reserved.
+    /// Starts a recording that begins with `opening`, in a draft.
     ///
     /// # Errors
     /// [`SinkError`] if the file can't be written.
@@ -487,8 +503,8 @@ fn publish(writer: FileWriter, name: PathBuf, digest: String) -> Result<Archived
         path: name,
         reason: error.into_error(),
     })?;
-    let path = file.draft.path().to_owned();
-    let bytes = file.draft.publish()?;
+    let path = file.path().to_owned();
+    let bytes = file.publish()?;
     Ok(Archived {
         path,
         bytes,
@@ -496,43 +512,23 @@ fn publish(writer: FileWriter, name: PathBuf, digest: String) -> Result<Archived
     })
 }
 
-/// A file that holds a preface, if it is the draft of a run: the opening of the recording with the
-/// channels outside of chunks, so that a run that is killed before its first chunk can be completed. What is
-/// written takes the place of the preface.
-#[derive(Debug)]
-struct Prefaced {
-    draft: Draft,
-    has_preface: bool,
-}
-
-impl Prefaced {
-    fn new(mut draft: Draft, opening: &Opening) -> Result<Self, McapError> {
-        let has_preface = draft.is_of_run();
-        if has_preface {
-            let mut writer = options(opening)
-                .use_chunks(false)
-                .create(NoSeek::new(Vec::new()))?;
-            open_channels(&mut writer, opening)?;
-            draft.write_all(&writer.into_inner().into_inner())?;
-            draft.keep();
-        }
-        Ok(Self { draft, has_preface })
-    }
-}
-
-impl Write for Prefaced {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if !self.has_preface {
-            return self.draft.write(bytes);
-        }
-        let written = self.draft.restart(bytes)?;
-        self.has_preface = false;
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.draft.flush()
-    }
+/// What the recording of a run begins with, and what makes its views.
+fn opening_of_run(
+    scenario: &Scenario,
+    telemetry: &Telemetry,
+    form: Form,
+) -> (Opening, Option<Views>) {
+    let wants = |topic| telemetry.wants(topic);
+    let views = form.views.then(|| Views::new(scenario, wants));
+    let opening = Opening {
+        library: LIBRARY,
+        metadata: vec![(RUN_RECORD.to_owned(), run_entries(scenario))],
+        attachments: vec![scenario_attachment(scenario.to_toml())],
+        encoding: form.encoding,
+        wanted: Topic::all().map(wants).collect(),
+        raw: views.as_ref().map_or_else(Vec::new, raw_views),
+    };
+    (opening, views)
 }
 
 /// A file that has everything that comes before the messages.
@@ -542,9 +538,9 @@ struct Started {
     raw_ids: Vec<u16>,
 }
 
-fn start(draft: Draft, opening: &Opening) -> Result<Started, McapError> {
-    let file = Prefaced::new(draft, opening)?;
-    let file = NoSeek::new(BufWriter::with_capacity(64 * 1024, file));
+fn start(mut draft: Draft, opening: &Opening) -> Result<Started, McapError> {
+    draft.keep();
+    let file = NoSeek::new(BufWriter::with_capacity(64 * 1024, draft));
     let mut writer = options(opening).create(file)?;
     let (channel_ids, raw_ids) = open_channels(&mut writer, opening)?;
     Ok(Started {

@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     };
     let began = Instant::now();
     let mut simulation = Simulation::new(&scenario)?;
-    let (files, earlier) = RunFiles::start(arguments, &scenario)?;
+    let (files, earlier) = RunFiles::start(arguments, &scenario, &telemetry)?;
     let finished = recorder.record(files, telemetry, &mut simulation)?;
     let same_as = earlier.identical(&finished.archived);
     let report = RunReport::of(&scenario, &finished, same_as, began.elapsed());

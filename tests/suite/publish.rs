@@ -236,15 +236,9 @@ fn a_symbolic_link_is_replaced_as_a_name_and_never_written_through() {
 fn whichever_of_several_files_of_one_name_is_published_last_stays_and_is_whole() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("x.mcap");
-    let start = |name: fn(&Path, Existing) -> Result<Draft, SinkError>| {
-        name(&path, Existing::Replace).unwrap()
-    };
-    let drafts = [
-        start(Draft::of_run),
-        start(Draft::of_run),
-        start(Draft::new),
-        start(Draft::new),
-    ];
+    let run = || Draft::of_run(&path, Existing::Replace, b"preface").unwrap();
+    let other = || Draft::new(&path, Existing::Replace).unwrap();
+    let drafts = [run(), run(), other(), other()];
     for (number, mut draft) in drafts.into_iter().enumerate() {
         draft
             .write_all(&vec![number as u8; 1000 * (4 - number)])

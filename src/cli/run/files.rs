@@ -5,8 +5,9 @@ use crate::archive::format::CONTENT_DIGEST;
 use crate::archive::publish::{Draft, partial_name, refuse_inputs};
 use crate::archive::recording::Recording;
 use crate::archive::sink::SinkError;
-use crate::archive::writer::Archived;
+use crate::archive::writer::{Archived, McapSink};
 use crate::run::scenario::Scenario;
+use crate::telemetry::Telemetry;
 use std::path::{Path, PathBuf};
 
 /// Where recordings go if nothing else is said.
@@ -27,17 +28,23 @@ impl RunFiles {
     pub(super) fn start(
         arguments: &RunArguments,
         scenario: &Scenario,
+        telemetry: &Telemetry,
     ) -> Result<(Self, Earlier), SinkError> {
+        let preface = McapSink::preface(scenario, telemetry, arguments.form())?;
         let Some(mcap) = &arguments.output else {
-            return Self::free(arguments, scenario.name());
+            return Self::free(arguments, scenario.name(), &preface);
         };
-        let mcap = start(arguments, mcap)?;
+        let mcap = start(arguments, mcap, &preface)?;
         Ok((Self::with(mcap, arguments, None)?, Earlier(Vec::new())))
     }
 
     /// Starts the files of the first of `NAME`, `NAME-2`, `NAME-3`, … of which nothing exists, even if several
     /// runs look for one at once; of `NAME` itself if it may be replaced.
-    fn free(arguments: &RunArguments, name: &str) -> Result<(Self, Earlier), SinkError> {
+    fn free(
+        arguments: &RunArguments,
+        name: &str,
+        preface: &[u8],
+    ) -> Result<(Self, Earlier), SinkError> {
         let mut earlier = Vec::new();
         let mut stem = name.to_owned();
         loop {
@@ -45,7 +52,7 @@ impl RunFiles {
             let (mcap, rrd) = (file("mcap"), file("rrd"));
             let is_free = |path: &Path| !path.exists() && !partial_name(path).exists();
             if arguments.force || is_free(&mcap) && is_free(&rrd) {
-                match start(arguments, &mcap) {
+                match start(arguments, &mcap, preface) {
                     // Another run was faster.
                     Err(SinkError::Exists { .. }) if !arguments.force => {}
                     mcap => {
@@ -70,7 +77,7 @@ impl RunFiles {
         let rrd = match wanted.filter(|_| !arguments.no_rrd) {
             Some(rrd) => {
                 refuse_inputs(rrd, [mcap.path()])?;
-                Some(start(arguments, rrd)?)
+                Some(start(arguments, rrd, &[])?)
             }
             None => None,
         };
@@ -85,10 +92,10 @@ impl RunFiles {
     }
 }
 
-/// Starts a file, unless it is the scenario that is run.
-fn start(arguments: &RunArguments, path: &Path) -> Result<Draft, SinkError> {
+/// Starts a file that holds a preface, unless it is the scenario that is run.
+fn start(arguments: &RunArguments, path: &Path, preface: &[u8]) -> Result<Draft, SinkError> {
     refuse_inputs(path, [arguments.scenario.as_path()])?;
-    Draft::of_run(path, arguments.existing())
+    Draft::of_run(path, arguments.existing(), preface)
 }
 
 impl Earlier {

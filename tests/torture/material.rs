@@ -1,0 +1,55 @@
+//! Recordings to be damaged, and scenarios to be run.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use toprise::analysis::verify::{Report, Verdict};
+use toprise::archive::publish::Existing;
+use toprise::archive::sink::{Sink, record};
+use toprise::archive::writer::{Form, McapSink};
+use toprise::run::scenario::{Preset, Scenario};
+use toprise::run::simulation::Simulation;
+use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::{Telemetry, Topics};
+
+/// A preset with some keys set otherwise.
+pub fn scenario(preset: &str, overrides: &[(&str, &str)]) -> Scenario {
+    let mut values = Preset::find(preset).unwrap().values().unwrap();
+    for (key, value) in overrides {
+        values.set(key, value).unwrap();
+    }
+    Scenario::new(values).unwrap()
+}
+
+/// A scenario's recording as bytes.
+pub fn recorded(scenario: &Scenario, topics: &[&str], form: Form) -> Vec<u8> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    archive(&path, scenario, topics, form);
+    std::fs::read(path).unwrap()
+}
+
+/// Records a scenario with these topics, all if there are none.
+pub fn archive(path: &Path, scenario: &Scenario, topics: &[&str], form: Form) {
+    let mut telemetry = match topics {
+        [] => Telemetry::default(),
+        topics => Telemetry::with_topics(&Topics::named(topics).unwrap()),
+    };
+    let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, form).unwrap();
+    let mut simulation = Simulation::new(scenario).unwrap();
+    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+    let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    sink.finish(&outcome).unwrap();
+}
+
+/// What fails in a recording, if something does.
+pub fn failure(report: &Report) -> Option<String> {
+    let mut checks = report.checks.iter();
+    let failed = checks.find(|check| check.verdict == Verdict::Failed)?;
+    Some(format!("{}: {}", failed.name, failed.finding))
+}
+
+/// Every form of recording.
+pub fn forms() -> impl Iterator<Item = Form> {
+    let encodings = Encoding::ALL.into_iter();
+    encodings.flat_map(|encoding| [true, false].map(|views| Form { encoding, views }))
+}

@@ -1,0 +1,95 @@
+//! Random tops and tasks: what is simulated is recorded, and verifies.
+
+use crate::bench::{Random, Trial};
+use crate::material::failure;
+use std::ops::ControlFlow;
+use tempfile::tempdir;
+use toprise::analysis::verify::{Options, verify};
+use toprise::archive::publish::Existing;
+use toprise::archive::recording::Recording;
+use toprise::archive::sink::{RecordError, Sink, record};
+use toprise::archive::writer::{Form, McapSink};
+use toprise::run::scenario::{PRESETS, Preset, Scenario};
+use toprise::run::simulation::{Outcome, Simulation, StopReason};
+use toprise::telemetry::Telemetry;
+
+/// Records a random scenario and verifies the recording: it must not fail.
+pub fn scenarios() -> Result<Trial, String> {
+    Ok(Box::new(|random| {
+        let Some((scenario, keys)) = random_scenario(random) else {
+            return Ok(()); // No rigid body, or out of range: refused with an error.
+        };
+        let directory = tempdir().unwrap();
+        let path = directory.path().join("x.mcap");
+        let mut telemetry = Telemetry::default();
+        let form = Form::default();
+        let sink = McapSink::create(&path, Existing::Keep, &scenario, &telemetry, form);
+        let mut sink = sink.map_err(|error| error.to_string())?;
+        let Ok(mut simulation) = Simulation::new(&scenario) else {
+            return Ok(());
+        };
+        let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+        let ended = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on);
+        let outcome = match ended {
+            Ok(outcome) => outcome,
+            Err(RecordError::Sink(error)) => return Err(error.to_string()),
+            Err(_) => Outcome {
+                stop: StopReason::Failed,
+                ..simulation.outcome()
+            },
+        };
+        sink.finish(&outcome).map_err(|error| error.to_string())?;
+        let recording = Recording::open(&path).map_err(|error| error.to_string())?;
+        let report = verify(&recording, Options { reproduce: true }, &|_| {});
+        match failure(&report) {
+            None => Ok(()),
+            Some(failure) => Err(format!("{keys:?}: {failure}")),
+        }
+    }))
+}
+
+/// A preset with some keys far from what they are, and the keys; none if that is no scenario.
+fn random_scenario(random: &mut Random) -> Option<(Scenario, Vec<(String, String)>)> {
+    const KEYS: [(&str, f64, f64); 14] = [
+        ("gravity", 0.1, 100.0),
+        ("top.mass", 1e-3, 10.0),
+        ("top.transverse_moment", 1e-6, 1.0),
+        ("top.axial_moment", 1e-7, 1.0),
+        ("top.center_distance", 1e-3, 0.3),
+        ("top.peg_radius", 1e-4, 0.05),
+        ("initial.theta", 1e-3, 1.5),
+        ("initial.phi_dot", 1e-2, 100.0),
+        ("initial.theta_dot", 1e-3, 10.0),
+        ("initial.psi_dot", 1.0, 1e4),
+        ("friction.k", 1e-4, 1.0),
+        ("air.transverse", 1e-9, 1e-2),
+        ("air.axial", 1e-9, 1e-2),
+        ("air.disc", 1e-9, 1e-2),
+    ];
+    let preset = random.one_of(PRESETS).name;
+    let mut values = Preset::find(preset).ok()?.values().ok()?;
+    let mut keys = vec![(preset.to_owned(), String::new())];
+    let mut set = |key: &str, value: String| {
+        keys.push((key.to_owned(), value.clone()));
+        values.set(key, &value).is_ok()
+    };
+    for _ in 0..1 + random.below(4) {
+        let (key, low, high) = *random.one_of(&KEYS);
+        if !set(key, format!("{:?}", random.about(low, high))) {
+            return None;
+        }
+    }
+    if random.below(2) == 0 {
+        set(
+            "formulation",
+            (*random.one_of(&["euler", "body"])).to_owned(),
+        );
+    }
+    let duration = random.about(0.01, 0.5);
+    set("stop.duration", format!("{duration:?}"));
+    set(
+        "sampling.period",
+        format!("{:?}", (duration / 50.0 * 1e6).ceil() / 1e6),
+    );
+    Some((Scenario::new(values).ok()?, keys))
+}
