@@ -7,5 +7,6 @@ pub mod explain;
 pub mod figures;
 pub(crate) mod phrase;
 pub(crate) mod plot;
+pub mod salvage;
 pub mod subject;
 pub mod verify;

@@ -85,6 +85,21 @@ pub fn recover(
     existing: Existing,
     progress: &dyn Fn(u64),
 ) -> Result<Recovered, RecoverError> {
+    recover_doubting(recording, path, existing, None, progress)
+}
+
+/// Recovers a recording as [`recover`] does, of which it is known that something doesn't belong together: the
+/// `doubt` is counted among what is lost.
+///
+/// # Errors
+/// [`RecoverError`]; nothing is left at `path` then.
+pub fn recover_doubting(
+    recording: &Recording,
+    path: &Path,
+    existing: Existing,
+    doubt: Option<&str>,
+    progress: &dyn Fn(u64),
+) -> Result<Recovered, RecoverError> {
     refuse_inputs(path, [recording.path()])?;
     if recording.condition() == Condition::Foreign {
         return Err(RecoverError::Foreign {
@@ -101,7 +116,10 @@ pub fn recover(
         });
     }
     let mut sink = McapSink::open(Draft::new(path, existing)?, &opening(recording))?;
-    let saved = salvage(recording, &mut sink, progress)?;
+    let saved = Saved {
+        doubt: doubt.map(str::to_owned),
+        ..salvage(recording, &mut sink, progress)?
+    };
     if saved.is_whole(recording) && !is_partial(recording.path()) {
         return Err(RecoverError::Whole);
     }
@@ -163,6 +181,8 @@ struct Saved {
     last_ns: u64,
     losses: Vec<Loss>,
     digest: String,
+    /// What doesn't belong together, if that is known.
+    doubt: Option<String>,
 }
 
 fn salvage(
@@ -201,6 +221,7 @@ fn salvage(
         last_ns,
         losses,
         digest: digest.finish(),
+        doubt: None,
     })
 }
 
@@ -236,6 +257,7 @@ impl Saved {
         } else {
             self.name_lost_messages(recording, &mut parts);
         }
+        parts.extend(self.doubt.clone());
         (!parts.is_empty()).then(|| parts.join("; "))
     }
 

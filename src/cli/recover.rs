@@ -8,9 +8,9 @@ use super::progress::Progress;
 use super::report;
 use super::table::Table;
 use crate::analysis::complete::complete;
+use crate::analysis::salvage::salvage;
 use crate::archive::publish::Existing;
 use crate::archive::recording::Recording;
-use crate::archive::recover::recover as save;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use schemars::JsonSchema;
@@ -105,7 +105,7 @@ fn completed(arguments: &RecoverArguments, recording: &Recording) -> Result<Reco
 fn saved(arguments: &RecoverArguments, recording: &Recording) -> Result<RecoverReport, Error> {
     let existing = Existing::forced(arguments.force);
     let progress = Progress::of_bytes("recovering", recording.size());
-    let saved = save(recording, &arguments.output, existing, &|bytes| {
+    let saved = salvage(recording, &arguments.output, existing, &|bytes| {
         progress.add(bytes);
     });
     progress.finish();

@@ -8,6 +8,7 @@ use std::thread;
 use toprise::analysis::complete::complete;
 use toprise::analysis::explain::explain;
 use toprise::analysis::figures::{Figure, Run};
+use toprise::analysis::salvage::salvage;
 use toprise::analysis::verify::{Group, Options, Verdict, verify};
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Condition, Overview, Recording};
@@ -365,4 +366,25 @@ fn a_recording_whose_index_is_lost_loses_nothing() {
     assert_eq!(recovered.lost, None);
     assert_eq!(recovered.archived.digest, archived.digest);
     assert_eq!(fs::read(&saved).unwrap(), whole);
+}
+
+#[test]
+fn the_scenario_of_another_run_is_not_taken_for_its_own() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name);
+    let whole = |k: &str| {
+        let name = format!("{k}.mcap");
+        let scenario = scenario("paper", &[("stop.duration", "0.3"), ("friction.k", k)]);
+        archive(&path(&name), &scenario, &[], Form::default()).unwrap();
+        fs::read(path(&name)).unwrap()
+    };
+    let (a, b) = (whole("0.03"), whole("0.02"));
+    // The metadata and the scenario of one run, and all messages and the end of the other.
+    let spliced = [&a[..chunks(&a)[0].start], &b[chunks(&b)[0].start..]].concat();
+    fs::write(path("spliced.mcap"), spliced).unwrap();
+    let recording = Recording::open(&path("spliced.mcap")).unwrap();
+    let saved = path("saved.mcap");
+    let recovered = salvage(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
+    assert!(recovered.lost.unwrap().contains("another run"));
+    assert!(Recording::open(&saved).unwrap().recovery().is_some());
 }

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use toprise::analysis::diff::{Options as DiffOptions, compare};
 use toprise::analysis::explain::explain;
+use toprise::analysis::salvage::salvage;
 use toprise::analysis::verify::{Options, Verdict, verify};
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Overview, Recording};
-use toprise::archive::recover::recover;
 use toprise::archive::writer::Form;
 
 const QUICK: Options = Options { reproduce: false };
@@ -76,7 +76,7 @@ fn endures(file: &Path) -> Result<(), String> {
     let _ = explain(&recording);
     let _ = compare(&recording, &recording, &DiffOptions::default());
     let saved = path("saved.mcap");
-    let Ok(recovered) = recover(&recording, &saved, Existing::Replace, &|_| {}) else {
+    let Ok(recovered) = salvage(&recording, &saved, Existing::Replace, &|_| {}) else {
         return Ok(());
     };
     let sound = Recording::open(&saved).map_err(|error| format!("what is saved: {error}"))?;

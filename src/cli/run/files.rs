@@ -30,7 +30,7 @@ impl RunFiles {
         scenario: &Scenario,
         telemetry: &Telemetry,
     ) -> Result<(Self, Earlier), SinkError> {
-        let preface = McapSink::preface(scenario, telemetry, arguments.form())?;
+        let preface = McapSink::preface(scenario, telemetry, arguments.mcap_form())?;
         let Some(mcap) = &arguments.output else {
             return Self::free(arguments, scenario.name(), &preface);
         };
