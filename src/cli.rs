@@ -57,17 +57,18 @@ struct Arguments {
     command: Command,
 
     /// Show neither progress nor notes; results, warnings and errors stay.
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, display_order = 900)]
     quiet: bool,
 
-    /// When to use colours; auto is on a terminal, unless NO_COLOR is set.
+    /// When to use colours; auto is on a terminal, unless `NO_COLOR` is set.
     #[arg(
         long,
         global = true,
         value_name = "WHEN",
         value_enum,
         default_value_t,
-        hide_possible_values = true
+        hide_possible_values = true,
+        display_order = 901
     )]
     color: ColorChoice,
 }

@@ -118,7 +118,7 @@ impl Recorder<'_> {
             counts,
             archived,
             is_rrd_lost: rrd.is_err(),
-            rrd: rrd.unwrap_or_default(),
+            rrd: rrd.ok().flatten(),
         })
     }
 }
