@@ -423,7 +423,7 @@ macro_rules! handles {
 
         #[doc = concat!("The fields of `", $name, "`.")]
         pub mod $fields {
-            use super::*;
+            use $crate::telemetry::fields::*;
 
             $($(
                 #[doc = concat!("Handle of a field of `", $name, "`.")]
