@@ -39,6 +39,8 @@ pub const SAMPLE_PERIOD: &str = "sample_period_ns";
 pub const STOP_REASON: &str = "stop_reason";
 /// Key of [`END_RECORD`]: when the run ended, s.
 pub const STOP_TIME: &str = "stop_time";
+/// Key of [`END_RECORD`]: how many steps the integrator took.
+pub const STEPS: &str = "steps_accepted";
 /// Key of [`END_RECORD`]: the digest of all messages of the table's channels.
 pub const CONTENT_DIGEST: &str = "content_digest";
 /// Key of [`RECOVERY_RECORD`]: what is lost, in a sentence.
@@ -92,7 +94,7 @@ pub fn end_entries(outcome: &Outcome) -> Entries {
         ("samples", outcome.samples.to_string()),
         ("events", outcome.events.to_string()),
         ("nutations", outcome.nutations.to_string()),
-        ("steps_accepted", statistics.accepted.to_string()),
+        (STEPS, statistics.accepted.to_string()),
         ("steps_rejected", statistics.rejected.to_string()),
         ("evaluations", statistics.evaluations.to_string()),
         ("smallest_step", format!("{:?}", statistics.smallest_step)),

@@ -40,7 +40,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
         live: target.live(),
     };
     let began = Instant::now();
-    let mut simulation = Simulation::new(&scenario)?;
+    let asked = interrupt.clone();
+    let mut simulation = Simulation::new(&scenario)?.while_told(move || !asked.is_asked());
     let (files, earlier) = RunFiles::start(arguments, &scenario, &telemetry)?;
     let finished = recorder.record(files, telemetry, &mut simulation)?;
     let same_as = earlier.identical(&finished.archived);

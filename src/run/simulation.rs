@@ -20,7 +20,10 @@ use crate::run::scenario::{FormulationKind, Scenario};
 use runner::{RecordStream, Runner};
 
 /// A run in progress.
-pub struct Simulation(Box<dyn RecordStream>);
+pub struct Simulation {
+    run: Box<dyn RecordStream>,
+    carry_on: Box<dyn FnMut() -> bool>,
+}
 
 impl Simulation {
     /// Starts the run that `scenario` defines.
@@ -29,10 +32,21 @@ impl Simulation {
     /// [`SimulationError::Integrate`] if the accelerations are not finite at the start.
     pub fn new(scenario: &Scenario) -> Result<Self, SimulationError> {
         let model = scenario.model;
-        Ok(Self(match scenario.formulation {
-            FormulationKind::Euler => Box::new(Runner::new(EulerAngles::new(model), scenario)?),
-            FormulationKind::Body => Box::new(Runner::new(BodyRotation::new(model), scenario)?),
-        }))
+        Ok(Self {
+            run: match scenario.formulation {
+                FormulationKind::Euler => Box::new(Runner::new(EulerAngles::new(model), scenario)?),
+                FormulationKind::Body => Box::new(Runner::new(BodyRotation::new(model), scenario)?),
+            },
+            carry_on: Box::new(|| true),
+        })
+    }
+
+    /// Ends the run early, as interrupted, once `carry_on` says no. It is asked before each step of the integrator, of
+    /// which there may be millions between two records.
+    #[must_use]
+    pub fn while_told(mut self, carry_on: impl FnMut() -> bool + 'static) -> Self {
+        self.carry_on = Box::new(carry_on);
+        self
     }
 
     /// What has happened up to the last record; final once the iterator has ended.
@@ -41,7 +55,7 @@ impl Simulation {
     /// carries on.
     #[must_use]
     pub fn outcome(&self) -> Outcome {
-        self.0.outcome()
+        self.run.outcome()
     }
 }
 
@@ -49,6 +63,6 @@ impl Iterator for Simulation {
     type Item = Result<Record, SimulationError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.0.next_record().transpose()
+        self.run.next_record(&mut *self.carry_on).transpose()
     }
 }

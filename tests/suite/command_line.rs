@@ -555,3 +555,21 @@ fn recordings_are_shown_again() {
     let error = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();
     assert!(error.contains("pip install rerun-sdk"), "{error}");
 }
+
+#[test]
+fn a_run_of_no_time_tells_no_ratio_to_it() {
+    let directory = tempfile::tempdir().unwrap();
+    for duration in ["0", "1e-300"] {
+        let set = format!("stop.duration={duration}");
+        let output = Command::cargo_bin("toprise")
+            .unwrap()
+            .current_dir(directory.path())
+            .args(["run", "--force", "-o", "none.mcap", "--set", &set])
+            .output()
+            .unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success(), "{text}");
+        assert!(!text.contains("of the simulated time"), "{text}");
+        assert!(text.lines().all(|line| line.len() < 120), "{text}");
+    }
+}

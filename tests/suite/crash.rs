@@ -132,3 +132,59 @@ fn a_full_file_system_is_a_clear_error() {
     assert_eq!(report.verdict(), Verdict::Incomplete, "{report:#?}");
     assert!(messages(&partial) > 100);
 }
+
+/// Steps of a microsecond, and an hour to the next sample.
+#[test]
+fn a_run_without_records_ends_when_it_is_told_to() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut run = Command::new(program())
+        .current_dir(directory.path())
+        .args(["run", "--set", "initial.psi_dot=1e6"])
+        .args([
+            "--set",
+            "sampling.period=3600",
+            "--set",
+            "stop.duration=1e5",
+        ])
+        .args(["--set", "stop.theta_risen=", "--set", "stop.theta_fallen="])
+        .args(["-o", "still.mcap"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let partial = directory.path().join("still.mcap.partial");
+    let written = |path: &Path| fs::metadata(path).map_or(0, |metadata| metadata.len());
+    for _ in 0..1000 {
+        if written(&partial) > 0 {
+            break;
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+    let pid = run.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-TERM", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let mut status = None;
+    for _ in 0..1000 {
+        status = run.try_wait().unwrap();
+        if status.is_some() {
+            break;
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+    if status.is_none() {
+        run.kill().unwrap();
+    }
+    assert_eq!(status.and_then(|status| status.code()), Some(3));
+    let recording = Recording::open(&directory.path().join("still.mcap")).unwrap();
+    assert_eq!(recording.condition(), Condition::Whole);
+    let end = recording.end().unwrap();
+    assert_eq!(
+        end.get("stop_reason").map(String::as_str),
+        Some("interrupted")
+    );
+}

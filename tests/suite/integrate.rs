@@ -7,9 +7,11 @@
     reason = "bits are meant to be equal; dpsi is to psi as dtheta to theta"
 )]
 
+use crate::support::scenario;
 use proptest::prelude::*;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
+use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation};
 use toprise::physics::integrate::{
     Crossing, Dense, Direction, Dop853, IntegrateError, KNOTS, SignTracker, Slope, System,
     Tolerances,
@@ -566,6 +568,151 @@ fn a_short_run_is_a_prefix_of_a_long_one_however_it_is_sampled() {
         assert_eq!(sampled.t().to_bits(), plain.t().to_bits());
         assert_eq!(sampled.y(), plain.y());
         assert_eq!(sampled.dy(), plain.dy());
+    }
+}
+
+/// Errors of the dense output in a run, in tolerances and in the norm of the step control.
+struct DenseErrors {
+    largest: f64,
+    /// Least and largest ratio of the defect at 0.8 to the error, where there is an error to speak of.
+    defect_per_error: (f64, f64),
+}
+
+/// Compares the dense output of each step with an integration from the step's start that is a thousand times finer.
+fn dense_errors<S: System<N> + Copy, const N: usize>(
+    system: S,
+    y0: [f64; N],
+    tolerance: f64,
+    end: f64,
+    step: impl Fn(&mut Dop853<S, N>) -> Dense<N>,
+) -> DenseErrors {
+    let mut integrator = start(system, 0.0, y0, tolerance);
+    let mut errors = DenseErrors {
+        largest: 0.0,
+        defect_per_error: (f64::INFINITY, 0.0),
+    };
+    while integrator.t() < end {
+        let before = *integrator.y();
+        let dense = step(&mut integrator);
+        let after = integrator.y();
+        let norm = |v: &[f64; N]| {
+            let squares = (0..S::CONTROLLED).map(|i| {
+                let size = before[i].abs().max(after[i].abs());
+                (v[i] / (tolerance + tolerance * size)).powi(2)
+            });
+            (squares.sum::<f64>() / S::CONTROLLED as f64).sqrt()
+        };
+        let mut fine = start(system, dense.t0, before, tolerance / 1000.0);
+        let mut error = 0.0_f64;
+        for i in 1..16 {
+            let s = f64::from(i) / 16.0;
+            let exact = state_at(&mut fine, dense.t0 + s * dense.h);
+            let state = dense.at(s);
+            error = error.max(norm(&std::array::from_fn(|i| state[i] - exact[i])));
+        }
+        errors.largest = errors.largest.max(error);
+        if error > 0.5 {
+            let slope = dense.slope(0.8);
+            let dy = system.derivative(dense.t0 + 0.8 * dense.h, &dense.at(0.8));
+            let defect = norm(&std::array::from_fn(|i| slope[i] - dense.h * dy[i]));
+            let (least, most) = errors.defect_per_error;
+            errors.defect_per_error = (least.min(defect / error), most.max(defect / error));
+        }
+    }
+    errors
+}
+
+/// A top that exchanges little energy in a fast precession: its steps are chosen too long for the dense output.
+fn fast_precession() -> (BodyRotation, [f64; 10]) {
+    let scenario = scenario(
+        "rise-by-loss-of-spin",
+        &[
+            ("formulation", "body"),
+            ("top.mass", "1.6"),
+            ("top.transverse_moment", "0.053"),
+            ("top.axial_moment", "0.0076"),
+            ("top.center_distance", "0.168"),
+            ("top.peg_radius", "0.0032"),
+            ("initial.psi_dot", "73"),
+            ("initial.theta", "0.48"),
+        ],
+    );
+    let state = BodyRotation::state(scenario.angles, scenario.rates, &scenario.model);
+    (BodyRotation::new(scenario.model), state)
+}
+
+/// The paper's top, with a friction that sets in over `speed` m/s of slip: soft or stiff.
+fn sliding_top(speed: &str) -> (EulerAngles, [f64; 9]) {
+    let scenario = scenario(
+        "full-coulomb",
+        &[
+            ("friction.law", "coulomb-tanh"),
+            ("friction.smoothing_speed", speed),
+            ("initial.theta", "0.05"),
+        ],
+    );
+    let state = EulerAngles::state(scenario.angles, scenario.rates, &scenario.model);
+    (EulerAngles::new(scenario.model), state)
+}
+
+/// Ten tolerances are promised by an estimate that is at most 2.64 times smaller than the error in what is tried here.
+const DENSE_BOUND: f64 = 10.0 * 2.64;
+
+#[test]
+fn val_dense_output_keeps_to_the_tolerances_over_stiff_and_soft_tops() {
+    let (top, state) = fast_precession();
+    let checked = |integrator: &mut Dop853<_, 10>| integrator.step_densely().unwrap();
+    let found = dense_errors(top, state, 1e-9, 0.3, checked);
+    assert!(found.largest < DENSE_BOUND, "{}", found.largest);
+    // Where only the error at the ends counts, the dense output errs by far more.
+    let unchecked = |integrator: &mut Dop853<_, 10>| {
+        integrator.step().unwrap();
+        integrator.dense()
+    };
+    let without = dense_errors(top, state, 1e-9, 0.3, unchecked);
+    assert!(without.largest > 40.0, "{}", without.largest);
+    for speed in ["0.1", "1e-3", "1e-6"] {
+        let (top, state) = sliding_top(speed);
+        for tolerance in [1e-7, 1e-10] {
+            let checked = |integrator: &mut Dop853<_, 9>| integrator.step_densely().unwrap();
+            let found = dense_errors(top, state, tolerance, 0.3, checked);
+            assert!(found.largest < DENSE_BOUND, "{speed} {}", found.largest);
+        }
+    }
+}
+
+/// Two oscillators in one are what the equations of a top come to.
+#[test]
+fn val_the_defect_of_the_dense_output_tells_its_error() {
+    let unchecked = |integrator: &mut Dop853<_, 10>| {
+        integrator.step().unwrap();
+        integrator.dense()
+    };
+    let (top, state) = fast_precession();
+    let (least, most) = dense_errors(top, state, 1e-9, 0.3, unchecked).defect_per_error;
+    assert!(least > 2.3 && most < 3.8, "{least} {most}");
+    let unchecked = |integrator: &mut Dop853<_, 9>| {
+        integrator.step().unwrap();
+        integrator.dense()
+    };
+    let (top, state) = sliding_top("1e-3");
+    let (least, most) = dense_errors(top, state, 1e-9, 0.3, unchecked).defect_per_error;
+    assert!(least > 0.7 && most < 9.4, "{least} {most}");
+}
+
+#[test]
+fn the_slope_of_the_dense_output_is_its_derivative() {
+    let mut integrator = start(oscillator(), 0.0, [1.0, 0.0], 1e-9);
+    let dense = integrator.step_densely().unwrap();
+    for i in 0..=10 {
+        let s = f64::from(i) / 10.0;
+        let step = 1e-4;
+        let (after, before) = (dense.at(s + step), dense.at(s - step));
+        for (component, slope) in dense.slope(s).into_iter().enumerate() {
+            let difference = (after[component] - before[component]) / (2.0 * step);
+            // The difference errs by step² times the third derivative, and by the rounding of states near 1.
+            assert!((slope - difference).abs() < 1e-8, "{slope} {difference}");
+        }
     }
 }
 

@@ -710,5 +710,5 @@ fn a_run_that_no_longer_gets_on_ends_with_an_error() {
         .unwrap()
         .find_map(Result::err);
     let error = error.expect("it ends with an error").to_string();
-    assert!(error.contains("doesn't get on"), "{error}");
+    assert!(error.contains("has stalled"), "{error}");
 }

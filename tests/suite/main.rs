@@ -3,6 +3,7 @@
 //! `val_*` compare with an independent truth, `regress_*` pin what there was, the rest are laws and
 //! behaviour.
 
+mod accusations;
 mod answers;
 mod architecture;
 mod archive;

@@ -295,3 +295,44 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn errors_quote_the_beginning_of_what_is_long() {
+    let long = "x".repeat(10_000_000);
+    for text in [
+        long.clone(),
+        format!("name = {long}"),
+        format!("name = \"{long}\""),
+        format!("{long} = 1"),
+        format!("gravity = \"{long}\""),
+        format!("formulation = \"{long}\""),
+        format!("gravity = 1\n[top]\nmass = \"{long}"),
+    ] {
+        let error = Values::from_toml(&text).unwrap_err().to_string();
+        assert!(error.len() < 2000, "{} bytes", error.len());
+    }
+    let error = Values::from_toml(&format!("gravity = 1\nname = {long}")).unwrap_err();
+    assert!(error.to_string().contains("line 2"), "{error}");
+}
+
+#[test]
+fn a_scenario_is_set_otherwise_key_by_key() {
+    let paper = Preset::find("paper").unwrap().scenario().unwrap();
+    let changed = paper
+        .with([
+            ("friction.k", 0.02.into()),
+            ("friction.dissipation", "full".into()),
+        ])
+        .unwrap();
+    let same = scenario(
+        "paper",
+        &[("friction.k", "0.02"), ("friction.dissipation", "full")],
+    );
+    assert_eq!(changed, same);
+    assert!(
+        paper
+            .with([("friction.dissipation", "half".into())])
+            .is_err()
+    );
+    assert!(paper.with([("friction.law", "none".into())]).is_err());
+}

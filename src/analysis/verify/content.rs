@@ -3,7 +3,7 @@
 use super::physics::Physics;
 use super::reproduction::Reproduction;
 use crate::archive::check::{Check, Group, Problems, Verdict};
-use crate::archive::format::{CONTENT_DIGEST, COUNTS, SAMPLE_PERIOD, SCENARIO_DIGEST};
+use crate::archive::format::{CONTENT_DIGEST, COUNTS, SAMPLE_PERIOD, SCENARIO_DIGEST, STEPS};
 use crate::archive::recording::{Any, Condition, NoScenario, Recording, Selection, Undecoded};
 use crate::run::scenario::Scenario;
 use crate::telemetry::digest::ContentDigest;
@@ -31,7 +31,8 @@ pub(super) fn check(recording: &Recording, options: Options, progress: &dyn Fn(u
     let mut checks = vec![attached(recording, &scenario)];
     let scenario = scenario.ok();
     let mut content = Content::new(recording, scenario.as_ref());
-    let mut physics = scenario.as_ref().map(Physics::new);
+    let steps = recording.end().and_then(|end| end.get(STEPS)?.parse().ok());
+    let mut physics = scenario.as_ref().map(|s| Physics::new(s, steps));
     let mut reproduction = match &scenario {
         Some(scenario) if options.reproduce => Some(Reproduction::new(recording, scenario)),
         _ => None,

@@ -1,14 +1,19 @@
 //! What the recorded motion must keep, judged from its own numbers.
 //!
 //! Identities between quantities hold up to rounding: their tolerances count the roundings in units of
-//! the last place, ε. Quantities that are computed from angles inherit the rounding of the angles, which
-//! grows with the turns: a factor 1 + |φ| + |ψ|. Balances hold up to the integrator's error: no step errs
-//! by more than the relative tolerance, and there are at most five steps per radian of the fastest rate.
+//! the last place, ε, of what is summed, which may be far more than the sum. Quantities that are computed from
+//! angles inherit the rounding of the angles, which grows with the turns: a factor 1 + |φ| + |ψ|.
+//!
+//! Balances hold up to the integrator's error: each step and the dense output err by the tolerances, times how much
+//! an energy or a momentum changes with the state, times the number of steps.
 
 use crate::archive::check::{Check, Group, Verdict};
 use crate::physics::dynamics::Model;
-use crate::physics::friction::Dissipation;
+use crate::physics::friction::{Air, Dissipation, Friction};
+use crate::physics::integrate::Tolerances;
+use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::math;
+use crate::physics::top::Top;
 use crate::run::scenario::{FormulationKind, Scenario};
 use crate::telemetry::fields::{
     NumberField, VectorField, acceleration, contact, energy, momentum, pose, precession, state,
@@ -18,8 +23,13 @@ use crate::telemetry::{Message, Numbers, Topic, channels};
 use nalgebra::{UnitQuaternion, Vector3};
 
 const EPS: f64 = f64::EPSILON;
-/// So many steps the integrator takes at most per radian of the fastest rate.
+/// The integrator takes at most this many steps per radian of the fastest rate, where friction needs no shorter ones.
+/// The end record tells how many they were.
 const STEPS_PER_RADIAN: f64 = 5.0;
+/// One component may err by this many tolerances: the error norm is the mean over at most seven components, √7 < 3.
+const PER_COMPONENT: f64 = 3.0;
+/// The dense output errs by at most as much as this many steps: see `Dop853::step_densely`.
+const STEPS_OF_DENSE: f64 = 10.0;
 
 /// The violation of a law at an instant, and how much is allowed there.
 type Judge = Box<dyn Fn(&Instant<'_>, &History) -> (f64, f64)>;
@@ -50,6 +60,7 @@ pub(super) struct Physics {
     rows: Vec<Option<Vec<f64>>>,
     time_ns: u64,
     history: Option<History>,
+    accepted: f64,
     scenario: Scenario,
 }
 
@@ -60,21 +71,25 @@ struct History {
     work: f64,
     vertical: f64,
     axial: f64,
-    largest_energy: f64,
-    largest_momentum: f64,
+    top: Top,
+    formulation: FormulationKind,
+    tolerances: Tolerances,
+    /// Steps of the whole run according to the end record.
+    accepted: f64,
+    /// Fastest angular velocity so far, rad/s; at least a pendulum's.
     fastest: f64,
-    relative_tolerance: f64,
-    absolute_tolerance: f64,
-    /// Angular momentum per unit of what the integrator's state has in its place: a rate or itself.
-    momentum_unit: f64,
-    /// M g l, N m.
-    gravity_moment: f64,
+    /// Largest angular momentum so far, summed from the parts that the integrator's state gives, kg m²/s.
+    momentum: f64,
+    /// Largest angular velocity so far, summed likewise, rad/s.
+    rates: f64,
 }
 
 impl Physics {
-    pub(super) fn new(scenario: &Scenario) -> Self {
+    /// `accepted` are the integrator's steps, if the recording tells them.
+    pub(super) fn new(scenario: &Scenario, accepted: Option<f64>) -> Self {
         Self {
             laws: laws(scenario),
+            accepted: accepted.unwrap_or_default(),
             rows: vec![None; channels().len()],
             time_ns: 0,
             history: None,
@@ -107,7 +122,7 @@ impl Physics {
                 history.take(&instant);
                 history
             }
-            none => none.insert(History::new(&instant, &self.scenario)),
+            none => none.insert(History::new(&instant, &self.scenario, self.accepted)),
         };
         for law in &mut self.laws {
             let (violation, allowed) = (law.judge)(&instant, history);
@@ -168,25 +183,25 @@ impl Law {
 }
 
 impl History {
-    fn new(now: &Instant<'_>, scenario: &Scenario) -> Self {
-        let top = &scenario.model.top;
+    fn new(now: &Instant<'_>, scenario: &Scenario, accepted: f64) -> Self {
+        let top = scenario.model.top;
+        let tilt = Tilt::from_rates(scenario.angles.theta, scenario.rates);
         let mut history = Self {
             energy: f64::NAN,
             work: f64::NAN,
             vertical: f64::NAN,
             axial: f64::NAN,
-            largest_energy: 0.0,
-            largest_momentum: 0.0,
+            top,
+            formulation: scenario.formulation,
+            tolerances: scenario.tolerances,
+            accepted,
             // A top that doesn't turn is a pendulum.
             fastest: (top.gravity_moment().abs() / top.transverse_moment).sqrt(),
-            relative_tolerance: scenario.tolerances.relative,
-            absolute_tolerance: scenario.tolerances.absolute,
-            momentum_unit: match scenario.formulation {
-                FormulationKind::Euler => top.transverse_moment.max(top.axial_moment),
-                FormulationKind::Body => 1.0,
-            },
-            gravity_moment: top.gravity_moment(),
+            momentum: 0.0,
+            rates: 0.0,
         };
+        let momentum = top.angular_momentum_node(&tilt).norm();
+        history.widen(&tilt.rates, tilt.omega_lean.norm(), momentum);
         history.take(now);
         history
     }
@@ -201,30 +216,69 @@ impl History {
         remember(&mut self.work, energy::FRICTION_WORK);
         remember(&mut self.vertical, momentum::VERTICAL);
         remember(&mut self.axial, momentum::AXIAL);
-        let energy = energy::KINETIC.of(now) + energy::POTENTIAL.of(now).abs();
-        // f64::max leaves out what is not a number, because it is not recorded.
-        self.largest_energy = self.largest_energy.max(energy);
-        self.largest_momentum = self.largest_momentum.max(momentum::WORLD.of(now).norm());
-        self.fastest = self.fastest.max(pose::OMEGA_WORLD.of(now).norm());
+        let rates = Euler {
+            phi: state::PHI_DOT.of(now),
+            theta: state::THETA_DOT.of(now),
+            psi: state::PSI_DOT.of(now),
+        };
+        let omega = pose::OMEGA_WORLD.of(now).norm();
+        self.widen(&rates, omega, momentum::WORLD.of(now).norm());
     }
 
-    /// A bound on the integrator's steps up to an instant.
-    fn steps(&self, now: &Instant<'_>) -> f64 {
-        1.0 + STEPS_PER_RADIAN * self.fastest * now.time
+    /// Takes the sizes of an instant. What is not a number, because it is not recorded, is left out by `f64::max`.
+    fn widen(&mut self, rates: &Euler, omega: f64, momentum: f64) {
+        self.fastest = self.fastest.max(omega);
+        let (momentum, rates) = match self.formulation {
+            FormulationKind::Euler => {
+                let [phi, theta, psi] = [rates.phi, rates.theta, rates.psi].map(f64::abs);
+                let transverse = self.top.transverse_moment * (phi + theta);
+                let axial = self.top.axial_moment * (phi + psi);
+                (transverse + axial, phi + theta + psi)
+            }
+            FormulationKind::Body => (momentum, omega),
+        };
+        self.momentum = self.momentum.max(momentum);
+        self.rates = self.rates.max(rates);
     }
 
-    /// The error of an angular momentum that the integrator may have made up to an instant, kg m²/s: relative to
-    /// it, or by the absolute tolerance of what stands for it in the integrator's state.
+    /// By how many tolerances a component of the integrator's state may be off at an instant.
+    fn tolerances_used(&self, now: &Instant<'_>) -> f64 {
+        let smooth = 1.0 + STEPS_PER_RADIAN * self.fastest * now.time;
+        PER_COMPONENT * (smooth.max(self.accepted) + STEPS_OF_DENSE)
+    }
+
+    /// The integrator's relative tolerance, not less than the rounding of a step.
+    fn relative(&self) -> f64 {
+        self.tolerances.relative.max(8.0 * EPS)
+    }
+
+    /// The error of an angular momentum that the integrator may have made up to an instant, kg m²/s.
+    ///
+    /// A state whose parts are off by a part δ of themselves has a momentum that is off by at most 8 δ of its summands:
+    /// once for rates or momentum, 2π times for θ, twice for the quaternion. A rate, or momentum, that is off by δ
+    /// itself gives it with the moment of inertia, or directly.
     fn momentum_error(&self, now: &Instant<'_>) -> f64 {
-        let relative = self.relative_tolerance.max(EPS) * self.largest_momentum;
-        self.steps(now) * (relative + self.absolute_tolerance * self.momentum_unit)
+        let unit = match self.formulation {
+            FormulationKind::Euler => self.top.transverse_moment + self.top.axial_moment,
+            FormulationKind::Body => 1.0,
+        };
+        let absolute = self.tolerances.absolute;
+        let error = (self.relative() + absolute) * 8.0 * self.momentum + absolute * unit;
+        self.tolerances_used(now) * error
     }
 
-    /// The error of the energy, J: the same, and that of an angle or a part of a quaternion.
+    /// The error of the energy that the integrator may have made up to an instant, J.
+    ///
+    /// Likewise: ∂T/∂n = (1/I_z − 1/I_x)(L·n) L is at most 3 |ω| |L|, and n moves by twice what the quaternion does; in
+    /// Euler angles ∂T/∂θ is at most the summands of φ̇ L, and θ at most π.
     fn energy_error(&self, now: &Instant<'_>) -> f64 {
-        let relative = self.relative_tolerance.max(EPS) * self.largest_energy;
-        let per_state = self.fastest * self.momentum_unit + 2.0 * self.gravity_moment;
-        self.steps(now) * (relative + self.absolute_tolerance * per_state)
+        let unit = match self.formulation {
+            FormulationKind::Euler => self.momentum,
+            FormulationKind::Body => self.rates,
+        };
+        let size = 7.0 * self.momentum * self.rates + 4.0 * self.top.gravity_moment();
+        let absolute = self.tolerances.absolute;
+        self.tolerances_used(now) * ((self.relative() + absolute) * size + absolute * unit)
     }
 }
 
@@ -293,11 +347,11 @@ fn laws(scenario: &Scenario) -> Vec<Law> {
 
 /// Friction gives no energy. Torques that mix directions, like those of the air, do so up to rounding.
 fn only_takes(scenario: &Scenario) -> Law {
-    let mixes = scenario.model.friction.has_losses();
+    let Model { top, friction } = scenario.model;
     law("friction only takes", "W", move |now, _| {
-        let allowed = if mixes {
-            let size = torque::FRICTION_NODE.of(now).norm() * pose::OMEGA_WORLD.of(now).norm();
-            8.0 * EPS * size
+        let allowed = if friction.has_losses() {
+            let omega = pose::OMEGA_WORLD.of(now).norm();
+            8.0 * EPS * size_of_torques(&top, &friction, now) * omega
         } else {
             0.0
         };
@@ -355,6 +409,7 @@ fn slip(scenario: &Scenario) -> Law {
     })
 }
 
+/// The torques add up in each frame. Turning a vector into the body frame rounds it twelve times.
 fn sum_of_torques() -> Law {
     use torque::{
         FRICTION_BODY, FRICTION_NODE, GRAVITY_BODY, GRAVITY_NODE, TOTAL_BODY, TOTAL_NODE,
@@ -367,7 +422,7 @@ fn sum_of_torques() -> Law {
         };
         let (body, _) = sum([GRAVITY_BODY, FRICTION_BODY, TOTAL_BODY]);
         let (node, size) = sum([GRAVITY_NODE, FRICTION_NODE, TOTAL_NODE]);
-        (body + node, 8.0 * EPS * size)
+        (body + node, 32.0 * EPS * size)
     })
 }
 
@@ -404,9 +459,26 @@ fn torque_of_parts(scenario: &Scenario) -> Law {
         let torque = rotation * torque::FRICTION_BODY.of(now);
         let error = (torque - sliding - losses).norm();
         let of_node = (torque::FRICTION_NODE.of(now).norm() - torque.norm()).abs();
-        let size = of_force.norm() + losses.norm() + unknown;
+        let size = size_of_torques(&top, &friction, now) + unknown;
         (error + of_node, unknown + 32.0 * EPS * turns(now) * size)
     })
+}
+
+/// The sizes of the torques that the torque of friction is summed from, N m. They may cancel: the drag of the air along
+/// the axis is computed by taking that across it from the whole.
+fn size_of_torques(top: &Top, friction: &Friction, now: &Instant<'_>) -> f64 {
+    let normal = contact::NORMAL_FORCE.of(now);
+    let omega = pose::OMEGA_WORLD.of(now).norm();
+    let of_force = top.peg_radius * contact::FRICTION_FORCE.of(now).norm();
+    let losses = friction.losses.unwrap_or_default();
+    let Air {
+        axial,
+        transverse,
+        disc,
+    } = losses.air;
+    // The disc's drag grows with the power 3/2 of the rate, and so does its rounding.
+    let drag = (2.0 * transverse + axial + 1.5 * disc * omega.sqrt()) * omega;
+    of_force + drag + losses.of_contact(normal) + friction.law.drilling_bound(normal)
 }
 
 /// The components of a torque of sliding that act, in the world.
@@ -415,7 +487,10 @@ fn kept(part: Dissipation, torque: &Vector3<f64>, axis: &Vector3<f64>) -> Vector
     let kept = match part {
         Dissipation::TiltTorqueOnly => perpendicular,
         Dissipation::SpinTorqueOnly => *axis,
-        _ => return *torque,
+        Dissipation::Full
+        | Dissipation::WithoutNutationPart
+        | Dissipation::PrecessionTermOnly
+        | Dissipation::SpinTermOnly => return *torque,
     };
     let direction = kept.try_normalize(0.0).unwrap_or_default();
     direction * direction.dot(torque)
@@ -453,7 +528,7 @@ fn sum_of_accelerations() -> Law {
     })
 }
 
-/// Kinetic and potential energy add up; the kinetic is ω·L/2; the momenta are components of L.
+/// Kinetic and potential energy add up; the kinetic is ω·L/2, whose summands may cancel; the momenta are components of L.
 fn energies_and_momenta() -> Law {
     law("energies and momenta", "of their size", |now, _| {
         let (kinetic, potential) = (energy::KINETIC.of(now), energy::POTENTIAL.of(now));
@@ -461,7 +536,8 @@ fn energies_and_momenta() -> Law {
         let of_size = |error: f64, size: f64| error.abs() / size.max(f64::MIN_POSITIVE);
         let size = kinetic.abs() + potential.abs();
         let sum = of_size(kinetic + potential - energy::TOTAL.of(now), size);
-        let of_rates = of_size(kinetic - 0.5 * momentum.dot(&omega), kinetic);
+        let of_rates = kinetic - 0.5 * momentum.dot(&omega);
+        let of_rates = of_size(of_rates, momentum.norm() * omega.norm());
         let vertical = of_size(momentum.z - momentum::VERTICAL.of(now), momentum.norm());
         let axial = momentum.dot(&pose::AXIS.of(now)) - momentum::AXIAL.of(now);
         let axial = of_size(axial, momentum.norm());
@@ -469,29 +545,31 @@ fn energies_and_momenta() -> Law {
     })
 }
 
-/// The slow root solves (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0.
+/// The slow root solves (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0. The rounding of cos θ is one of 1, not of itself.
 fn regular_precession(scenario: &Scenario) -> Law {
     let top = scenario.model.top;
     law("regular precession", "of the terms", move |now, _| {
         let root = precession::SLOW_ROOT.of(now);
         let cos = math::cos(state::THETA.of(now));
-        let square = (top.transverse_moment - top.axial_moment) * cos * root * root;
+        let square = (top.transverse_moment - top.axial_moment) * root * root;
         let linear = -top.axial_moment * state::PSI_DOT.of(now) * root;
         let constant = top.gravity_moment();
         let size = square.abs() + linear.abs() + constant.abs();
-        ((square + linear + constant).abs() / size, 32.0 * EPS)
+        ((square * cos + linear + constant).abs() / size, 32.0 * EPS)
     })
 }
 
-/// The friction force is no larger than the law's and doesn't push along the slip.
+/// The friction force is no larger than the law's, and doesn't push along the slip.
 fn bound_of_force(scenario: &Scenario) -> Law {
     let friction_law = scenario.model.friction.law;
-    law("bound of the force", "N", move |now, _| {
+    law("bound of the force", "of the force", move |now, _| {
         let force = contact::FRICTION_FORCE.of(now);
+        let slip = contact::SLIP_WORLD.of(now);
         let bound = friction_law.bound(contact::SLIP_SPEED.of(now), contact::NORMAL_FORCE.of(now));
-        let along = force.dot(&contact::SLIP_WORLD.of(now));
-        let excess = force.norm() - bound;
-        (excess.max(along).max(0.0), 8.0 * EPS * bound)
+        let of_size = |error: f64, size: f64| error.max(0.0) / size.max(f64::MIN_POSITIVE);
+        let excess = of_size(force.norm() - bound, bound);
+        let along = of_size(force.dot(&slip), force.norm() * slip.norm());
+        (excess + along, 16.0 * EPS)
     })
 }
 

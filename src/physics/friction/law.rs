@@ -132,6 +132,17 @@ impl FrictionLaw {
         }
     }
 
+    /// Largest torque about the vertical of the patch of contact, N m; 0 for laws without one.
+    #[must_use]
+    pub fn drilling_bound(&self, normal_force: f64) -> f64 {
+        match *self {
+            Self::Contensou { k, patch_radius } => {
+                -drilling_torque(k, patch_radius, normal_force, 0.0, 1.0)
+            }
+            _ => 0.0,
+        }
+    }
+
     /// Whether there is no friction force at any slip.
     #[must_use]
     pub fn is_none(&self) -> bool {

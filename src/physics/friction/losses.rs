@@ -70,6 +70,14 @@ impl Losses {
         }
     }
 
+    /// Largest torque of the contact, N m: rolling resistance and drilling.
+    #[must_use]
+    pub fn of_contact(&self, normal_force: f64) -> f64 {
+        let Drilling { k, patch_radius } = self.drilling;
+        let drilling = drilling_torque(k, patch_radius, normal_force, 0.0, 1.0);
+        self.rolling_arm * normal_force - drilling
+    }
+
     /// Whether there are none.
     #[must_use]
     #[inline]

@@ -22,8 +22,11 @@ const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
 
 /// A run, whatever its formulation.
 pub(super) trait RecordStream {
-    /// The next record; `None` after the last.
-    fn next_record(&mut self) -> Result<Option<Record>, SimulationError>;
+    /// The next record; `None` after the last, or once `carry_on`, which is asked before each step, says no.
+    fn next_record(
+        &mut self,
+        carry_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<Record>, SimulationError>;
 
     /// What has happened so far.
     fn outcome(&self) -> Outcome;
@@ -427,7 +430,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 }
 
 impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
-    fn next_record(&mut self) -> Result<Option<Record>, SimulationError> {
+    fn next_record(
+        &mut self,
+        carry_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<Record>, SimulationError> {
         while self.stopped.is_none() {
             let sample = self.next_sample_time();
             let event = self.pending.front().map(Pending::time_ns);
@@ -445,7 +451,8 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
                     Ok(())
                 }
                 Some((time, End::Switch(regime))) => self.switch(time, regime),
-                None => self.step(),
+                None if carry_on() => self.step(),
+                None => return Ok(None),
             };
             if let Err(error) = went_on {
                 self.stopped = Some(StopReason::Failed);

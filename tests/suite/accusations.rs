@@ -1,0 +1,288 @@
+//! Nobody is wrongly accused: what the simulation records, `verify` finds sound, whatever the scenario.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use toprise::analysis::verify::{Options, Verdict, verify};
+use toprise::archive::publish::Existing;
+use toprise::archive::recording::Recording;
+use toprise::archive::sink::record;
+use toprise::archive::writer::{Form, McapSink};
+use toprise::run::scenario::{KEYS, Kind, Preset, Scenario};
+use toprise::run::simulation::Simulation;
+use toprise::telemetry::Telemetry;
+
+/// A run is broken off after this many steps: what is hard takes for ever.
+const MOST_STEPS: u32 = 3000;
+
+/// Numbers that look random, the same on every machine (splitmix64).
+pub struct Random(pub u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        bits ^ (bits >> 31)
+    }
+
+    fn below(&mut self, limit: usize) -> usize {
+        (self.bits() % limit as u64) as usize
+    }
+
+    /// From 0 to 1.
+    fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// From −1 to 1.
+    fn symmetric(&mut self) -> f64 {
+        2.0 * self.unit() - 1.0
+    }
+
+    fn sign(&mut self) -> f64 {
+        if self.below(2) == 0 { 1.0 } else { -1.0 }
+    }
+}
+
+/// Sets that decide how far a random scenario lies from what a child plays with.
+#[derive(Clone, Copy)]
+enum Reach {
+    /// Tops as they are made, thrown as they are.
+    Plausible,
+    /// Anything that a scenario allows, within reason.
+    Extreme,
+}
+
+/// A random scenario and how it is made, if the choices fit together.
+fn scenario(random: &mut Random, reach: Reach) -> Option<Scenario> {
+    let mut values = Preset::find("full-coulomb").unwrap().values().unwrap();
+    let words = |path: &str| {
+        let key = KEYS.iter().find(|key| key.path == path).unwrap();
+        let Kind::Choice(words) = key.kind else {
+            panic!("{path} is no choice");
+        };
+        words
+    };
+    let word = |random: &mut Random, path: &str| {
+        let words = words(path);
+        words[random.below(words.len())]
+    };
+    let extreme = matches!(reach, Reach::Extreme);
+    let spread = |random: &mut Random, middle: f64, decades: f64| {
+        let decades = if extreme { 3.0 * decades } else { decades };
+        middle * 10f64.powf(decades * random.symmetric())
+    };
+    let mut set = |path: &str, value: f64| values.put(path, value).is_ok();
+    let mass = spread(random, 0.1, 1.0);
+    let length = spread(random, 0.03, 0.5);
+    // About the peg: at least that of the mass at its distance.
+    let transverse = mass * length * length * (1.0 + spread(random, 0.5, 0.5));
+    let own = transverse - mass * length * length;
+    set("top.mass", mass);
+    set("top.center_distance", length);
+    set("top.transverse_moment", transverse);
+    set("top.axial_moment", own * spread(random, 0.9, 0.1).min(2.0));
+    set("top.peg_radius", spread(random, 0.004, 0.5));
+    set(
+        "initial.theta",
+        if extreme {
+            3.14 * random.unit()
+        } else {
+            0.05 + 1.3 * random.unit()
+        },
+    );
+    set("initial.phi", 6.3 * random.unit());
+    set(
+        "initial.phi_dot",
+        if random.below(3) == 0 {
+            0.0
+        } else {
+            spread(random, 3.0, 1.0) * random.sign()
+        },
+    );
+    set(
+        "initial.theta_dot",
+        if random.below(2) == 0 {
+            0.0
+        } else {
+            spread(random, 0.3, 1.0) * random.sign()
+        },
+    );
+    set(
+        "initial.psi_dot",
+        spread(random, 150.0, 0.5) * random.sign(),
+    );
+    let tolerance = [1e-12, 1e-10, 1e-8, 1e-6, 1e-13][random.below(5)];
+    set("integrator.relative_tolerance", tolerance);
+    set(
+        "integrator.absolute_tolerance",
+        tolerance * [1.0, 1e-3, 10.0][random.below(3)],
+    );
+    for (path, middle) in [
+        ("rolling.arm", 1e-4),
+        ("air.axial", 1e-6),
+        ("air.transverse", 1e-6),
+        ("air.disc", 1e-6),
+    ] {
+        if random.below(4) == 0 {
+            set(path, spread(random, middle, 1.0));
+        }
+    }
+    if random.below(5) == 0 {
+        set("drilling.k", spread(random, 0.1, 0.5));
+        set("drilling.patch_radius", spread(random, 1e-4, 0.5));
+    }
+    let k = spread(random, 0.05, 0.5).min(100.0);
+    let duration = spread(random, 0.4, 0.3).min(2.0);
+    set("stop.duration", duration);
+    set(
+        "sampling.period",
+        [0.001, 0.002, 0.004, 0.01][random.below(4)],
+    );
+    let mut text = |path: &str, value: &str| values.set(path, value).is_ok();
+    text("stop.theta_risen", "");
+    text("stop.theta_fallen", "");
+    text("formulation", word(random, "formulation"));
+    let law = word(random, "friction.law");
+    text("friction.law", law);
+    text("friction.dissipation", word(random, "friction.dissipation"));
+    text("friction.k", &format!("{k:?}"));
+    let mut set = |path: &str, value: f64| values.put(path, value).is_ok();
+    match law {
+        "none" => {
+            values.set("friction.k", "").unwrap();
+            values.set("friction.dissipation", "").unwrap();
+        }
+        "coulomb-sqrt" | "coulomb-tanh" | "coulomb-rational" => {
+            set("friction.smoothing_speed", spread(random, 0.01, 1.0));
+        }
+        "viscous" => {
+            set("friction.viscous_speed", spread(random, 0.5, 1.0));
+        }
+        "stribeck" => {
+            set("friction.static_k", 1.5 * k);
+            set("friction.stribeck_speed", spread(random, 0.05, 1.0));
+            set("friction.viscous_slope", 0.01 * random.unit());
+        }
+        "contensou" => {
+            set("friction.patch_radius", spread(random, 1e-4, 0.5));
+        }
+        _ => {}
+    }
+    if random.below(4) == 0 {
+        values.set("stop.on_stick", "continue").unwrap();
+    }
+    Scenario::new(values).ok()
+}
+
+/// What `verify` finds wrong with a recording of a scenario; empty if nothing.
+pub fn accused(scenario: &Scenario, path: &Path) -> Option<String> {
+    let _ = std::fs::remove_file(path);
+    let mut telemetry = Telemetry::default();
+    let form = Form {
+        views: false,
+        ..Form::default()
+    };
+    let existing = Existing::forced(true);
+    let mut sink = McapSink::create(path, existing, scenario, &telemetry, form).unwrap();
+    let mut steps = 0;
+    let mut simulation = Simulation::new(scenario).ok()?.while_told(move || {
+        steps += 1;
+        steps <= MOST_STEPS
+    });
+    let on = |_: &_, _: &mut [&mut dyn toprise::archive::sink::Sink]| {
+        Ok(std::ops::ControlFlow::Continue(()))
+    };
+    let ended = record(&mut simulation, &mut telemetry, &mut [&mut sink], on);
+    let outcome = match ended {
+        Ok(outcome) => outcome,
+        Err(_) => toprise::run::simulation::Outcome {
+            stop: toprise::run::simulation::StopReason::Failed,
+            ..simulation.outcome()
+        },
+    };
+    sink.finish(&outcome).unwrap();
+    let recording = Recording::open(path).unwrap();
+    let report = verify(&recording, Options { reproduce: false }, &|_| {});
+    let mut found = String::new();
+    for check in report.checks {
+        if check.verdict == Verdict::Failed {
+            let _ = writeln!(found, "{}: {}", check.name, check.finding);
+        }
+    }
+    (!found.is_empty()).then_some(found)
+}
+
+/// Records and verifies `count` random scenarios. Returns how many there were and those that are accused.
+pub fn try_scenarios(seed: u64, count: usize) -> (usize, Vec<String>) {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let mut random = Random(seed);
+    let (mut tried, mut found) = (0, Vec::new());
+    while tried < count {
+        let reach = [Reach::Plausible, Reach::Extreme][random.below(2)];
+        let Some(scenario) = scenario(&mut random, reach) else {
+            continue;
+        };
+        tried += 1;
+        if let Some(finding) = accused(&scenario, &path) {
+            found.push(format!("{finding}{}", scenario.to_toml()));
+        }
+    }
+    (tried, found)
+}
+
+/// How many scenarios the long test tries: `TOPRISE_SCENARIOS=10000 cargo test --test suite -- --ignored accus`.
+const COUNT: &str = "TOPRISE_SCENARIOS";
+
+fn assert_sound(seed: u64, count: usize) {
+    let (tried, found) = try_scenarios(seed, count);
+    println!("tried {tried}, accused {}", found.len());
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn random_scenarios_are_not_accused() {
+    assert_sound(1, 60);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn many_random_scenarios_are_not_accused() {
+    let count = std::env::var(COUNT)
+        .ok()
+        .and_then(|count| count.parse().ok());
+    assert_sound(2, count.unwrap_or(10_000));
+}
+
+/// Recordings that were once called wrong.
+#[test]
+fn regress_sound_recordings_are_not_accused() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let fast = [
+        ("formulation", "body"),
+        ("top.mass", "1.6"),
+        ("top.transverse_moment", "0.053"),
+        ("top.axial_moment", "0.0076"),
+        ("top.center_distance", "0.168"),
+        ("top.peg_radius", "0.0032"),
+        ("initial.psi_dot", "73"),
+        ("initial.theta", "0.48"),
+    ];
+    let cases: [(&str, &[(&str, &str)]); 6] = [
+        ("full-coulomb", &[("air.transverse", "1e-3")]),
+        ("full-coulomb", &[("air.axial", "1e-2")]),
+        ("full-coulomb", &[("air.disc", "1e-2")]),
+        ("paper", &[("top.transverse_moment", "1")]),
+        ("paper", &[("top.axial_moment", "1e-9")]),
+        ("rise-by-loss-of-spin", &fast),
+    ];
+    for (preset, changes) in cases {
+        let mut changes = changes.to_vec();
+        changes.push(("stop.duration", "1"));
+        let scenario = crate::support::scenario(preset, &changes);
+        assert_eq!(accused(&scenario, &path), None, "{preset} {changes:?}");
+    }
+}
