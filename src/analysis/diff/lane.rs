@@ -4,9 +4,9 @@
 //! is none. That depends on how far the other run has been read, its [`Frontier`]: a message is alone only once the
 //! other run has been read beyond its time.
 //!
-//! Messages that are out of order, because their times go backward in their own run, are not paired: there is a
-//! digest of them on each side, and if these agree, the messages are the same. So a run is equal to itself whatever
-//! its times are.
+//! Within a topic the reader gives messages in the order of time. Messages of toprise's recordings that go back behind
+//! those of other topics are out of order and not paired: there is a digest of them on each side, and if these agree,
+//! the messages are the same. So a run is equal to itself whatever its times are.
 
 use super::interpolation::{Method, Stencil};
 use super::rule::{Interpolation, Rule};
