@@ -23,17 +23,17 @@ use nalgebra::Vector3;
 pub enum Dissipation {
     /// All of it: the paper's equation (4).
     Full,
-    /// Without the part that opposes the nutation θ̇: the paper's equations (6) and (7). The slip speed
+    /// Everything but the part that opposes the nutation θ̇: the paper's equations (6) and (7). The slip speed
     /// in its denominator keeps its θ̇.
     WithoutNutationPart,
-    /// Of (7), the term in φ̈ alone: the paper's figure 4a. Not a torque of any force.
+    /// The term in φ̈ of (7) alone: the paper's figure 4a. Not a torque of any force.
     PrecessionTermOnly,
-    /// Of (7), the term in ψ̈ alone: the paper's figure 4b. Not a torque of any force.
+    /// The term in ψ̈ of (7) alone: the paper's figure 4b. Not a torque of any force.
     SpinTermOnly,
-    /// Of the torque of (6), the component `τ_2` about `n × e_N`, which tilts the axis: what the figure 4a
+    /// The component `τ_2` of the torque of (6) about `n × e_N`, which tilts the axis: what figure 4a
     /// leaves out of an equation is here left out of the torque. `L_n` stays constant.
     TiltTorqueOnly,
-    /// Of the torque of (6), the component `τ_3` about the symmetry axis, which takes spin: the
+    /// The component `τ_3` of the torque of (6) about the symmetry axis, which takes spin: the
     /// counterpart for figure 4b.
     SpinTorqueOnly,
 }

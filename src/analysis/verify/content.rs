@@ -305,7 +305,7 @@ impl Content {
     }
 }
 
-/// So many views may be expected at a time.
+/// How many messages of view channels may be outstanding at a time.
 const VIEWS_AHEAD: usize = 1000;
 
 /// Whether the channels for viewers say the same as those of the table.

@@ -9,10 +9,10 @@ use nalgebra::UnitQuaternion;
 /// What the contact point does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Regime {
-    /// It slips, or no friction keeps it from doing so.
+    /// Slips, or would: no friction holds it.
     #[default]
     Slipping,
-    /// It stays at rest: the top turns about the vertical as a whole.
+    /// Stays at rest, while the top turns about the vertical as a whole.
     Sticking,
 }
 
@@ -46,7 +46,7 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     /// What the contact point does.
     fn regime(&self) -> Regime;
 
-    /// The same equations in a regime.
+    /// These equations in another regime.
     fn in_regime(self, regime: Regime) -> Self;
 
     /// The state with the contact point brought to rest at the same angular momentum about the vertical.

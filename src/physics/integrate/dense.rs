@@ -8,7 +8,7 @@ pub struct Dense<const N: usize> {
     pub t0: f64,
     /// Its length, negative for steps backward. The step ends at exactly `t0 + h`.
     pub h: f64,
-    /// Of Hairer's nested form: see [`Dense::component`].
+    /// Coefficients of Hairer's nested form: see [`Dense::component`].
     pub(super) coefficients: [[f64; N]; 8],
 }
 

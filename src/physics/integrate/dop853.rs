@@ -44,8 +44,9 @@ const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
 /// The explicit Runge–Kutta method of order 8(5,3) of Dormand and Prince, advanced one accepted step at a
 /// time.
 ///
-/// It is not told where the integration ends: a shorter run is an exact prefix of a longer one. Values
-/// between the steps come from [`Dop853::dense`] and never alter the steps.
+/// Nothing tells it where the integration ends: a shorter run is an exact prefix of a longer one. Values
+/// between the steps come from [`Dop853::step_densely`], which also bounds their error, or [`Dop853::dense`];
+/// reading them never alters the steps.
 ///
 /// ```
 /// use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};

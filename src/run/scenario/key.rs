@@ -70,7 +70,7 @@ impl fmt::Display for Kind {
 pub enum Presence {
     /// Always.
     Required,
-    /// It may be left out.
+    /// May be left out.
     Optional,
     /// Exactly when another key has one of these values.
     With(&'static str, &'static [&'static str]),

@@ -11,7 +11,7 @@ pub struct Event {
     pub kind: EventKind,
     /// When, s; exact to the integrator's tolerance.
     pub time: f64,
-    /// The same rounded to nanoseconds.
+    /// [`Event::time`] rounded to nanoseconds.
     pub time_ns: u64,
     /// Counts the run's events from 0.
     pub index: u32,
@@ -201,7 +201,7 @@ impl StopReason {
         }
     }
 
-    /// The same for people.
+    /// Why the run ended, in words for people.
     #[must_use]
     pub fn sentence(self) -> &'static str {
         match self {

@@ -14,10 +14,10 @@ use std::f64::consts::FRAC_PI_2;
 /// Angles nearer than this to θ = 0 or θ = π can't be integrated as Euler angles, rad.
 const SINGULAR: f64 = 1e-6;
 
-/// Slip slower than this is none, m/s: on the scale of a top a nanometre per second.
+/// A contact point that slips more slowly than this has stopped, m/s: on the scale of a top a nanometre per second.
 const NO_SLIP: f64 = 1e-9;
 
-/// θ̇ and θ̈ within these of zero are rounding, not nutation: rad/s and rad/s².
+/// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²): smaller values are rounding, not nutation.
 const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
 
 /// A run, whatever its formulation.
