@@ -13,16 +13,16 @@ use sha2::{Digest as _, Sha256};
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-/// When a run ends. At least one is set.
+/// The conditions that end a run; the first that is met does. At least one is set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// When θ falls to this angle, rad.
+    /// Ends the run when θ falls to this angle, rad (`stop.theta_risen`).
     pub theta_risen: Option<f64>,
-    /// When θ grows to this angle, rad.
+    /// Ends the run when θ grows to this angle, rad (`stop.theta_fallen`).
     pub theta_fallen: Option<f64>,
-    /// At this time, s.
+    /// Ends the run at this time, s (`stop.duration`).
     pub duration: Option<f64>,
-    /// Whether the run ends where the contact point stops slipping.
+    /// Ends the run when the contact point stops slipping, or not (`stop.on_stick`).
     pub on_stick: OnStick,
 }
 
@@ -141,19 +141,19 @@ impl Scenario {
         text
     }
 
-    /// The keys that it has, in the order of the table, with their values.
+    /// The keys that the scenario sets, in the order of the table, with their values.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Key, &Value)> {
         KEYS.iter()
             .filter_map(|key| Some((key, self.values.get(key.path)?)))
     }
 
-    /// Its name.
+    /// The scenario's name, after which recordings are called.
     #[must_use]
     pub fn name(&self) -> &str {
         self.values.text("name").unwrap_or_default()
     }
 
-    /// A sentence about it; empty if it has none.
+    /// A sentence about the scenario; empty if it has none.
     #[must_use]
     pub fn description(&self) -> &str {
         self.values.text("description").unwrap_or_default()

@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 /// A name is taken for a misspelt key or word if it is at least this much like it, by Jaro and Winkler.
 const LIKE: f64 = 0.8;
 
-/// Longer syntax errors are cut, bytes.
+/// Errors of syntax that are longer than this are cut, bytes.
 const LONGEST_SYNTAX: usize = 1000;
 
-/// Longer values are cut where an error quotes them, characters.
+/// Values that are longer than this are cut where an error quotes them, characters.
 const LONGEST_EXCERPT: usize = 100;
 
 /// Keys with values of the right type, in no particular combination.
@@ -20,7 +20,7 @@ const LONGEST_EXCERPT: usize = 100;
 pub struct Values(BTreeMap<&'static str, Value>);
 
 impl Values {
-    /// Reads a scenario file. What it says is checked key by key, but not whether it is complete.
+    /// Reads a scenario file, and checks it key by key, but not whether it is complete.
     ///
     /// # Errors
     /// Malformed TOML, an unknown key, a value of the wrong type or out of range.
@@ -113,7 +113,7 @@ impl Values {
         self.get(path).map(|_| self.choice(path)).transpose()
     }
 
-    /// Whether each key of the table is there if and only if it has to be.
+    /// Checks that each key is there if it has to be, and only if it may be.
     pub(super) fn check_presence(&self) -> Result<(), ScenarioError> {
         for key in KEYS {
             let there = self.0.contains_key(key.path);

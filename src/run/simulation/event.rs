@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Something that happened at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// What.
+    /// What happened.
     pub kind: EventKind,
     /// When, s; exact to the integrator's tolerance.
     pub time: f64,
@@ -17,7 +17,7 @@ pub struct Event {
     pub index: u32,
     /// The motion at that moment.
     pub motion: Motion,
-    /// A sentence for people.
+    /// What happened, as a sentence.
     pub description: String,
 }
 
@@ -43,7 +43,7 @@ pub enum EventKind {
     LoopingEnds,
     /// The spin has become too weak to hold an upright top: a² = 4 M g l / I_x (Klein and Sommerfeld).
     WeakTop,
-    /// The reverse of [`EventKind::WeakTop`].
+    /// The spin has become strong enough again: the reverse of [`EventKind::WeakTop`].
     StrongTop,
     /// The contact point has stopped slipping.
     SlipStops,
@@ -179,7 +179,7 @@ pub enum StopReason {
     Rest,
     /// The Euler angles became singular; the `body` formulation goes on there.
     Singular,
-    /// Nobody asked for more.
+    /// Nothing in the scenario ended the run: it was broken off.
     Interrupted,
     /// The integrator could not go on.
     Failed,

@@ -36,7 +36,7 @@ pub enum SimulationError {
     /// The integrator gave up.
     #[error("the motion can't be integrated further: {0}")]
     Integrate(#[from] IntegrateError),
-    /// The steps have become too short.
+    /// The steps have become so short that the run would never end.
     #[error(
         "the motion has stalled at t = {time} s: a torque jumps back and forth there (drilling against \
              a top that has stopped turning, or a law that is too steep)"
@@ -52,7 +52,7 @@ pub enum SimulationError {
 pub struct Outcome {
     /// Why it ended.
     pub stop: StopReason,
-    /// When, s.
+    /// When it ended, s.
     pub time: f64,
     /// The motion at that moment.
     pub motion: Motion,
