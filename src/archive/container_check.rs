@@ -2,7 +2,7 @@
 
 use crate::archive::check::{Check, Group, Problems, Verdict};
 use crate::archive::container::layout::{read_footer, summary_checksum};
-use crate::archive::container::record::{HEAD, RecordSpan, parse};
+use crate::archive::container::record::{HEAD, RecordSpan, head, is_known, parse};
 use crate::archive::container::scan::{Found, Scanner};
 use crate::archive::container::section::{Buffers, InnerRecord, MessageRecord, Section, record_at};
 use crate::archive::container::source::Source;
@@ -11,6 +11,7 @@ use crate::archive::recording::{Condition, Recording};
 use mcap::records::{MessageIndexEntry, Record, Statistics, op};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
+use std::ops::Range;
 
 /// Whether nothing is wrong with a recording as an MCAP file.
 pub(crate) fn is_sound_container(recording: &Recording) -> bool {
@@ -127,9 +128,13 @@ impl<'a> Survey<'a> {
                     format!("{count} bytes at {} are no record", bytes.start)
                 }),
                 Found::Cut(bytes) => {
-                    let in_a_record = !bytes.is_empty() && self.recording.end().is_some();
-                    self.structure.unless(!in_a_record, || {
-                        format!("the file ends within the record at {}", bytes.start)
+                    let is_cut = self.recording.end().is_none() || self.is_cut_off(&bytes)?;
+                    self.structure.unless(is_cut, || {
+                        format!(
+                            "the {} bytes at {} are no record",
+                            bytes.end - bytes.start,
+                            bytes.start
+                        )
                     });
                 }
                 Found::End => self.is_ended = true,
@@ -140,6 +145,17 @@ impl<'a> Survey<'a> {
             self.check_ends()?;
         }
         Ok(())
+    }
+
+    /// Whether the last bytes of a file are the beginning of a record or of the magic bytes.
+    fn is_cut_off(&self, bytes: &Range<u64>) -> io::Result<bool> {
+        let mut start = Vec::new();
+        self.source.read(bytes.start, HEAD, &mut start)?;
+        let room = bytes.end - bytes.start;
+        Ok(match head(&start) {
+            Some((opcode, length)) => is_known(opcode) && HEAD + length > room,
+            None => mcap::MAGIC.starts_with(&start) || is_known(start[0]),
+        })
     }
 
     fn take(&mut self, place: &RecordSpan) -> io::Result<()> {
@@ -220,7 +236,9 @@ impl<'a> Survey<'a> {
             Record::DataEnd(found) => self.check_data(place, found.data_section_crc),
             Record::SummaryOffset(found) => {
                 let first = self.places.get(&found.group_start);
-                let right = first.is_some_and(|(opcode, _)| *opcode == found.group_opcode);
+                // Others write the offsets of empty groups too, which start where the next one does.
+                let right = found.group_length == 0
+                    || first.is_some_and(|(opcode, _)| *opcode == found.group_opcode);
                 self.index.unless(right, || {
                     format!("the summary offset at {} leads nowhere", place.offset)
                 });
@@ -452,13 +470,8 @@ impl<'a> Survey<'a> {
         let ended = self.is_ended && self.footer.is_some();
         let found = format!("{} records, {} chunks", self.records, self.counts.chunks);
         let mut structure = Check::of(group, "structure", &self.structure, found);
-        let is_interrupted = self.recording.end().is_none();
         if !ended && structure.verdict == Verdict::Passed {
-            structure.verdict = if is_interrupted {
-                Verdict::Incomplete
-            } else {
-                Verdict::Failed
-            };
+            structure.verdict = Verdict::Incomplete;
             structure.finding += ", but no footer: the file was not completed";
         }
         let checksums = "all are right".to_owned();

@@ -14,8 +14,8 @@ pub enum RecordingError {
     /// It is a directory.
     #[error("it is a directory; name an MCAP file")]
     Directory,
-    /// It is a device, a pipe or the like.
-    #[error("it is not a file")]
+    /// It is a device, a pipe or the like: recordings are read at any position.
+    #[error("it is a pipe or a device; name an MCAP file")]
     NoFile,
     /// It is empty.
     #[error("the file is empty")]

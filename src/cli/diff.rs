@@ -125,7 +125,7 @@ impl DiffArguments {
         let mut tolerances = match &self.tolerances {
             Some(path) => {
                 let context = || path.display().to_string();
-                let text = fs::read_to_string(path).with_context(context)?;
+                let text = super::given::read_file(path).with_context(context)?;
                 Tolerances::from_toml(&text).with_context(context)?
             }
             None => Tolerances::default(),

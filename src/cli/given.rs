@@ -4,7 +4,7 @@ use super::arguments::Override;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Recording;
 use crate::run::scenario::{PRESETS, Preset, Scenario, Values};
-use anyhow::{Context as _, Error, bail};
+use anyhow::{Context as _, Error, bail, ensure};
 use std::fs;
 use std::path::Path;
 
@@ -60,7 +60,7 @@ pub(super) fn scenario(word: &Path, overrides: &[Override]) -> Result<Scenario, 
     let mut values = if is_preset(word) || !is_file {
         Preset::find(&word.to_string_lossy())?.values()?
     } else {
-        let text = fs::read_to_string(word)
+        let text = read_file(Path::new(word))
             .with_context(|| format!("cannot read the scenario {}", name()))?;
         Values::from_toml(&text).with_context(name)?
     };
@@ -87,4 +87,14 @@ fn has_directory(word: &Path) -> bool {
 /// Whether a word that names nothing is the name of a recording rather than of a preset.
 fn is_like_a_file(word: &Path) -> bool {
     has_directory(word) || word.to_string_lossy().contains(".mcap")
+}
+
+/// The text of a file. Opening a pipe that nobody writes to would wait for ever: it is refused.
+pub(super) fn read_file(path: &Path) -> Result<String, Error> {
+    let metadata = fs::metadata(path)?;
+    ensure!(
+        metadata.is_file() || metadata.is_dir(),
+        "it is a pipe or a device, not a file"
+    );
+    Ok(fs::read_to_string(path)?)
 }

@@ -3,6 +3,7 @@
 use crate::fuzz_corpus::steps::analyses;
 use crate::support::{archive, scenario};
 use std::fs;
+use std::io::Read as _;
 use std::path::Path;
 use std::thread;
 use toprise::analysis::complete::complete;
@@ -387,4 +388,129 @@ fn the_scenario_of_another_run_is_not_taken_for_its_own() {
     let recovered = salvage(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
     assert!(recovered.lost.unwrap().contains("another run"));
     assert!(Recording::open(&saved).unwrap().recovery().is_some());
+}
+
+#[test]
+fn every_byte_of_the_record_of_the_run_counts_in_an_interrupted_recording() {
+    let whole = recorded("0.01", &[], Form::default());
+    let interrupted = &whole[..chunks(&whole).last().unwrap().end];
+    let name = interrupted
+        .windows(11)
+        .position(|bytes| bytes == b"toprise.run");
+    // Opcode and length of the record, and the length of its name, stand before.
+    let start = name.unwrap() - 13;
+    let length = u64::from_le_bytes(whole[start + 1..start + 9].try_into().unwrap());
+    let positions: Vec<usize> = (start..start + 9 + length as usize).collect();
+    let findings = |path: &Path| {
+        let recording = Recording::open(path).unwrap();
+        verify(&recording, QUICK, &|_| {}).checks
+    };
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("interrupted.mcap");
+    fs::write(&path, interrupted).unwrap();
+    let sound = findings(&path);
+    in_parallel(&positions, |path, position| {
+        let mut bytes = interrupted.to_vec();
+        bytes[*position] ^= 1 << (position % 8);
+        fs::write(path, bytes).unwrap();
+        assert_ne!(findings(path), sound, "byte {position}");
+    });
+}
+
+#[test]
+fn a_recording_that_ends_in_its_summary_is_incomplete() {
+    let whole = recorded("0.1", &[], Form::default());
+    let summary = mcap::read::footer(&whole).unwrap().summary_start as usize;
+    let lengths: Vec<usize> = (summary..whole.len()).step_by(29).collect();
+    in_parallel(&lengths, |path, length| {
+        fs::write(path, &whole[..*length]).unwrap();
+        let report = verify(&Recording::open(path).unwrap(), QUICK, &|_| {});
+        assert_eq!(
+            report.verdict(),
+            Verdict::Incomplete,
+            "{length} bytes: {report:?}"
+        );
+    });
+}
+
+#[test]
+fn offsets_of_empty_summary_groups_are_right() {
+    let mut bytes = recorded("0.1", &[], Form::default());
+    let summary = mcap::read::footer(&bytes).unwrap().summary_start as usize;
+    let footer = bytes.len() - mcap::MAGIC.len() - 29;
+    assert_eq!(bytes[footer], mcap::records::op::FOOTER);
+    // As the Python library writes them: a group of no attachments starts where the next one does.
+    let mut group = vec![mcap::records::op::ATTACHMENT_INDEX];
+    group.extend_from_slice(&(summary as u64).to_le_bytes());
+    group.extend_from_slice(&0_u64.to_le_bytes());
+    let offset = record(mcap::records::op::SUMMARY_OFFSET, &group);
+    bytes.splice(footer..footer, offset.iter().copied());
+    let sum_at = footer + offset.len() + 25;
+    let sum = crc32fast::hash(&bytes[summary..sum_at]);
+    bytes[sum_at..sum_at + 4].copy_from_slice(&sum.to_le_bytes());
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    fs::write(&path, bytes).unwrap();
+    let report = verify(&Recording::open(&path).unwrap(), QUICK, &|_| {});
+    assert_eq!(report.verdict(), Verdict::Passed, "{report:?}");
+}
+
+/// A record of an MCAP file.
+fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
+    let mut record = vec![opcode];
+    record.extend_from_slice(&(body.len() as u64).to_le_bytes());
+    record.extend_from_slice(body);
+    record
+}
+
+#[test]
+fn a_chunk_of_compressed_zeros_is_not_read_to_its_end() {
+    let size = 1 << 26;
+    let zeros = zstd::encode_all(std::io::repeat(0).take(size), 1).unwrap();
+    let mut chunk = vec![0; 16];
+    chunk.extend_from_slice(&size.to_le_bytes());
+    chunk.extend_from_slice(&0_u32.to_le_bytes());
+    chunk.extend_from_slice(&4_u32.to_le_bytes());
+    chunk.extend_from_slice(b"zstd");
+    chunk.extend_from_slice(&(zeros.len() as u64).to_le_bytes());
+    chunk.extend_from_slice(&zeros);
+    let mut bytes = mcap::MAGIC.to_vec();
+    bytes.extend(record(mcap::records::op::HEADER, &[0; 8]));
+    bytes.extend(record(mcap::records::op::CHUNK, &chunk));
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("zeros.mcap");
+    fs::write(&path, bytes).unwrap();
+    let overview = Overview::read(&path).unwrap();
+    let losses: Vec<_> = overview.losses.iter().map(ToString::to_string).collect();
+    assert!(
+        losses
+            .iter()
+            .any(|loss| loss.contains("at byte 0 of its content")),
+        "{losses:?}"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_and_not_waited_for() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("pipe.mcap");
+    let made = std::process::Command::new("mkfifo").arg(&path).status();
+    assert!(made.unwrap().success());
+    let (told, opened) = std::sync::mpsc::channel();
+    thread::spawn(move || {
+        told.send(
+            Recording::open(&path)
+                .map(|_| ())
+                .map_err(|e| e.to_string()),
+        )
+    });
+    let minute = std::time::Duration::from_secs(60);
+    let opened = opened
+        .recv_timeout(minute)
+        .expect("opening a pipe takes no time");
+    assert_eq!(
+        opened,
+        Err("it is a pipe or a device; name an MCAP file".to_owned())
+    );
 }

@@ -3,7 +3,10 @@
 use super::physics::Physics;
 use super::reproduction::Reproduction;
 use crate::archive::check::{Check, Group, Problems, Verdict};
-use crate::archive::format::{CONTENT_DIGEST, COUNTS, SAMPLE_PERIOD, SCENARIO_DIGEST, STEPS};
+use crate::archive::format::{
+    CONTENT_DIGEST, COUNTS, LIBRARY_PREFIX, SAMPLE_PERIOD, SCENARIO_DIGEST, STEPS, VERSION,
+    run_entries,
+};
 use crate::archive::recording::{Any, Condition, NoScenario, Recording, Selection, Undecoded};
 use crate::run::scenario::Scenario;
 use crate::telemetry::digest::ContentDigest;
@@ -99,6 +102,23 @@ fn attached(recording: &Recording, scenario: &Result<Scenario, NoScenario>) -> C
             problems.unless(noted == Some(&scenario.digest()), || match noted {
                 Some(noted) => format!("its digest is {}, not {noted}", scenario.digest()),
                 None => "the record toprise.run, which names its digest, is lost".to_owned(),
+            });
+            for (key, expected) in run_entries(scenario) {
+                let noted = run.and_then(|run| run.get(&key));
+                let is_right = run.is_none() || key == VERSION || noted == Some(&expected);
+                problems.unless(is_right, || match noted {
+                    Some(noted) => {
+                        format!("toprise.run says that {key} is {noted}, not {expected}")
+                    }
+                    None => format!("toprise.run doesn't say what {key} is"),
+                });
+            }
+            // A run that was cut off is as its simulation left it.
+            let version = recording.library().strip_prefix(LIBRARY_PREFIX);
+            let noted = run.and_then(|run| run.get(VERSION)).map(String::as_str);
+            let is_original = recording.condition() == Condition::Interrupted;
+            problems.unless(!is_original || run.is_none() || noted == version, || {
+                "toprise.run names another version than the header of the file".to_owned()
             });
         }
         Err(error) if recording.recovery().is_some() => {

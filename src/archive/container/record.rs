@@ -27,14 +27,14 @@ impl RecordSpan {
 }
 
 /// Opcode and length of the body.
-pub(super) fn head(bytes: &[u8]) -> Option<(u8, u64)> {
+pub(crate) fn head(bytes: &[u8]) -> Option<(u8, u64)> {
     let length = bytes.get(1..9)?.try_into().ok()?;
     let length = u64::from_le_bytes(length);
     (length < 1 << 62).then_some((bytes[0], length))
 }
 
 /// Opcodes of the specification, and those left to applications.
-pub(super) fn is_known(opcode: u8) -> bool {
+pub(crate) fn is_known(opcode: u8) -> bool {
     (op::HEADER..=op::DATA_END).contains(&opcode) || opcode >= 0x80
 }
 

@@ -1,14 +1,17 @@
 //! The parts of a file that hold messages: chunks, and records that stand outside of chunks.
 
-use super::record::{HEAD, RecordSpan};
+use super::record::{HEAD, RecordSpan, head};
 use super::source::Source;
 use mcap::records::op;
 use std::fmt;
-use std::io::{self, Read as _};
+use std::io::{self, Read};
 use thiserror::Error;
 
 /// What a chunk may grow to; more is damage. Writers make chunks of one to a few megabytes.
 const LARGEST_CHUNK: u64 = 1 << 28;
+
+/// Larger chunks are decompressed in pieces of this size.
+const PIECE: u64 = 1 << 22;
 
 /// A part of a file that holds messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,6 +39,8 @@ pub(crate) enum SectionError {
     Compression(String),
     #[error("it can't be decompressed: {0}")]
     Decompress(io::Error),
+    #[error("what stands at byte {0} of its content can't be a record of a chunk")]
+    NoRecord(usize),
     #[error("it has {found} bytes, not {expected}")]
     Size { expected: u64, found: u64 },
     #[error("its checksum is {found:08x}, not {expected:08x}")]
@@ -128,6 +133,11 @@ impl<'a> Chunk<'a> {
         records.clear();
         match self.compression {
             b"" => records.extend_from_slice(self.data),
+            b"zstd" if self.size > PIECE => {
+                let mut decoder = zstd::stream::read::Decoder::with_buffer(self.data)?;
+                decoder.window_log_max(LARGEST_CHUNK.ilog2())?;
+                self.read_pieces(decoder, records)?;
+            }
             b"zstd" => {
                 let decompressor = match zstd {
                     Some(decompressor) => decompressor,
@@ -141,9 +151,7 @@ impl<'a> Chunk<'a> {
             }
             b"lz4" => {
                 let decoder = lz4_flex::frame::FrameDecoder::new(self.data);
-                // One byte more than there should be, to notice that there is more.
-                let read = decoder.take(self.size + 1).read_to_end(records);
-                read.map_err(SectionError::Decompress)?;
+                self.read_pieces(decoder, records)?;
             }
             other => {
                 let name = String::from_utf8_lossy(other).into_owned();
@@ -166,6 +174,28 @@ impl<'a> Chunk<'a> {
             });
         }
         Ok(())
+    }
+
+    /// Decompresses in pieces, and no further than what a chunk may hold: a few kilobytes can become hundreds of
+    /// megabytes of nothing.
+    fn read_pieces(&self, decoder: impl Read, records: &mut Vec<u8>) -> Result<(), SectionError> {
+        // One byte more than there should be, to notice that there is more.
+        let mut decoder = decoder.take(self.size + 1);
+        let mut next = 0;
+        loop {
+            let mut piece = decoder.by_ref().take(PIECE);
+            let read = piece.read_to_end(records);
+            if read.map_err(SectionError::Decompress)? == 0 {
+                return Ok(());
+            }
+            while let Some((opcode, length)) = records.get(next..).and_then(head) {
+                if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | 0x80..) {
+                    return Err(SectionError::NoRecord(next));
+                }
+                let length = usize::try_from(HEAD + length).unwrap_or(usize::MAX);
+                next = next.saturating_add(length);
+            }
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! does, kills the process, and reading it is as fast.
 
 use crate::archive::error::RecordingError;
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io;
 use std::path::Path;
 
@@ -17,12 +17,16 @@ pub(crate) struct Source {
 
 impl Source {
     pub(crate) fn open(path: &Path) -> Result<Self, RecordingError> {
+        // Opening a pipe that nobody writes to would wait for ever.
+        if is_special(&path.metadata()?) {
+            return Err(RecordingError::NoFile);
+        }
         let file = File::open(path)?;
         let metadata = file.metadata()?;
         if metadata.is_dir() {
             return Err(RecordingError::Directory);
         }
-        if !metadata.is_file() {
+        if is_special(&metadata) {
             return Err(RecordingError::NoFile);
         }
         if metadata.len() == 0 {
@@ -74,6 +78,11 @@ impl Source {
         }
         Ok(hasher.finalize())
     }
+}
+
+/// Whether it is neither a file nor a directory.
+fn is_special(metadata: &Metadata) -> bool {
+    !metadata.is_file() && !metadata.is_dir()
 }
 
 #[cfg(unix)]
