@@ -617,6 +617,27 @@ fn a_schema_that_cannot_be_used_is_told() {
     assert!(reason("t.M", schema.encode_to_vec()).contains("names are longer"));
 }
 
+/// Descriptors come with files of strangers. Why they are not given to a reflection crate.
+#[test]
+fn descriptors_that_prost_reflect_does_not_survive_are_refused() {
+    // One file, without a name and with an empty syntax.
+    let nameless = [0x0a, 0x04, 0x0a, 0x00, 0x62, 0x00];
+    let decoded = std::panic::catch_unwind(|| prost_reflect::DescriptorPool::decode(&nameless[..]));
+    assert!(
+        decoded.is_err(),
+        "prost-reflect no longer panics: see whether it can replace our own walk over messages"
+    );
+    // A file that publicly imports itself overflows its stack, which can't be shown in this process.
+    let imports_itself = [0x0a, 0x08, 0x0a, 0x01, b'f', 0x1a, 0x01, b'f', 0x50, 0x00];
+    for descriptors in [&nameless[..], &imports_itself] {
+        let refused = protobuf_channel("M", descriptors.to_vec());
+        assert!(
+            matches!(refused, Err(NumbersError::Schema(_))),
+            "{refused:?}"
+        );
+    }
+}
+
 #[test]
 fn broken_protobuf_is_an_error() {
     let mut decoder = shapes_decoder();
