@@ -8,6 +8,7 @@
 //! Sinks see only [`Message`]s: rows of numbers and texts in the order of [`channels`].
 
 mod channel;
+mod decoding;
 pub mod digest;
 pub mod encoding;
 pub mod fields;

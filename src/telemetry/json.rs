@@ -1,7 +1,7 @@
 //! Messages as JSON: `{"timestamp":{"sec":…,"nsec":…},"theta":…,…}`.
 
 use super::channel::{ChannelInfo, Content, channels};
-use super::encoding::{DecodeError, Object, Paths, Row, Target};
+use super::decoding::{DecodeError, Object, Paths, Row, Target};
 use super::message::Message;
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;

@@ -5,7 +5,7 @@
 //! All numbers are doubles and are written even when they are zero, so that the sign of a zero stays.
 
 use super::channel::{ChannelInfo, Content, Member, channels};
-use super::encoding::{DecodeError, Object, Paths, Row, Target};
+use super::decoding::{DecodeError, Object, Paths, Row, Target};
 use super::message::Message;
 use super::schema::described;
 use prost::Message as _;

@@ -46,7 +46,6 @@ fn every_room_uses_only_rooms_below_it() {
 }
 
 #[test]
-#[ignore = "the rooms are being tidied"]
 fn no_files_of_a_room_use_each_other() {
     let graph = graph();
     let knots: Vec<String> = knots(&graph)
