@@ -132,7 +132,8 @@ enum Command {
     View(view::ViewArguments),
     /// Tell why the top rose or fell: the story of a run from its numbers.
     ///
-    /// It tells what friction did to the precession, what that did to the inclination, and where the energy went.
+    /// The story goes from what friction did to the precession over what that did to the inclination to where the
+    /// energy went.
     ///
     /// Exit codes: 0 told, 2 unreadable or nothing to tell, 3 told of what could be read.
     Explain(explain::ExplainArguments),

@@ -167,7 +167,7 @@ impl DiffArguments {
         self.mcap.iter().chain(rrd)
     }
 
-    /// The keys to set in the scenario of this run alone.
+    /// The keys that are set in the scenario of this run alone.
     fn overrides_of(&self, at: usize) -> &[Override] {
         match at {
             0 => &self.overrides_a,
@@ -204,7 +204,7 @@ impl DiffArguments {
     }
 }
 
-/// What is written must neither be a run that is read nor the other file.
+/// Refuses to write to a run that is read, or two things to one file.
 fn refuse_outputs(arguments: &DiffArguments) -> Result<(), Error> {
     let mut taken = arguments.runs.clone();
     for output in arguments.outputs() {
@@ -255,7 +255,7 @@ struct Watching<'a> {
 }
 
 impl<'a> Watching<'a> {
-    /// Only the progress bar.
+    /// A comparison that is only watched, by the progress bar.
     fn alone(progress: &'a Progress) -> Self {
         Self {
             progress,
@@ -265,7 +265,7 @@ impl<'a> Watching<'a> {
         }
     }
 
-    /// Those who take the messages.
+    /// Everything that is written and takes the messages.
     fn takers(&mut self) -> impl Iterator<Item = &mut dyn Observer> {
         let archive = self
             .archive
@@ -281,7 +281,7 @@ impl<'a> Watching<'a> {
         archive.into_iter().chain(viewer)
     }
 
-    /// Completes what is written, and tells of it.
+    /// Completes what is written, and says what was.
     fn finish(self, report: &Report) -> Result<(), Error> {
         let tell = |file: &WrittenFile| output::note(&format!("wrote {}", file.line()));
         if let Some(archive) = self.archive {
@@ -358,7 +358,7 @@ fn several(arguments: &DiffArguments, options: &Options, runs: &[Given]) -> Resu
     Ok(done(&matrix.against_first))
 }
 
-/// Different beats incomplete.
+/// How the comparisons ended as a whole: a difference counts more than something that is missing.
 fn done<'a>(reports: impl IntoIterator<Item = &'a Report>) -> Done {
     let mut done = Done::Well;
     for report in reports {

@@ -228,7 +228,7 @@ fn page(report: &FiguresReport) -> Page {
     Page::of(section)
 }
 
-/// Those of which a figure can be drawn, and the others with what they lack.
+/// Divides runs into those that a figure can be drawn of, and the others with what they lack.
 fn divided<'a>(figure: &Figure, runs: &'a [Run]) -> (Vec<&'a Run>, Vec<(&'a Run, String)>) {
     let (mut able, mut lacking) = (Vec::new(), Vec::new());
     for run in runs {

@@ -1,16 +1,15 @@
-//! Ctrl-C.
+//! Ctrl-C, and what else asks the program to end.
 
 use anyhow::{Context as _, Error};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Tells whether the user wants an end.
+/// A flag that is set when the user asks for an end.
 #[derive(Clone, Debug)]
 pub(super) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Watches for Ctrl-C. The first asks for an orderly end; whoever asks again doesn't want to wait for
-    /// it.
+    /// Watches for Ctrl-C: the first asks for an orderly end, the second ends the program at once.
     pub(super) fn watch() -> Result<Self, Error> {
         let asked = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&asked);
@@ -23,7 +22,7 @@ impl Interrupt {
         Ok(Self(asked))
     }
 
-    /// Whether it has been asked for.
+    /// Whether the user has asked for an end.
     pub(super) fn is_asked(&self) -> bool {
         self.0.load(Ordering::SeqCst)
     }

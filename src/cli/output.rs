@@ -9,9 +9,7 @@ use clap::ColorChoice;
 use std::io::{self, IsTerminal as _, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Columns of a report that nobody reads on a terminal, and the most on one.
-const WIDTH: usize = 100;
-/// The fewest columns: narrower terminals break the lines themselves.
+/// The fewest columns that a report takes: narrower terminals break the lines themselves.
 const NARROWEST: usize = 60;
 
 const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
@@ -36,13 +34,10 @@ pub(super) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// The number of columns that a report may take.
-pub(super) fn width() -> usize {
-    if io::stdout().is_terminal() {
-        textwrap::termwidth().clamp(NARROWEST, WIDTH)
-    } else {
-        WIDTH
-    }
+/// The number of columns of the terminal that shows the answer; none if it goes to a file or to another program.
+pub(super) fn columns() -> Option<usize> {
+    let is_terminal = io::stdout().is_terminal();
+    is_terminal.then(|| textwrap::termwidth().max(NARROWEST))
 }
 
 /// Prints an answer that has no colours.

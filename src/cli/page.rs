@@ -10,6 +10,9 @@ const WEAK: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
 const BAD: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const FAINT: Style = Style::new().effects(Effects::DIMMED);
 
+/// The widest that sentences get: longer lines are hard to read.
+const WIDEST: usize = 100;
+
 /// The sign of something that is as it must be.
 pub(super) const TICK: char = '✓';
 /// The sign of something that is not.
@@ -98,7 +101,7 @@ impl Section {
         }
     }
 
-    fn text(&self, width: usize) -> String {
+    fn text(&self, columns: Option<usize>) -> String {
         let style = self.tone.style();
         let mut text = String::new();
         if !self.title.is_empty() {
@@ -116,8 +119,8 @@ impl Section {
             }
             follows_table = is_table;
             match part {
-                Part::Table(table) => text += &with_signs(&table.text(width)),
-                Part::Line(line) => text += &wrapped(line, width, "  ", "    "),
+                Part::Table(table) => text += &with_signs(&table.text(columns)),
+                Part::Line(line) => text += &wrapped(line, width(columns), "  ", "    "),
                 Part::Code(code) => text += &harmless_lines(code),
             }
         }
@@ -152,19 +155,19 @@ impl Page {
         }
     }
 
-    /// For a terminal of this width, with colours that are to be taken out where they are not wanted.
-    pub(super) fn text(&self, width: usize) -> String {
-        let mut blocks = vec![self.subjects.text(width)];
+    /// As text, for a terminal with so many columns, with colours that are to be taken out where they are not wanted.
+    pub(super) fn text(&self, columns: Option<usize>) -> String {
+        let mut blocks = vec![self.subjects.text(columns)];
         let style = self.tone.style();
         let mut head = String::new();
         if !self.title.is_empty() {
             head = format!("{style}{}{style:#}\n", harmless(&self.title));
         }
         if !self.summary.is_empty() {
-            head += &wrapped(&self.summary.join(" "), width, "", "");
+            head += &wrapped(&self.summary.join(" "), width(columns), "", "");
         }
         blocks.push(head);
-        blocks.extend(self.sections.iter().map(|section| section.text(width)));
+        blocks.extend(self.sections.iter().map(|section| section.text(columns)));
         blocks.retain(|block| !block.trim().is_empty());
         blocks.join("\n")
     }
@@ -184,6 +187,11 @@ impl Page {
         blocks.extend(self.sections.iter().map(Section::markdown));
         blocks.concat()
     }
+}
+
+/// The width of sentences.
+fn width(columns: Option<usize>) -> usize {
+    columns.map_or(WIDEST, |columns| columns.min(WIDEST))
 }
 
 /// A sentence broken between words into lines that are not wider.
@@ -232,7 +240,7 @@ mod tests {
             sections: vec![section],
             ..Page::default()
         };
-        let plain = anstream::adapter::strip_str(&page.text(80)).to_string();
+        let plain = anstream::adapter::strip_str(&page.text(Some(80))).to_string();
         for text in [plain, page.markdown()] {
             let is_odd = |c: char| c.is_control() && c != '\n';
             assert!(!text.contains(is_odd), "{text:?}");

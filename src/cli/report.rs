@@ -17,7 +17,7 @@ pub(super) fn print(
     page: impl FnOnce() -> Page,
 ) -> Result<(), Error> {
     match format {
-        Format::Text => output::print_styled(&page().text(output::width()))?,
+        Format::Text => output::print_styled(&page().text(output::columns()))?,
         Format::Markdown => output::print(&page().markdown())?,
         Format::Json => output::print_json(&serde_json::to_string_pretty(report)?)?,
     }

@@ -47,13 +47,16 @@ impl Table {
         self.header.iter().any(|name| !name.is_empty())
     }
 
-    /// For a terminal: two columns of space before each column, and the header faint.
-    pub(super) fn text(&self, width: usize) -> String {
+    /// As text, with two columns of space before each column, and the header faint. On a terminal with so many
+    /// columns, texts are broken into lines where the table is too wide.
+    pub(super) fn text(&self, columns: Option<usize>) -> String {
         let mut layout = Layout::new();
-        layout
-            .load_preset(presets::NOTHING)
-            .set_content_arrangement(ContentArrangement::Dynamic)
-            .set_width(u16::try_from(width).unwrap_or(u16::MAX));
+        layout.load_preset(presets::NOTHING);
+        if let Some(columns) = columns {
+            layout
+                .set_content_arrangement(ContentArrangement::Dynamic)
+                .set_width(u16::try_from(columns).unwrap_or(u16::MAX));
+        }
         let cells = |row: &[String]| {
             let cell = |at| harmless(row.get(at).map_or("", String::as_str)).into_owned();
             (0..self.columns()).map(cell).collect::<Vec<_>>()
@@ -115,8 +118,8 @@ mod tests {
         cells.map(str::to_owned).to_vec()
     }
 
-    fn plain(table: &Table, width: usize) -> String {
-        anstream::adapter::strip_str(&table.text(width)).to_string()
+    fn plain(table: &Table, columns: Option<usize>) -> String {
+        anstream::adapter::strip_str(&table.text(columns)).to_string()
     }
 
     #[test]
@@ -126,7 +129,7 @@ mod tests {
             rows: vec![row(["φ̇", "1"]), row(["xx", "22"])],
             left: 1,
         };
-        assert_eq!(plain(&table, 80), "  a    b\n  φ̇    1\n  xx  22\n");
+        assert_eq!(plain(&table, None), "  a    b\n  φ̇    1\n  xx  22\n");
         assert_eq!(
             table.markdown(),
             "| a | b |\n| :-- | --: |\n| φ̇ | 1 |\n| xx | 22 |\n"
@@ -140,12 +143,15 @@ mod tests {
             rows: vec![row(["one two three", "12345678"])],
             left: 1,
         };
-        assert_eq!(plain(&table, 20), "  one two   12345678\n  three\n");
+        let narrow = plain(&table, Some(20));
+        assert_eq!(narrow, "  one two   12345678\n  three\n");
+        // Programs and files get each row as one line.
+        assert_eq!(plain(&table, None), "  one two three  12345678\n");
     }
 
     #[test]
     fn cells_are_harmless() {
         let table = Table::of_texts(vec![row(["a\n\x1b[2Jb"])]);
-        assert_eq!(plain(&table, 80), "  a��[2Jb\n");
+        assert_eq!(plain(&table, None), "  a��[2Jb\n");
     }
 }

@@ -67,7 +67,7 @@ enum FileVerdict {
     Incomplete,
     /// Something is wrong.
     Failed,
-    /// It could not be read.
+    /// The file could not be read.
     Unreadable,
 }
 

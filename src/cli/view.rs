@@ -41,11 +41,11 @@ pub(super) struct ViewArguments {
     #[arg(long)]
     force: bool,
 
-    /// Leave out what is earlier, in seconds of simulated time.
+    /// Show only what comes at or after this simulated time.
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     from: Option<f64>,
 
-    /// Leave out what is later, in seconds of simulated time.
+    /// Show only what comes at or before this simulated time.
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     to: Option<f64>,
 
@@ -189,7 +189,7 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
     })
 }
 
-/// A recording that is shown can't be replaced by what is shown.
+/// Refuses to replace a recording that is shown by what is shown.
 fn refuse_input(arguments: &ViewArguments, name: &str) -> Result<(), Error> {
     if let Some(rrd) = arguments.rrd_of(name) {
         refuse_inputs(&rrd, arguments.files.iter().map(PathBuf::as_path))?;

@@ -42,11 +42,11 @@ pub(super) struct ViewerArguments {
 
 /// A viewer to show something in.
 pub(super) enum Target {
-    /// None was asked for.
+    /// No viewer was asked for.
     None,
-    /// One that is there or can be started.
+    /// A viewer that is there or can be started.
     Live(Live),
-    /// One that this process serves.
+    /// A viewer that this process serves.
     #[cfg(feature = "web-viewer")]
     Served(crate::rerun::WebViewer),
 }

@@ -15,13 +15,13 @@ use crate::run::simulation::EventKind;
 use crate::telemetry::fields::{NumberField, state};
 use std::collections::BTreeMap;
 
-/// Of long lists, so many entries are shown.
+/// The number of entries that are shown of a long list.
 const SHOWN: usize = 8;
 
 /// How much to show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Detail {
-    /// Of each topic the field that differs most.
+    /// The field that differs most, of each topic.
     Short,
     /// Every field.
     AllFields,
@@ -100,7 +100,7 @@ fn setup(report: &Report) -> Section {
             value(&key.b, &key.unit),
         ]
     };
-    // Of counts and digests, which follow from the rest, the sections below say more.
+    // Counts and digests follow from the rest; the sections below say more of them.
     let is_setup = |key: &&KeyDifference| {
         !key.key.starts_with("toprise.end: ") && key.key != "toprise.run: scenario_digest"
     };
@@ -483,7 +483,7 @@ fn channel_rows(channel: &ChannelDifference, detail: Detail) -> Vec<Vec<String>>
     rows
 }
 
-/// What differs most for the size of the fields with the same unit; what is not a number above all.
+/// How much a field differs for the size of the fields with its unit; infinite where one of two numbers is none.
 fn importance(field: &FieldDifference, channel: &ChannelDifference) -> f64 {
     if field.not_numbers > 0 {
         return f64::INFINITY;

@@ -20,7 +20,7 @@ pub(super) struct RunFiles {
     pub(super) rrd: Option<Draft>,
 }
 
-/// Recordings that had the names that the run would have liked.
+/// Recordings that had taken the names that the run tried first.
 pub(super) struct Earlier(Vec<PathBuf>);
 
 impl RunFiles {
