@@ -21,7 +21,6 @@ use crate::telemetry::side::Side;
 use anyhow::{Context as _, Error, bail};
 use clap::{Args, ValueEnum};
 use content::Detail;
-use std::fs;
 use std::path::PathBuf;
 
 /// Arguments of `toprise diff`.
