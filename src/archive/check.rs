@@ -13,7 +13,7 @@ pub enum Verdict {
     Incomplete,
     /// Something is wrong.
     Failed,
-    /// It could not be checked or was not asked for.
+    /// The check could not be made, or was not asked for.
     Skipped,
 }
 

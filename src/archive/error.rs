@@ -11,16 +11,16 @@ pub enum RecordingError {
     /// The file system refused.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// It is a directory.
+    /// A directory.
     #[error("it is a directory; name an MCAP file")]
     Directory,
-    /// It is a device, a pipe or the like: recordings are read at any position.
+    /// A device, a pipe or the like: recordings are read at any position.
     #[error("it is a pipe or a device; name an MCAP file")]
     NoFile,
-    /// It is empty.
+    /// An empty file.
     #[error("the file is empty")]
     Empty,
-    /// It is something else.
+    /// A file that is no MCAP file.
     #[error("not an MCAP file: it doesn't begin like one")]
     NotMcap,
     /// A topic of ours has two channels.
@@ -45,7 +45,7 @@ pub struct MessageError {
 /// Why a recording gives no scenario.
 #[derive(Debug, Error)]
 pub enum NoScenario {
-    /// It has none.
+    /// The file has no attachment with a scenario.
     #[error("no scenario is attached to it")]
     Missing,
     /// The attachment is damaged.

@@ -17,7 +17,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// Both.
+    /// All encodings.
     pub const ALL: [Self; 2] = [Self::Json, Self::Protobuf];
 
     /// Its name in MCAP channels.
@@ -156,7 +156,7 @@ impl Decoder {
         }
     }
 
-    /// The same decoder for some of the numbers only, which is faster: others and texts stay as they are in an
+    /// A decoder for some of the numbers only, which is faster: others and texts stay as they are in an
     /// empty row, and what stands behind the last of them in a message is not looked at.
     #[must_use]
     pub fn only(&self, numbers: &[usize]) -> Self {

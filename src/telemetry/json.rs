@@ -10,7 +10,7 @@ use std::io::Write as _;
 
 /// The member that every message starts with.
 const TIMESTAMP: &str = "timestamp";
-/// It has this many parts.
+/// The number of parts of a timestamp: seconds and nanoseconds.
 const STAMP_PARTS: usize = 2;
 
 /// Writes messages of all channels as JSON, exact to the last bit of each number.
@@ -147,7 +147,7 @@ impl JsonDecoder {
         Ok((decoder, present))
     }
 
-    /// The same for some of the numbers only, and the timestamp.
+    /// A decoder for some of the numbers only, and the timestamp.
     pub(super) fn only(&self, numbers: &[usize]) -> Self {
         let mut decoder = self.clone();
         decoder.message.skip_all_but(numbers);

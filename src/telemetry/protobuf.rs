@@ -31,7 +31,7 @@ pub fn file_descriptor_set(channel: &ChannelInfo) -> Vec<u8> {
     set.encode_to_vec()
 }
 
-/// The same as a `.proto` file, with the units, frames and meanings as comments.
+/// The schema of a channel's messages as a `.proto` file, with the units, frames and meanings as comments.
 #[must_use]
 pub fn proto_file(channel: &ChannelInfo) -> String {
     let mut text = format!(
@@ -322,7 +322,7 @@ impl ProtobufDecoder {
         Ok((Self { message, present }, paths.leaves))
     }
 
-    /// The same for some of the numbers only, and the timestamp.
+    /// A decoder for some of the numbers only, and the timestamp.
     pub(super) fn only(&self, numbers: &[usize]) -> Self {
         let mut decoder = self.clone();
         decoder.message.skip_all_but(numbers);

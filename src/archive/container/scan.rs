@@ -17,7 +17,7 @@ use std::ops::Range;
 const PREFIX: u64 = 256;
 /// A record that must be read as a whole to be understood is not longer than this.
 const LONGEST: u64 = 256 << 20;
-/// So much is searched at a time.
+/// Bytes that are searched at a time for the next record.
 const SEARCH_WINDOW: u64 = 1 << 20;
 /// What is read beside that to look at what might be records; what is damaged beyond that is not searched.
 const SEARCH_LIMIT: u64 = 1 << 28;

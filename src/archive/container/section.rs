@@ -248,7 +248,7 @@ impl<'a> MessageRecord<'a> {
     /// Bytes of a message record before its data.
     pub(crate) const HEAD: usize = HEAD as usize + 22;
 
-    /// The same without its data.
+    /// A copy of the head, without the data.
     pub(crate) fn without_data(&self) -> MessageRecord<'static> {
         MessageRecord { data: &[], ..*self }
     }

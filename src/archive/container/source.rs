@@ -1,6 +1,6 @@
 //! A file read at any position, by several threads at once.
 //!
-//! It is not mapped into memory: a file that shrinks while it is mapped, as one that is being replaced
+//! The file is not mapped into memory: a file that shrinks while it is mapped, as one that is being replaced
 //! does, kills the process, and reading it is as fast.
 
 use crate::archive::error::RecordingError;

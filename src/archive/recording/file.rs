@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// An MCAP file, opened for reading.
 ///
-/// It keeps where things are, not what they are: memory doesn't grow with the messages.
+/// What is kept of a file is where things are, not what they are: memory doesn't grow with the messages.
 #[derive(Debug)]
 pub struct Recording {
     pub(crate) source: Source,

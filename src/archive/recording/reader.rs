@@ -52,9 +52,9 @@ pub struct Undecoded<'a> {
 /// A message of a channel of the table, or of another.
 #[derive(Clone, Copy, Debug)]
 pub enum Any<'a> {
-    /// Of the table.
+    /// A message of a channel of the table.
     Decoded(Message<'a>),
-    /// Of another channel.
+    /// A message of another channel.
     Other(Undecoded<'a>),
 }
 

@@ -15,7 +15,7 @@ const LARGEST_SCHEMA: usize = 1 << 22;
 /// The full names of all types of a schema may take so many bytes together: a package's name, which stands
 /// there once, is part of each.
 const LARGEST_NAMES: usize = 1 << 24;
-/// So many fields of the descriptors are looked at before there is a message. Types within types unfold
+/// Fields of the descriptors that are looked at before there is a message, at most. Types within types unfold
 /// with the power of their depth.
 const FORESEEN: usize = 1024;
 /// Messages may be nested as deep as Google's parsers let them.
