@@ -39,8 +39,10 @@ pub struct Draft {
     existing: Existing,
     /// The name under which it stays if it is not published; none if it vanishes then.
     partial: Option<PathBuf>,
-    /// Whether it holds a preface, in whose place the first bytes are written.
-    has_preface: bool,
+    /// The length of the preface that it still holds.
+    preface: usize,
+    /// What will take the place of the preface, in one write.
+    first: Vec<u8>,
 }
 
 impl Draft {
@@ -55,7 +57,8 @@ impl Draft {
             path: path.to_owned(),
             existing,
             partial: None,
-            has_preface: false,
+            preface: 0,
+            first: Vec::new(),
         })
     }
 
@@ -76,7 +79,8 @@ impl Draft {
             path: path.to_owned(),
             existing,
             partial: Some(partial),
-            has_preface: !preface.is_empty(),
+            preface: preface.len(),
+            first: Vec::new(),
         };
         // Another run may have published its file and given up the partial name since the first look.
         refuse_existing(path, existing)?;
@@ -119,7 +123,9 @@ impl Draft {
     /// # Errors
     /// [`SinkError::Exists`] if the name was taken meanwhile, [`SinkError::Io`] otherwise. What a run has
     /// written stays under its partial name then.
-    pub fn publish(self) -> Result<u64, SinkError> {
+    pub fn publish(mut self) -> Result<u64, SinkError> {
+        let flushed = self.flush();
+        flushed.map_err(|error| io_error("write", self.working_name(), error))?;
         let Self {
             file,
             path,
@@ -153,22 +159,34 @@ impl Draft {
         sync_directory(&path);
         Ok(bytes)
     }
+
+    fn replace_preface(&mut self) -> io::Result<()> {
+        let file = self.file.as_file_mut();
+        file.rewind()?;
+        file.write_all(&self.first)?;
+        file.set_len(self.first.len() as u64)?;
+        self.preface = 0;
+        self.first = Vec::new();
+        Ok(())
+    }
 }
 
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if !self.has_preface {
+        if self.preface == 0 {
             return self.file.write(bytes);
         }
-        let file = self.file.as_file_mut();
-        file.rewind()?;
-        let written = file.write(bytes)?;
-        file.set_len(written as u64)?;
-        self.has_preface = false;
-        Ok(written)
+        self.first.extend_from_slice(bytes);
+        if self.first.len() > self.preface {
+            self.replace_preface()?;
+        }
+        Ok(bytes.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
+        if !self.first.is_empty() {
+            self.replace_preface()?;
+        }
         self.file.flush()
     }
 }
