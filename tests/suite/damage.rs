@@ -380,13 +380,15 @@ fn the_scenario_of_another_run_is_not_taken_for_its_own() {
         fs::read(path(&name)).unwrap()
     };
     let (a, b) = (whole("0.03"), whole("0.02"));
-    // The metadata and the scenario of one run, and all messages and the end of the other.
-    let spliced = [&a[..chunks(&a)[0].start], &b[chunks(&b)[0].start..]].concat();
+    // The metadata and the scenario of one run, something unreadable, and all messages and the end of the other.
+    let (head, rest) = (&a[..chunks(&a)[0].start], &b[chunks(&b)[0].start..]);
+    let spliced = [head, &[0xee; 40], rest].concat();
     fs::write(path("spliced.mcap"), spliced).unwrap();
     let recording = Recording::open(&path("spliced.mcap")).unwrap();
     let saved = path("saved.mcap");
     let recovered = salvage(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
-    assert!(recovered.lost.unwrap().contains("another run"));
+    let lost = recovered.lost.unwrap_or_default();
+    assert!(lost.contains("another run"), "{lost}");
     assert!(Recording::open(&saved).unwrap().recovery().is_some());
 }
 
