@@ -7,6 +7,7 @@ use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
 use toprise::archive::sink::record;
 use toprise::archive::writer::{Form, McapSink};
+use toprise::physics::math::exp;
 use toprise::run::scenario::{KEYS, Kind, Preset, Scenario};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::Telemetry;
@@ -71,7 +72,7 @@ fn scenario(random: &mut Random, reach: Reach) -> Option<Scenario> {
     let extreme = matches!(reach, Reach::Extreme);
     let spread = |random: &mut Random, middle: f64, decades: f64| {
         let decades = if extreme { 3.0 * decades } else { decades };
-        middle * 10f64.powf(decades * random.symmetric())
+        middle * exp(std::f64::consts::LN_10 * decades * random.symmetric())
     };
     let mut set = |path: &str, value: f64| values.put(path, value).is_ok();
     let mass = spread(random, 0.1, 1.0);
@@ -87,7 +88,7 @@ fn scenario(random: &mut Random, reach: Reach) -> Option<Scenario> {
     set(
         "initial.theta",
         if extreme {
-            3.14 * random.unit()
+            std::f64::consts::PI * random.unit()
         } else {
             0.05 + 1.3 * random.unit()
         },

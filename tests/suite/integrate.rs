@@ -598,7 +598,8 @@ fn dense_errors<S: System<N> + Copy, const N: usize>(
         let norm = |v: &[f64; N]| {
             let squares = (0..S::CONTROLLED).map(|i| {
                 let size = before[i].abs().max(after[i].abs());
-                (v[i] / (tolerance + tolerance * size)).powi(2)
+                let error = v[i] / (tolerance + tolerance * size);
+                error * error
             });
             (squares.sum::<f64>() / S::CONTROLLED as f64).sqrt()
         };

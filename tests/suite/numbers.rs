@@ -145,7 +145,7 @@ fn of_members_with_the_same_name_the_last_counts() {
 
 #[test]
 fn huge_integers_become_the_nearest_number() {
-    let text = r#"[9007199254740993,18446744073709551615,-9223372036854775808,1e300,100000000000000000000,-0]"#;
+    let text = r"[9007199254740993,18446744073709551615,-9223372036854775808,1e300,100000000000000000000,-0]";
     let mut values = Vec::new();
     json().decode(text.as_bytes(), &mut values).unwrap();
     let expected: [f64; 6] = [

@@ -203,9 +203,9 @@ fn the_digest_sees_every_bit_but_not_the_interleaving() {
     let sink = short_run(&[("stop.duration", "0.05")]);
     let digest = |messages: &[Owned]| {
         let mut digest = ContentDigest::default();
-        messages
-            .iter()
-            .for_each(|message| digest.update(&message.as_message()));
+        for message in messages {
+            digest.update(&message.as_message());
+        }
         digest.finish()
     };
     let original = digest(&sink.messages);

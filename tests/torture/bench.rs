@@ -8,6 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::Instant;
+use toprise::physics::math::{exp, ln};
 
 /// How the bench is started.
 #[derive(Debug, Parser)]
@@ -251,6 +252,6 @@ impl Random {
 
     /// A number between two positive ones, whose logarithm is evenly distributed.
     pub fn about(&mut self, low: f64, high: f64) -> f64 {
-        (self.between(low.ln(), high.ln())).exp()
+        exp(self.between(ln(low), ln(high)))
     }
 }

@@ -49,7 +49,7 @@ fn bomb(random: &mut Random) -> Vec<u8> {
     let mut bytes = b"\x89MCAP0\r\n".to_vec();
     let header = [&0_u32.to_le_bytes()[..], &text(library)].concat();
     bytes.extend(record(1, &header));
-    for _ in 0..1 + random.below(3) {
+    for _ in 0..=random.below(3) {
         bytes.extend(record(6, &chunk(random)));
     }
     if random.below(2) == 0 {

@@ -73,7 +73,7 @@ fn random_scenario(random: &mut Random) -> Option<(Scenario, Vec<(String, String
         keys.push((key.to_owned(), value.clone()));
         values.set(key, &value).is_ok()
     };
-    for _ in 0..1 + random.below(4) {
+    for _ in 0..=random.below(4) {
         let (key, low, high) = *random.one_of(&KEYS);
         if !set(key, format!("{:?}", random.about(low, high))) {
             return None;

@@ -58,6 +58,7 @@ impl FileChannel {
     ///
     /// # Errors
     /// [`DecodeError`] if its encoding or schema can't be read.
+    #[must_use]
     pub fn decoder(&self) -> Option<Result<Decoder, DecodeError>> {
         let data = self.schema.as_ref().map_or(&[][..], |schema| &schema.data);
         let info = self.info()?;

@@ -47,6 +47,7 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     fn regime(&self) -> Regime;
 
     /// These equations in another regime.
+    #[must_use]
     fn in_regime(self, regime: Regime) -> Self;
 
     /// The state with the contact point brought to rest at the same angular momentum about the vertical.

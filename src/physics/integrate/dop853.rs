@@ -163,11 +163,19 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     }
 
     /// The end of the last accepted step, or the start.
+    #[expect(
+        clippy::misnamed_getters,
+        reason = "the last step has a start of its own"
+    )]
     pub fn t(&self) -> f64 {
         self.last.end
     }
 
     /// The state at [`Dop853::t`].
+    #[expect(
+        clippy::misnamed_getters,
+        reason = "the last step has a start of its own"
+    )]
     pub fn y(&self) -> &[f64; N] {
         &self.last.end_y
     }
