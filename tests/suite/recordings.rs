@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use toprise::analysis::subject::Subject;
-use toprise::analysis::verify::{Options, Verdict, verify};
+use toprise::analysis::verify::{Group, Options, Verdict, verify};
 use toprise::archive::convert::{ConvertError, convert};
 use toprise::archive::memory::{MemorySink, Owned};
 use toprise::archive::publish::Existing;
@@ -567,4 +567,32 @@ proptest! {
             let _ = verify(&recording, Options::default(), &|_| {});
         }
     }
+}
+
+#[test]
+fn laws_are_judged_only_where_what_they_are_about_is_recorded() {
+    let directory = tempfile::tempdir().unwrap();
+    let judged = |name: &str, topics: &[&str]| {
+        let path = directory.path().join(name);
+        let scenario = scenario("paper", &[("stop.duration", "0.1")]);
+        archive(&path, &scenario, topics, Form::default()).unwrap();
+        let recording = Recording::open(&path).unwrap();
+        let report = verify(&recording, Options::default(), &|_| {});
+        assert_eq!(report.verdict(), Verdict::Passed, "{report:#?}");
+        let checks = report.checks.into_iter();
+        checks
+            .filter(|check| check.group == Group::Physics)
+            .collect::<Vec<_>>()
+    };
+    for topic in ["/top/state", "/top/nutation", "/events"] {
+        for check in judged(&topic.replace('/', "_"), &[topic]) {
+            assert_eq!(check.verdict, Verdict::Skipped, "{topic}: {check:?}");
+        }
+    }
+    let all = judged("all.mcap", &[]);
+    let bound = all
+        .iter()
+        .find(|check| check.name == "bound of the force")
+        .unwrap();
+    assert_eq!(bound.finding, "kept exactly at 101 instants");
 }

@@ -566,7 +566,11 @@ fn bound_of_force(scenario: &Scenario) -> Law {
         let force = contact::FRICTION_FORCE.of(now);
         let slip = contact::SLIP_WORLD.of(now);
         let bound = friction_law.bound(contact::SLIP_SPEED.of(now), contact::NORMAL_FORCE.of(now));
-        let of_size = |error: f64, size: f64| error.max(0.0) / size.max(f64::MIN_POSITIVE);
+        // Not `f64::max`, which would make nothing of what is not recorded.
+        let of_size = |error: f64, size: f64| match error {
+            ..=0.0 => 0.0,
+            error => error / size.max(f64::MIN_POSITIVE),
+        };
         let excess = of_size(force.norm() - bound, bound);
         let along = of_size(force.dot(&slip), force.norm() * slip.norm());
         (excess + along, 16.0 * EPS)
