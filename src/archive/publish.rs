@@ -254,11 +254,16 @@ fn name_partial(
             return Err(io_error("create", &name, refused.error));
         }
         if existing == Existing::Keep {
-            let advice = format!(
-                "a run is writing it, or was interrupted; save that one with `toprise recover {} OUT` \
-                 and move the file away, or choose another name",
-                name.display()
-            );
+            let advice = if path.extension().is_some_and(|kind| kind == "mcap") {
+                format!(
+                    "a run is writing it, or was interrupted; save that one with `toprise recover {} OUT` \
+                     and move the file away, or choose another name",
+                    name.display()
+                )
+            } else {
+                "a run is writing it, or was interrupted; move it away, or choose another name"
+                    .to_owned()
+            };
             return Err(exists(&name, advice));
         }
         file = refused.file;

@@ -203,9 +203,10 @@ impl DiffArguments {
     }
 }
 
-/// Refuses to write to a run that is read, or two things to one file.
+/// Refuses to write to a file that is read, or two things to one file.
 fn refuse_outputs(arguments: &DiffArguments) -> Result<(), Error> {
     let mut taken = arguments.runs.clone();
+    taken.extend(arguments.tolerances.clone());
     for output in arguments.outputs() {
         refuse_inputs(output, taken.iter().map(PathBuf::as_path))?;
         taken.push(output.clone());

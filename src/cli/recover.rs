@@ -89,6 +89,10 @@ fn completed(arguments: &RecoverArguments, recording: &Recording) -> Result<Reco
     });
     progress.finish();
     let archived = completed?;
+    // Without its channels it isn't known how the run was recorded, so the file can be another one than it would have been.
+    let form_lost = recording.channels().is_empty().then(|| {
+        "how the run was recorded: this is the whole run, simulated again, as JSON with all topics and views".to_owned()
+    });
     Ok(RecoverReport {
         file: archived.path.display().to_string(),
         bytes: archived.bytes,
@@ -98,7 +102,7 @@ fn completed(arguments: &RecoverArguments, recording: &Recording) -> Result<Reco
         messages: None,
         undecodable: 0,
         losses: Vec::new(),
-        lost: None,
+        lost: form_lost,
     })
 }
 
@@ -139,7 +143,7 @@ impl RecoverReport {
             None => "nothing: the content is what the end record says".to_owned(),
         };
         facts.push(("lost", lost));
-        if self.lost.is_some() && self.can_complete {
+        if self.lost.is_some() && self.can_complete && !self.is_completed {
             facts.push((
                 "next",
                 "the scenario is intact: --complete simulates the whole run again".to_owned(),

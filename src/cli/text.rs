@@ -8,16 +8,18 @@ const LONGEST: usize = 2000;
 
 /// Whether a character would steer a terminal, or reorder the text around it, instead of being shown.
 fn is_steering(character: char) -> bool {
-    let reorders = matches!(character, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let reorders = matches!(character, '\u{061c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     character.is_control() || reorders
 }
 
-/// A text as one line, with � for everything that would steer a terminal.
+/// A text as one line, with � for everything that would steer a terminal, and no longer than anyone reads: breaking
+/// endless words into lines would take endless time.
 pub(super) fn harmless(text: &str) -> Cow<'_, str> {
-    if text.contains(is_steering) {
-        Cow::Owned(text.replace(is_steering, "\u{fffd}"))
-    } else {
-        Cow::Borrowed(text)
+    let end = text.char_indices().nth(LONGEST).map(|(end, _)| end);
+    match end {
+        Some(end) => Cow::Owned(text[..end].replace(is_steering, "\u{fffd}") + "…"),
+        None if text.contains(is_steering) => Cow::Owned(text.replace(is_steering, "\u{fffd}")),
+        None => Cow::Borrowed(text),
     }
 }
 

@@ -101,7 +101,10 @@ fn needs_rerun(line: &str) -> bool {
 
 /// Runs what the documents show with its output, and compares.
 #[test]
-#[cfg(feature = "rerun")]
+#[cfg_attr(
+    not(feature = "rerun"),
+    ignore = "the documents show the program with Rerun"
+)]
 fn commands_print_what_the_documents_show() {
     let directory = tempfile::tempdir().unwrap();
     fs::create_dir(directory.path().join("recordings")).unwrap();

@@ -8,7 +8,7 @@ use crate::analysis::diff::{
 use crate::analysis::phrase::{duration, quantity, significant, symbol};
 use crate::archive::recording::Condition;
 use crate::cli::numbers;
-use crate::cli::page::{Page, Part, Section, Tone};
+use crate::cli::page::{Page, Section, Tone};
 use crate::cli::table::Table;
 use crate::cli::text::{clipped, end_of};
 use crate::run::simulation::EventKind;
@@ -151,12 +151,14 @@ fn happened(report: &Report) -> Section {
     };
     section.table(Table {
         header: cells(["", "A", "B", "B − A"]),
-        rows: [happening_rows(found), budget_rows(a, b)].concat(),
+        rows: [
+            first_rows(a, b, found),
+            happening_rows(found),
+            budget_rows(a, b),
+        ]
+        .concat(),
         left: 1,
     });
-    if let Part::Table(table) = &mut section.parts[0] {
-        table.rows.splice(0..0, first_rows(a, b, found));
-    }
     section.table(Table {
         header: cells([
             "events",
