@@ -90,6 +90,7 @@ mod tests {
         assert_eq!(harmless(HOSTILE), "a�[2Jb�31mc���error: forged�");
         assert_eq!(harmless("θ̇ = 1 rad/s"), "θ̇ = 1 rad/s");
         assert_eq!(message(HOSTILE), "a�[2Jb�31mc��\n  error: forged");
+        assert_eq!(harmless(&"x".repeat(3000)).chars().count(), LONGEST + 1);
         assert_eq!(message(&"x".repeat(3000)).chars().count(), LONGEST + 1);
         let json = serde_json::to_string_pretty(&[HOSTILE]).unwrap();
         let shown = harmless_json(&json);

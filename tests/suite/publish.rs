@@ -393,3 +393,46 @@ fn a_run_goes_on_without_a_rerun_recording_that_finds_no_room() {
     assert_eq!(recording.condition(), Condition::Whole);
     assert_eq!(files(directory.path()), ["x.mcap"]);
 }
+
+#[test]
+fn a_file_of_tolerances_is_read_and_never_replaced() {
+    let directory = tempdir().unwrap();
+    record(&directory, "a.mcap");
+    let tolerances = directory.path().join("tolerances.toml");
+    fs::write(&tolerances, "rel = 1e-9\n").unwrap();
+    let arguments = [
+        "diff",
+        "a.mcap",
+        "a.mcap",
+        "--tolerances",
+        "tolerances.toml",
+        "--mcap",
+        "tolerances.toml",
+        "--force",
+    ];
+    toprise(&directory, &arguments).code(2);
+    assert_eq!(fs::read_to_string(&tolerances).unwrap(), "rel = 1e-9\n");
+}
+
+#[test]
+fn a_run_completed_without_its_channels_says_what_is_not_known() {
+    let directory = tempdir().unwrap();
+    let whole = record(&directory, "a.mcap");
+    // The metadata and the attachment, without the first chunk and all that follows.
+    let (header, chunk) = (1, 6);
+    let mut end = 8;
+    while whole[end] == header || whole[end] > chunk {
+        let length = u64::from_le_bytes(whole[end + 1..end + 9].try_into().unwrap());
+        end += 9 + usize::try_from(length).unwrap();
+    }
+    fs::write(directory.path().join("cut.mcap"), &whole[..end]).unwrap();
+    let completed = ["recover", "--complete", "cut.mcap", "completed.mcap"];
+    let output = toprise(&directory, &completed)
+        .code(3)
+        .get_output()
+        .stdout
+        .clone();
+    let text = String::from_utf8(output).unwrap();
+    assert!(text.contains("how the run was recorded"), "{text}");
+    assert!(!text.contains("bit for bit"), "{text}");
+}
