@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Simulates the scenario of `recording` again and writes the whole run to `path`, if what can be read of
-/// the recording is what the simulation gives.
+/// the recording is what the simulation gives. If its channels are lost, all topics and views are written, as JSON.
 ///
 /// `progress` is told how many more bytes have been compared, in the end twice the file's.
 ///
@@ -39,9 +39,13 @@ pub fn complete(
         none if none.is_empty() => Topics::All,
         topics => Topics::Only(topics),
     });
-    let form = Form {
-        encoding: recording.encoding().unwrap_or(Encoding::Json),
-        views: recording.channels().iter().any(|channel| channel.is_view()),
+    // Without its channels nothing tells how the run was recorded.
+    let form = match recording.channels() {
+        [] => Form::default(),
+        channels => Form {
+            encoding: recording.encoding().unwrap_or(Encoding::Json),
+            views: channels.iter().any(|channel| channel.is_view()),
+        },
     };
     let mut sink = McapSink::create_in(Draft::new(path, existing)?, &scenario, &telemetry, form)?;
     let mut simulation = Simulation::new(&scenario).map_err(RecordError::from)?;

@@ -63,8 +63,10 @@ impl Draft {
     }
 
     /// Starts the recording of a run: a file that is called `NAME.partial` until it is published, and stays from
-    /// [`Draft::keep`] on. Whoever sees it finds at least the `preface`, which the first bytes replace. If [`Existing::Replace`] allows it, a `NAME.partial` that is there already is
-    /// left alone, and the next free name of `NAME.2.partial`, `NAME.3.partial`, … is taken.
+    /// [`Draft::keep`] on. Whoever sees it finds at least the `preface`, which the first bytes replace.
+    ///
+    /// A `NAME.partial` that is there already is left alone: with [`Existing::Replace`] the next free name of
+    /// `NAME.2.partial`, `NAME.3.partial`, … is taken, otherwise the run is refused.
     ///
     /// # Errors
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.

@@ -435,4 +435,7 @@ fn a_run_completed_without_its_channels_says_what_is_not_known() {
     let text = String::from_utf8(output).unwrap();
     assert!(text.contains("how the run was recorded"), "{text}");
     assert!(!text.contains("bit for bit"), "{text}");
+    // What it says it wrote, JSON with all topics and views, is what this run was recorded as.
+    let completed = fs::read(directory.path().join("completed.mcap")).unwrap();
+    assert!(completed == whole);
 }
