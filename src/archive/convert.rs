@@ -16,15 +16,15 @@ use thiserror::Error;
 /// Why a recording can't be converted.
 #[derive(Debug, Error)]
 pub enum ConvertError {
-    /// It is not ours, or not all there.
+    /// The file was written by another program, or is incomplete.
     #[error("it is {}: {advice}", condition.name())]
     Condition {
-        /// What it is.
+        /// What the file is.
         condition: Condition,
         /// What can be done.
         advice: &'static str,
     },
-    /// It has other fields than this version, which would be lost.
+    /// The recording has other fields than this version, which would be lost.
     #[error("it is from another version of toprise: {topic} differs in {}", fields.join(", "))]
     Version {
         /// The first topic that differs.
@@ -46,7 +46,7 @@ pub enum ConvertError {
     /// Parts of it can't be read.
     #[error("it is damaged: {0}; save what there is with toprise recover")]
     Damage(String),
-    /// It can't be written.
+    /// The result can't be written.
     #[error(transparent)]
     Sink(#[from] SinkError),
 }
@@ -146,7 +146,7 @@ fn raw_channels(recording: &Recording) -> impl Iterator<Item = &FileChannel> {
     recording.channels().iter().filter(|c| c.table.is_none())
 }
 
-/// The same as they are written.
+/// The channels of a recording that are copied as they are, in the form in which they are written.
 pub(crate) fn raw(recording: &Recording) -> Vec<RawChannel> {
     raw_channels(recording).map(raw_channel).collect()
 }

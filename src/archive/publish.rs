@@ -17,9 +17,9 @@ use tempfile::{Builder, NamedTempFile, PersistError, TempPath};
 /// What happens to a file that already has the name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
-    /// It stays; publishing is refused.
+    /// The existing file stays; publishing is refused.
     Keep,
-    /// It is replaced, in one moment. A symbolic link is replaced as a name: the file it leads to stays as it is.
+    /// The existing file is replaced, in one moment. A symbolic link is replaced as a name: the file it leads to stays as it is.
     Replace,
 }
 

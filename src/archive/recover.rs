@@ -20,7 +20,7 @@ use thiserror::Error;
 /// Why a recording can't be recovered.
 #[derive(Debug, Error)]
 pub enum RecoverError {
-    /// It is not ours.
+    /// The file was written by another program.
     #[error(
         "it is not a toprise recording, but written by {library:?}: `mcap recover` may save it"
     )]
@@ -28,7 +28,7 @@ pub enum RecoverError {
         /// What wrote it.
         library: String,
     },
-    /// Nothing is wrong with it.
+    /// Nothing is wrong with the recording.
     #[error("it is complete and readable throughout: there is nothing to recover")]
     Whole,
     /// Not a single channel can be read.
@@ -46,7 +46,7 @@ pub enum RecoverError {
     /// The simulation or the writing failed.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// It can't be written.
+    /// The result can't be written.
     #[error(transparent)]
     Sink(#[from] SinkError),
 }

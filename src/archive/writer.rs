@@ -29,7 +29,7 @@ use std::thread::{self, JoinHandle};
 const CHUNK_SIZE: u64 = 256 * 1024;
 /// Encoded messages travel to the writing thread in batches of about this size.
 const BATCH_BYTES: usize = 128 * 1024;
-/// So many batches may wait for the writing thread: it bounds the memory.
+/// Number of batches that may wait for the writing thread, which bounds the memory.
 const BATCHES: usize = 8;
 
 type FileWriter = Writer<NoSeek<BufWriter<Draft>>>;

@@ -128,7 +128,7 @@ impl Outlet {
 
     fn write_file(&mut self, message: LogMsg) {
         if let Some(file) = self.file.take_if(|file| !file.send(message)) {
-            // It takes no more because its thread has ended; joining it tells why.
+            // The queue takes no more because its thread has ended; joining the thread tells why.
             self.fail(file.finish().err().unwrap_or(RerunError::Worker));
         }
     }

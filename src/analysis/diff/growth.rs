@@ -1,6 +1,6 @@
 //! The law by which a difference grows.
 //!
-//! Of the difference over time only the largest values in some hundred windows are kept. Through their logarithms, over
+//! Only the largest differences in each of some hundred windows of time are kept. Through their logarithms, over
 //! the time and over its logarithm, straight lines are laid: the one that explains more tells whether the difference
 //! grows exponentially or as a power of time, unless it hardly grows at all.
 

@@ -19,7 +19,7 @@ const STORY: [Topic; 2] = [NUTATION, EVENTS];
 #[derive(Debug)]
 pub(super) struct ComparisonPlan {
     /// Whether both runs are toprise's: then topics are those of the telemetry table, and all of a message counts.
-    /// Of other files, the numbers are compared.
+    /// Files of others: their numbers are compared.
     pub(super) are_ours: bool,
     /// The topics, by the numbers that messages have as channels.
     pub(super) topics: Vec<String>,

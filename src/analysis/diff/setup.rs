@@ -133,7 +133,7 @@ fn file_differences(a: &Recording, b: &Recording) -> Vec<KeyDifference> {
 fn facts(recording: &Recording) -> Flat {
     let mut records = BTreeMap::new();
     for (name, entries) in recording.all_metadata() {
-        // Of records with the same name, the first counts.
+        // The first of several records with one name counts.
         records.entry(name).or_insert(entries);
     }
     let mut facts = Flat::new();

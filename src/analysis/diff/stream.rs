@@ -35,7 +35,7 @@ pub(super) enum Parcel {
 
 /// Reads these topics of a run to its end, or until nobody takes its batches any more.
 ///
-/// Of two runs of toprise (`are_ours`), messages are read as the telemetry table has them; else their numbers,
+/// Messages of two runs of toprise (`are_ours`) are read as the telemetry table has them; else their numbers,
 /// whatever they are.
 pub(super) fn read(run: Subject<'_>, are_ours: bool, topics: &[String], out: &SyncSender<Parcel>) {
     let mut posting = Posting {

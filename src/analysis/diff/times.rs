@@ -4,7 +4,7 @@ use crate::analysis::subject::Subject;
 use crate::archive::recording::Selection;
 use std::collections::BTreeMap;
 
-/// So many times at the beginning of a topic tell whether two files have the same times.
+/// Number of times at the beginning of a topic that tell whether two files have the same times.
 const TIMES: usize = 4096;
 
 /// The times of the messages of a topic at the beginning of a file, ns, in rising order.

@@ -169,7 +169,7 @@ fn syntax(text: &str, error: &toml::de::Error) -> ScenarioError {
     if told.len() <= LONGEST_SYNTAX {
         return ScenarioError::Syntax(told);
     }
-    // It repeats a line that nobody could read.
+    // The parser repeats the line, which nobody could read.
     let before = error.span().and_then(|span| text.get(..span.start));
     let line = before.map_or(1, |before| 1 + before.matches('\n').count());
     ScenarioError::Syntax(format!("in line {line}: {}", excerpt(error.message())))

@@ -6,9 +6,9 @@ use crate::telemetry::proportions::Proportions;
 /// Lengths of arrows in metres per unit; none where there is nothing to draw.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
-    /// Of slip velocities, m per m/s.
+    /// Scale of slip velocities, m per m/s.
     pub(super) slip: Option<f64>,
-    /// Of torques, m per N m.
+    /// Scale of torques, m per N m.
     pub(super) torque: Option<f64>,
 }
 

@@ -86,7 +86,7 @@ impl Value<'_, '_> {
             filling,
         } = self;
         node.member(segment, next, |node| {
-            // Of members with the same name the last counts.
+            // The last of several members with one name counts.
             filling.forget(node);
             filling.meet(node);
             read(Value {

@@ -399,7 +399,7 @@ impl Reading<'_> {
         let mut next = map.elements;
         map.elements += 1;
         map.member(&segment, &mut next, |node| {
-            // Of entries with the same key the last counts.
+            // The last of several entries with one key counts.
             self.filling.forget(node);
             self.value(field.kind, value.unwrap_or(field.kind.zero()), node, &place)
         })

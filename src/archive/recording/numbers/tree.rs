@@ -234,7 +234,7 @@ impl<'a> Filling<'a> {
                 node.met_in = self.tree.messages;
                 self.values[slot] = value;
             }
-            // It was counted with the message in which it stands.
+            // The value was counted with the message in which it stands.
             None if node.is_implicit => {}
             None => self.miss(1),
         }
