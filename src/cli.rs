@@ -36,9 +36,10 @@ mod viewer;
 
 use crate::analysis;
 use anyhow::Error;
-use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand};
+use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum as _};
 use done::Done;
 use schemars::{JsonSchema, schema_for};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Simulate how a spinning top rises, record every torque, and find out why.
@@ -187,7 +188,8 @@ enum Command {
 /// Runs the program with the arguments of the process.
 #[must_use]
 pub fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let arguments = match parse(&words) {
         Ok(arguments) => arguments,
         Err(answer) => return told_usage(&answer),
     };
@@ -199,6 +201,27 @@ pub fn main() -> ExitCode {
             Done::Unreadable.into()
         }
     }
+}
+
+/// Parses the arguments. What is wrong with them is told in the colours that they ask for, and without what would
+/// steer a terminal.
+fn parse(words: &[OsString]) -> Result<Arguments, clap::Error> {
+    Arguments::try_parse_from(words).map_err(|answer| {
+        let harmless = words.iter().map(|word| word.to_string_lossy());
+        let harmless = harmless.map(|word| text::harmless(&word).into_owned());
+        let command = Arguments::command().color(wanted_color(words));
+        let shown = command.try_get_matches_from(harmless);
+        shown.err().unwrap_or(answer)
+    })
+}
+
+/// The value of `--color` in arguments that may be wrong.
+fn wanted_color(words: &[OsString]) -> ColorChoice {
+    let mut words = words.iter().filter_map(|word| word.to_str());
+    let value = words.find_map(|word| word.strip_prefix("--color"));
+    let value = value.and_then(|value| value.strip_prefix('=').or_else(|| words.next()));
+    let color = value.and_then(|value| ColorChoice::from_str(value, false).ok());
+    color.unwrap_or_default()
 }
 
 /// Prints the help, the version, or what is wrong with the arguments.
@@ -283,6 +306,30 @@ mod tests {
             assert!(arguments.quiet && arguments.color == ColorChoice::Never);
         }
         assert!(Arguments::try_parse_from(["toprise", "--color", "pink", "laws"]).is_err());
+    }
+
+    #[test]
+    fn wrong_arguments_neither_steer_the_terminal_nor_change_its_colours() {
+        let shown = |line: &str| {
+            let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+            parse(&words).unwrap_err().render()
+        };
+        let shown_plainly =
+            shown("toprise --no-\x1b[2Jsuch\u{202e}-option\nerror: forged").to_string();
+        assert!(
+            shown_plainly.contains("--no-�[2Jsuch�-option�error:"),
+            "{shown_plainly}"
+        );
+        for (line, color) in [
+            ("toprise --color=never --help", ColorChoice::Never),
+            ("toprise laws --color always --wrong", ColorChoice::Always),
+            ("toprise --color pink", ColorChoice::Auto),
+            ("toprise --color", ColorChoice::Auto),
+        ] {
+            let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+            assert!(parse(&words).is_err(), "{line}");
+            assert_eq!(wanted_color(&words), color, "{line}");
+        }
     }
 
     #[test]

@@ -53,15 +53,15 @@ pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result
     Ok(Given::Recording(Box::new(recording)))
 }
 
-/// Reads the scenario that a word means, a preset or a file, and sets some of its keys.
+/// Reads the scenario that a word means, a preset, a file or the one in a recording, and sets some of its keys.
 pub(super) fn scenario(word: &Path, overrides: &[Override]) -> Result<Scenario, Error> {
     let name = || word.display().to_string();
     let is_file = has_extension(word, "toml") || has_directory(word) || word.is_file();
     let mut values = if is_preset(word) || !is_file {
         Preset::find(&word.to_string_lossy())?.values()?
     } else {
-        let text = read_file(Path::new(word))
-            .with_context(|| format!("cannot read the scenario {}", name()))?;
+        let text =
+            scenario_text(word).with_context(|| format!("cannot read the scenario {}", name()))?;
         Values::from_toml(&text).with_context(name)?
     };
     for (key, value) in overrides {
@@ -70,6 +70,15 @@ pub(super) fn scenario(word: &Path, overrides: &[Override]) -> Result<Scenario, 
             .with_context(|| format!("--set {key}={value}"))?;
     }
     Scenario::new(values).with_context(name)
+}
+
+/// The text of a scenario file, or of the scenario that a recording was made from.
+fn scenario_text(path: &Path) -> Result<String, Error> {
+    if has_extension(path, "mcap") {
+        Ok(Recording::open(path)?.scenario_text()?)
+    } else {
+        read_file(path)
+    }
 }
 
 fn is_preset(word: &Path) -> bool {

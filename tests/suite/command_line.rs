@@ -65,6 +65,34 @@ fn a_second_run_takes_the_next_name_and_says_that_it_is_identical() {
 }
 
 #[test]
+fn a_recording_can_be_run_again_and_with_another_value() {
+    let directory = tempdir().unwrap();
+    let run = |words: &[&str]| {
+        let mut command = toprise(&directory);
+        command.arg("run").args(words);
+        command
+    };
+    run(&SHORT[1..]).args(["-o", "a.mcap"]).assert().success();
+    run(&["a.mcap", "-o", "b.mcap"]).assert().success();
+    let read = |name: &str| fs::read(directory.path().join(name)).unwrap();
+    assert!(read("a.mcap") == read("b.mcap"));
+    run(&["a.mcap", "--set", "friction.k=0.02", "-o", "c.mcap"])
+        .assert()
+        .success();
+    let compared = toprise(&directory)
+        .args(["diff", "a.mcap", "c.mcap"])
+        .assert()
+        .code(1);
+    let text = String::from_utf8_lossy(&compared.get_output().stdout).into_owned();
+    assert!(text.contains("friction.k"), "{text}");
+    // The recording that is read is never replaced.
+    let refused = run(&["a.mcap", "-o", "a.mcap", "--force"]).assert().code(2);
+    let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(error.contains("a.mcap"), "{error}");
+    assert!(read("a.mcap") == read("b.mcap"));
+}
+
+#[test]
 fn an_explicit_output_that_exists_needs_force() {
     let directory = tempdir().unwrap();
     let run = |extra: &[&str]| {

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// Arguments of `toprise run`.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub(crate) struct RunArguments {
-    /// A preset (see `toprise presets`) or a scenario file.
+    /// A preset (see `toprise presets`), a scenario file, or a recording, whose scenario is run again.
     #[arg(default_value = "paper")]
     pub(super) scenario: PathBuf,
 
