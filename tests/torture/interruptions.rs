@@ -220,10 +220,24 @@ pub fn signals() -> Result<Trial, String> {
 
 /// Sends a signal that asks for an end.
 fn ask(program: &Child, random: &mut Random) -> &'static str {
-    let signal = *random.one_of(&["-INT", "-TERM"]);
+    // A shell starts what stands before `&` with Ctrl-C ignored, which the programs below inherit.
+    let signals = if is_ctrl_c_ignored() {
+        &["-TERM"][..]
+    } else {
+        &["-INT", "-TERM"]
+    };
+    let signal = *random.one_of(signals);
     let id = program.id().to_string();
     Command::new("kill").args([signal, &id]).status().unwrap();
     signal
+}
+
+/// Whether this process, and so what it starts, ignores Ctrl-C, as far as the system tells.
+fn is_ctrl_c_ignored() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    ignored.is_some_and(|mask| mask & 0b10 != 0)
 }
 
 fn is_sound(path: &Path) -> Result<(), String> {
