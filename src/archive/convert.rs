@@ -1,6 +1,8 @@
 //! A recording in another encoding: the same content, metadata and attachments.
 
-use crate::archive::format::{CONTENT_DIGEST, END_RECORD, LIBRARY, RECOVERY_RECORD};
+use crate::archive::format::{
+    CONTENT_DIGEST, ENCODING, END_RECORD, LIBRARY, RECOVERY_RECORD, RUN_RECORD,
+};
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::recording::{
     Any, Condition, Entries, FileChannel, MessageError, Recording, Selection, Undecoded,
@@ -98,12 +100,26 @@ fn opening(recording: &Recording, encoding: Encoding) -> Result<Opening, Convert
     let attachments = attachments(recording).collect::<Result<_, _>>()?;
     Ok(Opening {
         library: LIBRARY,
-        metadata: metadata_but(recording, &[END_RECORD, RECOVERY_RECORD]).collect(),
+        metadata: metadata_but(recording, &[END_RECORD, RECOVERY_RECORD])
+            .map(|(name, mut entries)| {
+                if name == RUN_RECORD {
+                    name_encoding(&mut entries, encoding);
+                }
+                (name, entries)
+            })
+            .collect(),
         attachments,
         encoding,
         wanted: wanted(recording),
         raw: raw(recording),
     })
+}
+
+/// Names another encoding in the record of the run, if it names one.
+fn name_encoding(run: &mut Entries, encoding: Encoding) {
+    if let Some(named) = run.get_mut(ENCODING) {
+        encoding.name().clone_into(named);
+    }
 }
 
 /// The metadata records of a recording, but for those with some names.

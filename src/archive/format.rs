@@ -10,8 +10,10 @@
 
 use crate::run::scenario::Scenario;
 use crate::run::simulation::Outcome;
-use crate::telemetry::Topic;
+use crate::telemetry::encoding::Encoding;
 use crate::telemetry::fields::{EVENTS, NUTATION, STATE};
+use crate::telemetry::table;
+use crate::telemetry::{Topic, Topics};
 use mcap::Attachment;
 use std::collections::BTreeMap;
 
@@ -31,6 +33,14 @@ pub const LIBRARY: &str = concat!("toprise/", env!("CARGO_PKG_VERSION"));
 
 /// Key of [`RUN_RECORD`]: the version of toprise that simulated the run.
 pub const VERSION: &str = "version";
+/// Key of [`RUN_RECORD`]: the version of the telemetry, [`table::VERSION`]. Recordings of version 1 lack it.
+pub const TELEMETRY: &str = "telemetry";
+/// Key of [`RUN_RECORD`]: the encoding of the table's channels.
+pub const ENCODING: &str = "encoding";
+/// Key of [`RUN_RECORD`]: whether there are channels for viewers, `yes` or `no`.
+pub const VIEWS: &str = "views";
+/// Key of [`RUN_RECORD`]: the topics of the table that are recorded, separated by commas, or `all`.
+pub const TOPICS: &str = "topics";
 /// Key of [`RUN_RECORD`]: the digest of the scenario.
 pub const SCENARIO_DIGEST: &str = "scenario_digest";
 /// Key of [`RUN_RECORD`]: the time between samples, ns.
@@ -47,6 +57,9 @@ pub const CONTENT_DIGEST: &str = "content_digest";
 pub const LOST: &str = "lost";
 /// Key of [`RECOVERY_RECORD`]: the content digest that the whole recording had.
 pub const ORIGINAL_CONTENT_DIGEST: &str = "original_content_digest";
+
+/// The value of [`TOPICS`] for all topics of the table.
+const ALL_TOPICS: &str = "all";
 
 /// Keys of [`END_RECORD`] that count messages, each with the topic whose messages it counts.
 pub const COUNTS: [(&str, Topic); 3] = [
@@ -70,11 +83,12 @@ pub fn scenario_attachment(toml: String) -> Attachment<'static> {
     }
 }
 
-/// The entries of [`RUN_RECORD`].
+/// The entries of [`RUN_RECORD`] that say which run it is.
 #[must_use]
 pub fn run_entries(scenario: &Scenario) -> Entries {
     entries([
         (VERSION, env!("CARGO_PKG_VERSION").to_owned()),
+        (TELEMETRY, table::VERSION.to_string()),
         ("scenario", scenario.name().to_owned()),
         (SCENARIO_DIGEST, scenario.digest()),
         ("formulation", scenario.word("formulation").to_owned()),
@@ -82,6 +96,50 @@ pub fn run_entries(scenario: &Scenario) -> Entries {
         (SAMPLE_PERIOD, scenario.sample_period_ns.to_string()),
         ("epoch", "simulation start".to_owned()),
     ])
+}
+
+/// The entries of [`RUN_RECORD`] that say in which form the run is recorded: with the scenario they determine every
+/// byte of the file.
+#[must_use]
+pub fn form_entries(encoding: Encoding, views: bool, topics: &Topics) -> Entries {
+    let topics = match topics {
+        Topics::All => ALL_TOPICS.to_owned(),
+        Topics::Only(topics) => {
+            let names: Vec<_> = topics.iter().map(|topic| topic.name()).collect();
+            names.join(",")
+        }
+    };
+    let views = if views { "yes" } else { "no" };
+    entries([
+        (ENCODING, encoding.name().to_owned()),
+        (VIEWS, views.to_owned()),
+        (TOPICS, topics),
+    ])
+}
+
+/// The form that the entries of [`RUN_RECORD`] name: the encoding, whether there are views, and the topics. None if they
+/// don't: those of version 1 of the telemetry didn't.
+#[must_use]
+pub fn recorded_form(run: &Entries) -> Option<(Encoding, bool, Topics)> {
+    let topics = match run.get(TOPICS)?.as_str() {
+        ALL_TOPICS => Topics::All,
+        "" => Topics::Only(Vec::new()),
+        names => Topics::named(&names.split(',').collect::<Vec<_>>()).ok()?,
+    };
+    let views = match run.get(VIEWS)?.as_str() {
+        "yes" => true,
+        "no" => false,
+        _ => return None,
+    };
+    Some((Encoding::find(run.get(ENCODING)?)?, views, topics))
+}
+
+/// The version of the telemetry that a recording with these entries of [`RUN_RECORD`] holds; none if that is not a
+/// number.
+#[must_use]
+pub fn telemetry_version(run: &Entries) -> Option<u32> {
+    run.get(TELEMETRY)
+        .map_or(Some(1), |version| version.parse().ok())
 }
 
 /// The entries of [`END_RECORD`], but for the content digest.

@@ -6,8 +6,8 @@
 //! after the other: the bytes are those of a single thread.
 
 use crate::archive::format::{
-    CONTENT_DIGEST, END_RECORD, Entries, LIBRARY, RUN_RECORD, end_entries, run_entries,
-    scenario_attachment,
+    CONTENT_DIGEST, END_RECORD, Entries, LIBRARY, RUN_RECORD, end_entries, form_entries,
+    run_entries, scenario_attachment,
 };
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::{Sink, SinkError};
@@ -520,9 +520,11 @@ fn opening_of_run(
 ) -> (Opening, Option<Views>) {
     let wants = |topic| telemetry.wants(topic);
     let views = form.views.then(|| Views::new(scenario, wants));
+    let mut run = run_entries(scenario);
+    run.extend(form_entries(form.encoding, form.views, telemetry.topics()));
     let opening = Opening {
         library: LIBRARY,
-        metadata: vec![(RUN_RECORD.to_owned(), run_entries(scenario))],
+        metadata: vec![(RUN_RECORD.to_owned(), run)],
         attachments: vec![scenario_attachment(scenario.to_toml())],
         encoding: form.encoding,
         wanted: Topic::all().map(wants).collect(),

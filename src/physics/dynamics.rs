@@ -19,5 +19,5 @@ mod model;
 pub use body::BodyRotation;
 pub use euler::EulerAngles;
 pub use formulation::{Formulation, Motion, Regime};
-pub use integrals::{INTEGRALS, Integrals};
+pub use integrals::{INTEGRALS, Integrals, TERMS_SINE, TermIntegrals};
 pub use model::{Accelerations, Model};

@@ -1,7 +1,9 @@
 //! The rigid body: a heavy symmetric top with a spherical peg, and what gravity does to it.
 
 use crate::physics::kinematics::{Euler, Tilt};
+use crate::physics::math::cos;
 use nalgebra::Vector3;
+use std::f64::consts::TAU;
 
 /// A symmetric top whose peg is a sphere, on a horizontal table, in uniform gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,6 +153,39 @@ impl Top {
             fast: half_sum / quadratic,
         };
         (roots.slow.is_finite() && roots.fast.is_finite()).then_some(roots)
+    }
+
+    /// The period of nutation without friction, s, given a state of it and the least and greatest θ, rad: exact for any
+    /// amplitude. `None` where the motion would not come back.
+    ///
+    /// With u = cos θ the motion is u̇² = β (u − u₁)(u − u₂)(u − u₃), β = 2 M g l/I_x, of which u₁ and u₂ are the given
+    /// extremes, and the sum of the roots follows from the conserved energy and axial angular momentum. The period is
+    /// 2π over the arithmetic-geometric mean of √(β (u₃ − u₁)) and √(β (u₃ − u₂)). Where the extremes meet, both are
+    /// the frequency of small nutations, ω² = (L_n/I_x − 2 φ̇ cos θ)² + (φ̇ sin θ)².
+    #[must_use]
+    pub fn nutation_period(&self, tilt: &Tilt, [least, greatest]: [f64; 2]) -> Option<f64> {
+        let (lower, upper) = (cos(greatest), cos(least));
+        let gravity = 2.0 * self.gravity_moment() / self.transverse_moment;
+        let axial = self.axial_moment * tilt.axial_rate() / self.transverse_moment;
+        let omega = tilt.omega_node();
+        // β (u₁ + u₂ + u₃): twice the energy over I_x, less what is in the turning about the axis, and (L_n/I_x)².
+        let sum = omega.x * omega.x + omega.y * omega.y + gravity * tilt.cos + axial * axial;
+        let squares = [
+            sum - gravity * (2.0 * lower + upper),
+            sum - gravity * (lower + 2.0 * upper),
+        ];
+        if !squares.iter().all(|square| *square > 0.0) {
+            return None;
+        }
+        let [mut arithmetic, mut geometric] = squares.map(f64::sqrt);
+        // Quadratic convergence: the next round would be exact.
+        while (arithmetic - geometric).abs() > 1e-8 * arithmetic {
+            (arithmetic, geometric) = (
+                0.5 * (arithmetic + geometric),
+                (arithmetic * geometric).sqrt(),
+            );
+        }
+        Some(TAU / arithmetic).filter(|period| period.is_finite())
     }
 
     /// `|a| / sqrt(4 M g l / I_x)` with `a = I_z (ψ̇ + φ̇ cos θ) / I_x`: above 1 the top is strong, below

@@ -27,6 +27,7 @@ pub enum TelemetryError {
 /// Turns the records of a run into messages.
 #[derive(Debug)]
 pub struct Telemetry {
+    topics: Topics,
     wanted: Vec<bool>,
     numbers: Vec<f64>,
     texts: Vec<String>,
@@ -36,6 +37,7 @@ impl Default for Telemetry {
     /// Makes messages of all topics.
     fn default() -> Self {
         Self {
+            topics: Topics::All,
             wanted: vec![true; channels().len()],
             numbers: Vec::new(),
             texts: Vec::new(),
@@ -47,10 +49,22 @@ impl Telemetry {
     /// Only the messages of some topics.
     #[must_use]
     pub fn with_topics(topics: &Topics) -> Self {
+        let wanted: Vec<_> = Topic::all().map(|topic| topics.include(&topic)).collect();
+        let chosen = Topic::all().filter(|topic| wanted[topic.index()]).collect();
         Self {
-            wanted: Topic::all().map(|topic| topics.include(&topic)).collect(),
+            topics: match wanted.iter().all(|is_wanted| *is_wanted) {
+                true => Topics::All,
+                false => Topics::Only(chosen),
+            },
+            wanted,
             ..Self::default()
         }
+    }
+
+    /// The topics whose messages are made, in table order.
+    #[must_use]
+    pub fn topics(&self) -> &Topics {
+        &self.topics
     }
 
     /// Whether messages of this topic are made.

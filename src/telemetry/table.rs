@@ -4,6 +4,14 @@ use super::quantity::Quantity::{self, *};
 use crate::run::simulation::{Event, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
 
+/// The version of the telemetry: of what is recorded, and how it is computed. Whoever changes a channel, or what its
+/// numbers are for a given motion, raises it.
+///
+/// 1. The first, whose recordings don't name it.
+/// 2. Nutation cycles are only those whose period is that of a nutation, and have the ranges of the rates. Integrals of
+///    the terms of φ̈ and ψ̈, the work about each axis of the node frame and that of the friction force are recorded.
+pub const VERSION: u32 = 2;
+
 /// A channel whose messages are made from values of type `S`.
 #[derive(Debug)]
 pub struct Channel<S: 'static> {
@@ -162,7 +170,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     },
     Channel {
         topic: "/top/acceleration", schema: "toprise.Acceleration",
-        meaning: "the terms of the equations of motion: why the top rises at this instant",
+        meaning: "the terms of the equations of motion: why the top rises at this instant, and what they have added up to",
         present: None,
         fields: &[
             together("theta_ddot", number("theta_ddot.gyroscopic", Acceleration, "−(I_z/I_x) φ̇ sin θ (ψ̇ + φ̇ cos θ)", |s| s.accelerations.gyroscopic.theta)),
@@ -175,6 +183,10 @@ pub const SAMPLES: &[Channel<Sample>] = &[
             together("psi_ddot", number("psi_ddot.gyroscopic", Acceleration, "−(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ) cos θ/sin θ", |s| s.accelerations.gyroscopic.psi)),
             together("psi_ddot", number("psi_ddot.coriolis", Acceleration, "2 θ̇ φ̇ cos² θ/sin θ + θ̇ φ̇ sin θ", |s| s.accelerations.inertial.psi)),
             together("psi_ddot", number("psi_ddot.frictional", Acceleration, "the term of friction, −k M g R ψ̇ (cos² θ/I_x + sin² θ/I_z)/|ω_⊥| in the paper", |s| s.accelerations.frictional.psi)),
+            together("phi_dot", number("phi_dot.gyroscopic", Rate, "what the gyroscopic term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_gyroscopic)),
+            together("phi_dot", number("phi_dot.coriolis", Rate, "what the Coriolis term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_coriolis)),
+            together("phi_dot", number("phi_dot.frictional", Rate, "what the frictional term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_frictional)),
+            number("psi_dot.frictional", Rate, "what the frictional term of ψ̈ has changed ψ̇ by since the start", |s| s.integrals.terms.psi_frictional),
         ],
     },
     Channel {
@@ -190,6 +202,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
             vector("contact_point", Length, WORLD, "the point of contact", |s| s.contact_point),
             number("slip_path", Length, "length of the path slipped since the start", |s| s.integrals.slip_path),
             number("regime", Number, "1 slipping, 0 not slipping", |s| if s.contact.slip_speed > 0.0 { 1.0 } else { 0.0 }),
+            number("slip_work", Energy, "work of the friction force along the path slipped since the start", |s| s.integrals.slip_work),
         ],
     },
     Channel {
@@ -202,6 +215,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
             together("mechanical", number("total", Energy, "total energy", |s| s.energy())),
             number("friction_power", Power, "power of the torque of friction", |s| s.friction_power),
             number("friction_work", Energy, "work of friction since the start", |s| s.integrals.friction_work),
+            vector("friction_work_node", Energy, NODE, "work of friction about each axis since the start", |s| s.integrals.work_node),
         ],
     },
     Channel {
@@ -243,6 +257,13 @@ pub const NUTATION: Channel<NutationCycle> = Channel {
         number("theta_dot_mean", Rate, "mean of θ̇", |c| c.mean_rates.theta),
         number("phi_dot_mean", Rate, "mean of φ̇", |c| c.mean_rates.phi),
         number("psi_dot_mean", Rate, "mean of ψ̇", |c| c.mean_rates.psi),
+        together("theta_dot_range", number("theta_dot_min", Rate, "least θ̇ in it", |c| c.least_rates.theta)),
+        together("theta_dot_range", number("theta_dot_max", Rate, "greatest θ̇ in it", |c| c.greatest_rates.theta)),
+        together("phi_dot_range", number("phi_dot_min", Rate, "least φ̇ in it", |c| c.least_rates.phi)),
+        together("phi_dot_range", number("phi_dot_max", Rate, "greatest φ̇ in it", |c| c.greatest_rates.phi)),
+        together("psi_dot_range", number("psi_dot_min", Rate, "least ψ̇ in it", |c| c.least_rates.psi)),
+        together("psi_dot_range", number("psi_dot_max", Rate, "greatest ψ̇ in it", |c| c.greatest_rates.psi)),
+        number("phi_ddot_frictional_mean", Acceleration, "mean of the frictional term of φ̈", |c| c.mean_phi_frictional),
     ],
 };
 

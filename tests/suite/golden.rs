@@ -15,19 +15,19 @@ use toprise::telemetry::{Telemetry, TelemetryError};
 /// Preset, messages, steps, content digest at its own sample period with all topics.
 #[rustfmt::skip]
 const GOLDEN: &[(&str, u64, u64, &str)] = &[
-    ("paper", 198977, 10642, "ff4a1f2e2b70df2128aee818b72ac4adacf5bfffe6d042eb5341ab1f90048396"),
-    ("paper-precession-term-only", 578479, 188008, "bafaf14a9ccd77da305f04c6110fcf791bd1bc6649466816bf88eccd1a168ac2"),
-    ("paper-spin-term-only", 245110, 4609, "df005620ce0e51752d31993c7215aacd5db9008ca834d5383306917c65bcc2b1"),
-    ("full-coulomb", 198378, 10125, "8651e0c180f55cb63c5a083401746ab22fee45dc5be172c41eebe7c01e56e99e"),
-    ("frictionless", 161372, 6456, "a5a04e1700102fb098cae570ba82b386b03465d8fafed059e787bfecc337ebda"),
-    ("nutation-free", 198413, 4771, "25748047f5071fc767a0ede8c54315d439b1434ec5250e9aad8c26d74b8b5604"),
-    ("tilt-torque-only", 217112, 12759, "4ea467ecd7fd5975b0e825c39fa4d70070a89d5051241d374a7d637edd1fb1b8"),
-    ("spin-torque-only", 770843, 16556, "7ee86649ba97ec7a9d1aba09ca4f7aa2c2da2df6630aa143f7d52c25bd945465"),
-    ("rise-by-loss-of-spin", 218490, 6423, "8a0856b9d104ace65236f019b005afdc90ed5649f81e22c3cff71fb23131a801"),
-    ("viscous", 597437, 32975, "3f2d809c1b61bf3ca6558448f1b4ee026eebcaa7ce7789b6ee321b9e20e8da29"),
-    ("stribeck", 177608, 9251, "12cbc889cf976022c4628ce6e68be5a29d712bd0418ad77bcd9276ac47ccf17d"),
-    ("contensou", 219842, 11234, "99dc7d46e5e8d764e7643b18c34ab0e79cae9e43c0e6bd5a92bfe7860dfdac9c"),
-    ("lifecycle", 624365, 14266, "0a081af1c3f8fdda8e59c4e30c09c13f04e5d808a1c40eeeaa2a9f545dd153dc"),
+    ("paper", 198977, 10642, "48c0a0e4ccca0abb11634023936bebb4668e7e652320fb56dac9e06aef663310"),
+    ("paper-precession-term-only", 578479, 188008, "c5f1f572a3e2744e4273f760aa08e1a34bfc4a10f5be4cc20f9ad1e1d8d2d71d"),
+    ("paper-spin-term-only", 245109, 4609, "9993efa82836594973e71df9d13410706f7e47b14d22a43117c67d1697e9def8"),
+    ("full-coulomb", 198378, 10125, "d969a74c70f16df87aa732ba4076b42b23d1a4c15976ee3460139b001d9e6ed6"),
+    ("frictionless", 161372, 6456, "d6aad3658a47e487eb4024611ab70229a8d0236cb5729f6e16e6513d8feb0e9b"),
+    ("nutation-free", 198413, 4771, "5aa6ec668904d99a6ffaf7b98ebdfff6638e23c2b9e19ced0263deb9758ec531"),
+    ("tilt-torque-only", 217112, 12759, "2410f31a90455634046f1973485d822f67bfdec393f15b90cc6cd93fe1b7ebd2"),
+    ("spin-torque-only", 770842, 16556, "bc706fc6cecf0bdf4b214b74cb2a0d4dcfd758d45c23c6a187a02e11c858f5c4"),
+    ("rise-by-loss-of-spin", 218490, 6423, "df5f86d2583e88cd8909d282a5ea7e1982b9cce811e880513541a6ae30229533"),
+    ("viscous", 597437, 32975, "e1bbea8310a26722e5e3cb6169b7886c01616eca9c75bb7c9e45430eb14ccb6d"),
+    ("stribeck", 177608, 9251, "65c0281beded40eea059c18a59ffd49bcf3016c3624359ea5aded20fa991a73d"),
+    ("contensou", 219842, 11234, "5d2689e13b51267077d2cba611e2af2258dc1f38bf29bb1add878dfd052feeb7"),
+    ("lifecycle", 624364, 14266, "8ff580691e4e2f7c9034b4d84d6f04c613fc3d703efd94d90884f8fc6eb15c53"),
 ];
 
 /// The presets of which there are reference recordings.

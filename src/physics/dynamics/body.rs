@@ -1,7 +1,7 @@
 //! Variables without a singularity: orientation as a quaternion and angular momentum.
 
 use super::formulation::{Formulation, Motion, Regime};
-use super::integrals::{INTEGRALS, integrals};
+use super::integrals::{INTEGRALS, Integrals, integrals, with_integrals};
 use super::model::Model;
 use crate::physics::integrate::System;
 use crate::physics::kinematics::{Euler, Tilt, euler_angles, lean_to_world, world_from_body};
@@ -111,11 +111,14 @@ impl System<SIZE> for BodyRotation {
         let omega = lean.in_world(&tilt.omega_lean);
         let turning = Quaternion::from_imag(omega) * q * 0.5;
         let theta = atan2(lean.sin, lean.cos);
-        let [work, path, theta] = self.model.integrands(&contact, &friction, &tilt, theta);
-        [
-            turning.i, turning.j, turning.k, turning.w, torque.x, torque.y, torque.z, work, path,
-            theta,
-        ]
+        let terms = self.model.accelerations(&contact, &tilt);
+        let integrands = self
+            .model
+            .integrands(&contact, &friction, &tilt, &terms, theta);
+        let first = [
+            turning.i, turning.j, turning.k, turning.w, torque.x, torque.y, torque.z,
+        ];
+        with_integrals(first, &integrands)
     }
 }
 
@@ -125,9 +128,8 @@ impl Formulation<SIZE> for BodyRotation {
         let tilt = Tilt::from_rates(angles.theta, rates);
         let momentum_lean = tilt.node_to_lean(&model.top.angular_momentum_node(&tilt));
         let momentum = lean_to_world(&momentum_lean, angles.phi);
-        [
-            q.i, q.j, q.k, q.w, momentum.x, momentum.y, momentum.z, 0.0, 0.0, 0.0,
-        ]
+        let first = [q.i, q.j, q.k, q.w, momentum.x, momentum.y, momentum.z];
+        with_integrals(first, &Integrals::default())
     }
 
     fn motion(&self, y: &[f64; SIZE], reference: Euler) -> Motion {

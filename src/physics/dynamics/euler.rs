@@ -1,7 +1,7 @@
 //! The paper's own variables: Euler angles and their rates, equations (7).
 
 use super::formulation::{Formulation, Motion, Regime};
-use super::integrals::{INTEGRALS, integrals};
+use super::integrals::{INTEGRALS, Integrals, integrals, with_integrals};
 use super::model::Model;
 use crate::physics::integrate::System;
 use crate::physics::kinematics::{Euler, Tilt, world_from_body};
@@ -39,39 +39,38 @@ impl System<SIZE> for EulerAngles {
         let rates = rates(y);
         let tilt = Tilt::from_rates(y[1], rates);
         let contact = self.model.contact(&tilt);
-        let mut acceleration = self.model.accelerations(&contact, &tilt).total();
+        let terms = self.model.accelerations(&contact, &tilt);
+        let mut acceleration = terms.total();
         if self.regime == Regime::Sticking {
             (acceleration.theta, acceleration.psi) = (0.0, 0.0);
         }
         let torque = self.model.friction_torque(&contact, &tilt);
-        let [work, path, theta] = self.model.integrands(&contact, &torque, &tilt, y[1]);
-        [
+        let integrands = self
+            .model
+            .integrands(&contact, &torque, &tilt, &terms, y[1]);
+        let first = [
             rates.phi,
             rates.theta,
             rates.psi,
             acceleration.phi,
             acceleration.theta,
             acceleration.psi,
-            work,
-            path,
-            theta,
-        ]
+        ];
+        with_integrals(first, &integrands)
     }
 }
 
 impl Formulation<SIZE> for EulerAngles {
     fn state(angles: Euler, rates: Euler, _model: &Model) -> [f64; SIZE] {
-        [
+        let first = [
             angles.phi,
             angles.theta,
             angles.psi,
             rates.phi,
             rates.theta,
             rates.psi,
-            0.0,
-            0.0,
-            0.0,
-        ]
+        ];
+        with_integrals(first, &Integrals::default())
     }
 
     fn motion(&self, y: &[f64; SIZE], _reference: Euler) -> Motion {

@@ -1,7 +1,9 @@
 //! Integrals over the motion that travel with it.
 
+use nalgebra::Vector3;
+
 /// How many running integrals travel with the motion: see [`Integrals`].
-pub const INTEGRALS: usize = 3;
+pub const INTEGRALS: usize = 11;
 
 /// Integrals over the motion so far, from the start of the run. They are carried along by the
 /// integrator and never influence the motion.
@@ -13,14 +15,85 @@ pub struct Integrals {
     pub slip_path: f64,
     /// ∫ θ dt, rad s.
     pub theta: f64,
+    /// Work that friction did about the line of nodes, the perpendicular `n × e_N` and the symmetry axis, J.
+    pub work_node: Vector3<f64>,
+    /// Work that the force of the friction law does along the path of the contact point, J. What drops a part of
+    /// friction does other work.
+    pub slip_work: f64,
+    /// The terms of φ̈ and the frictional one of ψ̈, integrated.
+    pub terms: TermIntegrals,
+}
+
+/// Integrals of terms of the Euler accelerations, rad/s. They grow only while `sin θ` is above [`TERMS_SINE`].
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct TermIntegrals {
+    /// ∫ of the gyroscopic term of φ̈.
+    pub phi_gyroscopic: f64,
+    /// ∫ of the Coriolis term of φ̈.
+    pub phi_coriolis: f64,
+    /// ∫ of the frictional term of φ̈.
+    pub phi_frictional: f64,
+    /// ∫ of the frictional term of ψ̈.
+    pub psi_frictional: f64,
+}
+
+/// Below this sine of θ the terms of φ̈ and ψ̈ are not summed. They grow like 1/sin² θ, so that the sums would keep
+/// nothing but the rounding of a passage through upright.
+pub const TERMS_SINE: f64 = 1e-6;
+
+/// The running integrals as the end of a state vector.
+#[inline]
+fn as_array(integrals: &Integrals) -> [f64; INTEGRALS] {
+    let Integrals {
+        friction_work,
+        slip_path,
+        theta,
+        work_node,
+        slip_work,
+        terms,
+    } = *integrals;
+    [
+        friction_work,
+        slip_path,
+        theta,
+        work_node.x,
+        work_node.y,
+        work_node.z,
+        slip_work,
+        terms.phi_gyroscopic,
+        terms.phi_coriolis,
+        terms.phi_frictional,
+        terms.psi_frictional,
+    ]
 }
 
 /// The running integrals at the end of a state vector.
 #[inline]
 pub(super) fn integrals<const N: usize>(state: &[f64; N]) -> Integrals {
+    let at = |index: usize| state[N - INTEGRALS + index];
     Integrals {
-        friction_work: state[N - 3],
-        slip_path: state[N - 2],
-        theta: state[N - 1],
+        friction_work: at(0),
+        slip_path: at(1),
+        theta: at(2),
+        work_node: Vector3::new(at(3), at(4), at(5)),
+        slip_work: at(6),
+        terms: TermIntegrals {
+            phi_gyroscopic: at(7),
+            phi_coriolis: at(8),
+            phi_frictional: at(9),
+            psi_frictional: at(10),
+        },
     }
+}
+
+/// A state vector: `first`, then running integrals or what they grow by per second.
+#[inline]
+pub(super) fn with_integrals<const M: usize, const N: usize>(
+    first: [f64; M],
+    integrals: &Integrals,
+) -> [f64; N] {
+    let mut state = [0.0; N];
+    state[..M].copy_from_slice(&first);
+    state[M..].copy_from_slice(&as_array(integrals));
+    state
 }

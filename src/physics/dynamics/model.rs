@@ -5,7 +5,7 @@
     reason = "with hints alone the friction is called and not unrolled into the derivative, and runs take a quarter longer"
 )]
 
-use super::integrals::INTEGRALS;
+use super::integrals::{Integrals, TERMS_SINE, TermIntegrals};
 use crate::physics::friction::{Contact, Friction, Grip};
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
@@ -115,19 +115,33 @@ impl Model {
         }
     }
 
-    /// What the running integrals grow by per second: W, m/s and rad.
-    #[inline]
+    /// What the running integrals grow by per second.
+    #[inline(always)]
     pub(super) fn integrands(
         &self,
         contact: &Contact,
         friction_torque: &Vector3<f64>,
         tilt: &Tilt,
+        accelerations: &Accelerations,
         theta: f64,
-    ) -> [f64; INTEGRALS] {
-        [
-            friction_torque.dot(&tilt.omega_lean),
-            contact.slip_speed,
+    ) -> Integrals {
+        let torque = tilt.lean_to_node(friction_torque);
+        Integrals {
+            friction_work: friction_torque.dot(&tilt.omega_lean),
+            slip_path: contact.slip_speed,
             theta,
-        ]
+            work_node: torque.component_mul(&tilt.omega_node()),
+            slip_work: contact.force.dot(&contact.slip),
+            terms: if tilt.sin > TERMS_SINE {
+                TermIntegrals {
+                    phi_gyroscopic: accelerations.gyroscopic.phi,
+                    phi_coriolis: accelerations.inertial.phi,
+                    phi_frictional: accelerations.frictional.phi,
+                    psi_frictional: accelerations.frictional.psi,
+                }
+            } else {
+                TermIntegrals::default()
+            },
+        }
     }
 }

@@ -303,7 +303,11 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     fn dense_error(&mut self, step: &Step<N>, dense: &Dense<N>) -> f64 {
         let (t, h) = (step.t + CHECKED_AT * step.h, step.h);
         let slope = dense.slope(CHECKED_AT);
-        let dy = self.system.derivative(t, &dense.at(CHECKED_AT));
+        let state = std::array::from_fn(|i| match i < S::CONTROLLED {
+            true => dense.component(i, CHECKED_AT),
+            false => step.y[i],
+        });
+        let dy = self.system.derivative(t, &state);
         self.statistics.checks += 1;
         let mut squared = 0.0;
         for i in 0..S::CONTROLLED {
@@ -350,7 +354,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// The derivative at one stage of a step from the current state.
     #[inline(always)]
     fn stage<const M: usize>(&self, h: f64, node: f64, row: &Row<M>, k: &Stages<N>) -> [f64; N] {
-        let y = advance(self.y(), h, &combine(row, k));
+        let y =
+            advance_controlled::<S, N>(self.y(), h, &combine_controlled::<S, N, M, STAGES>(row, k));
         self.system.derivative(self.t() + node * h, &y)
     }
 
@@ -375,7 +380,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         k: &[[f64; N]; ALL_STAGES],
     ) -> [f64; N] {
         let Step { t, h, y, .. } = step;
-        let y = advance(y, *h, &combine(row, k));
+        let y =
+            advance_controlled::<S, N>(y, *h, &combine_controlled::<S, N, M, ALL_STAGES>(row, k));
         self.system.derivative(t + node * h, &y)
     }
 
@@ -385,8 +391,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// The fifth-order estimate, damped by the third-order one where they differ much (book, II.10).
     #[inline]
     fn error(&self, h: f64, y: &[f64; N], k: &Stages<N>) -> f64 {
-        let third = combine(&ERROR_3, k);
-        let fifth = combine(&ERROR_5, k);
+        let third = combine_controlled::<S, N, _, STAGES>(&ERROR_3, k);
+        let fifth = combine_controlled::<S, N, _, STAGES>(&ERROR_5, k);
         let (mut third_squared, mut fifth_squared) = (0.0, 0.0);
         for i in 0..S::CONTROLLED {
             let scale = self.scale(larger(self.y()[i].abs(), y[i].abs()));
@@ -501,6 +507,39 @@ fn combine<const N: usize, const M: usize, const K: usize>(
         }
     }
     sum
+}
+
+/// The controlled components of [`combine`]; 0 for the quadratures.
+#[inline(always)]
+fn combine_controlled<S: System<N>, const N: usize, const M: usize, const K: usize>(
+    row: &Row<M>,
+    k: &[[f64; N]; K],
+) -> [f64; N] {
+    let mut sum = [0.0; N];
+    let (first, a) = row[0];
+    for i in 0..S::CONTROLLED {
+        sum[i] = a * k[first][i];
+    }
+    for &(stage, a) in &row[1..] {
+        for i in 0..S::CONTROLLED {
+            sum[i] += a * k[stage][i];
+        }
+    }
+    sum
+}
+
+/// The controlled components of [`advance`]; the quadratures, which no derivative depends on, stay as they are.
+#[inline(always)]
+fn advance_controlled<S: System<N>, const N: usize>(
+    y: &[f64; N],
+    h: f64,
+    dy: &[f64; N],
+) -> [f64; N] {
+    let mut advanced = *y;
+    for i in 0..S::CONTROLLED {
+        advanced[i] += h * dy[i];
+    }
+    advanced
 }
 
 /// y + h y′.

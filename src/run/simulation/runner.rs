@@ -5,7 +5,9 @@ use super::nutation::{NutationCycle, NutationTracker};
 use super::record::{Outcome, Record, SimulationError};
 use super::sample::Sample;
 use crate::physics::dynamics::{Formulation, Model, Motion, Regime};
-use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope};
+use crate::physics::integrate::{
+    Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope, zero,
+};
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::run::scenario::{FormulationKind, OnStick, Scenario, Stop};
 use std::collections::VecDeque;
@@ -93,6 +95,8 @@ struct Watch {
 enum Meaning {
     Nutation,
     NutationRate,
+    /// φ̈ or ψ̈, for the least and greatest rates of a cycle.
+    Envelope,
     Precession,
     Strength,
     Risen(f64),
@@ -157,7 +161,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             watches: watches(&settings, integrator.system()),
             integrator,
             settings,
-            nutation: NutationTracker::default(),
+            nutation: NutationTracker::new(scenario.model.top, 0.0, motion),
             dense: None,
             reference: scenario.angles,
             pending,
@@ -201,7 +205,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut found: Vec<Crossing> = Vec::new();
         let mut all = Vec::new();
         for Watch { meaning, tracker } in &mut watches {
-            let values = motions.map(|motion| self.value(*meaning, &motion));
+            let values = if *meaning == Meaning::NutationRate {
+                let accelerations = motions.map(|motion| self.accelerations(&motion));
+                envelope(dense.h, &motions, &accelerations, &mut all);
+                accelerations.map(|acceleration| acceleration.theta)
+            } else {
+                motions.map(|motion| self.value(*meaning, &motion))
+            };
             tracker.scan(
                 &KNOTS,
                 &values,
@@ -221,10 +231,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let tilt = &motion.tilt;
         match meaning {
             Meaning::Nutation => tilt.sin * tilt.rates.theta,
-            Meaning::NutationRate => {
-                let contact = self.model().contact(tilt);
-                self.model().accelerations(&contact, tilt).total().theta
-            }
+            Meaning::NutationRate => self.accelerations(motion).theta,
+            // Found without a tracker.
+            Meaning::Envelope => f64::NAN,
             Meaning::Precession => self.settings.sense * tilt.rates.phi * tilt.sin * tilt.sin,
             Meaning::Strength => self.model().top.strength_ratio(tilt) - 1.0,
             Meaning::Risen(limit) | Meaning::Fallen(limit) => motion.angles.theta - limit,
@@ -233,6 +242,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             Meaning::Grip => self.grip_margin(tilt),
             Meaning::Turning => self.settings.sense * tilt.omega_lean.z,
         }
+    }
+
+    fn accelerations(&self, motion: &Motion) -> Euler {
+        let contact = self.model().contact(&motion.tilt);
+        self.model().accelerations(&contact, &motion.tilt).total()
     }
 
     #[cold]
@@ -247,12 +261,18 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut event = |kind| self.pending.push_back(Pending::Event(kind, time, motion));
         match (meaning, slope) {
             (Meaning::Nutation, slope) => {
-                event(match slope {
-                    Slope::Falling => EventKind::NutationMaximum,
-                    Slope::Rising if motion.angles.theta < UPRIGHT => EventKind::UprightPassage,
-                    Slope::Rising => EventKind::NutationMinimum,
-                });
-                self.nutation.extreme(motion.angles.theta);
+                let is_of_nutation = self.nutation.extreme(time, &motion);
+                match slope {
+                    Slope::Rising if motion.angles.theta < UPRIGHT => {
+                        event(EventKind::UprightPassage);
+                    }
+                    Slope::Rising if is_of_nutation => event(EventKind::NutationMinimum),
+                    Slope::Falling if is_of_nutation => event(EventKind::NutationMaximum),
+                    _ => {}
+                }
+            }
+            (Meaning::NutationRate, Slope::Rising) | (Meaning::Envelope, _) => {
+                self.nutation.rates(&motion);
             }
             (Meaning::NutationRate, Slope::Falling) => {
                 let cycle = self.nutation.boundary(time, to_nanoseconds(time), motion);
@@ -290,8 +310,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 self.end = Some((time, End::Stop(StopReason::Singular)));
             }
             (
-                Meaning::NutationRate
-                | Meaning::Risen(_)
+                Meaning::Risen(_)
                 | Meaning::Slip
                 | Meaning::Singular
                 | Meaning::Grip
@@ -414,7 +433,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.integrator
             .restart(system, time, state, Direction::Forward)?;
         self.watches = watches(&self.settings, self.integrator.system());
-        self.nutation.interrupt();
+        let motion = system.motion(&state, self.reference);
+        self.nutation.interrupt(time, motion);
         self.end = None;
         Ok(())
     }
@@ -474,6 +494,41 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             events: u64::from(self.events),
             nutations: u64::from(self.cycles),
             statistics: *self.integrator.statistics(),
+        }
+    }
+}
+
+/// Finds the turning points of φ̇ and ψ̇ in a step: where the cubics through the knots, with their slopes, turn. What
+/// this misses of an extreme value is of the order of the square of how far it misses the turning point.
+fn envelope<const K: usize>(
+    h: f64,
+    motions: &[Motion; K],
+    accelerations: &[Euler; K],
+    found: &mut Vec<(f64, Meaning, Slope)>,
+) {
+    for (rate, acceleration) in [
+        (|m: &Motion| m.tilt.rates.phi, |a: &Euler| a.phi),
+        (|m| m.tilt.rates.psi, |a| a.psi),
+    ] as [(fn(&Motion) -> f64, fn(&Euler) -> f64); 2]
+    {
+        for i in 1..K {
+            let width = h * (KNOTS[i] - KNOTS[i - 1]);
+            let [d0, d1] = [i - 1, i].map(|i| acceleration(&accelerations[i]));
+            if d0 * d1 < 0.0 {
+                let rise = (rate(&motions[i]) - rate(&motions[i - 1])) / width;
+                let slope = |s: f64| {
+                    d0 + s * (6.0 * rise - 4.0 * d0 - 2.0 * d1)
+                        + 3.0 * s * s * (d0 + d1 - 2.0 * rise)
+                };
+                let s = zero(d0, d1, slope);
+                let direction = if d1 > 0.0 {
+                    Slope::Rising
+                } else {
+                    Slope::Falling
+                };
+                let s = KNOTS[i - 1] + s * (KNOTS[i] - KNOTS[i - 1]);
+                found.push((s, Meaning::Envelope, direction));
+            }
         }
     }
 }
