@@ -114,8 +114,8 @@ Exit codes:
   0  done; recordings verified, runs equal
   1  verification failed, or runs differ
   2  bad usage, unreadable input or failed output
-  3  finished with losses: interrupted, parts of a file unreadable, or the motion
-     could not be integrated to its end";
+  3  finished with losses: interrupted, parts of a file unreadable, runs compared
+     in parts, or the motion could not be integrated to its end";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -142,10 +142,11 @@ enum Command {
     /// point.
     ///
     /// Each run is a recording, or a preset or scenario file that is simulated now. Any other MCAP files can be
-    /// compared too: the numbers of the topics that both have.
+    /// compared too: every message of the topics that both have, field by field where it can be decoded and byte by byte
+    /// where not.
     ///
-    /// Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 equal as
-    /// far as both could be read.
+    /// Exit codes: 0 the same messages within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 agreeing as
+    /// far as they were compared: parts of a file are unreadable, or one run was interpolated or has messages in between.
     Diff(diff::DiffArguments),
     /// Draw figures for print: those of the paper, and more.
     ///

@@ -15,6 +15,7 @@ pub mod fields;
 pub mod json;
 mod logging;
 mod message;
+pub mod payload;
 pub mod proportions;
 pub mod protobuf;
 mod quantity;

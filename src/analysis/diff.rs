@@ -6,7 +6,8 @@
 //! nothing about the models; therefore the [`Report`] separates drift, phase and amplitude, compares the models
 //! along one and the same motion, and tells the integrators' own errors beside the differences.
 //!
-//! Any two MCAP files can be compared: of files that toprise did not write, the numbers of common topics.
+//! Any two MCAP files can be compared: of files that toprise did not write, all messages of common topics, field by field
+//! where they can be decoded and byte by byte where not.
 //!
 //! The files of this folder stand in the order of a comparison: `plan` decides what is compared with what, `reading`
 //! pairs the messages, each section of the report has a file with its numbers and what computes them, and `report`
@@ -30,6 +31,7 @@
 //! ```
 
 // What to compare, and what with what.
+mod clock;
 mod error;
 mod observer;
 mod options;
@@ -41,6 +43,7 @@ mod tolerance;
 mod topics;
 // Reading and pairing.
 mod interpolation;
+mod item;
 mod lane;
 mod reading;
 mod stream;
@@ -64,6 +67,7 @@ mod summary;
 mod verdict;
 
 pub use self::averages::{Averaged, Deviation};
+pub use self::clock::ClockReport;
 pub use self::difference_file::{DIFF_RECORD, DifferenceFile};
 pub use self::discrepancy::{Discrepancy, Residual};
 pub use self::error::DiffError;
@@ -73,13 +77,14 @@ pub use self::growth::{Growth, GrowthLaw};
 pub use self::happened::{EventKindDifference, EventMoment, EventPair, Happened};
 pub use self::matrix::{Matrix, MatrixRow};
 pub use self::observer::Observer;
-pub use self::options::{Align, Options};
+pub use self::options::{Align, Offset, Options};
 pub use self::parting::{Parting, QuantityKind};
 pub use self::report::{ComparedRun, Report};
 pub use self::setup::{KeyDifference, SetupDifferences};
 pub use self::signals::Signals;
+pub use self::times::MessageTimes;
 pub use self::tolerance::{Tolerance, Tolerances, full_name};
-pub use self::topic::{ChannelDifference, TextDifference};
+pub use self::topic::{BytesDifference, ChannelDifference, TextDifference};
 pub use self::verdict::Verdict;
 pub use crate::analysis::course::CourseReport;
 pub use crate::analysis::subject::Subject;

@@ -55,6 +55,41 @@ pub(crate) fn moment(seconds: f64) -> String {
     format!("{seconds:.4} s")
 }
 
+/// Whether a clock that shows this, ns, counts from 1970: no simulation runs for three years.
+#[must_use]
+pub(crate) fn counts_from_1970(time_ns: u64) -> bool {
+    time_ns > 100_000_000_000_000_000
+}
+
+/// A time that a file's clock shows, ns: as a date if the clock counts from 1970, else in s.
+#[must_use]
+pub(crate) fn clock_time(time_ns: u64) -> String {
+    if counts_from_1970(time_ns) {
+        date(time_ns)
+    } else {
+        format!("{} s", time_ns as f64 / 1e9)
+    }
+}
+
+/// The moment so many ns after the beginning of 1970, in UTC as of ISO 8601.
+#[must_use]
+pub(crate) fn date(time_ns: u64) -> String {
+    let (seconds, ns) = (time_ns / 1_000_000_000, time_ns % 1_000_000_000);
+    let (days, second) = (seconds / 86_400, seconds % 86_400);
+    let (hour, minute) = (second / 3600, second / 60 % 60);
+    // Years that begin with March have the day of leap years at their end; 400 of them are as long as the next 400.
+    let day = days + 719_468;
+    let (era, day) = (day / 146_097, day % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    let year = 400 * era + year + u64::from(month <= 2);
+    let second = second % 60;
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}.{ns:09}Z")
+}
+
 /// The symbol of a field of the table.
 #[must_use]
 pub(crate) fn symbol(field: &str) -> &str {
@@ -100,5 +135,24 @@ mod tests {
         assert_eq!(duration(-0.011_554_6), "11.6 ms");
         assert_eq!(duration(3e-10), "0.300 ns");
         assert_eq!(duration(0.0), "0 s");
+    }
+
+    /// Against GNU date: `date -u -d @SECONDS +%FT%T`.
+    #[test]
+    fn val_dates_are_those_of_the_calendar() {
+        for (seconds, text) in [
+            (0, "1970-01-01T00:00:00"),
+            (68_169_599, "1972-02-28T23:59:59"),
+            (68_169_600, "1972-02-29T00:00:00"),
+            (951_782_400, "2000-02-29T00:00:00"),
+            (1_709_251_199, "2024-02-29T23:59:59"),
+            (1_735_689_599, "2024-12-31T23:59:59"),
+            (4_107_542_400, "2100-03-01T00:00:00"),
+            (18_446_744_073, "2554-07-21T23:34:33"),
+        ] {
+            let text = format!("{text}.000000007Z");
+            assert_eq!(date(seconds * 1_000_000_000 + 7), text);
+        }
+        assert_eq!(clock_time(1_500_000_000), "1.5 s");
     }
 }

@@ -16,7 +16,6 @@
 
 mod condition;
 mod file;
-mod numbers;
 mod order;
 mod overview;
 mod reader;
@@ -24,7 +23,6 @@ mod series;
 
 pub use self::condition::Condition;
 pub use self::file::Recording;
-pub use self::numbers::{MAX_FIELDS, NumberDecoder, NumbersError};
 pub use self::order::Misplaced;
 pub use self::overview::{ChannelOverview, EventOverview, Overview};
 pub use self::reader::{Any, Reader, Selection, Undecoded};

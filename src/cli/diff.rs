@@ -11,8 +11,8 @@ use super::progress::Progress;
 use super::report::WrittenFile;
 use super::{output, report};
 use crate::analysis::diff::{
-    Align, DifferenceFile, Matrix, Observer, Options, Report, Subject, Tolerance, Tolerances,
-    Verdict, compare_observed,
+    Align, DifferenceFile, Matrix, Observer, Offset, Options, Report, Subject, Tolerance,
+    Tolerances, Verdict, compare_observed,
 };
 use crate::archive::publish::{Existing, refuse_inputs};
 use crate::archive::sink::SinkError;
@@ -42,9 +42,18 @@ pub(super) struct DiffArguments {
     #[arg(long = "set-b", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides_b: Vec<Override>,
 
-    /// What is compared with what: at equal times, at equal phases of the nutation, or at equal means of θ.
+    /// What is compared with what: at equal times, at equal phases of the nutation, at equal means of θ, or in the order of
+    /// the messages.
     #[arg(long, value_enum, default_value_t = AlignName::Time)]
     align: AlignName,
+
+    /// Pair messages that are nearest to each other and no farther apart than this, as in 5ms: for clocks that jitter.
+    #[arg(long, value_name = "TIME", value_parser = parse_time_span)]
+    max_dt: Option<TimeSpan>,
+
+    /// Put the second run's clock forward by this, as in 12.5s, or so that both start at the same time (start).
+    #[arg(long, value_name = "TIME", value_parser = parse_offset, allow_hyphen_values = true)]
+    offset: Option<OffsetName>,
 
     /// Largest difference that counts as none, in the unit of each field.
     #[arg(long, value_name = "NUMBER", default_value_t = 0.0)]
@@ -107,6 +116,67 @@ enum AlignName {
     Nutation,
     /// At equal means of θ over a nutation.
     Theta,
+    /// In the order of the messages.
+    Index,
+}
+
+/// A time with a unit, ns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct TimeSpan(i64);
+
+/// By how much a clock is put forward.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct OffsetName(Offset);
+
+/// Reads a time as in `5ms`, exact to the nanosecond.
+fn time_span(text: &str) -> Result<TimeSpan, String> {
+    const UNITS: [(&str, i64); 8] = [
+        ("ns", 1),
+        ("us", 1_000),
+        ("µs", 1_000),
+        ("ms", 1_000_000),
+        ("s", 1_000_000_000),
+        ("min", 60_000_000_000),
+        ("h", 3_600_000_000_000),
+        ("d", 86_400_000_000_000),
+    ];
+    let refused =
+        || "it must be a number with ns, us, ms, s, min, h or d, as in 5ms or -12.5s".to_owned();
+    let at = text.find(char::is_alphabetic).ok_or_else(refused)?;
+    let (number, unit) = text.split_at(at);
+    let (_, factor) = UNITS
+        .into_iter()
+        .find(|(name, _)| *name == unit)
+        .ok_or_else(refused)?;
+    let (sign, digits) = match number.strip_prefix('-') {
+        Some(digits) => (-1, digits),
+        None => (1, number.strip_prefix('+').unwrap_or(number)),
+    };
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let all = format!("{whole}{fraction}");
+    if !all.bytes().all(|byte| byte.is_ascii_digit()) || all.is_empty() || fraction.len() > 18 {
+        return Err(refused());
+    }
+    let digits = all.parse::<i128>().map_err(|_| refused())?;
+    let scaled = digits.checked_mul(factor.into()).ok_or_else(refused)?;
+    let ns = scaled / 10_i128.pow(fraction.len() as u32) * sign;
+    i64::try_from(ns).map(TimeSpan).map_err(|_| refused())
+}
+
+fn parse_time_span(text: &str) -> Result<TimeSpan, String> {
+    let span = time_span(text)?;
+    if span.0 < 0 {
+        return Err("it must not be negative".to_owned());
+    }
+    Ok(span)
+}
+
+fn parse_offset(text: &str) -> Result<OffsetName, String> {
+    if text == "start" {
+        return Ok(OffsetName(Offset::Start));
+    }
+    let span = time_span(text).map_err(|reason| format!("{reason}, or start"))?;
+    Ok(OffsetName(Offset::By(span.0)))
 }
 
 impl From<AlignName> for Align {
@@ -115,6 +185,7 @@ impl From<AlignName> for Align {
             AlignName::Time => Self::Time,
             AlignName::Nutation => Self::Nutation,
             AlignName::Theta => Self::Theta,
+            AlignName::Index => Self::Index,
         }
     }
 }
@@ -149,8 +220,13 @@ impl DiffArguments {
         for tolerance in &self.tol {
             tolerances.add(tolerance)?;
         }
+        if self.max_dt.is_some() && self.align != AlignName::Time {
+            bail!("--max-dt pairs messages by their times: it goes with --align time");
+        }
         Ok(Options {
             align: self.align.into(),
+            max_dt: self.max_dt.map(|span| span.0 as u64),
+            offset: self.offset.map(|offset| offset.0).unwrap_or_default(),
             tolerances,
             floor: !self.no_floor,
             topics: self.topics.clone(),
@@ -365,7 +441,7 @@ fn done<'a>(reports: impl IntoIterator<Item = &'a Report>) -> Done {
         if report.verdict == Verdict::Different {
             return Done::Differing;
         }
-        if !report.is_complete {
+        if report.verdict == Verdict::Agreeing {
             done = Done::WithLosses;
         }
     }
@@ -398,6 +474,40 @@ mod tests {
         ] {
             assert!(parse::<DiffArguments>(line).is_err(), "{line}");
         }
+    }
+
+    #[test]
+    fn times_have_units_and_keep_their_nanoseconds() {
+        for (text, ns) in [
+            ("5ms", 5_000_000),
+            ("12.5s", 12_500_000_000),
+            ("-1.000000001s", -1_000_000_001),
+            ("+3us", 3_000),
+            ("0.5min", 30_000_000_000),
+            ("9223372036854775807ns", i64::MAX),
+        ] {
+            assert_eq!(time_span(text), Ok(TimeSpan(ns)), "{text}");
+        }
+        for text in [
+            "5",
+            "ms",
+            "-s",
+            "1e3s",
+            "1.2.3s",
+            "5 ms",
+            "9999999999h",
+            "١s",
+        ] {
+            assert!(time_span(text).is_err(), "{text}");
+        }
+        assert!(parse_time_span("-5ms").is_err());
+        assert_eq!(parse_offset("start"), Ok(OffsetName(Offset::Start)));
+        let line = "a b --offset -1.5s --max-dt 2ms";
+        let options = parse::<DiffArguments>(line).unwrap().options().unwrap();
+        assert_eq!(
+            (options.offset, options.max_dt),
+            (Offset::By(-1_500_000_000), Some(2_000_000))
+        );
     }
 
     #[test]

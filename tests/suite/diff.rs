@@ -7,8 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::tempdir;
 use toprise::analysis::diff::{
-    Align, ChannelDifference, DiffError, FieldDifference, GrowthLaw, Matrix, Options, Report,
-    Residual, Tolerance, Verdict, compare,
+    Align, ChannelDifference, DiffError, FieldDifference, GrowthLaw, Matrix, Offset, Options,
+    Report, Residual, Tolerance, Verdict, compare,
 };
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
@@ -441,7 +441,7 @@ fn a_run_is_identical_to_itself_in_any_encoding_and_on_the_fly() {
 fn a_finer_run_agrees_at_the_times_that_both_have() {
     let coarse = short(&[("sampling.period", "0.004")]);
     let report = compare(&coarse, &short(&[]), &quick()).unwrap();
-    assert_eq!(report.verdict, Verdict::Equal, "{:?}", report.summary);
+    assert_eq!(report.verdict, Verdict::Agreeing, "{:?}", report.summary);
     let theta = field(&report, "/top/state", "theta");
     assert_eq!((theta.count, theta.largest), (501, 0.0));
 }
@@ -795,9 +795,14 @@ fn json_of_others_is_compared() {
         .fields
         .iter()
         .filter(|field| field.field != z.field);
+    let others = others.filter(|field| field.field != "header.frame_id");
     assert!(
         others.clone().count() == 7 && others.clone().all(|field| field.first_different.is_none())
     );
+    let name = field(&report, "/imu", "header.frame_id");
+    assert_eq!((name.other_values, name.count), (200, 0));
+    let texts = channel(&report, "/imu").texts.as_ref().unwrap();
+    assert_eq!((texts.a.as_str(), texts.b.as_str()), ("imu_a", "imu_b"));
     // Different rates: B's times, A on straight lines, which it is.
     let x = field(&report, "/odom", "x");
     assert_eq!(x.count, 40);
@@ -844,12 +849,16 @@ fn protobuf_of_others_is_compared() {
     );
     assert_eq!(channel(&report, "/pose").identical, 20);
     let as_json = compare(&a, &foreign("protobuf_as_json"), &quick()).unwrap();
-    assert_eq!(as_json.verdict, Verdict::Equal, "{:?}", as_json.summary);
-    assert!(
-        as_json.summary[0].starts_with("All numbers"),
-        "{:?}",
-        as_json.summary
-    );
+    // The bytes are in one of them only, and what is no number is null in JSON.
+    assert_eq!(as_json.verdict, Verdict::Different);
+    assert_eq!(as_json.setup.fields_only_in_a, ["/robot.raw"]);
+    assert!(as_json.setup.fields_only_in_b.is_empty());
+    let fields = as_json.signals.fields();
+    let differing = fields.filter(|(_, field)| field.first_different.is_some());
+    let differing: Vec<_> = differing
+        .map(|(_, field)| (&*field.field, field.beyond))
+        .collect();
+    assert_eq!(differing, [("quality", 3)]);
 }
 
 #[test]
@@ -955,20 +964,22 @@ fn what_only_one_file_has_is_different() {
         .collect();
     assert!(is_different(&file("some.mcap", &some)));
     assert!(is_different(&file("short.mcap", &every(10, 0..10_000))));
-    // The same with other rates, which by themselves are none.
-    assert!(!is_different(&file("coarse.mcap", &every(20, 0..20_000))));
+    // Every second message is missing.
+    assert!(is_different(&file("coarse.mcap", &every(20, 0..20_000))));
     assert!(is_different(&file(
         "coarse-short.mcap",
         &every(20, 0..10_000)
     )));
     let gap = [every(20, 0..5_000), every(20, 15_000..20_000)].concat();
     assert!(is_different(&file("coarse-gap.mcap", &gap)));
-    assert!(!is_different(&file("other.mcap", &every(13, 3..20_000))));
+    // At other times and another rate they can agree, and are not the same.
+    let other = file("other.mcap", &every(23, 3..20_000));
+    assert_eq!(verdict_of(&whole, &other, &quick()), Verdict::Agreeing);
     assert!(is_different(&file(
         "other-short.mcap",
-        &every(13, 3..10_000)
+        &every(23, 3..10_000)
     )));
-    let gap = [every(13, 3..5_000), every(13, 15_000..20_000)].concat();
+    let gap = [every(23, 3..5_000), every(23, 15_000..20_000)].concat();
     assert!(is_different(&file("other-gap.mcap", &gap)));
 }
 
@@ -1025,7 +1036,10 @@ fn infinity_is_equal_to_itself_only() {
     ] {
         assert_eq!(verdict_of(a, b, &tolerant), Verdict::Different);
     }
-    assert_eq!(verdict_of(&infinite, &infinite, &quick()), Verdict::Equal);
+    assert_eq!(
+        verdict_of(&infinite, &infinite, &quick()),
+        Verdict::Identical
+    );
 }
 
 #[test]
@@ -1037,7 +1051,7 @@ fn files_may_have_one_topic_after_the_other() {
         numbers(&directory, "a.mcap", &topics),
         numbers(&directory, "b.mcap", &topics),
     );
-    assert_eq!(verdict_of(&a, &b, &quick()), Verdict::Equal);
+    assert_eq!(verdict_of(&a, &b, &quick()), Verdict::Identical);
     let mut mixed = x.clone();
     mixed.swap(3, 700);
     mixed.swap(4, 5);
@@ -1045,7 +1059,340 @@ fn files_may_have_one_topic_after_the_other() {
         numbers(&directory, "c.mcap", &[("/x", &mixed)]),
         numbers(&directory, "d.mcap", &[("/x", &x)]),
     );
-    assert_eq!(verdict_of(&a, &b, &quick()), Verdict::Equal);
+    assert_eq!(verdict_of(&a, &b, &quick()), Verdict::Identical);
+}
+
+/// A message of a file of others: its topic, time in ns, and bytes.
+type Raw<'a> = (&'a str, u64, Vec<u8>);
+
+/// An MCAP file in which all channels have one encoding and none a schema.
+fn file_of(
+    directory: &tempfile::TempDir,
+    name: &str,
+    encoding: &str,
+    messages: &[Raw<'_>],
+) -> Recording {
+    let path = directory.path().join(name);
+    let file = std::io::BufWriter::new(fs::File::create(&path).unwrap());
+    let mut writer = mcap::WriteOptions::new()
+        .library("test")
+        .create(file)
+        .unwrap();
+    for (sequence, (topic, log_time, data)) in messages.iter().enumerate() {
+        // A channel that is there already is given again.
+        let nothing = std::collections::BTreeMap::new();
+        let channel_id = writer.add_channel(0, topic, encoding, &nothing).unwrap();
+        let header = mcap::records::MessageHeader {
+            channel_id,
+            sequence: sequence as u32,
+            log_time: *log_time,
+            publish_time: *log_time,
+        };
+        writer.write_to_known_channel(&header, data).unwrap();
+    }
+    writer.finish().unwrap();
+    Recording::open(&path).unwrap()
+}
+
+/// A hundred messages, 10 ms apart, of JSON that depends on their number.
+fn hundred(start_ns: u64, text: impl Fn(u64) -> String) -> Vec<Raw<'static>> {
+    let message = |i| ("/x", start_ns + i * 10_000_000, text(i).into_bytes());
+    (0..100).map(message).collect()
+}
+
+#[test]
+fn what_is_no_double_is_compared_too() {
+    let directory = tempdir().unwrap();
+    let file = |name: &str, messages: &[Raw<'_>]| file_of(&directory, name, "json", messages);
+    let other_in_50 = |one: &str, other: &str| {
+        let a = file("a.mcap", &hundred(0, |_| one.to_owned()));
+        let text = |i| if i == 50 { other } else { one }.to_owned();
+        let b = file("b.mcap", &hundred(0, text));
+        let mut tolerant = quick();
+        tolerant.tolerances.general.rel = 1e-9;
+        tolerant.tolerances.general.ulp = 4;
+        // Large integers that lie within the tolerance are the only ones that are equal.
+        let tolerated = compare(&a, &b, &tolerant).unwrap().verdict;
+        (verdict_of(&a, &b, &quick()), tolerated)
+    };
+    for (one, other) in [
+        (r#"{"x":1,"s":"RUN"}"#, r#"{"x":1,"s":"ERR"}"#),
+        (r#"{"x":true}"#, r#"{"x":false}"#),
+        (r#"{"x":1}"#, r#"{"x":"1"}"#),
+        (r#"{"x":1,"y":null}"#, r#"{"x":1}"#),
+        (r#"{"x":1,"y":[]}"#, r#"{"x":1,"y":{"a":[]}}"#),
+        (r#"{"x":1,"x":2}"#, r#"{"x":3,"x":2}"#),
+        (r#"{"x":1}"#, r#"{"x":1"#),
+        (r#"{"x":9007199254740993}"#, r#"{"x":"9007199254740993"}"#),
+        (r#""RUN""#, r#""ERR""#),
+        (r#"{"x":NaN}"#, r#"{"x":null}"#),
+    ] {
+        let found = other_in_50(one, other);
+        assert_eq!(
+            found,
+            (Verdict::Different, Verdict::Different),
+            "{one} {other}"
+        );
+    }
+    let large = other_in_50(r#"{"x":9007199254740992}"#, r#"{"x":9007199254740993}"#);
+    assert_eq!(large, (Verdict::Different, Verdict::Equal));
+    // The same value, written in another way.
+    let alike = other_in_50(r#"{"x":1,"y":"a"}"#, r#"{ "y":"\u0061", "x":1.0 }"#);
+    assert_eq!(alike, (Verdict::Equal, Verdict::Equal));
+    let report = compare(
+        &file(
+            "a.mcap",
+            &hundred(0, |i| format!(r#"{{"n":{}}}"#, u64::MAX - i)),
+        ),
+        &file(
+            "b.mcap",
+            &hundred(0, |i| format!(r#"{{"n":{}}}"#, u64::MAX - i - i / 99)),
+        ),
+        &quick(),
+    );
+    let report = report.unwrap();
+    let n = field(&report, "/x", "n");
+    assert_eq!((n.beyond, n.largest, n.first_beyond), (1, -1.0, Some(0.99)));
+}
+
+#[test]
+fn other_encodings_are_compared_byte_by_byte() {
+    let directory = tempdir().unwrap();
+    let bytes = |at: usize, byte: u8| -> Vec<Raw<'_>> {
+        let mut messages: Vec<Raw<'_>> = (0..20).map(|i| ("/x", i, vec![i as u8; 50])).collect();
+        messages[5].2[at] = byte;
+        messages
+    };
+    let file = |name: &str, messages: &[Raw<'_>]| file_of(&directory, name, "flatbuffer", messages);
+    let (a, b) = (file("a.mcap", &bytes(0, 5)), file("b.mcap", &bytes(7, 9)));
+    let report = compare(&a, &b, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
+    // Neither file is damaged, and the encoding is told once.
+    assert!(report.is_complete && report.a.losses.is_empty() && report.b.losses.is_empty());
+    let notes: Vec<_> = report
+        .notes
+        .iter()
+        .filter(|note| note.contains("flatbuffer"))
+        .collect();
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    let found = channel(&report, "/x").bytes.clone().unwrap();
+    assert_eq!(
+        (found.count, found.offset, found.length_a),
+        (1, 7, Some(50))
+    );
+    assert_eq!(channel(&report, "/x").identical, 19);
+    let same = file("c.mcap", &bytes(0, 5));
+    assert_eq!(verdict_of(&a, &same, &quick()), Verdict::Identical);
+    let shorter = file("d.mcap", &bytes(0, 5)[..19]);
+    assert_eq!(verdict_of(&a, &shorter, &quick()), Verdict::Different);
+}
+
+#[test]
+fn clocks_may_jitter_be_shifted_or_mean_nothing() {
+    let directory = tempdir().unwrap();
+    let file = |name: &str, messages: &[Raw<'_>]| file_of(&directory, name, "json", messages);
+    let text = |i| format!(r#"{{"x":{i}.5,"mode":{}}}"#, i / 10);
+    let plain = hundred(50_000_000, text);
+    let mut jittering = plain.clone();
+    for (at, (_, time, _)) in jittering.iter_mut().enumerate() {
+        *time = *time + at as u64 * 7_919_317 % 4_000_000 - 2_000_000;
+    }
+    let (a, b) = (file("a.mcap", &plain), file("b.mcap", &jittering));
+    // Nothing is interpolated for it, and nothing is called equal.
+    let error = compare(&a, &b, &quick()).unwrap_err();
+    assert!(error.to_string().contains("--max-dt"), "{error}");
+    let within = |ns: u64| Options {
+        max_dt: Some(ns),
+        ..quick()
+    };
+    assert_eq!(verdict_of(&a, &b, &within(2_000_000)), Verdict::Equal);
+    let report = compare(&a, &b, &within(1_000_000)).unwrap();
+    let found = channel(&report, "/x");
+    assert_eq!(report.verdict, Verdict::Different);
+    assert!(found.pairs < 70 && found.pairs + found.only_in_a + found.beyond_in_a == 100);
+    let by_index = Options {
+        align: Align::Index,
+        ..quick()
+    };
+    assert_eq!(verdict_of(&a, &b, &by_index), Verdict::Equal);
+    let short = file("short.mcap", &jittering[..99]);
+    assert_eq!(verdict_of(&a, &short, &by_index), Verdict::Different);
+    // The same messages, 23 years later.
+    let late = file("late.mcap", &hundred(1_700_000_000_123_456_789, text));
+    let offset = |offset| Options { offset, ..quick() };
+    assert_eq!(
+        verdict_of(&a, &late, &offset(Offset::Start)),
+        Verdict::Equal
+    );
+    assert_eq!(verdict_of(&a, &late, &by_index), Verdict::Equal);
+    let by = 50_000_000 - 1_700_000_000_123_456_789;
+    let report = compare(&a, &late, &offset(Offset::By(by))).unwrap();
+    assert_eq!(report.verdict, Verdict::Equal);
+    let report = compare(&late, &a, &offset(Offset::By(-by))).unwrap();
+    assert_eq!(report.verdict, Verdict::Equal);
+    let clock = report.clock.unwrap();
+    assert_eq!(
+        clock.origin.as_deref(),
+        Some("2023-11-14T22:13:20.123456789Z")
+    );
+    assert_eq!(clock.offset_ns, -by);
+}
+
+#[test]
+fn times_since_1970_are_exact() {
+    let directory = tempdir().unwrap();
+    let start = 1_700_000_000_123_456_789;
+    let with = |name: &str, x: &str| {
+        let mut messages = hundred(start, |_| r#"{"x":1.5}"#.to_owned());
+        messages[42] = ("/x", start + 420_000_001, x.as_bytes().to_vec());
+        file_of(&directory, name, "json", &messages)
+    };
+    let (a, b) = (
+        with("a.mcap", r#"{"x":1.5}"#),
+        with("b.mcap", r#"{"x":2.5}"#),
+    );
+    let report = compare(&a, &b, &quick()).unwrap();
+    let x = field(&report, "/x", "x");
+    assert_eq!((x.at, x.first_beyond), (0.420_000_001, Some(0.420_000_001)));
+    assert_eq!(report.clock.unwrap().origin_ns, start as i64);
+    assert_eq!(report.a.first_ns, Some(start));
+}
+
+#[test]
+fn only_what_is_continuous_is_interpolated() {
+    let directory = tempdir().unwrap();
+    // x rises evenly; the mode and the text change at 500 ms.
+    let at = |ms: u64| {
+        let is_late = ms >= 500;
+        let (mode, text) = if is_late { (2, "late") } else { (1, "early") };
+        let x = ms as f64 / 8.0 + 0.0625;
+        format!(r#"{{"x":{x},"mode":{mode},"on":{is_late},"text":"{text}"}}"#)
+    };
+    let file = |name: &str, step: u64, start: u64| {
+        let times = (start..1000).step_by(step as usize);
+        let messages: Vec<_> = times
+            .map(|ms| ("/x", ms * 1_000_000, at(ms).into_bytes()))
+            .collect();
+        file_of(&directory, name, "json", &messages)
+    };
+    let (a, b) = (file("a.mcap", 10, 0), file("b.mcap", 25, 3));
+    // Roundings of what lies on a straight line.
+    let mut options = quick();
+    options.tolerances.add("/x.x=1e-12").unwrap();
+    let report = compare(&a, &b, &options).unwrap();
+    // The last mode of A before 503 ms is that of 500 ms.
+    assert_eq!(report.verdict, Verdict::Agreeing, "{:?}", report.summary);
+    let found = channel(&report, "/x");
+    assert_eq!((found.pairs, found.between_in_a), (40, 100));
+    // At equal rates nothing is.
+    let c = file("c.mcap", 10, 3);
+    assert!(matches!(
+        compare(&a, &c, &quick()),
+        Err(DiffError::NoCommonTimes)
+    ));
+}
+
+#[test]
+fn duplicates_and_messages_out_of_order_are_counted() {
+    let directory = tempdir().unwrap();
+    let plain = hundred(0, |i| format!("{{\"x\":{i}}}"));
+    let mut mixed = plain.clone();
+    mixed.swap(20, 60);
+    mixed.insert(10, mixed[9].clone());
+    let a = file_of(&directory, "a.mcap", "json", &plain);
+    let b = file_of(&directory, "b.mcap", "json", &mixed);
+    let report = compare(&a, &b, &quick()).unwrap();
+    let found = channel(&report, "/x");
+    // The repeated message has no counterpart; the others have, wherever they stand.
+    assert_eq!((found.pairs, found.only_in_b, found.only_in_a), (100, 1, 0));
+    let [a, b] = [&found.times_a, &found.times_b].map(|times| times.clone().unwrap());
+    assert_eq!((a.duplicates, a.out_of_order), (0, 0));
+    assert_eq!((b.duplicates, b.out_of_order), (1, 40));
+    assert!((a.rate.unwrap() - 100.0).abs() < 1e-9);
+    assert_eq!(a.longest_gap, Some(0.01));
+    assert!(
+        report
+            .notes
+            .iter()
+            .any(|note| note.contains("behind later ones"))
+    );
+}
+
+#[test]
+fn signs_of_zero_and_bits_of_nan_are_told_for_their_field() {
+    let directory = tempdir().unwrap();
+    let with = |name: &str, text: &str| {
+        file_of(&directory, name, "json", &hundred(0, |_| text.to_owned()))
+    };
+    let a = with(
+        "a.mcap",
+        r#"{"z":0.0,"max":1.7976931348623157e308,"n":NaN}"#,
+    );
+    let b = with(
+        "b.mcap",
+        r#"{"z":-0.0,"max":1.7976931348623157e308,"n":NaN}"#,
+    );
+    let report = compare(&a, &b, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Equal);
+    assert_eq!(field(&report, "/x", "z").signs_of_zero, 100);
+    let others = ["max", "n"].map(|name| field(&report, "/x", name));
+    assert!(others.iter().all(|field| field.first_different.is_none()));
+    // The largest double is not infinite because there is no number beside it.
+    assert_eq!(others[0].scale, f64::MAX);
+    let c = with("c.mcap", r#"{"z":0.0,"max":Infinity,"n":NaN}"#);
+    assert_eq!(verdict_of(&a, &c, &quick()), Verdict::Different);
+}
+
+#[test]
+fn a_topic_may_have_two_kinds_of_messages() {
+    let directory = tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name);
+    let write = |name: &str, q: u64| {
+        let file = std::io::BufWriter::new(fs::File::create(path(name)).unwrap());
+        let mut writer = mcap::WriteOptions::new().create(file).unwrap();
+        let nothing = std::collections::BTreeMap::new();
+        let channels = ["A", "B"].map(|name| {
+            let schema = writer.add_schema(name, "jsonschema", b"{}").unwrap();
+            writer.add_channel(schema, "/x", "json", &nothing).unwrap()
+        });
+        for (log_time, channel_id) in [(1, 0), (1, 1), (2, 1), (3, 0)] {
+            let header = mcap::records::MessageHeader {
+                channel_id: channels[channel_id],
+                sequence: 0,
+                log_time,
+                publish_time: log_time,
+            };
+            let data = [format!("{{\"v\":{log_time}}}"), format!("{{\"q\":{q}}}")];
+            writer
+                .write_to_known_channel(&header, data[channel_id].as_bytes())
+                .unwrap();
+        }
+        writer.finish().unwrap();
+        Recording::open(&path(name)).unwrap()
+    };
+    let (a, b, c) = (write("a.mcap", 1), write("b.mcap", 1), write("c.mcap", 2));
+    assert_eq!(verdict_of(&a, &b, &quick()), Verdict::Identical);
+    let report = compare(&a, &c, &quick()).unwrap();
+    assert_eq!(
+        (report.verdict, report.setup.schemas.len()),
+        (Verdict::Different, 0)
+    );
+    assert_eq!(field(&report, "/x", "q").beyond, 2);
+}
+
+#[test]
+fn files_without_messages_are_the_same() {
+    let directory = tempdir().unwrap();
+    let empty = |name: &str| file_of(&directory, name, "json", &[]);
+    let (a, b) = (empty("a.mcap"), empty("b.mcap"));
+    assert_eq!(verdict_of(&a, &b, &quick()), Verdict::Identical);
+    let other = file_of(
+        &directory,
+        "c.mcap",
+        "json",
+        &hundred(0, |_| "{}".to_owned()),
+    );
+    assert!(compare(&a, &other, &quick()).is_err());
 }
 
 #[test]
@@ -1062,7 +1409,7 @@ fn times_may_be_as_far_apart_as_they_can_be() {
     let (a, b) = (with("a.mcap", [0, 5, far]), with("b.mcap", [1, 7, far - 1]));
     // Whatever it is, it is an answer.
     let _ = compare(&a, &b, &quick());
-    assert_eq!(verdict_of(&a, &a, &quick()), Verdict::Equal);
+    assert_eq!(verdict_of(&a, &a, &quick()), Verdict::Identical);
 }
 
 #[test]
@@ -1183,7 +1530,7 @@ fn only_the_topics_that_are_asked_for_count() {
         ..quick()
     };
     let report = compare(&a, &b, &options).unwrap();
-    assert_eq!(report.verdict, Verdict::Equal, "{:?}", report.summary);
+    assert_eq!(report.verdict, Verdict::Agreeing, "{:?}", report.summary);
     assert_eq!(report.signals.channels.len(), 2);
 }
 
@@ -1202,7 +1549,7 @@ fn a_cut_recording_is_equal_so_far() {
     for (a, b) in [(&whole, &cut), (&cut, &whole)] {
         let report = compare(a, b, &quick()).unwrap();
         assert!(!report.is_complete);
-        assert_eq!(report.verdict, Verdict::Identical, "{:?}", report.summary);
+        assert_eq!(report.verdict, Verdict::Agreeing, "{:?}", report.summary);
         assert!(
             report
                 .summary
@@ -1310,13 +1657,14 @@ fn reports_have_no_gaps_in_json() {
 
 // Whatever is in a file, it is equal to itself.
 
-/// That a file is equal to itself, unless it has nothing that could be compared.
+/// That a file is equal to itself, whatever is in it.
 #[track_caller]
 fn assert_equal_to_itself(recording: &Recording) {
-    match compare(recording, recording, &quick()) {
-        Ok(report) => assert_ne!(report.verdict, Verdict::Different, "{:?}", report.summary),
-        Err(DiffError::NoMessages { .. } | DiffError::NoCommonTopics { .. }) => {}
-        Err(error) => panic!("{error}"),
+    let report = compare(recording, recording, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Identical, "{:?}", report.summary);
+    let channels = report.signals.channels.iter();
+    for channel in channels.filter(|channel| channel.pairs > 0) {
+        assert_eq!(channel.identical, channel.pairs, "{channel:?}");
     }
 }
 
@@ -1523,8 +1871,20 @@ fn no_more_fields_are_compared_than_memory_allows() {
         .collect();
     let file = numbers(&directory, "a.mcap", &topics);
     let report = compare(&file, &file, &quick()).unwrap();
-    assert_eq!(report.verdict, Verdict::Equal);
-    assert!(!report.is_complete);
-    assert_eq!(report.a.losses, ["fields beyond the first 262144"]);
+    assert_eq!(report.verdict, Verdict::Identical);
+    assert!(report.is_complete);
+    assert!(
+        report
+            .notes
+            .iter()
+            .any(|note| note.contains("262144 fields"))
+    );
+    // The bytes of messages with other fields are compared instead.
+    let other = message.replacen("\"7\":1", "\"7\":2", 1);
+    let last = [(1, other.as_str())];
+    let mut topics = topics.clone();
+    topics[64].1 = &last;
+    let other = numbers(&directory, "b.mcap", &topics);
+    assert_eq!(verdict_of(&file, &other, &quick()), Verdict::Different);
     assert_eq!(report.signals.fields().count(), 1 << 18);
 }

@@ -1,4 +1,4 @@
-//! The numbers in messages of channels that aren't ours.
+//! The fields in messages of channels that aren't ours.
 
 use proptest::prelude::*;
 use prost::Message as _;
@@ -7,39 +7,32 @@ use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{
     DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet, MessageOptions,
 };
-use serde_json::{Map, Value};
+use serde_json::{Map, Value as Json};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
-use toprise::archive::recording::{
-    Condition, FileChannel, FileSchema, MAX_FIELDS, NumberDecoder, NumbersError, Recording,
-    Selection,
-};
+use toprise::archive::recording::{Condition, Recording, Selection};
 use toprise::telemetry::Topics;
+use toprise::telemetry::payload::{MAX_FIELDS, PayloadDecoder, PayloadError, Schema, Value};
 
-fn channel(encoding: &str, schema: Option<FileSchema>) -> FileChannel {
-    FileChannel {
-        id: 1,
-        topic: "/topic".to_owned(),
-        encoding: encoding.to_owned(),
-        schema: schema.map(Arc::new),
-        metadata: BTreeMap::new(),
-        table: None,
-    }
+fn json() -> PayloadDecoder {
+    PayloadDecoder::new("json", None).unwrap()
 }
 
-fn json() -> NumberDecoder {
-    NumberDecoder::new(&channel("json", None)).unwrap()
-}
-
-/// Decodes a message into fields and values; NaN is written as none.
+/// Decodes a message into its fields and values.
 #[track_caller]
-fn decode(decoder: &mut NumberDecoder, data: impl AsRef<[u8]>) -> Vec<(String, Option<f64>)> {
+fn values(decoder: &mut PayloadDecoder, data: impl AsRef<[u8]>) -> Vec<(String, Value)> {
     let mut values = Vec::new();
     decoder.decode(data.as_ref(), &mut values).unwrap();
     assert_eq!(values.len(), decoder.fields().len());
-    let values = values.into_iter().map(|v| Some(v).filter(|v| !v.is_nan()));
     decoder.fields().iter().cloned().zip(values).collect()
+}
+
+/// Decodes a message into fields and numbers; what is no number is written as none.
+#[track_caller]
+fn decode(decoder: &mut PayloadDecoder, data: impl AsRef<[u8]>) -> Vec<(String, Option<f64>)> {
+    let values = values(decoder, data).into_iter();
+    let number = |value: Value| Some(value.number()).filter(|number| !number.is_nan());
+    values.map(|(path, value)| (path, number(value))).collect()
 }
 
 #[track_caller]
@@ -48,7 +41,7 @@ fn assert_fields(found: &[(String, Option<f64>)], expected: &[(&str, Option<f64>
     assert_eq!(found, expected);
 }
 
-fn reason(decoder: &mut NumberDecoder, data: impl AsRef<[u8]>) -> String {
+fn reason(decoder: &mut PayloadDecoder, data: impl AsRef<[u8]>) -> String {
     let error = decoder.decode(data.as_ref(), &mut Vec::new()).unwrap_err();
     error.to_string()
 }
@@ -65,10 +58,13 @@ fn json_is_flattened() {
             ("pose.position.y", Some(-2.5e-3)),
             ("ok", Some(1.0)),
             ("off", Some(0.0)),
+            ("name", None),
             ("ranges.0", Some(1.0)),
             ("ranges.1.0", Some(2.0)),
             ("ranges.1.1", Some(3.0)),
             ("ranges.2.min", Some(4.0)),
+            ("empty", None),
+            ("none", None),
             ("é\n.", Some(5.0)),
         ],
     );
@@ -78,8 +74,9 @@ fn json_is_flattened() {
 fn a_json_message_need_not_be_an_object() {
     assert_fields(&decode(&mut json(), "7"), &[("", Some(7.0))]);
     assert_fields(&decode(&mut json(), "[7]"), &[("0", Some(7.0))]);
-    assert_fields(&decode(&mut json(), "\"text\""), &[]);
-    assert_fields(&decode(&mut json(), "null"), &[]);
+    let text = values(&mut json(), "\"text\"");
+    assert_eq!(text, [(String::new(), Value::Text("text".into()))]);
+    assert_eq!(values(&mut json(), "null")[0].1, Value::Null);
 }
 
 #[test]
@@ -87,12 +84,13 @@ fn fields_grow_and_stay() {
     let mut decoder = json();
     assert!(decoder.fields().is_empty());
     let found = decode(&mut decoder, r#"{"a":1,"l":["x",2]}"#);
-    assert_fields(&found, &[("a", Some(1.0)), ("l.1", Some(2.0))]);
+    let expected = [("a", Some(1.0)), ("l.0", None), ("l.1", Some(2.0))];
+    assert_fields(&found, &expected);
     let found = decode(&mut decoder, r#"{"l":[3],"b":{"c":4}}"#);
     let expected = [
         ("a", None),
-        ("l.1", None),
         ("l.0", Some(3.0)),
+        ("l.1", None),
         ("b.c", Some(4.0)),
     ];
     assert_fields(&found, &expected);
@@ -100,8 +98,8 @@ fn fields_grow_and_stay() {
     let found = decode(&mut decoder, r#"{"b":5,"a":{"b":6},"l":[7,8]}"#);
     let expected = [
         ("a", None),
-        ("l.1", Some(8.0)),
         ("l.0", Some(7.0)),
+        ("l.1", Some(8.0)),
         ("b.c", None),
         ("b", Some(5.0)),
         ("a.b", Some(6.0)),
@@ -112,52 +110,55 @@ fn fields_grow_and_stay() {
 #[test]
 fn null_is_not_a_number() {
     let mut decoder = json();
-    assert_fields(&decode(&mut decoder, r#"{"a":null}"#), &[]);
+    assert_fields(&decode(&mut decoder, r#"{"a":null}"#), &[("a", None)]);
     assert_fields(&decode(&mut decoder, r#"{"a":1}"#), &[("a", Some(1.0))]);
     assert_fields(&decode(&mut decoder, r#"{"a":null}"#), &[("a", None)]);
     assert_fields(&decode(&mut decoder, r#"{"a":"1"}"#), &[("a", None)]);
-    assert_fields(&decode(&mut decoder, "{}"), &[("a", None)]);
+    // The empty object is a field of its own.
+    let found = values(&mut decoder, "{}");
+    assert_eq!(found[0], ("a".to_owned(), Value::Absent));
+    assert_eq!(found[1], (String::new(), Value::Empty));
 }
 
 #[test]
 fn of_members_with_the_same_name_the_last_counts() {
     let mut decoder = json();
+    let there = |found: Vec<(String, Option<f64>)>| -> Vec<_> {
+        let there = found.into_iter().filter(|(_, number)| number.is_some());
+        there.collect()
+    };
     for _ in 0..2 {
-        let found = decode(
-            &mut decoder,
-            r#"{"a":{"b":1,"c":2,"c":3},"a":{"b":4},"d":[5],"d":6}"#,
-        );
-        let expected = [
-            ("a.b", Some(4.0)),
-            ("a.c", None),
-            ("d.0", None),
-            ("d", Some(6.0)),
-        ];
-        assert_fields(&found, &expected);
+        let data = r#"{"a":{"b":1,"c":2,"c":3},"a":{"b":4},"d":[5],"d":6}"#;
+        let found = decode(&mut decoder, data);
+        assert_fields(&there(found), &[("a.b", Some(4.0)), ("d", Some(6.0))]);
+        // What counts for nothing is not forgotten.
+        assert_eq!(decoder.unsaid(data.as_bytes()), Some(data.as_bytes()));
         let found = decode(&mut decoder, r#"{"a":{"b":1},"a":null,"d":7,"d":"x"}"#);
-        let gone = [("a.b", None), ("a.c", None), ("d.0", None), ("d", None)];
-        assert_fields(&found, &gone);
+        assert_fields(&there(found), &[]);
     }
+    decode(&mut decoder, r#"{"a":1}"#);
+    assert_eq!(decoder.unsaid(b""), None);
     // Two ways to the same path are one field.
     let found = decode(&mut json(), r#"{"a.b":1,"a":{"b":2}}"#);
     assert_fields(&found, &[("a.b", Some(2.0))]);
 }
 
 #[test]
-fn huge_integers_become_the_nearest_number() {
+fn integers_keep_their_digits() {
     let text = r"[9007199254740993,18446744073709551615,-9223372036854775808,1e300,100000000000000000000,-0]";
     let mut values = Vec::new();
     json().decode(text.as_bytes(), &mut values).unwrap();
-    let expected: [f64; 6] = [
-        9007199254740992.0,
-        18446744073709551616.0,
-        -9223372036854775808.0,
-        1e300,
-        1e20,
-        -0.0,
+    let expected = [
+        Value::Integer(9007199254740993),
+        Value::Large(u64::MAX),
+        Value::Integer(i64::MIN),
+        Value::Real(1e300),
+        // No 64 bits hold it.
+        Value::Real(1e20),
+        Value::Real(-0.0),
     ];
     assert_eq!(values, expected);
-    assert!(values[5].is_sign_negative());
+    assert!(values[5].number().is_sign_negative());
 }
 
 #[test]
@@ -167,12 +168,29 @@ fn what_python_writes_for_numbers_that_json_lacks_is_read() {
     assert_fields(
         &found,
         &[
+            ("a", None),
             ("b.0", Some(f64::INFINITY)),
             ("b.1", Some(f64::NEG_INFINITY)),
             ("b.2", Some(1.0)),
+            ("c", None),
             ("d", Some(2.0)),
         ],
     );
+    // The largest double stays what it is beside them, and a null too.
+    let text = r#"[NaN,1.7976931348623157e308,-1.7976931348623157e308,null,Infinity,"null"]"#;
+    let found: Vec<Value> = values(&mut json(), text)
+        .into_iter()
+        .map(|(_, v)| v)
+        .collect();
+    assert!(found[0].number().is_nan() && found[0].is_number());
+    let others = [
+        Value::Real(f64::MAX),
+        Value::Real(f64::MIN),
+        Value::Null,
+        Value::Real(f64::INFINITY),
+        Value::Text("null".into()),
+    ];
+    assert_eq!(found[1..], others);
     // A message without them is read as it is, and one with a fault stays faulty.
     assert!(reason(&mut json(), "{\"a\":NaN").contains("EOF"));
 }
@@ -204,7 +222,8 @@ fn broken_json_is_an_error() {
     assert!(reason(&mut decoder, deep).contains("recursion limit"));
     // It is about one message; what was read before the fault stays a field.
     let found = decode(&mut decoder, r#"{"a":1}"#);
-    assert_fields(&found, &[("0", None), ("a", Some(1.0))]);
+    let expected = [("0", None), ("", None), ("a", Some(1.0))];
+    assert_fields(&found, &expected);
 }
 
 #[test]
@@ -217,8 +236,8 @@ fn fields_are_not_without_end() {
     assert_eq!(decoder.left_out(), 100_000 - MAX_FIELDS as u64);
     // Those that are known are still read, and others are not.
     decoder.decode(br#"[1,2,{"a":3}]"#, &mut values).unwrap();
-    assert_eq!(values[..2], [1.0, 2.0]);
-    assert!(values[2..].iter().all(|value| value.is_nan()));
+    assert_eq!(values[..2], [Value::Integer(1), Value::Integer(2)]);
+    assert!(values[2..].iter().all(Value::is_absent));
     assert_eq!(decoder.left_out(), 100_000 - MAX_FIELDS as u64);
     // One path that is too long ends it, too.
     let mut decoder = json();
@@ -235,47 +254,47 @@ fn fields_are_not_without_end() {
 }
 
 /// Objects and lists of numbers, nulls and texts.
-fn nested() -> impl Strategy<Value = Value> {
+fn nested() -> impl Strategy<Value = Json> {
     let leaf = prop_oneof![
-        8 => (-1e9..1e9f64).prop_map(Value::from),
-        2 => any::<i64>().prop_map(Value::from),
-        1 => any::<bool>().prop_map(Value::from),
-        1 => Just(Value::Null),
-        1 => "[a-z\"\\\\é]{0,4}".prop_map(Value::from),
+        8 => (-1e9..1e9f64).prop_map(Json::from),
+        2 => any::<i64>().prop_map(Json::from),
+        1 => any::<bool>().prop_map(Json::from),
+        1 => Just(Json::Null),
+        1 => "[a-z\"\\\\é]{0,4}".prop_map(Json::from),
     ];
     leaf.prop_recursive(5, 60, 6, |inner| {
         let key = "[a-z\"\\\\é]{0,3}";
         prop_oneof![
-            prop::collection::vec(inner.clone(), 0..6).prop_map(Value::from),
+            prop::collection::vec(inner.clone(), 0..6).prop_map(Json::from),
             prop::collection::vec((key, inner), 0..6)
-                .prop_map(|members| Value::Object(members.into_iter().collect::<Map<_, _>>())),
+                .prop_map(|members| Json::Object(members.into_iter().collect::<Map<_, _>>())),
         ]
     })
 }
 
-fn flatten(value: &Value, path: &str, numbers: &mut BTreeMap<String, f64>) {
+fn flatten(value: &Json, path: &str, numbers: &mut BTreeMap<String, f64>) {
     let join = |name: &str| match path {
         "" => name.to_owned(),
         path => format!("{path}.{name}"),
     };
     match value {
-        Value::Object(members) => {
+        Json::Object(members) => {
             for (name, member) in members {
                 flatten(member, &join(name), numbers);
             }
         }
-        Value::Array(elements) => {
+        Json::Array(elements) => {
             for (position, element) in elements.iter().enumerate() {
                 flatten(element, &join(&position.to_string()), numbers);
             }
         }
-        Value::Number(number) => {
+        Json::Number(number) => {
             numbers.insert(path.to_owned(), number.as_f64().unwrap());
         }
-        Value::Bool(value) => {
+        Json::Bool(value) => {
             numbers.insert(path.to_owned(), f64::from(u8::from(*value)));
         }
-        Value::Null | Value::String(_) => {}
+        Json::Null | Json::String(_) => {}
     }
 }
 
@@ -285,7 +304,7 @@ proptest! {
         let mut decoder = json();
         for message in messages {
             // A member with an empty name would make paths that begin with a dot, or are equal.
-            let message = Value::Object([("m".to_owned(), message)].into_iter().collect());
+            let message = Json::Object([("m".to_owned(), message)].into_iter().collect());
             let mut expected = BTreeMap::new();
             flatten(&message, "", &mut expected);
             let found = decode(&mut decoder, message.to_string());
@@ -322,20 +341,23 @@ proptest! {
 
 #[test]
 fn other_encodings_are_named() {
-    for encoding in ["cdr", "ros1", "cbor", ""] {
-        let error = NumberDecoder::new(&channel(encoding, None)).unwrap_err();
-        assert_eq!(error, NumbersError::Encoding(encoding.to_owned()));
-        assert!(error.to_string().contains("json and protobuf"), "{error}");
+    for encoding in ["ros1", "cbor", ""] {
+        let error = PayloadDecoder::new(encoding, None).unwrap_err();
+        assert_eq!(error, PayloadError::Encoding(encoding.to_owned()));
+        assert!(
+            error.to_string().contains("json, protobuf and cdr"),
+            "{error}"
+        );
     }
 }
 
-fn protobuf_channel(name: &str, data: Vec<u8>) -> Result<NumberDecoder, NumbersError> {
-    let schema = FileSchema {
-        name: name.to_owned(),
-        encoding: "protobuf".to_owned(),
-        data,
+fn protobuf_channel(name: &str, data: Vec<u8>) -> Result<PayloadDecoder, PayloadError> {
+    let schema = Schema {
+        name,
+        encoding: "protobuf",
+        data: &data,
     };
-    NumberDecoder::new(&channel("protobuf", Some(schema)))
+    PayloadDecoder::new("protobuf", Some(schema))
 }
 
 fn field(name: &str, number: i32, kind: Type) -> FieldDescriptorProto {
@@ -433,7 +455,7 @@ fn shapes() -> FileDescriptorSet {
     set("proto3", vec![shapes])
 }
 
-fn shapes_decoder() -> NumberDecoder {
+fn shapes_decoder() -> PayloadDecoder {
     protobuf_channel("t.Shapes", shapes().encode_to_vec()).unwrap()
 }
 
@@ -486,11 +508,12 @@ fn message() -> Vec<u8> {
 #[test]
 fn protobuf_is_flattened() {
     let mut decoder = shapes_decoder();
-    let foreseen = ["d", "point.x", "point.ok", "maybe", "color"];
+    let foreseen = ["d", "text", "point.x", "point.ok", "maybe", "color"];
     assert_eq!(decoder.fields(), foreseen);
     let found = decode(&mut decoder, message());
     let expected = [
         ("d", Some(0.5)),
+        ("text", None),
         ("point.x", Some(-1.0)),
         ("point.ok", Some(1.0)),
         ("maybe", None),
@@ -508,10 +531,13 @@ fn protobuf_is_flattened() {
         ("by_id.-1.x", Some(9.0)),
         ("by_id.-1.ok", Some(0.0)),
         ("inner.d", Some(10.0)),
+        ("inner.text", None),
         ("inner.color", Some(0.0)),
         ("fixed.0", Some(11.0)),
     ];
     assert_fields(&found, &expected);
+    // The field that the schema doesn't know.
+    assert_eq!(decoder.unsaid(&message()), Some(&varint(99, 1)[..]));
     assert_eq!(decode(&mut decoder, message()), found);
     let others = decode(&mut decoder, []).into_iter();
     let zeros: Vec<_> = others.filter(|(_, value)| value.is_some()).collect();
@@ -556,7 +582,7 @@ fn of_map_entries_with_the_same_key_the_last_counts() {
     for _ in 0..2 {
         let found = decode(&mut decoder, &data);
         let expected = [("by_id.1.x", Some(0.0)), ("by_id.1.ok", Some(1.0))];
-        assert_fields(&found[5..], &expected);
+        assert_fields(&found[6..], &expected);
     }
 }
 
@@ -608,8 +634,8 @@ fn a_schema_that_cannot_be_used_is_told() {
     let missing = of(".u.Gone", field("a", 1, Type::Message));
     let schema = set("proto3", vec![message_type("M", vec![missing])]);
     assert!(reason("t.M", schema.encode_to_vec()).ends_with("it has no message u.Gone"));
-    let none = NumberDecoder::new(&channel("protobuf", None)).unwrap_err();
-    assert_eq!(none, NumbersError::Schema("there is none".to_owned()));
+    let none = PayloadDecoder::new("protobuf", None).unwrap_err();
+    assert_eq!(none, PayloadError::Schema("there is none".to_owned()));
     // Each of the names begins with the package's.
     let small = (0..100_000).map(|_| message_type("M", Vec::new()));
     let mut schema = set("proto3", small.collect());
@@ -632,7 +658,7 @@ fn descriptors_that_prost_reflect_does_not_survive_are_refused() {
     for descriptors in [&nameless[..], &imports_itself] {
         let refused = protobuf_channel("M", descriptors.to_vec());
         assert!(
-            matches!(refused, Err(NumbersError::Schema(_))),
+            matches!(refused, Err(PayloadError::Schema(_))),
             "{refused:?}"
         );
     }
@@ -656,7 +682,7 @@ fn broken_protobuf_is_an_error() {
     }
     assert!(reason(&mut decoder, deep).contains("nested more than 100 deep"));
     // It is about one message.
-    let there = |decoder: &mut NumberDecoder| -> BTreeMap<_, _> {
+    let there = |decoder: &mut PayloadDecoder| -> BTreeMap<_, _> {
         let found = decode(decoder, &whole).into_iter();
         found.filter_map(|(path, v)| Some((path, v?))).collect()
     };
@@ -680,6 +706,7 @@ fn types_within_types_do_not_unfold_without_end() {
         let found = decode(&mut decoder, data).into_iter();
         let there: Vec<_> = found.filter(|(_, value)| value.is_some()).collect();
         assert_eq!(there.len(), usize::from(leaf == Type::Double));
+        assert_eq!(decoder.left_out(), 0);
     }
 }
 
@@ -698,7 +725,7 @@ fn fields_beyond_the_most_are_counted_and_not_decoded() {
     let mut values = Vec::new();
     for _ in 0..2 {
         decoder.decode(&data, &mut values).unwrap();
-        assert_eq!(values, vec![0.0; MAX_FIELDS]);
+        assert_eq!(values, vec![Value::Integer(0); MAX_FIELDS]);
     }
     assert_eq!(decoder.left_out(), 30_000 * 100_000 - MAX_FIELDS as u64);
 }
@@ -711,7 +738,7 @@ fn columns(file: &str, topic: &str) -> BTreeMap<String, BTreeMap<u64, f64>> {
     assert_eq!(recording.condition(), Condition::Foreign);
     let mut channels = recording.channels().iter();
     let channel = channels.find(|channel| channel.topic == topic).unwrap();
-    let mut decoder = NumberDecoder::new(channel).unwrap();
+    let mut decoder = channel.payload_decoder().unwrap();
     let mut reader = recording.reader(Selection {
         topics: Topics::Only(vec![topic.to_owned()]),
         ..Selection::default()
@@ -721,9 +748,10 @@ fn columns(file: &str, topic: &str) -> BTreeMap<String, BTreeMap<u64, f64>> {
     while let Some(message) = reader.next_undecoded() {
         decoder.decode(message.data, &mut values).unwrap();
         for (field, value) in decoder.fields().iter().zip(&values) {
-            if !value.is_nan() {
+            let number = value.number();
+            if !number.is_nan() {
                 let column = columns.entry(field.clone()).or_default();
-                column.insert(message.log_time / 1_000_000, *value);
+                column.insert(message.log_time / 1_000_000, number);
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Why two runs can't be compared.
 
+use crate::analysis::phrase::clock_time;
 use crate::archive::sink::SinkError;
 use thiserror::Error;
 
@@ -40,8 +41,9 @@ pub enum DiffError {
         b: String,
     },
     /// One run ends before the other begins.
-    #[error("their times don't overlap: A is from {} s to {} s, B from {} s to {} s",
-            a.0 as f64 / 1e9, a.1 as f64 / 1e9, b.0 as f64 / 1e9, b.1 as f64 / 1e9)]
+    #[error("their times don't overlap: A is from {} to {}, B from {} to {}; --offset start puts their first messages at one \
+             time, --align index pairs messages by their order",
+            clock_time(a.0), clock_time(a.1), clock_time(b.0), clock_time(b.1))]
     NoOverlap {
         /// The times of A's first and last message, ns.
         a: (u64, u64),
@@ -49,7 +51,10 @@ pub enum DiffError {
         b: (u64, u64),
     },
     /// No two messages can be compared.
-    #[error("they have no common times, and none that lie between two of the other")]
+    #[error(
+        "they have no common times, and none that lie between two of the other; --max-dt 5ms pairs messages that are so \
+             near to each other, --align index pairs them by their order"
+    )]
     NoCommonTimes,
     /// Too many messages wait for their counterparts.
     #[error(

@@ -2,6 +2,7 @@
 
 use super::tolerance::Tolerance;
 use crate::physics::math::ulp_distance;
+use crate::telemetry::payload::Value;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -21,6 +22,12 @@ pub struct FieldDifference {
     pub count: u64,
     /// Pairs of which one is not a number.
     pub not_numbers: u64,
+    /// Pairs of texts, booleans or other things that differ.
+    pub other_values: u64,
+    /// Pairs of a zero and a negative zero.
+    pub signs_of_zero: u64,
+    /// Pairs of NaNs with different bits.
+    pub nan_bits: u64,
     /// The difference of largest magnitude.
     pub largest: f64,
     /// When it was largest, s.
@@ -58,6 +65,9 @@ pub(super) struct FieldTally {
     tolerance: Tolerance,
     count: u64,
     not_numbers: u64,
+    other_values: u64,
+    signs_of_zero: u64,
+    nan_bits: u64,
     largest: f64,
     at_ns: u64,
     sum: f64,
@@ -95,21 +105,26 @@ impl FieldTally {
 
     fn add_different(&mut self, time_ns: u64, a: f64, b: f64) {
         if a.is_nan() && b.is_nan() {
+            if a.to_bits() != b.to_bits() {
+                self.nan_bits += 1;
+                self.first_different.get_or_insert(time_ns);
+            }
             return;
         }
-        self.first_different.get_or_insert(time_ns);
-        if !self.tolerance.allows(a, b) {
-            self.first_beyond.get_or_insert(time_ns);
-            self.beyond += 1;
-        }
-        let difference = b - a;
+        self.signs_of_zero += u64::from(a == b);
+        self.ulp = self.ulp.max(ulp_distance(a, b));
+        self.add_pair(time_ns, [a, b], b - a, self.tolerance.allows(a, b));
+    }
+
+    /// Takes in two numbers that are not the same.
+    fn add_pair(&mut self, time_ns: u64, [a, b]: [f64; 2], difference: f64, is_allowed: bool) {
+        self.note_difference(time_ns, is_allowed);
         if !difference.is_finite() {
             self.not_numbers += 1;
             return;
         }
         self.count += 1;
         self.scale = self.scale.max(a.abs()).max(b.abs());
-        self.ulp = self.ulp.max(ulp_distance(a, b));
         self.sum += difference;
         self.sum_of_squares += difference * difference;
         if difference.abs() > self.largest.abs() {
@@ -120,6 +135,50 @@ impl FieldTally {
                 self.rungs.push((exponent, time_ns));
             }
         }
+    }
+
+    fn note_difference(&mut self, time_ns: u64, is_allowed: bool) {
+        self.first_different.get_or_insert(time_ns);
+        if !is_allowed {
+            self.first_beyond.get_or_insert(time_ns);
+            self.beyond += 1;
+        }
+    }
+
+    /// Takes in A's and B's values of a pair, and tells whether they are the same to the last bit.
+    pub(super) fn add_values(&mut self, time_ns: u64, a: &Value, b: &Value) -> bool {
+        let numbers = [a.number(), b.number()];
+        match (a, b) {
+            (Value::Real(x), Value::Real(y)) => {
+                self.add(time_ns, *x, *y);
+                return x.to_bits() == y.to_bits();
+            }
+            _ if a == b => {
+                if !numbers[0].is_nan() {
+                    self.add(time_ns, numbers[0], numbers[1]);
+                }
+                return true;
+            }
+            _ if a.is_number() && b.is_number() => match (whole(a), whole(b)) {
+                // One and 1.0.
+                (Some(x), Some(y)) if x == y => self.add(time_ns, numbers[0], numbers[0]),
+                (Some(x), Some(y)) => {
+                    let is_allowed = self.tolerance.allows_integers(x, y);
+                    self.add_pair(time_ns, numbers, (y - x) as f64, is_allowed);
+                }
+                _ => self.add(time_ns, numbers[0], numbers[1]),
+            },
+            // One of them is a number.
+            _ if a.is_number() || b.is_number() => {
+                self.not_numbers += 1;
+                self.note_difference(time_ns, false);
+            }
+            _ => {
+                self.other_values += 1;
+                self.note_difference(time_ns, false);
+            }
+        }
+        false
     }
 
     /// Takes in how large the error of interpolation can be.
@@ -161,6 +220,9 @@ impl FieldTally {
             unit: unit.to_owned(),
             count: self.count,
             not_numbers: self.not_numbers,
+            other_values: self.other_values,
+            signs_of_zero: self.signs_of_zero,
+            nan_bits: self.nan_bits,
             largest: self.largest,
             at: seconds(self.at_ns),
             rms: (self.sum_of_squares / count).sqrt(),
@@ -179,6 +241,17 @@ impl FieldTally {
             interpolation_error: is_interpolated.then_some(self.interpolation_error),
             ..FieldDifference::default()
         }
+    }
+}
+
+/// The integer that a number is, if it is one; beyond these bounds doubles are.
+fn whole(value: &Value) -> Option<i128> {
+    const LARGEST: f64 = 1e30;
+    match value {
+        Value::Real(real) => {
+            (real.trunc() == *real && real.abs() < LARGEST).then_some(*real as i128)
+        }
+        other => other.as_integer(),
     }
 }
 

@@ -1,8 +1,8 @@
 //! What a run has at a time between its messages.
 
+use super::item::Item;
 use super::time_map::Instant;
 use crate::analysis::course::curve::{hermite3, hermite5, lagrange};
-use crate::archive::memory::Owned;
 use crate::telemetry::{Leaf, Topic};
 
 /// How a field is interpolated.
@@ -48,10 +48,10 @@ impl Method {
 #[derive(Debug)]
 pub(super) struct Stencil<'a> {
     /// The two neighbours of the instant, and what lies beyond them.
-    rows: Vec<&'a Owned>,
+    rows: Vec<&'a Item>,
     /// Lagrange's weights of the rows.
     weights: Vec<f64>,
-    neighbours: [&'a Owned; 2],
+    neighbours: [&'a Item; 2],
     /// The time between the neighbours, s.
     h: f64,
     /// The part of it that has passed at the instant.
@@ -62,16 +62,16 @@ impl<'a> Stencil<'a> {
     /// A stencil for an instant between two neighbours, with the messages before and behind them if they are
     /// near enough.
     pub(super) fn new(
-        neighbours: [&'a Owned; 2],
-        before: Option<&'a Owned>,
-        behind: Option<&'a Owned>,
+        neighbours: [&'a Item; 2],
+        before: Option<&'a Item>,
+        behind: Option<&'a Item>,
         at: Instant,
     ) -> Self {
         let [left, right] = neighbours;
         let rows: Vec<_> = before.into_iter().chain(neighbours).chain(behind).collect();
         // Exact in integers first: times since 1970 in ns have more digits than doubles.
         let seconds =
-            |row: &&Owned| (i128::from(row.time_ns) - i128::from(left.time_ns)) as f64 / 1e9;
+            |row: &&Item| (i128::from(row.time_ns) - i128::from(left.time_ns)) as f64 / 1e9;
         let h = seconds(&right);
         let t = ((at.ns - left.time_ns) as f64 + at.rest) / 1e9;
         let nodes: Vec<f64> = rows.iter().map(seconds).collect();
@@ -92,7 +92,7 @@ impl<'a> Stencil<'a> {
 
     /// A field at the instant.
     pub(super) fn value(&self, field: usize, method: Method) -> f64 {
-        let of = |row: &Owned, field: usize| row.numbers.get(field).copied().unwrap_or(f64::NAN);
+        let of = |row: &Item, field: usize| row.numbers.get(field).copied().unwrap_or(f64::NAN);
         let [x, y] = self.neighbours;
         match method {
             Method::Linear => of(x, field) + self.s * (of(y, field) - of(x, field)),

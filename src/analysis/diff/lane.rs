@@ -4,18 +4,16 @@
 //! is none. That depends on how far the other run has been read, its [`Frontier`]: a message is alone only once the
 //! other run has been read beyond its time.
 //!
-//! Within a topic the reader gives messages in the order of time. Messages of toprise's recordings that go back behind
-//! those of other topics are out of order and not paired: there is a digest of them on each side, and if these agree,
-//! the messages are the same. So a run is equal to itself whatever its times are.
+//! Messages that stand behind later ones of their topic, as only files of others have them, are paired in the order in
+//! which they come. So a file is equal to itself whatever its times are.
 
 use super::interpolation::{Method, Stencil};
+use super::item::{Content, Item};
 use super::rule::{Interpolation, Rule};
 use super::time_map::{Instant, TimeMap};
-use crate::archive::memory::Owned;
-use crate::telemetry::digest::append_content;
+use crate::telemetry::payload::Value;
 use crate::telemetry::side::Side;
-use sha2::{Digest as _, Sha256};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
 /// The error of interpolation is estimated at one of so many messages.
 const ESTIMATED: u64 = 8;
@@ -28,8 +26,8 @@ pub(super) struct Pair<'a> {
     pub(super) sequence: u32,
     pub(super) a: &'a [f64],
     pub(super) b: &'a [f64],
-    /// A's and B's texts; none where one is interpolated.
-    pub(super) texts: Option<(&'a [String], &'a [String])>,
+    /// What is compared exactly.
+    pub(super) contents: [Content<'a>; 2],
 }
 
 /// What comes out of a lane.
@@ -55,11 +53,6 @@ impl Frontier {
     fn is_past(&self, time_ns: u64) -> bool {
         self.is_ended || self.time_ns > time_ns
     }
-
-    /// Whether nothing before this time can come any more: messages up to it have their place in the order of time.
-    fn has_reached(&self, time_ns: u64) -> bool {
-        self.is_ended || self.time_ns >= time_ns
-    }
 }
 
 /// Messages without a counterpart.
@@ -84,22 +77,6 @@ impl Lonely {
     }
 }
 
-/// Messages whose times go backward.
-#[derive(Clone, Debug, Default)]
-struct OutOfOrder {
-    count: u64,
-    content: Sha256,
-}
-
-impl OutOfOrder {
-    fn add(&mut self, message: &Owned) {
-        let mut content = Vec::new();
-        append_content(&message.as_message(), &mut content);
-        self.content.update(&content);
-        self.count += 1;
-    }
-}
-
 /// Messages of the finer run that were left out since the last pair. Whether that was right, the next pair tells.
 #[derive(Clone, Copy, Debug, Default)]
 struct LeftOut {
@@ -112,21 +89,26 @@ struct LeftOut {
 #[derive(Debug)]
 pub(super) struct Lane {
     pub(super) rule: Rule,
-    /// Messages that others may have to be put before, by their times and the order in which they came.
-    early: [BTreeMap<(u64, u64), Owned>; 2],
     /// Messages that wait for their counterparts, in the order of their times.
-    waiting: [VecDeque<Owned>; 2],
+    waiting: [VecDeque<Item>; 2],
+    /// Messages that stand behind later ones, and wait for others that do.
+    late: [VecDeque<Item>; 2],
+    /// The times of the last messages in order, ns.
+    reached: [u64; 2],
     /// How much memory they take, bytes.
     held: usize,
     /// How many messages there have been.
     pub(super) counts: [u64; 2],
     pub(super) lonely: [Lonely; 2],
-    out_of_order: [OutOfOrder; 2],
     left_out: LeftOut,
     /// The time of the last pair, ns.
     last_pair: Option<u64>,
+    /// Messages between those of the other run, which were compared with none as they are.
+    pub(super) between: [u64; 2],
     /// What the other run has at a time, when it is interpolated.
-    values: Vec<f64>,
+    found: Item,
+    /// Whether the fields at the places of A's and B's rows have ever had a fraction.
+    is_real: [Vec<bool>; 2],
     /// How many messages of the interpolated run are no longer needed.
     dropped: u64,
 }
@@ -135,50 +117,45 @@ impl Lane {
     pub(super) fn new(rule: Rule) -> Self {
         Self {
             rule,
-            early: [BTreeMap::new(), BTreeMap::new()],
             waiting: [VecDeque::new(), VecDeque::new()],
+            late: [VecDeque::new(), VecDeque::new()],
+            reached: [0; 2],
             held: 0,
             counts: [0; 2],
             lonely: [Lonely::default(); 2],
-            out_of_order: [OutOfOrder::default(), OutOfOrder::default()],
             left_out: LeftOut::default(),
             last_pair: None,
-            values: Vec::new(),
+            between: [0; 2],
+            found: Item::default(),
+            is_real: [Vec::new(), Vec::new()],
             dropped: 0,
         }
     }
 
-    /// Takes a message of a run that has been read up to a frontier, and tells how much memory it takes, bytes.
-    pub(super) fn push(&mut self, side: Side, message: Owned, frontier: Frontier) -> usize {
+    /// Takes a message, and tells how much memory it takes, bytes.
+    pub(super) fn push(&mut self, side: Side, message: Item) -> usize {
         let side = side.index();
         self.counts[side] += 1;
-        let memory = memory(&message);
+        let memory = message.memory();
         self.held += memory;
-        if self.early[side].is_empty() && frontier.has_reached(message.time_ns) {
-            self.waiting[side].push_back(message);
+        if self.rule.is_interpolated() {
+            self.note_fractions(side, &message.values);
+        }
+        if message.time_ns < self.reached[side] && self.rule != Rule::SameIndex {
+            self.late[side].push_back(message);
         } else {
-            let place = (message.time_ns, self.counts[side]);
-            self.early[side].insert(place, message);
+            self.reached[side] = message.time_ns;
+            self.waiting[side].push_back(message);
         }
         memory
     }
 
-    /// Takes a message whose time goes backward.
-    pub(super) fn push_out_of_order(&mut self, side: Side, message: &Owned) {
-        self.counts[side.index()] += 1;
-        self.out_of_order[side.index()].add(message);
-    }
-
-    /// How many messages of both are out of order.
-    pub(super) fn out_of_order(&self) -> u64 {
-        self.out_of_order.iter().map(|some| some.count).sum()
-    }
-
-    /// Whether both have the same messages out of order.
-    pub(super) fn has_same_out_of_order(&self) -> bool {
-        let [a, b] = &self.out_of_order;
-        let digest = |some: &OutOfOrder| some.content.clone().finalize();
-        a.count == b.count && (a.count == 0 || digest(a) == digest(b))
+    fn note_fractions(&mut self, side: usize, values: &[Value]) {
+        let known = &mut self.is_real[side];
+        known.resize(known.len().max(values.len()), false);
+        for (known, value) in known.iter_mut().zip(values) {
+            *known |= matches!(value, Value::Real(_));
+        }
     }
 
     /// How much memory the messages take that wait, bytes.
@@ -186,9 +163,9 @@ impl Lane {
         self.held
     }
 
-    fn pop(&mut self, side: Side) -> Option<Owned> {
+    fn pop(&mut self, side: Side) -> Option<Item> {
         let message = self.waiting[side.index()].pop_front()?;
-        self.held -= memory(&message);
+        self.held -= message.memory();
         Some(message)
     }
 
@@ -199,16 +176,15 @@ impl Lane {
         map: &TimeMap,
         give: &mut impl FnMut(Given<'_>),
     ) {
-        for side in [0, 1] {
-            while let Some(first) = self.early[side].first_entry()
-                && frontiers[side].has_reached(first.key().0)
-            {
-                self.waiting[side].push_back(first.remove());
-            }
-        }
+        self.drain_late(frontiers, give);
         match &self.rule {
             Rule::SameTime { .. } => self.drain_same_time(frontiers, give),
             Rule::SameSequence => self.drain_same_sequence(frontiers, give),
+            Rule::SameIndex => self.drain_same_index(frontiers, give),
+            Rule::Nearest(most) => {
+                let most = *most;
+                while self.pair_nearest(most, frontiers, give).is_some() {}
+            }
             Rule::Interpolated(Interpolation { grid, widest, .. }) => {
                 let (grid, widest) = (*grid, *widest);
                 while self
@@ -220,19 +196,49 @@ impl Lane {
         }
     }
 
+    /// Pairs messages that stand behind later ones in the order in which they come, if they are at the same time.
+    fn drain_late(&mut self, frontiers: [Frontier; 2], give: &mut impl FnMut(Given<'_>)) {
+        loop {
+            let [a, b] = &mut self.late;
+            let sides = match (a.front(), b.front()) {
+                (Some(x), Some(y)) if x.time_ns == y.time_ns => [true, true],
+                (Some(_), Some(_)) => [true, true],
+                (Some(_), None) if frontiers[1].is_ended => [true, false],
+                (None, Some(_)) if frontiers[0].is_ended => [false, true],
+                _ => break,
+            };
+            let [x, y] = [(sides[0], a), (sides[1], b)]
+                .map(|(is_taken, late)| is_taken.then(|| late.pop_front()).flatten());
+            for item in [&x, &y].into_iter().flatten() {
+                self.held -= item.memory();
+            }
+            match (x, y) {
+                (Some(x), Some(y)) if x.time_ns == y.time_ns => give_pair(&x, &y, give),
+                (x, y) => {
+                    for (item, side) in [(x, Side::A), (y, Side::B)] {
+                        if item.is_some() {
+                            self.lonely[side.index()].count += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
     fn drain_same_time(&mut self, frontiers: [Frontier; 2], give: &mut impl FnMut(Given<'_>)) {
         let finer = self.rule.finer().map(|finer| finer.side);
         loop {
             let [a, b] = &self.waiting;
             let is_past =
-                |side: Side, message: &Owned| frontiers[side.index()].is_past(message.time_ns);
+                |side: Side, message: &Item| frontiers[side.index()].is_past(message.time_ns);
             let alone = match (a.front(), b.front()) {
                 (Some(x), Some(y)) if x.time_ns == y.time_ns => {
                     self.pair_fronts(give);
                     continue;
                 }
-                (Some(x), Some(y)) if x.time_ns < y.time_ns && is_past(Side::B, x) => Side::A,
-                (Some(x), Some(y)) if x.time_ns > y.time_ns && is_past(Side::A, y) => Side::B,
+                // Within a topic nothing comes behind what is later.
+                (Some(x), Some(y)) if x.time_ns < y.time_ns => Side::A,
+                (Some(_), Some(_)) => Side::B,
                 (Some(x), None) if is_past(Side::B, x) => Side::A,
                 (None, Some(y)) if is_past(Side::A, y) => Side::B,
                 _ => break,
@@ -262,9 +268,77 @@ impl Lane {
                 (None, Some(_)) if frontiers[0].is_ended => Side::B,
                 _ => break,
             };
-            self.pop(alone);
-            self.note_lonely(alone);
+            self.leave_alone(alone);
         }
+    }
+
+    fn drain_same_index(&mut self, frontiers: [Frontier; 2], give: &mut impl FnMut(Given<'_>)) {
+        loop {
+            let [a, b] = &self.waiting;
+            match (a.is_empty(), b.is_empty()) {
+                (false, false) => self.pair_fronts(give),
+                (false, true) if frontiers[1].is_ended => self.leave_alone(Side::A),
+                (true, false) if frontiers[0].is_ended => self.leave_alone(Side::B),
+                _ => break,
+            }
+        }
+    }
+
+    /// Pairs the next two messages that are nearest to each other, if that is certain.
+    fn pair_nearest(
+        &mut self,
+        most: u64,
+        frontiers: [Frontier; 2],
+        give: &mut impl FnMut(Given<'_>),
+    ) -> Option<()> {
+        let [a, b] = &self.waiting;
+        let time = |items: &VecDeque<Item>, at: usize| items.get(at).map(|item| item.time_ns);
+        let (first, other) = match (time(a, 0), time(b, 0)) {
+            (Some(x), Some(y)) if x <= y => (Side::A, Some(y)),
+            (Some(x), Some(_)) => (Side::B, Some(x)),
+            (Some(_), None) => (Side::A, None),
+            (None, Some(_)) => (Side::B, None),
+            (None, None) => return None,
+        };
+        let second = first.other();
+        let (mine, theirs) = (&self.waiting[first.index()], &self.waiting[second.index()]);
+        let time_ns = time(mine, 0)?;
+        let reach = time_ns.saturating_add(most);
+        let Some(other) = other.filter(|other| *other <= reach) else {
+            // Nothing of the other run is near, or can still come.
+            let is_certain = other.is_some() || frontiers[second.index()].is_past(reach);
+            return is_certain.then(|| self.leave_alone(first));
+        };
+        // The next message of this run may be nearer to that one, unless another is nearer to the next.
+        let Some(next) = time(mine, 1) else {
+            if !frontiers[first.index()].is_past(other.saturating_add(most)) {
+                return None;
+            }
+            self.pair_fronts(give);
+            return Some(());
+        };
+        if next.abs_diff(other) >= other - time_ns {
+            self.pair_fronts(give);
+            return Some(());
+        }
+        let Some(after) = time(theirs, 1) else {
+            if !frontiers[second.index()].is_past(next.saturating_add(most)) {
+                return None;
+            }
+            self.leave_alone(first);
+            return Some(());
+        };
+        if next.abs_diff(after) < next.abs_diff(other) {
+            self.pair_fronts(give);
+        } else {
+            self.leave_alone(first);
+        }
+        Some(())
+    }
+
+    fn leave_alone(&mut self, side: Side) {
+        self.pop(side);
+        self.note_lonely(side);
     }
 
     fn pair_fronts(&mut self, give: &mut impl FnMut(Given<'_>)) {
@@ -272,13 +346,7 @@ impl Lane {
             return;
         };
         self.settle(a.time_ns);
-        give(Given::Pair(Pair {
-            time_ns: a.time_ns,
-            sequence: a.sequence,
-            a: &a.numbers,
-            b: &b.numbers,
-            texts: Some((&a.texts, &b.texts)),
-        }));
+        give_pair(&a, &b, give);
     }
 
     fn note_lonely(&mut self, side: Side) {
@@ -307,7 +375,9 @@ impl Lane {
             return;
         };
         let is_gap = time_ns.saturating_sub(last.unwrap_or(first)) > finer.gap;
-        if is_gap {
+        if !is_gap {
+            self.between[finer.side.index()] += left_out.count;
+        } else {
             let lonely = &mut self.lonely[finer.side.index()];
             lonely.count += left_out.count;
             if last.is_none() {
@@ -329,6 +399,8 @@ impl Lane {
             let lonely = &mut self.lonely[finer.side.index()];
             lonely.count += left_out.count;
             lonely.since += left_out.count;
+        } else {
+            self.between[finer.side.index()] += left_out.count;
         }
     }
 
@@ -361,7 +433,7 @@ impl Lane {
             return None;
         }
         let is_inside = before > 0 && rows.len() > before;
-        let is_near = |row: &Owned| row.time_ns.abs_diff(at.ns) <= widest;
+        let is_near = |row: &Item| row.time_ns.abs_diff(at.ns) <= widest;
         let is_edge = !is_inside && rows.iter().take(2).any(is_near);
         let found = self.evaluate(other, at, widest);
         let row = self.pop(grid)?;
@@ -374,22 +446,22 @@ impl Lane {
         }
         self.settle(time_ns);
         let (a, b) = match grid {
-            Side::A => (row.numbers.as_slice(), self.values.as_slice()),
-            Side::B => (self.values.as_slice(), row.numbers.as_slice()),
+            Side::A => (&row, &self.found),
+            Side::B => (&self.found, &row),
         };
         give(Given::Pair(Pair {
             time_ns,
             sequence: row.sequence,
-            a,
-            b,
-            texts: None,
+            a: &a.numbers,
+            b: &b.numbers,
+            contents: [a.content(), b.content()],
         }));
         Some(())
     }
 
     /// Lets go of what is not needed for a time: two messages before it are, and all behind it.
     fn drop_before(&mut self, side: Side, time_ns: u64, give: &mut impl FnMut(Given<'_>)) {
-        let is_early = |row: &Owned| row.time_ns <= time_ns;
+        let is_early = |row: &Item| row.time_ns <= time_ns;
         while self.waiting[side.index()].get(2).is_some_and(is_early) {
             self.estimate(side, give);
             if let Some(row) = self.pop(side) {
@@ -418,13 +490,13 @@ impl Lane {
         let rows = &self.waiting[side.index()];
         let before = rows.iter().take(2).rposition(|row| row.time_ns <= at.ns)?;
         let left = &rows[before];
-        self.values.clear();
+        let found = &mut self.found;
         if left.time_ns == at.ns && at.rest == 0.0 {
-            self.values.extend_from_slice(&left.numbers);
+            found.clone_from(left);
             return Some(());
         }
         let right = rows.get(before + 1)?;
-        let is_near = |from: &Owned, to: &Owned| to.time_ns - from.time_ns <= widest;
+        let is_near = |from: &Item, to: &Item| to.time_ns - from.time_ns <= widest;
         if !is_near(left, right) {
             return None;
         }
@@ -434,7 +506,20 @@ impl Lane {
         let stencil = Stencil::new([left, right], outer_left, outer_right, at);
         let methods = methods(&self.rule);
         let value = |field| stencil.value(field, method(methods, field));
-        self.values.extend((0..stencil.width()).map(value));
+        found.numbers.clear();
+        found.numbers.extend((0..stencil.width()).map(value));
+        found.values.clone_from(&left.values);
+        found.rest.clone_from(&left.rest);
+        let is_real = &self.is_real[side.index()];
+        for (at, value) in found.values.iter_mut().enumerate() {
+            // What isn't continuous is what it was last.
+            let is_continuous = |next: &Value| is_real[at] && value.is_number() && next.is_number();
+            if right.values.get(at).is_some_and(is_continuous) {
+                *value = Value::Real(found.numbers[at]);
+            } else if let Some(number) = found.numbers.get_mut(at) {
+                *number = value.number();
+            }
+        }
         Some(())
     }
 
@@ -461,13 +546,14 @@ impl Lane {
     }
 }
 
-/// How much memory a message takes, bytes.
-fn memory(message: &Owned) -> usize {
-    let texts = message
-        .texts
-        .iter()
-        .map(|text| size_of::<String>() + text.capacity());
-    size_of::<Owned>() + size_of_val(message.numbers.as_slice()) + texts.sum::<usize>()
+fn give_pair(a: &Item, b: &Item, give: &mut impl FnMut(Given<'_>)) {
+    give(Given::Pair(Pair {
+        time_ns: a.time_ns,
+        sequence: a.sequence,
+        a: &a.numbers,
+        b: &b.numbers,
+        contents: [a.content(), b.content()],
+    }));
 }
 
 /// The methods by which fields are interpolated.
@@ -486,13 +572,11 @@ fn method(methods: &[Method], field: usize) -> Method {
 mod tests {
     use super::*;
 
-    fn message(time_ns: u64, number: f64) -> Owned {
-        Owned {
-            channel: 0,
-            sequence: 0,
+    fn message(time_ns: u64, number: f64) -> Item {
+        Item {
             time_ns,
             numbers: vec![number],
-            texts: Vec::new(),
+            ..Item::default()
         }
     }
 
@@ -503,51 +587,76 @@ mod tests {
         }
     }
 
+    /// The pairs that a lane gives: A's and B's numbers.
+    fn pairs(lane: &mut Lane, frontiers: [Frontier; 2]) -> Vec<(f64, f64)> {
+        let mut pairs = Vec::new();
+        lane.drain(frontiers, &TimeMap::Same, &mut |given| {
+            if let Given::Pair(pair) = given {
+                pairs.push((pair.a[0], pair.b[0]));
+            }
+        });
+        pairs
+    }
+
+    const ENDED: [Frontier; 2] = [Frontier {
+        time_ns: 0,
+        is_ended: true,
+    }; 2];
+
     #[test]
     fn messages_are_let_go_of_once_they_are_certain() {
         let mut lane = Lane::new(Rule::SameTime { finer: None });
-        let mut pairs = Vec::new();
-        let mut drain = |lane: &mut Lane, frontiers: [u64; 2]| {
-            lane.drain(frontiers.map(up_to), &TimeMap::Same, &mut |given| {
-                if let Given::Pair(pair) = given {
-                    pairs.push((pair.time_ns, pair.a[0], pair.b[0]));
-                }
-            });
-            pairs.clone()
-        };
-        // The frontiers lag behind: messages come in another order than their times.
-        for (time, number) in [(3, 0.3), (1, 0.1), (2, 0.2), (2, 0.25)] {
-            lane.push(Side::A, message(time, number), up_to(0));
-            lane.push(Side::B, message(time, -number), up_to(0));
+        for (time, number) in [(1, 0.1), (2, 0.2), (2, 0.25), (4, 0.4)] {
+            lane.push(Side::A, message(time, number));
         }
-        assert!(drain(&mut lane, [0, 3]).is_empty());
+        lane.push(Side::B, message(1, -0.1));
+        assert_eq!(pairs(&mut lane, [4, 1].map(up_to)), [(0.1, -0.1)]);
         let held = lane.held();
-        assert_eq!(drain(&mut lane, [1, 3]).len(), 1);
+        // Another topic of B has gone on.
+        assert!(pairs(&mut lane, [4, 3].map(up_to)).is_empty());
         assert!(lane.held() < held);
-        let all = drain(&mut lane, [4, 4]);
-        assert_eq!(
-            all,
-            [
-                (1, 0.1, -0.1),
-                (2, 0.2, -0.2),
-                (2, 0.25, -0.25),
-                (3, 0.3, -0.3)
-            ]
-        );
+        assert_eq!(lane.lonely.map(|alone| alone.count), [2, 0]);
+        lane.push(Side::B, message(4, -0.4));
+        assert_eq!(pairs(&mut lane, [4, 4].map(up_to)), [(0.4, -0.4)]);
         assert_eq!(lane.held(), 0);
-        assert_eq!(lane.lonely.map(|alone| alone.count), [0, 0]);
     }
 
     #[test]
-    fn messages_out_of_order_are_the_same_if_their_contents_are() {
-        let mut lane = Lane::new(Rule::SameSequence);
-        lane.push_out_of_order(Side::A, &message(1, 0.5));
-        assert!(!lane.has_same_out_of_order());
-        lane.push_out_of_order(Side::B, &message(1, 0.5));
-        assert!(lane.has_same_out_of_order());
-        lane.push_out_of_order(Side::A, &message(1, 0.5));
-        lane.push_out_of_order(Side::B, &message(2, 0.5));
-        assert!(!lane.has_same_out_of_order());
-        assert_eq!((lane.out_of_order(), lane.counts), (4, [2, 2]));
+    fn messages_behind_later_ones_are_paired_in_their_order() {
+        let mut lane = Lane::new(Rule::SameTime { finer: None });
+        for side in [Side::A, Side::B] {
+            for (time, number) in [(5, 0.5), (3, 0.3), (7, 0.7), (3, 0.35)] {
+                lane.push(side, message(time, number));
+            }
+        }
+        lane.push(Side::B, message(1, 0.1));
+        let found = pairs(&mut lane, ENDED);
+        assert_eq!(found, [(0.3, 0.3), (0.35, 0.35), (0.5, 0.5), (0.7, 0.7)]);
+        assert_eq!(lane.lonely.map(|alone| alone.count), [0, 1]);
+        assert_eq!(lane.held(), 0);
+    }
+
+    #[test]
+    fn the_nearest_are_paired() {
+        let nearest = |a: &[u64], b: &[u64]| {
+            let mut lane = Lane::new(Rule::Nearest(10));
+            for (side, times) in [(Side::A, a), (Side::B, b)] {
+                for time in times {
+                    lane.push(side, message(*time, *time as f64));
+                }
+            }
+            let found = pairs(&mut lane, ENDED);
+            (found, lane.lonely.map(|alone| alone.count))
+        };
+        let (found, alone) = nearest(&[100, 200, 300], &[97, 206, 311, 400]);
+        assert_eq!(found, [(100.0, 97.0), (200.0, 206.0)]);
+        assert_eq!(alone, [1, 2]);
+        // The second of B is nearer; the first has no other.
+        let (found, alone) = nearest(&[100], &[95, 101]);
+        assert_eq!((found, alone), (vec![(100.0, 101.0)], [0, 1]));
+        // Both of A have one of B within reach.
+        let (found, alone) = nearest(&[100, 106], &[95, 104]);
+        assert_eq!(found, [(100.0, 95.0), (106.0, 104.0)]);
+        assert_eq!(alone, [0, 0]);
     }
 }

@@ -12,6 +12,8 @@ pub enum Align {
     Nutation,
     /// What is at the same mean of θ over a nutation.
     Theta,
+    /// What comes in the same place of its topic.
+    Index,
 }
 
 impl Align {
@@ -22,7 +24,24 @@ impl Align {
             Self::Time => "time",
             Self::Nutation => "nutation",
             Self::Theta => "theta",
+            Self::Index => "index",
         }
+    }
+}
+
+/// By how much B's clock is put forward.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Offset {
+    /// By so much, ns.
+    By(i64),
+    /// So that the first messages are at the same time.
+    Start,
+}
+
+impl Default for Offset {
+    /// Not at all.
+    fn default() -> Self {
+        Self::By(0)
     }
 }
 
@@ -31,6 +50,11 @@ impl Align {
 pub struct Options {
     /// What is compared with what.
     pub align: Align,
+    /// Pairs messages that are nearest to each other and no farther apart than this, ns, instead of those with equal
+    /// times.
+    pub max_dt: Option<u64>,
+    /// By how much B's clock is put forward.
+    pub offset: Offset,
     /// What counts as equal.
     pub tolerances: Tolerances,
     /// Whether to find the integrators' errors, by simulating each scenario again with tighter tolerances.
@@ -44,6 +68,8 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             align: Align::Time,
+            max_dt: None,
+            offset: Offset::default(),
             tolerances: Tolerances::default(),
             floor: true,
             topics: Vec::new(),

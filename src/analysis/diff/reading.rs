@@ -6,6 +6,7 @@
 
 use super::discrepancy::Residuals;
 use super::error::DiffError;
+use super::item::Item;
 use super::lane::Frontier;
 use super::observer::Observer;
 use super::plan::ComparisonPlan;
@@ -15,7 +16,6 @@ use super::topic::ComparedTopic;
 use super::topics::some_of;
 use crate::analysis::course::Course;
 use crate::analysis::subject::{Ended, Subject};
-use crate::archive::memory::Owned;
 use crate::archive::sink::SinkError;
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic};
@@ -63,6 +63,8 @@ pub(super) struct RunFindings {
     pub(super) span: Option<(u64, u64)>,
     /// What could not be read.
     pub(super) losses: Vec<String>,
+    /// What must be known of what was read.
+    pub(super) remarks: Vec<String>,
     frontier: Frontier,
 }
 
@@ -147,9 +149,9 @@ impl<'p> Reading<'p> {
         while let Some(side) = self.behind() {
             match incoming[side.index()].recv() {
                 Ok(Parcel::Batch(batch)) => self.take(side, batch)?,
-                Ok(Parcel::End(ended)) => self.end(side, ended),
+                Ok(Parcel::End { ended, remarks }) => self.end(side, ended, remarks),
                 // Its thread has died.
-                Err(_) => self.end(side, Ended::default()),
+                Err(_) => self.end(side, Ended::default(), Vec::new()),
             }
             // Looking for pairs takes as long as there are topics: it must not be done for each of their messages.
             let is_due = self.unpaired >= self.plan.topics.len();
@@ -170,15 +172,21 @@ impl<'p> Reading<'p> {
             [true, true] => None,
             [false, true] => Some(Side::A),
             [true, false] => Some(Side::B),
+            // What comes in the same place may be at any time.
+            _ if self.plan.is_by_index => Some(match a.messages <= b.messages {
+                true => Side::A,
+                false => Side::B,
+            }),
             _ if (in_b, a.messages) <= (b.frontier.time_ns, b.messages) => Some(Side::A),
             _ => Some(Side::B),
         }
     }
 
-    fn end(&mut self, side: Side, ended: Ended) {
+    fn end(&mut self, side: Side, ended: Ended, remarks: Vec<String>) {
         let run = &mut self.findings.runs[side.index()];
         run.frontier.is_ended = true;
         run.losses = ended.losses;
+        run.remarks = remarks;
         run.course.end = ended.end;
     }
 
@@ -198,7 +206,7 @@ impl<'p> Reading<'p> {
         Ok(())
     }
 
-    fn take_message(&mut self, side: Side, message: Owned) -> Result<(), DiffError> {
+    fn take_message(&mut self, side: Side, mut message: Item) -> Result<(), DiffError> {
         let time_ns = message.time_ns;
         let run = &mut self.findings.runs[side.index()];
         run.messages += 1;
@@ -215,17 +223,14 @@ impl<'p> Reading<'p> {
                 residuals.add(time_ns, tilt);
             }
         }
+        message.time_ns = self.plan.clock.time(side, time_ns);
         // Nothing before it can come any more: neither of another topic.
-        let reached = time_ns.saturating_sub(self.plan.disorder[side.index()]);
-        let is_out_of_order = time_ns < run.frontier.time_ns;
+        let reached = message.time_ns;
+        let reached = reached.saturating_sub(self.plan.disorder[side.index()]);
         run.frontier.time_ns = run.frontier.time_ns.max(reached);
-        if let Some(compared) = &mut self.findings.topics[message.channel] {
-            compared.tally.note_numbers(side, &message.numbers);
-            if is_out_of_order {
-                compared.lane.push_out_of_order(side, &message);
-            } else {
-                self.held += compared.lane.push(side, message, run.frontier);
-            }
+        if let Some(compared) = &mut self.findings.topics[message.topic] {
+            compared.tally.note_values(side, &message.values);
+            self.held += compared.lane.push(side, message);
         }
         Ok(())
     }
@@ -271,10 +276,11 @@ impl<'p> Reading<'p> {
         if !self.plan.are_ours {
             self.check_patterns()?;
         }
-        if self.findings.compared().any(ComparedTopic::has_pairs) {
+        let [a, b] = &self.findings.runs;
+        let is_empty = a.span.is_none() && b.span.is_none();
+        if is_empty || self.findings.compared().any(ComparedTopic::has_pairs) {
             return Ok(self.findings);
         }
-        let [a, b] = &self.findings.runs;
         let empty = |side: Side, run: &RunFindings| DiffError::NoMessages {
             side: side.name(),
             topics: some_of(&self.plan.topics),
@@ -284,7 +290,7 @@ impl<'p> Reading<'p> {
             },
         };
         Err(match (a.span, b.span) {
-            (Some(a), Some(b)) if a.1 < b.0 || b.1 < a.0 => DiffError::NoOverlap { a, b },
+            (Some(a), Some(b)) if !self.plan.overlap(a, b) => DiffError::NoOverlap { a, b },
             (Some(_), Some(_)) => DiffError::NoCommonTimes,
             (None, _) => empty(Side::A, a),
             (_, None) => empty(Side::B, b),

@@ -4,6 +4,7 @@
 //! otherwise. Quantities that one of the runs doesn't have are absent.
 
 use super::averages::{self, Averaged};
+use super::clock::ClockReport;
 use super::discrepancy::{Discrepancy, Residuals};
 use super::field::seconds;
 use super::floor::Floor;
@@ -12,6 +13,8 @@ use super::plan::ComparisonPlan;
 use super::reading::{Findings, RunFindings};
 use super::setup::{self, SetupDifferences};
 use super::signals::Signals;
+use super::times::MessageTimes;
+use super::topics::some_of;
 use super::verdict::Verdict;
 use crate::analysis::course::CourseReport;
 use crate::analysis::subject::Subject;
@@ -22,6 +25,7 @@ use crate::telemetry::fields::EVENTS;
 use crate::telemetry::side::Side;
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What two runs have in common and in what they differ.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -34,6 +38,8 @@ pub struct Report {
     pub verdict: Verdict,
     /// Whether everything could be read; if not, the verdict is about the rest.
     pub is_complete: bool,
+    /// How the times of the report are to be read; absent if they are those of both runs.
+    pub clock: Option<ClockReport>,
     /// The findings in a few sentences.
     pub summary: Vec<String>,
     /// What was different in the set-up.
@@ -69,6 +75,10 @@ pub struct ComparedRun {
     pub messages: u64,
     /// Time of the last message, s.
     pub last: f64,
+    /// Time of the first message, ns; absent if there is none.
+    pub first_ns: Option<u64>,
+    /// Time of the last message, ns; absent if there is none.
+    pub last_ns: Option<u64>,
     /// SHA-256 of the content, where that is noted.
     pub content_digest: Option<String>,
     /// What could not be read.
@@ -93,7 +103,10 @@ impl Report {
             b.is_cut() || !run_b.losses.is_empty(),
         ];
         let floor_of = |field: &str| floor.as_ref()?.of(field);
-        let signals = Signals::new(&plan.alignment, findings.compared(), &floor_of);
+        let mut signals = Signals::new(&plan.alignment, findings.compared(), &floor_of);
+        for (channel, times) in signals.channels.iter_mut().zip(&plan.times) {
+            [channel.times_a, channel.times_b] = times.clone();
+        }
         let mut setup = setup::compare(a, b);
         [setup.topics_only_in_a, setup.topics_only_in_b] = plan.alone.clone();
         [setup.fields_only_in_a, setup.fields_only_in_b] = [Side::A, Side::B].map(|side| {
@@ -106,6 +119,7 @@ impl Report {
         Self {
             verdict: Verdict::of(plan, findings, &signals.channels, &setup, is_cut),
             is_complete: is_cut == [false; 2],
+            clock: plan.clock.report(),
             summary: Vec::new(),
             setup,
             happened: plan.are_ours.then(|| {
@@ -116,7 +130,7 @@ impl Report {
             signals,
             discrepancy: findings.residuals.as_ref().and_then(Residuals::report),
             floor,
-            notes: notes(a, b, plan),
+            notes: notes(a, b, plan, findings),
             a: run_a,
             b: run_b,
         }
@@ -130,6 +144,8 @@ impl ComparedRun {
             library: LIBRARY.to_owned(),
             messages: found.messages,
             last: found.span.map_or(0.0, |(_, last)| seconds(last)),
+            first_ns: found.span.map(|(first, _)| first),
+            last_ns: found.span.map(|(_, last)| last),
             losses: found.losses.clone(),
             course: is_ours.then(|| found.course.report()),
             ..Self::default()
@@ -153,7 +169,12 @@ impl ComparedRun {
 }
 
 /// What else must be known.
-fn notes(a: Subject<'_>, b: Subject<'_>, plan: &ComparisonPlan) -> Vec<String> {
+fn notes(
+    a: Subject<'_>,
+    b: Subject<'_>,
+    plan: &ComparisonPlan,
+    findings: &Findings,
+) -> Vec<String> {
     let mut notes = Vec::new();
     if !plan.uncompared.is_empty() {
         notes.push(format!(
@@ -162,7 +183,15 @@ fn notes(a: Subject<'_>, b: Subject<'_>, plan: &ComparisonPlan) -> Vec<String> {
         ));
     }
     if !plan.are_ours {
-        notes.push("Only numbers are compared: neither texts nor bytes, and integers beyond 2^53 as the nearest double.".to_owned());
+        notes.extend(unread([a, b], &plan.topics));
+        notes.extend(disorder(plan));
+    }
+    for (run, name) in findings.runs.iter().zip(["A", "B"]) {
+        notes.extend(
+            run.remarks
+                .iter()
+                .map(|remark| format!("{name}: {remark}.")),
+        );
     }
     if let (Subject::Recording(a), Subject::Recording(b)) = (a, b)
         && is_same_file(a.path(), b.path())
@@ -177,4 +206,58 @@ fn notes(a: Subject<'_>, b: Subject<'_>, plan: &ComparisonPlan) -> Vec<String> {
         }
     }
     notes
+}
+
+/// The encodings of compared topics that are not read, and for each the topics.
+fn unread(runs: [Subject<'_>; 2], topics: &[String]) -> Vec<String> {
+    let compared: BTreeSet<&String> = topics.iter().collect();
+    let mut unread: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+    for run in runs {
+        let Subject::Recording(recording) = run else {
+            continue;
+        };
+        let channels = recording.channels().iter();
+        for channel in channels.filter(|channel| compared.contains(&channel.topic)) {
+            if let Err(reason) = channel.payload_decoder() {
+                let topics = unread.entry(reason.to_string()).or_default();
+                topics.insert(&channel.topic);
+            }
+        }
+    }
+    let told = unread.iter().map(|(reason, topics)| {
+        let topics: Vec<String> = topics.iter().map(ToString::to_string).collect();
+        format!("Compared byte by byte: {} ({reason}).", some_of(&topics))
+    });
+    told.collect()
+}
+
+/// The topics with messages that repeat the time of another or stand behind later ones.
+fn disorder(plan: &ComparisonPlan) -> Vec<String> {
+    let mut told = Vec::new();
+    for (side, name) in ["A", "B"].into_iter().enumerate() {
+        let times = || plan.topics.iter().zip(&plan.times);
+        let counts: [(fn(&MessageTimes) -> u64, _); 2] = [
+            (|times| times.duplicates, "at the time of the one before"),
+            (
+                |times| times.out_of_order,
+                "behind later ones of their topic",
+            ),
+        ];
+        for (count, what) in counts {
+            let some = times().filter_map(|(topic, times)| {
+                let count = times[side].as_ref().map_or(0, count);
+                (count > 0).then(|| (format!("{topic} ({count})"), count))
+            });
+            let (topics, counts): (Vec<_>, Vec<_>) = some.unzip();
+            match counts.iter().sum::<u64>() {
+                0 => {}
+                1 => told.push(format!("{name} has 1 message {what}: {}.", topics[0])),
+                all => told.push(format!(
+                    "{name} has {all} messages {what}: {}.",
+                    some_of(&topics)
+                )),
+            }
+        }
+    }
+    told
 }

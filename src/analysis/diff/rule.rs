@@ -5,16 +5,22 @@
 //! - Cycles and events are counted by their sequence numbers, and belong together by them: the fifth cycle of A
 //!   and the fifth of B, whenever they were.
 //! - Samples belong together by their times. If one run is sampled so many times finer than the other, its
-//!   samples in between are passed over.
-//! - If the runs have few times in common, or times are mapped (`--align`), the times of one of them count (the
+//!   samples in between are passed over, and counted.
+//! - If one run has more messages at other times, or times are mapped (`--align`), the times of one of them count (the
 //!   grid), and the other is interpolated.
+//! - Where it is asked for, messages belong together that are nearest to each other in time (`--max-dt`), or by the
+//!   order in which they come (`--align index`).
 
+use super::clock::Clock;
 use super::interpolation::Method;
+use super::options::Align;
 use super::time_map::TimeMap;
 use super::times::Times;
+use crate::analysis::phrase::duration;
 use crate::telemetry::side::Side;
 
-/// A file with so many times more messages is finer; with fewer, the other one lacks some.
+/// A file with so many times more messages is finer; with fewer, the clocks jitter or one lacks some: a message that has
+/// none to be interpolated between is told as missing.
 const FINER: f64 = 1.5;
 /// In files that toprise did not write, a distance of so many usual ones is a gap.
 const GAP: u64 = 5;
@@ -29,6 +35,10 @@ pub(super) enum Rule {
     },
     /// Messages with the same sequence number: the same cycle.
     SameSequence,
+    /// Messages that come in the same place.
+    SameIndex,
+    /// Messages that are nearest to each other in time, and no farther apart than this, ns.
+    Nearest(u64),
     /// Each message of one run with what the other has at its time.
     Interpolated(Interpolation),
 }
@@ -55,6 +65,15 @@ pub(super) struct Interpolation {
 }
 
 impl Rule {
+    /// The rule that was asked for, if one was.
+    pub(super) fn asked(align: Align, max_dt: Option<u64>) -> Option<Self> {
+        match align {
+            Align::Index => Some(Self::SameIndex),
+            Align::Time => max_dt.map(Self::Nearest),
+            Align::Nutation | Align::Theta => None,
+        }
+    }
+
     /// The rule for samples of toprise, from the times between samples (ns) where they are known.
     pub(super) fn of_samples(map: &TimeMap, periods: [Option<u64>; 2]) -> Self {
         let [a, b] = periods;
@@ -86,8 +105,9 @@ impl Rule {
         }
     }
 
-    /// The rule for a topic of two files, from the times of their messages.
-    pub(super) fn of_times(a: &Times, b: &Times) -> Self {
+    /// The rule for a topic of two files, from the times of their messages and the clock of both.
+    pub(super) fn of_times(a: &Times, b: &Times, clock: Clock) -> Self {
+        let (a, b) = (&a.beginning(Side::A, clock), &b.beginning(Side::B, clock));
         let (Some(x), Some(y)) = (a.spacing(), b.spacing()) else {
             return Self::SameTime { finer: None };
         };
@@ -97,12 +117,9 @@ impl Rule {
             (b, a, Side::A)
         };
         let (long, short) = (x.max(y), x.min(y));
-        if coarser.shared(finer) > 0.5 {
-            let is_finer = long > short && long as f64 >= FINER * short as f64;
-            let gap = gap(long);
-            return Self::SameTime {
-                finer: is_finer.then_some(Finer { side, gap }),
-            };
+        let is_finer = long > short && long as f64 >= FINER * short as f64;
+        if !is_finer || coarser.shared(finer) > 0.5 {
+            return Self::SameTime { finer: None };
         }
         Self::Interpolated(Interpolation {
             grid: side.other(),
@@ -110,6 +127,18 @@ impl Rule {
             widest: short.saturating_mul(GAP),
             gap: long.saturating_mul(GAP),
         })
+    }
+
+    /// What it pairs, in a few words, if it was asked for.
+    pub(super) fn name(&self) -> String {
+        match self {
+            Self::SameIndex => "messages in the same place of their topics".to_owned(),
+            Self::Nearest(most) => format!(
+                "messages nearest to each other in time, no more than {} apart",
+                duration(*most as f64 / 1e9)
+            ),
+            _ => "messages with equal times".to_owned(),
+        }
     }
 
     /// The rule with methods of interpolation for each field, where it interpolates.
@@ -125,16 +154,16 @@ impl Rule {
         matches!(self, Self::Interpolated(_))
     }
 
-    /// Whether it gives each message of one run a message of the other.
-    pub(super) fn is_one_to_one(&self) -> bool {
-        matches!(self, Self::SameSequence | Self::SameTime { finer: None })
+    /// Whether messages that it gives each other are at the same time or in the same place of the run.
+    pub(super) fn is_exact(&self) -> bool {
+        matches!(self, Self::SameSequence | Self::SameTime { .. })
     }
 
     /// The run that has messages between those of the other.
     pub(super) fn finer(&self) -> Option<Finer> {
         match self {
             Self::SameTime { finer } => *finer,
-            Self::SameSequence => None,
+            Self::SameSequence | Self::SameIndex | Self::Nearest(_) => None,
             Self::Interpolated(Interpolation { grid, gap, .. }) => Some(Finer {
                 side: grid.other(),
                 gap: *gap,

@@ -5,7 +5,7 @@ use crate::archive::recording::{FileChannel, Recording};
 use crate::run::scenario::KEYS;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Keys of what files say about themselves, beside the entries of their metadata records.
 const LIBRARY: &str = "library";
@@ -150,13 +150,18 @@ fn facts(recording: &Recording) -> Flat {
 
 /// Topics of both files whose message types differ.
 fn schema_differences(a: &Recording, b: &Recording) -> Vec<String> {
-    let mut of_b: BTreeMap<&str, &FileChannel> = BTreeMap::new();
+    let mut of_b: BTreeMap<&str, VecDeque<&FileChannel>> = BTreeMap::new();
     for channel in b.channels() {
-        of_b.entry(&channel.topic).or_insert(channel);
+        of_b.entry(&channel.topic).or_default().push_back(channel);
     }
     let channels = a.channels().iter();
     let differences = channels.filter_map(|channel| {
-        let other = of_b.get(channel.topic.as_str())?;
+        // A topic may have several channels, each with its own message type.
+        let others = of_b.get_mut(channel.topic.as_str())?;
+        let same = others
+            .iter()
+            .position(|other| other.schema == channel.schema);
+        let other = others.remove(same.unwrap_or(0))?;
         schema_difference(channel, other)
     });
     differences.collect()

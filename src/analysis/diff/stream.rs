@@ -1,8 +1,9 @@
 //! The messages of one run as they come: out of a file, or out of a simulation.
 
+use super::item::Item;
 use crate::analysis::subject::{Ended, Subject, Undecodable};
-use crate::archive::memory::Owned;
-use crate::archive::recording::{FileChannel, NumberDecoder, Recording, Selection};
+use crate::archive::recording::{FileChannel, Recording, Selection};
+use crate::telemetry::payload::{MAX_FIELDS, PayloadDecoder, Value};
 use crate::telemetry::{Topic, Topics};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -10,16 +11,16 @@ use std::sync::mpsc::SyncSender;
 
 /// Messages in a batch.
 const BATCH: usize = 1024;
-/// Numbers in a batch: wide messages make it shorter.
-const NUMBERS: usize = 1 << 16;
+/// Memory that the messages of a batch take, bytes: large messages make it shorter.
+const LARGEST_BATCH: usize = 1 << 20;
 /// No more fields of a file than these are compared, in all topics together.
 const MOST_FIELDS: usize = 1 << 18;
 
 /// Messages of one run.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
-    /// The messages; their channels are positions in the plan's list of topics.
-    pub(super) messages: Vec<Owned>,
+    /// The messages; their topics are positions in the plan's list.
+    pub(super) messages: Vec<Item>,
     /// Fields that came up with them: a topic, and the fields behind those known so far.
     pub(super) fields: Vec<(usize, Vec<String>)>,
     /// How many more bytes of the file have been read.
@@ -30,37 +31,52 @@ pub(super) struct Batch {
 #[derive(Debug)]
 pub(super) enum Parcel {
     Batch(Batch),
-    End(Ended),
+    End {
+        ended: Ended,
+        /// What must be known of what was read.
+        remarks: Vec<String>,
+    },
 }
 
 /// Reads these topics of a run to its end, or until nobody takes its batches any more.
 ///
-/// Messages of two runs of toprise (`are_ours`) are read as the telemetry table has them; else their numbers,
-/// whatever they are.
+/// Messages of two runs of toprise (`are_ours`) are read as the telemetry table has them; else their fields, or their bytes
+/// where they can't be decoded.
 pub(super) fn read(run: Subject<'_>, are_ours: bool, topics: &[String], out: &SyncSender<Parcel>) {
     let mut posting = Posting {
         out,
         batch: Batch::default(),
-        numbers: 0,
+        memory: 0,
         is_open: true,
     };
+    let mut remarks = Vec::new();
     let ended = match run {
         run if are_ours => run.read(&of_table(topics), &mut |message, bytes| {
-            posting.push(Owned::from(message), bytes)
+            posting.push(Item::from(message), bytes)
         }),
-        Subject::Recording(recording) => read_numbers(recording, topics, &mut posting),
+        Subject::Recording(recording) => {
+            read_payloads(recording, topics, &mut posting, &mut remarks)
+        }
         Subject::Scenario(_) => {
             posting.announce(topics);
             let position = |topic: Topic| topics.iter().position(|name| name == topic.name());
             let positions: Vec<_> = Topic::all().map(position).collect();
             run.read(&of_table(topics), &mut |message, bytes| {
-                let Some(channel) = positions[message.channel] else {
+                let Some(topic) = positions[message.channel] else {
                     return ControlFlow::Continue(());
                 };
+                let texts = message.texts.iter();
+                let texts = texts.map(|text| Value::Text(text.as_str().into()));
+                let numbers = message.numbers.iter().map(|number| Value::Real(*number));
+                let values: Vec<_> = texts.chain(numbers).collect();
                 posting.push(
-                    Owned {
-                        channel,
-                        ..Owned::from(message)
+                    Item {
+                        topic,
+                        sequence: message.sequence,
+                        time_ns: message.time_ns,
+                        numbers: values.iter().map(Value::number).collect(),
+                        values,
+                        ..Item::default()
                     },
                     bytes,
                 )
@@ -68,7 +84,7 @@ pub(super) fn read(run: Subject<'_>, are_ours: bool, topics: &[String], out: &Sy
         }
     };
     posting.send();
-    let _ = out.send(Parcel::End(ended));
+    let _ = out.send(Parcel::End { ended, remarks });
 }
 
 /// The topics of the table among these.
@@ -80,8 +96,8 @@ fn of_table(topics: &[String]) -> Topics {
 struct Posting<'a> {
     out: &'a SyncSender<Parcel>,
     batch: Batch,
-    /// How many numbers are in the batch.
-    numbers: usize,
+    /// How much memory the messages of the batch take, bytes.
+    memory: usize,
     is_open: bool,
 }
 
@@ -89,18 +105,19 @@ impl Posting<'_> {
     /// Tells the fields of topics of the table, to those who don't know the table.
     fn announce(&mut self, topics: &[String]) {
         for (at, name) in topics.iter().enumerate() {
-            let numbers = Topic::find(name).into_iter().flat_map(Topic::numbers);
-            let names = numbers.map(|number| number.path().to_owned()).collect();
+            let topic = Topic::find(name).map(Topic::info);
+            let leaves = topic.into_iter().flat_map(|info| info.leaves());
+            let names = leaves.map(|leaf| leaf.path.clone()).collect();
             self.batch.fields.push((at, names));
         }
     }
 
     /// Takes a message, and tells whether anybody wants another.
-    fn push(&mut self, message: Owned, bytes: u64) -> ControlFlow<()> {
-        self.numbers += message.numbers.len();
+    fn push(&mut self, message: Item, bytes: u64) -> ControlFlow<()> {
+        self.memory += message.memory();
         self.batch.messages.push(message);
         self.batch.bytes += bytes;
-        if self.batch.messages.len() >= BATCH || self.numbers >= NUMBERS {
+        if self.batch.messages.len() >= BATCH || self.memory >= LARGEST_BATCH {
             self.send();
         }
         if self.is_open {
@@ -112,58 +129,51 @@ impl Posting<'_> {
 
     fn send(&mut self) {
         let batch = std::mem::take(&mut self.batch);
-        self.numbers = 0;
+        self.memory = 0;
         self.is_open = self.out.send(Parcel::Batch(batch)).is_ok();
     }
 }
 
-/// Reads the numbers of a file.
-fn read_numbers(recording: &Recording, topics: &[String], posting: &mut Posting<'_>) -> Ended {
-    let mut undecodable = Undecodable::default();
+/// Reads the messages of a file of others.
+fn read_payloads(
+    recording: &Recording,
+    topics: &[String],
+    posting: &mut Posting<'_>,
+    remarks: &mut Vec<String>,
+) -> Ended {
     let positions: BTreeMap<&str, usize> = topics.iter().map(String::as_str).zip(0..).collect();
     let channels = recording.channels().iter();
-    let mut sources: Vec<Option<ChannelNumbers>> = channels
+    let mut sources: Vec<Option<Payloads>> = channels
         .map(|channel| {
-            let topic = *positions.get(channel.topic.as_str())?;
-            ChannelNumbers::new(channel, topic, &mut undecodable)
+            Some(Payloads::new(
+                channel,
+                *positions.get(channel.topic.as_str())?,
+            ))
         })
         .collect();
     let mut known = KnownFields::new(topics.len());
-    let mut values = Vec::new();
     let mut reader = recording.reader(Selection::default()).in_order_of_time();
     while let Some(message) = reader.next_undecoded() {
         let Some(source) = &mut sources[message.position] else {
             continue;
         };
-        if let Err(error) = source.decoder.decode(message.data, &mut values) {
-            undecodable.add(format!("{}: {error}", message.channel.topic));
-            continue;
-        }
-        let new = source.place_fields(&mut known);
+        let mut item = source.read(message.data, &mut known);
+        (item.sequence, item.time_ns) = (message.sequence, message.log_time);
+        let new = std::mem::take(&mut source.new);
         if !new.is_empty() {
             posting.batch.fields.push((source.topic, new));
         }
-        let owned = Owned {
-            channel: source.topic,
-            sequence: message.sequence,
-            time_ns: message.log_time,
-            numbers: source.row(&values),
-            texts: Vec::new(),
-        };
         let bytes = reader.progress();
-        if posting.push(owned, bytes).is_break() {
+        if posting.push(item, bytes).is_break() {
             break;
         }
     }
-    let mut losses = undecodable.losses(&reader);
-    let left_out = |source: &ChannelNumbers| source.decoder.left_out() > 0;
-    if sources.iter().flatten().any(left_out) {
-        losses.push("numbers of messages with more than 4096 fields".to_owned());
+    let sources = sources.iter().zip(recording.channels());
+    remarks.extend(sources.filter_map(|(source, channel)| source.as_ref()?.remark(channel)));
+    Ended {
+        end: None,
+        losses: Undecodable::default().losses(&reader),
     }
-    if known.left_out {
-        losses.push(format!("fields beyond the first {MOST_FIELDS}"));
-    }
-    Ended { end: None, losses }
 }
 
 /// The fields of each topic that have come up so far.
@@ -171,8 +181,6 @@ struct KnownFields {
     /// For each topic, where its fields stand in the topic's rows.
     places: Vec<BTreeMap<String, usize>>,
     count: usize,
-    /// Whether there were too many.
-    left_out: bool,
 }
 
 impl KnownFields {
@@ -180,7 +188,6 @@ impl KnownFields {
         Self {
             places: vec![BTreeMap::new(); topics],
             count: 0,
-            left_out: false,
         }
     }
 
@@ -191,7 +198,6 @@ impl KnownFields {
             return Some((*place, false));
         }
         if self.count == MOST_FIELDS {
-            self.left_out = true;
             return None;
         }
         self.count += 1;
@@ -201,56 +207,101 @@ impl KnownFields {
     }
 }
 
-/// The numbers of a channel of a file.
-struct ChannelNumbers {
+/// The messages of a channel of a file.
+struct Payloads {
     /// Its topic's position.
     topic: usize,
-    decoder: NumberDecoder,
+    /// What decodes them; none if nothing can.
+    decoder: Option<PayloadDecoder>,
+    values: Vec<Value>,
     /// Where its fields stand in the topic's rows.
     places: Vec<Option<usize>>,
     /// How long its rows must be.
     width: usize,
+    /// Fields that are new to the topic.
+    new: Vec<String>,
+    /// The first message that can't be decoded although the channel can, and how many there are.
+    malformed: Option<(String, u64)>,
+    /// Messages that have more fields than are compared one by one.
+    wide: u64,
 }
 
-impl ChannelNumbers {
-    fn new(channel: &FileChannel, topic: usize, undecodable: &mut Undecodable) -> Option<Self> {
-        match NumberDecoder::new(channel) {
-            Ok(decoder) => Some(Self {
-                topic,
-                decoder,
-                places: Vec::new(),
-                width: 0,
-            }),
-            Err(error) => {
-                undecodable.add(format!("{}: {error}", channel.topic));
-                None
-            }
+impl Payloads {
+    fn new(channel: &FileChannel, topic: usize) -> Self {
+        Self {
+            topic,
+            decoder: channel.payload_decoder().ok(),
+            values: Vec::new(),
+            places: Vec::new(),
+            width: 0,
+            new: Vec::new(),
+            malformed: None,
+            wide: 0,
         }
     }
 
-    /// Finds the places of fields that have come up, and gives those that are new to the topic.
-    fn place_fields(&mut self, known: &mut KnownFields) -> Vec<String> {
-        let mut new = Vec::new();
-        for field in &self.decoder.fields()[self.places.len()..] {
+    /// Reads a message: its fields, or its bytes where they don't say it all.
+    fn read(&mut self, data: &[u8], known: &mut KnownFields) -> Item {
+        let mut item = Item {
+            topic: self.topic,
+            ..Item::default()
+        };
+        let Some(decoder) = &mut self.decoder else {
+            item.rest = Some(data.into());
+            return item;
+        };
+        let decoded = decoder.decode(data, &mut self.values);
+        let rest = decoder.unsaid(data).map(Into::into);
+        self.place_fields(known);
+        if let Err(error) = decoded {
+            let (_, count) = self.malformed.get_or_insert((error.to_string(), 0));
+            *count += 1;
+            item.rest = Some(data.into());
+            return item;
+        }
+        item.values = vec![Value::Absent; self.width];
+        let mut is_wide = false;
+        for (place, value) in self.places.iter().zip(&mut self.values) {
+            match place {
+                Some(place) => item.values[*place] = std::mem::take(value),
+                None => is_wide |= !value.is_absent(),
+            }
+        }
+        item.numbers = item.values.iter().map(Value::number).collect();
+        item.rest = if is_wide { Some(data.into()) } else { rest };
+        self.wide += u64::from(is_wide || item.rest.as_ref().is_some_and(|rest| **rest == *data));
+        item
+    }
+
+    /// Finds the places of fields that have come up.
+    fn place_fields(&mut self, known: &mut KnownFields) {
+        let fields = self
+            .decoder
+            .as_ref()
+            .map_or(&[][..], PayloadDecoder::fields);
+        for field in &fields[self.places.len()..] {
             let place = known.place(self.topic, field);
             if let Some((_, true)) = place {
-                new.push(field.clone());
+                self.new.push(field.clone());
             }
             let place = place.map(|(place, _)| place);
             self.width = self.width.max(place.map_or(0, |place| place + 1));
             self.places.push(place);
         }
-        new
     }
 
-    /// The values of a message as a row of its topic.
-    fn row(&self, values: &[f64]) -> Vec<f64> {
-        let mut row = vec![f64::NAN; self.width];
-        for (place, value) in self.places.iter().zip(values) {
-            if let Some(place) = place {
-                row[*place] = *value;
-            }
+    /// What must be known of how its messages are compared.
+    fn remark(&self, channel: &FileChannel) -> Option<String> {
+        let topic = &channel.topic;
+        match (&self.malformed, self.wide) {
+            (Some((first, count)), _) => Some(format!(
+                "{topic}: {count} messages are compared byte by byte, because they can't be decoded; the first is {first}"
+            )),
+            (None, 0) => None,
+            (None, count) => Some(format!(
+                "{topic}: {count} messages are compared byte by byte too, because they have more than {MAX_FIELDS} \
+                 fields or say something twice (no more than {MOST_FIELDS} fields of a file are compared one by one)"
+            )),
         }
-        row
     }
 }

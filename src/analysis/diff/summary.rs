@@ -79,10 +79,13 @@ fn verdict(report: &Report) -> Option<String> {
         .all(|channel| channel.identical == channel.pairs);
     match report.verdict {
         Verdict::Identical => Some(format!("Identical, bit for bit: {what}.")),
-        Verdict::Equal if is_exact => Some(format!(
-            "All numbers that were compared are the same: {what}."
-        )),
         Verdict::Equal => Some(format!("Equal within the tolerances: {what}.")),
+        Verdict::Agreeing if is_exact => Some(format!(
+            "All that was compared is the same, but not every message was: {what}."
+        )),
+        Verdict::Agreeing => Some(format!(
+            "What was compared agrees within the tolerances, but not every message was: {what}."
+        )),
         // What scenarios with other keys differ in, and what follows, is told below.
         Verdict::Different if keys(report).next().is_some() => None,
         Verdict::Different => Some(first_difference(report)),
@@ -110,7 +113,9 @@ fn first_difference(report: &Report) -> String {
         1 => "no other field differs".to_owned(),
         _ => format!("in all {count} fields differ"),
     };
-    let by = if field.largest == 0.0 {
+    let by = if field.other_values > 0 {
+        format!("{} of its values", field.other_values)
+    } else if field.largest == 0.0 {
         "it is a number in one of them only".to_owned()
     } else {
         let size = quantity(field.largest.abs(), 3, &field.unit);

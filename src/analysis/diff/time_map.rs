@@ -46,7 +46,7 @@ impl TimeMap {
     /// Reads the nutation cycles of both runs, if the alignment needs them.
     pub(super) fn new([a, b]: [Subject<'_>; 2], align: Align) -> Result<Self, DiffError> {
         let (curve, what): (fn(&Course) -> Curve, _) = match align {
-            Align::Time => return Ok(Self::Same),
+            Align::Time | Align::Index => return Ok(Self::Same),
             Align::Nutation => (Course::phase, "nutations"),
             Align::Theta => (
                 |course| course.of_cycles(|cycle| cycle.means[0]),

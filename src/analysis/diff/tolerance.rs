@@ -37,6 +37,17 @@ impl Tolerance {
     }
 }
 
+impl Tolerance {
+    /// Whether two integers count as equal, to their last digits.
+    #[must_use]
+    pub fn allows_integers(&self, a: i128, b: i128) -> bool {
+        let difference = a.abs_diff(b);
+        let largest = a.unsigned_abs().max(b.unsigned_abs());
+        // The conversion rounds the bound off; none is negative.
+        difference <= self.abs as u128 || difference as f64 <= self.rel * largest as f64
+    }
+}
+
 /// A general tolerance, and tolerances of some of the fields.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tolerances {
@@ -313,6 +324,11 @@ mod tests {
         assert!(rel.allows(-9.5, -10.0) && !rel.allows(8.9, 10.0));
         assert!(!rel.allows(1.0, f64::INFINITY) && !rel.allows(f64::NEG_INFINITY, f64::INFINITY));
         assert!(rel.allows(f64::INFINITY, f64::INFINITY));
+        let large = 1_i128 << 53;
+        assert!(exact.allows_integers(large, large) && !exact.allows_integers(large, large + 1));
+        assert!(!ulp.allows_integers(large, large + 1) && rel.allows_integers(large, large + 1));
+        let abs = Tolerance { abs: 1.5, ..exact };
+        assert!(abs.allows_integers(-1, 0) && !abs.allows_integers(large, large + 2));
         let abs = Tolerance { abs: 0.5, ..exact };
         assert!(abs.allows(0.0, 0.5) && !abs.allows(0.0, 0.6) && !abs.allows(0.0, f64::INFINITY));
     }

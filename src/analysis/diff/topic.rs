@@ -3,13 +3,16 @@
 use super::derived::Derived;
 use super::field::{FieldDifference, FieldTally, seconds};
 use super::growth::{Envelope, Growth};
+use super::item::Content;
 use super::lane::{Frontier, Given, Lane, Pair};
 use super::parting::Parting;
 use super::rule::Rule;
 use super::time_map::TimeMap;
+use super::times::MessageTimes;
 use super::tolerance::{Tolerances, full_name};
 use crate::telemetry::Topic;
 use crate::telemetry::fields::{NumberField, state};
+use crate::telemetry::payload::Value;
 use crate::telemetry::side::Side;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -39,10 +42,20 @@ pub struct ChannelDifference {
     pub beyond_in_a: u64,
     /// Messages of B beyond the end of A, or before its start.
     pub beyond_in_b: u64,
-    /// Messages of both that were not paired, because their times went backward.
-    pub out_of_order: u64,
-    /// The first text that differs.
+    /// Messages of A between those of B, which were compared with none as they are.
+    pub between_in_a: u64,
+    /// Messages of B between those of A, which were compared with none as they are.
+    pub between_in_b: u64,
+    /// When the messages are in A; only for files that toprise did not write.
+    pub times_a: Option<MessageTimes>,
+    /// When the messages are in B; only for files that toprise did not write.
+    pub times_b: Option<MessageTimes>,
+    /// The first text that differs, or another value that is no number.
     pub texts: Option<TextDifference>,
+    /// Pairs of which all or parts were compared byte by byte.
+    pub compared_bytes: u64,
+    /// The first of those that differ.
+    pub bytes: Option<BytesDifference>,
     /// The topic's fields, with derived ones at the end.
     pub fields: Vec<FieldDifference>,
 }
@@ -60,11 +73,28 @@ impl ChannelDifference {
 pub struct TextDifference {
     /// When, s.
     pub time: f64,
-    /// A's text.
+    /// The field; empty for messages of the telemetry table.
+    pub field: String,
+    /// A's text; long ones from shortly before they differ.
     pub a: String,
-    /// B's text.
+    /// B's text; long ones from shortly before they differ.
     pub b: String,
     /// How many texts differ.
+    pub count: u64,
+}
+
+/// Two messages, compared byte by byte, that differ.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct BytesDifference {
+    /// When, s.
+    pub time: f64,
+    /// The first byte that differs, from 0.
+    pub offset: u64,
+    /// The length of A's; absent if there is nothing in A to be compared byte by byte.
+    pub length_a: Option<u64>,
+    /// The length of B's; absent if there is nothing in B to be compared byte by byte.
+    pub length_b: Option<u64>,
+    /// How many pairs differ.
     pub count: u64,
 }
 
@@ -127,8 +157,13 @@ impl ComparedTopic {
             only_in_b: alone_b - beyond_in_b,
             beyond_in_a,
             beyond_in_b,
-            out_of_order: lane.out_of_order(),
+            between_in_a: lane.between[0],
+            between_in_b: lane.between[1],
+            times_a: None,
+            times_b: None,
             texts: tally.texts.clone(),
+            compared_bytes: tally.compared_bytes,
+            bytes: tally.bytes.clone(),
             fields: tally.report(floor),
         }
     }
@@ -148,7 +183,7 @@ struct ComparedField {
     number: Option<NumberField>,
     /// Where it stands in the rows of A and of B.
     places: [Option<usize>; 2],
-    /// Whether it has ever been a number in A and in B.
+    /// Whether any message of A and of B has had it.
     is_seen: [bool; 2],
     tally: FieldTally,
 }
@@ -162,6 +197,12 @@ impl ComparedField {
     fn of(&self, row: &[f64], side: Side) -> f64 {
         let value = self.places[side.index()].and_then(|place| row.get(place));
         value.copied().unwrap_or(f64::NAN)
+    }
+
+    /// Its exact value in a row of one of the runs.
+    fn value<'v>(&self, row: &'v [Value], side: Side) -> &'v Value {
+        let value = self.places[side.index()].and_then(|place| row.get(place));
+        value.unwrap_or(&Value::Absent)
     }
 }
 
@@ -180,11 +221,15 @@ pub(super) struct TopicTally {
     /// How the differences of these fields grow.
     growing: Vec<(usize, Envelope)>,
     is_interpolated: bool,
+    /// Whether its messages are those of a channel of the table.
+    is_of_table: bool,
     /// Whether both have all numbers of a channel of the table.
     pub(super) is_complete: bool,
     pub(super) pairs: u64,
     pub(super) identical: u64,
     texts: Option<TextDifference>,
+    compared_bytes: u64,
+    bytes: Option<BytesDifference>,
     /// Whether the first texts of any pair differ: for events, what they are.
     kinds_differ: bool,
     /// Pairs of which only the texts differ.
@@ -213,6 +258,7 @@ impl TopicTally {
         missing: &[BTreeSet<String>; 2],
         tolerances: &Tolerances,
     ) {
+        self.is_of_table = true;
         for number in topic.numbers() {
             let name = number.to_string();
             match [0, 1].map(|side| missing[side].contains(&name)) {
@@ -266,10 +312,10 @@ impl TopicTally {
         self.fields.len() - 1
     }
 
-    /// Notes which of the fields that have come up with the messages are numbers in a message of one run.
-    pub(super) fn note_numbers(&mut self, side: Side, numbers: &[f64]) {
-        for (number, field) in numbers.iter().zip(&self.at_places[side.index()]) {
-            self.fields[*field].is_seen[side.index()] |= !number.is_nan();
+    /// Notes which of the fields that have come up with the messages a message of one run has.
+    pub(super) fn note_values(&mut self, side: Side, values: &[Value]) {
+        for (value, field) in values.iter().zip(&self.at_places[side.index()]) {
+            self.fields[*field].is_seen[side.index()] |= !value.is_absent();
         }
     }
 
@@ -292,6 +338,12 @@ impl TopicTally {
         self.pairs += 1;
         let first = self.span.map_or(pair.time_ns, |(first, _)| first);
         self.span = Some((first, pair.time_ns));
+        if !self.is_of_table {
+            let [a, b] = pair.contents;
+            let is_same = self.add_contents(pair.time_ns, a, b);
+            self.identical += u64::from(is_same);
+            return;
+        }
         let mut is_same = true;
         self.difference.clear();
         for field in &mut self.fields {
@@ -325,17 +377,69 @@ impl TopicTally {
         }
     }
 
+    /// Compares two messages of others field by field, and what they say beyond their fields byte by byte. Tells whether
+    /// they are the same.
+    fn add_contents(&mut self, time_ns: u64, a: Content<'_>, b: Content<'_>) -> bool {
+        let mut is_same = true;
+        for field in &mut self.fields {
+            let (x, y) = (
+                field.value(a.values, Side::A),
+                field.value(b.values, Side::B),
+            );
+            let is_same_field = field.tally.add_values(time_ns, x, y);
+            is_same &= is_same_field;
+            if !(is_same_field || x.is_number() && y.is_number()) {
+                let first = self.texts.get_or_insert_with(|| {
+                    let [a, b] = excerpts([x, y].map(ToString::to_string));
+                    TextDifference {
+                        time: seconds(time_ns),
+                        field: field.name.clone(),
+                        a,
+                        b,
+                        count: 0,
+                    }
+                });
+                first.count += 1;
+            }
+        }
+        self.add_bytes(time_ns, a.rest, b.rest) && is_same
+    }
+
+    fn add_bytes(&mut self, time_ns: u64, a: Option<&[u8]>, b: Option<&[u8]>) -> bool {
+        self.compared_bytes += u64::from(a.is_some() || b.is_some());
+        if a == b {
+            return true;
+        }
+        let first = self.bytes.get_or_insert_with(|| {
+            let [x, y] = [a, b].map(Option::unwrap_or_default);
+            let same = x.iter().zip(y).take_while(|(x, y)| x == y);
+            let length = |bytes: Option<&[u8]>| bytes.map(|bytes| bytes.len() as u64);
+            BytesDifference {
+                time: seconds(time_ns),
+                offset: same.count() as u64,
+                length_a: length(a),
+                length_b: length(b),
+                count: 0,
+            }
+        });
+        first.count += 1;
+        false
+    }
+
     /// Compares the texts of a pair, and tells whether they are the same.
     fn add_texts(&mut self, pair: &Pair<'_>) -> bool {
-        let Some((a, b)) = pair.texts else {
+        // There are no texts between two messages.
+        if self.is_interpolated {
             return true;
-        };
+        }
+        let [a, b] = pair.contents.map(|content| content.texts);
         self.kinds_differ |= a.first() != b.first();
         let Some((a, b)) = a.iter().zip(b).find(|(a, b)| a != b) else {
             return true;
         };
         let first = self.texts.get_or_insert_with(|| TextDifference {
             time: seconds(pair.time_ns),
+            field: String::new(),
             a: a.clone(),
             b: b.clone(),
             count: 0,
@@ -361,7 +465,8 @@ impl TopicTally {
     /// Whether all pairs agree within the tolerances, and in their texts.
     pub(super) fn is_equal(&self) -> bool {
         let mut fields = self.fields.iter().filter(|field| field.is_common());
-        !self.kinds_differ && self.other_words == 0 && fields.all(|field| field.tally.is_equal())
+        let is_said_otherwise = self.kinds_differ || self.other_words > 0 || self.bytes.is_some();
+        !is_said_otherwise && fields.all(|field| field.tally.is_equal())
     }
 
     fn report(&self, floor: &impl Fn(&str) -> Option<f64>) -> Vec<FieldDifference> {
@@ -402,4 +507,21 @@ impl TopicTally {
         };
         self.growing.iter().filter_map(growth).collect()
     }
+}
+
+/// Two texts that differ; long ones from shortly before they do, and no longer than this in characters.
+fn excerpts(texts: [String; 2]) -> [String; 2] {
+    const LONGEST: usize = 200;
+    const BEFORE: usize = 20;
+    let [a, b] = &texts;
+    let same = a.chars().zip(b.chars()).take_while(|(x, y)| x == y).count();
+    texts.map(|text| {
+        if text.chars().count() <= LONGEST {
+            return text;
+        }
+        let start = same.saturating_sub(BEFORE);
+        let opening = if start > 0 { "…" } else { "" };
+        let shown: String = text.chars().skip(start).take(LONGEST).collect();
+        format!("{opening}{shown}…")
+    })
 }

@@ -14,8 +14,11 @@ use serde::Serialize;
 pub enum Verdict {
     /// Every message is the same, to the last bit.
     Identical,
-    /// All numbers agree within the tolerances.
+    /// Both have the same messages, which agree within the tolerances.
     Equal,
+    /// What was compared agrees within the tolerances, but not every message was compared with one of the other run: parts
+    /// of a run can't be read, or one was interpolated, or has messages between those of the other.
+    Agreeing,
     /// Something differs.
     Different,
 }
@@ -29,25 +32,39 @@ impl Verdict {
         setup: &SetupDifferences,
         is_cut: [bool; 2],
     ) -> Self {
+        if plan.is_same {
+            return Self::Identical;
+        }
         let is_mapped = plan.map != TimeMap::Same;
         // At other times than A's, the ends of the runs mean nothing.
         let has_same_messages = is_mapped || !channels.iter().any(|c| has_more(c, is_cut));
-        let has_same_disorder =
-            || is_mapped || findings.compared().all(|c| c.lane.has_same_out_of_order());
-        if !has_same_names(setup, is_cut) || !has_same_messages || !has_same_disorder() {
+        let agrees = || findings.compared().all(|topic| topic.tally.is_equal());
+        if !has_same_names(setup, is_cut) || !has_same_messages || !agrees() {
             return Self::Different;
         }
-        let is_everything = plan.are_ours && plan.uncompared.is_empty() && !is_mapped;
-        let is_identical = |topic: &ComparedTopic| {
-            topic.lane.rule.is_one_to_one() && topic.tally.identical == topic.tally.pairs
+        let is_passed_over = |channel: &ChannelDifference| {
+            channel.between_in_a > 0 || channel.between_in_b > 0 || {
+                // Beyond the damage of the other run.
+                channel.only_in_a + channel.only_in_b + channel.beyond_in_a + channel.beyond_in_b
+                    > 0
+            }
         };
-        if is_everything && findings.compared().all(is_identical) {
-            return Self::Identical;
-        }
-        if findings.compared().all(|topic| topic.tally.is_equal()) {
-            Self::Equal
+        let is_whole = is_cut == [false; 2]
+            && !is_mapped
+            && plan.uncompared.is_empty()
+            && !findings
+                .compared()
+                .any(|topic| topic.lane.rule.is_interpolated())
+            && !channels.iter().any(is_passed_over);
+        let is_identical = |topic: &ComparedTopic| {
+            topic.lane.rule.is_exact() && topic.tally.identical == topic.tally.pairs
+        };
+        if !is_whole {
+            Self::Agreeing
+        } else if !plan.clock.is_shifted() && findings.compared().all(is_identical) {
+            Self::Identical
         } else {
-            Self::Different
+            Self::Equal
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The channels of a file, and which of them are the table's.
 
 use crate::telemetry::encoding::{DecodeError, Decoder};
+use crate::telemetry::payload::{PayloadDecoder, PayloadError, Schema};
 use crate::telemetry::views::view_channels;
 use crate::telemetry::{ChannelInfo, Topic};
 use mcap::records::Record;
@@ -63,6 +64,19 @@ impl FileChannel {
         let data = self.schema.as_ref().map_or(&[][..], |schema| &schema.data);
         let info = self.info()?;
         Some(Decoder::new(info, &self.encoding, self.schema_name(), data))
+    }
+
+    /// What decodes its messages field by field, whoever wrote them.
+    ///
+    /// # Errors
+    /// [`PayloadError`] if its encoding or schema can't be read.
+    pub fn payload_decoder(&self) -> Result<PayloadDecoder, PayloadError> {
+        let schema = self.schema.as_deref().map(|schema| Schema {
+            name: &schema.name,
+            encoding: &schema.encoding,
+            data: &schema.data,
+        });
+        PayloadDecoder::new(&self.encoding, schema)
     }
 }
 

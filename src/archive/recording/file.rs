@@ -65,6 +65,19 @@ impl Recording {
         self.source.length()
     }
 
+    /// Whether another file has the same bytes.
+    #[must_use]
+    pub fn has_bytes_of(&self, other: &Self) -> bool {
+        const PIECE: u64 = 1 << 20;
+        let (mut mine, mut theirs) = (Vec::new(), Vec::new());
+        self.size() == other.size()
+            && (0..self.size()).step_by(PIECE as usize).all(|offset| {
+                let read = self.source.read(offset, PIECE, &mut mine);
+                let read = read.and_then(|()| other.source.read(offset, PIECE, &mut theirs));
+                read.is_ok() && mine == theirs
+            })
+    }
+
     /// The program and version that wrote it, by its own words.
     #[must_use]
     pub fn library(&self) -> &str {

@@ -3,7 +3,7 @@
 use crate::analysis::diff::{
     ChannelDifference, ComparedRun, CourseReport, Deviation, EventKindDifference, EventMoment,
     FieldDifference, Growth, GrowthLaw, Happened, IntegratorError, KeyDifference, Matrix, Parting,
-    QuantityKind, Report, Residual, Signals, Verdict,
+    QuantityKind, Report, Residual, Signals, TextDifference, Verdict,
 };
 use crate::analysis::phrase::{duration, quantity, significant, symbol};
 use crate::archive::recording::Condition;
@@ -32,6 +32,7 @@ pub(super) fn page(report: &Report, detail: Detail) -> Page {
     let (title, tone) = match report.verdict {
         Verdict::Identical => ("Identical", Tone::Good),
         Verdict::Equal => ("Equal", Tone::Good),
+        Verdict::Agreeing => ("Agreeing", Tone::Weak),
         Verdict::Different => ("Different", Tone::Weak),
     };
     let title = if report.is_complete {
@@ -457,6 +458,7 @@ fn channel_rows(channel: &ChannelDifference, detail: Detail) -> Vec<Vec<String>>
         let what = match channel.pairs {
             0 if channel.is_empty() => "no messages",
             0 => "no common times",
+            _ if channel.bytes.is_some() => "other bytes",
             _ => "equal",
         };
         return vec![vec![channel.topic.clone(), what.to_owned()]];
@@ -465,6 +467,7 @@ fn channel_rows(channel: &ChannelDifference, detail: Detail) -> Vec<Vec<String>>
         Detail::AllFields => channel.fields.iter().filter(differs).collect(),
         Detail::Short => {
             let of_field = channel.fields.iter().filter(|field| !field.is_derived);
+            let of_field = of_field.filter(differs);
             let worst =
                 of_field.max_by(|x, y| importance(x, channel).total_cmp(&importance(y, channel)));
             let derived = channel
@@ -487,7 +490,7 @@ fn channel_rows(channel: &ChannelDifference, detail: Detail) -> Vec<Vec<String>>
 
 /// How much a field differs for the size of the fields with its unit; infinite where one of two numbers is none.
 fn importance(field: &FieldDifference, channel: &ChannelDifference) -> f64 {
-    if field.not_numbers > 0 {
+    if field.not_numbers + field.other_values > 0 {
         return f64::INFINITY;
     }
     if field.unit.is_empty() {
@@ -517,8 +520,10 @@ fn field_row(field: &FieldDifference) -> Vec<String> {
     } else {
         format!("{:.3} s", field.at)
     };
-    let largest = if field.not_numbers > 0 && field.largest == 0.0 {
-        format!("{} in one only", numbers::count(field.not_numbers))
+    let largest = if field.largest != 0.0 {
+        quantity(field.largest, 3, &field.unit) + mark
+    } else if let Some((count, what)) = odd(field) {
+        format!("{} {what}", numbers::count(count))
     } else {
         quantity(field.largest, 3, &field.unit) + mark
     };
@@ -540,6 +545,17 @@ fn field_row(field: &FieldDifference) -> Vec<String> {
             numbers::count(field.beyond)
         },
     ]
+}
+
+/// What differs in a field whose numbers don't, and how often.
+fn odd(field: &FieldDifference) -> Option<(u64, &'static str)> {
+    let kinds = [
+        (field.not_numbers, "no finite number in one"),
+        (field.other_values, "values differ"),
+        (field.signs_of_zero, "zeros with other signs"),
+        (field.nan_bits, "NaNs with other bits"),
+    ];
+    kinds.into_iter().find(|(count, _)| *count > 0)
 }
 
 /// Whether its messages can be compared in their order; events that came in another order are matched above.
@@ -576,23 +592,44 @@ fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
                 );
             }
         }
-        if channel.out_of_order > 0 {
-            let count = numbers::count(channel.out_of_order);
+        for (name, between) in [("A", channel.between_in_a), ("B", channel.between_in_b)] {
+            if between > 0 {
+                let count = numbers::count(between);
+                add(
+                    format!("{name} has {count} messages in between"),
+                    &channel.topic,
+                );
+            }
+        }
+        if let Some(bytes) = &channel.bytes {
+            let length = |length: Option<u64>| {
+                length.map_or("none".to_owned(), |length| numbers::count(length))
+            };
             add(
-                format!("{count} messages came too late to be compared"),
+                format!(
+                    "{} messages differ byte by byte, first at {} s: from byte {} on ({} in A, {} in B)",
+                    numbers::count(bytes.count),
+                    bytes.time,
+                    bytes.offset,
+                    length(bytes.length_a),
+                    length(bytes.length_b)
+                ),
                 &channel.topic,
             );
         }
-        if let Some(text) = &channel.texts
-            && channel
-                .fields
-                .iter()
-                .all(|field| field.first_different.is_none())
-        {
-            let (a, b) = (&text.a, &text.b);
+        let is_alone = |text: &&TextDifference| {
+            let mut fields = channel.fields.iter();
+            !text.field.is_empty() || fields.all(|field| field.first_different.is_none())
+        };
+        if let Some(text) = channel.texts.as_ref().filter(is_alone) {
+            let (a, b) = (clipped(&text.a, 60), clipped(&text.b, 60));
             let first = format!("first at {} s: {a:?} in A, {b:?} in B", text.time);
+            let field = match text.field.as_str() {
+                "" => String::new(),
+                field => format!(" in {field}"),
+            };
             add(
-                format!("{} texts differ, {first}", text.count),
+                format!("{} texts differ, {first}{field}", text.count),
                 &channel.topic,
             );
         }
@@ -788,16 +825,15 @@ pub(super) fn matrix_page(matrix: &Matrix) -> Page {
         against.line(format!("{letter}  {summary}"));
     }
     let verdicts = || matrix.against_first.iter().map(|report| report.verdict);
-    let all_same = verdicts().all(|verdict| verdict != Verdict::Different);
+    let is_same = |verdict: &Verdict| matches!(verdict, Verdict::Identical | Verdict::Equal);
+    let all_same = verdicts().all(|verdict| is_same(&verdict));
     Page {
         title: if all_same { "Equal" } else { "Different" }.to_owned(),
         tone: if all_same { Tone::Good } else { Tone::Weak },
         subjects: Table::default(),
         summary: vec![format!(
             "{} of {} runs are equal to the first.",
-            verdicts()
-                .filter(|verdict| *verdict != Verdict::Different)
-                .count(),
+            verdicts().filter(is_same).count(),
             verdicts().count()
         )],
         sections: vec![runs, distances, against],

@@ -1,63 +1,30 @@
-//! Numbers in JSON messages.
+//! JSON messages, field by field.
 
+use super::literals::Literals;
 use super::tree::{Filling, Node, Place, Segment};
+use super::value::Value as Found;
 use serde::de::{self, DeserializeSeed, MapAccess, SeqAccess, Visitor};
 use std::borrow::Cow;
 use std::fmt;
 
 /// Reads a message, or says what is wrong with it.
-pub(super) fn fill(data: &[u8], root: &mut Node, mut filling: Filling<'_>) -> Result<(), String> {
+pub(super) fn fill(
+    data: &[u8],
+    literals: &mut Literals,
+    root: &mut Node,
+    mut filling: Filling<'_>,
+) -> Result<(), String> {
     let mut deserializer = serde_json::Deserializer::from_slice(data);
     filling.meet(root);
     let value = Value {
         node: root,
         place: None,
         filling: &mut filling,
+        literals,
     };
     let filled = value.deserialize(&mut deserializer);
     let ended = filled.and_then(|()| deserializer.end());
     ended.map_err(|error| error.to_string())
-}
-
-/// Stands for infinity in a message that was rewritten.
-const INFINITY: f64 = f64::MAX;
-
-/// What JSON doesn't have but Python and others write, and what is put in its place.
-const LITERALS: [(&[u8], &[u8]); 3] = [
-    (b"NaN", b"null"),
-    (b"-Infinity", b"-1.7976931348623157e308"),
-    (b"Infinity", b"1.7976931348623157e308"),
-];
-
-/// Puts the infinities back into the values of a message that was rewritten.
-pub(super) fn restore(values: &mut [f64]) {
-    for value in values {
-        if value.abs() == INFINITY {
-            *value = f64::INFINITY.copysign(*value);
-        }
-    }
-}
-
-/// The message with other things in place of NaN and infinities; none if there are none in it.
-pub(super) fn without_literals(data: &[u8]) -> Option<Vec<u8>> {
-    let mut replaced = Vec::with_capacity(data.len());
-    let mut rest = data;
-    let (mut in_text, mut is_escaped, mut is_found) = (false, false, false);
-    while let Some((byte, behind)) = rest.split_first() {
-        let mut literals = LITERALS.iter();
-        let literal = literals.find(|(literal, _)| !in_text && rest.starts_with(literal));
-        if let Some((literal, instead)) = literal {
-            replaced.extend_from_slice(instead);
-            rest = &rest[literal.len()..];
-            is_found = true;
-            continue;
-        }
-        in_text ^= *byte == b'"' && !is_escaped;
-        is_escaped = in_text && *byte == b'\\' && !is_escaped;
-        replaced.push(*byte);
-        rest = behind;
-    }
-    is_found.then_some(replaced)
 }
 
 /// A value that is read into the field at a node, or into those within it.
@@ -65,11 +32,13 @@ struct Value<'a, 'f> {
     node: &'a mut Node,
     place: Option<&'a Place<'a>>,
     filling: &'a mut Filling<'f>,
+    /// What the message's nulls stand for.
+    literals: &'a mut Literals,
 }
 
 impl Value<'_, '_> {
-    fn put(self, number: f64) {
-        self.filling.put(self.node, self.place, number);
+    fn put(self, value: Found) {
+        self.filling.put(self.node, self.place, value);
     }
 
     /// Reads a member with `read`.
@@ -84,6 +53,7 @@ impl Value<'_, '_> {
             node,
             place,
             filling,
+            literals,
         } = self;
         node.member(segment, next, |node| {
             // The last of several members with one name counts.
@@ -96,6 +66,7 @@ impl Value<'_, '_> {
                     segment,
                 }),
                 filling,
+                literals,
             })
         })
     }
@@ -117,30 +88,36 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
     }
 
     fn visit_bool<E>(self, value: bool) -> Result<(), E> {
-        self.put(f64::from(u8::from(value)));
+        self.put(Found::Bool(value));
         Ok(())
     }
 
     fn visit_i64<E>(self, value: i64) -> Result<(), E> {
-        self.put(value as f64);
+        self.put(Found::Integer(value));
         Ok(())
     }
 
     fn visit_u64<E>(self, value: u64) -> Result<(), E> {
-        self.put(value as f64);
+        self.put(Found::integer(value.into()));
         Ok(())
     }
 
     fn visit_f64<E>(self, value: f64) -> Result<(), E> {
-        self.put(value);
+        self.put(Found::Real(value));
         Ok(())
     }
 
-    fn visit_str<E>(self, _text: &str) -> Result<(), E> {
+    fn visit_str<E>(self, text: &str) -> Result<(), E> {
+        self.put(Found::Text(text.into()));
         Ok(())
     }
 
     fn visit_unit<E>(self) -> Result<(), E> {
+        let value = match self.literals.next() {
+            Some(number) => Found::Real(number),
+            None => Found::Null,
+        };
+        self.put(value);
         Ok(())
     }
 
@@ -150,6 +127,9 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
             let segment = Segment::Index(position);
             let read = |value: Value<'_, '_>| elements.next_element_seed(value);
             if self.member(&segment, &mut next, read)?.is_none() {
+                if position == 0 {
+                    self.put(Found::Empty);
+                }
                 break;
             }
         }
@@ -158,9 +138,14 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
 
     fn visit_map<A: MapAccess<'de>>(mut self, mut members: A) -> Result<(), A::Error> {
         let mut next = 0;
+        let mut is_empty = true;
         while let Some(name) = members.next_key_seed(Name)? {
+            is_empty = false;
             let segment = Segment::Name(name);
             self.member(&segment, &mut next, |value| members.next_value_seed(value))?;
+        }
+        if is_empty {
+            self.put(Found::Empty);
         }
         Ok(())
     }

@@ -1,8 +1,9 @@
-//! Numbers in protobuf messages.
+//! Protobuf messages, field by field.
 //!
 //! Messages are read as they stand, without building them: memory doesn't grow with what they say.
 
-use super::tree::{Filling, Node, Place, Segment, Tree};
+use super::tree::{Filling, Node, Place, Segment, Tree, Zero};
+use super::value::Value;
 use prost::Message as _;
 use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -31,7 +32,6 @@ pub(super) struct Types {
 
 #[derive(Debug)]
 struct MessageType {
-    /// Those that have numbers in them, or may have.
     fields: Vec<Field>,
     positions: HashMap<u32, usize>,
     /// How many of the fields are implicit.
@@ -45,8 +45,8 @@ struct Field {
     name: Segment<'static>,
     kind: Kind,
     is_repeated: bool,
-    /// Whether it is a number that is zero where it isn't there.
-    is_implicit: bool,
+    /// What it is where it isn't there, if messages can't tell whether it was set.
+    implicit: Option<Zero>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -162,37 +162,34 @@ impl<'a> Found<'a> {
     ) -> Result<MessageType, String> {
         let mut fields = Vec::new();
         for field in &message.field {
-            fields.extend(self.field(field, is_proto3)?);
+            fields.push(self.field(field, is_proto3)?);
         }
         let numbered = fields.iter().enumerate();
         Ok(MessageType {
             positions: numbered.map(|(at, field)| (field.number, at)).collect(),
-            implicit: fields.iter().filter(|field| field.is_implicit).count(),
+            implicit: fields.iter().filter(|f| f.implicit.is_some()).count(),
             is_map_entry: message.options.as_ref().is_some_and(|o| o.map_entry()),
             fields,
         })
     }
 
-    /// A field; nothing if no number can be in it.
-    fn field(
-        &self,
-        field: &FieldDescriptorProto,
-        is_proto3: bool,
-    ) -> Result<Option<Field>, String> {
+    fn field(&self, field: &FieldDescriptorProto, is_proto3: bool) -> Result<Field, String> {
         let is_repeated = field.label() == Label::Repeated;
         let kind = match field.r#type() {
             Type::Message | Type::Group => Kind::Message(self.position(field.type_name())?),
-            Type::String | Type::Bytes => return Ok(None),
             scalar => Kind::Scalar(scalar),
         };
         let can_be_unset = !is_proto3 || field.proto3_optional() || field.oneof_index.is_some();
-        Ok(Some(Field {
+        Ok(Field {
             number: u32::try_from(field.number()).map_err(|error| error.to_string())?,
             name: Segment::Name(Cow::Owned(field.name().to_owned())),
-            is_implicit: matches!(kind, Kind::Scalar(_)) && !is_repeated && !can_be_unset,
+            implicit: match kind {
+                Kind::Scalar(scalar) if !is_repeated && !can_be_unset => Some(implicit(scalar)),
+                _ => None,
+            },
             kind,
             is_repeated,
-        }))
+        })
     }
 }
 
@@ -237,7 +234,7 @@ impl Foreseeing<'_> {
             };
             node.member(&field.name, &mut next, |node| match field.kind {
                 Kind::Scalar(_) => {
-                    node.is_implicit = field.is_implicit;
+                    node.implicit = field.implicit;
                     self.filling.reserve(node, Some(&place));
                 }
                 Kind::Message(inner) if !self.within.contains(&inner) => {
@@ -274,14 +271,20 @@ impl Reading<'_> {
         // What comes again is another part of the same message.
         if self.filling.meet(node) {
             self.zero(of_type, node, place);
+            if data.is_empty() && of_type.implicit == 0 && place.is_some() {
+                self.filling.put(node, place, Value::Empty);
+            }
         }
         let (mut next_field, mut next_member) = (0, 0);
         while !data.is_empty() {
+            let before = data;
             let (number, wire) = take(&mut data)?;
             if matches!(wire, Wire::End) && data.is_empty() {
                 break;
             }
             let Some(field) = of_type.find(number, &mut next_field) else {
+                let length = before.len() - data.len();
+                self.filling.keep_unknown(&before[..length]);
                 continue;
             };
             let place = Place {
@@ -308,7 +311,7 @@ impl Reading<'_> {
 
     fn unfold(&mut self, of_type: &MessageType, node: &mut Node, place: Option<&Place<'_>>) {
         let mut next = 0;
-        for field in of_type.fields.iter().filter(|field| field.is_implicit) {
+        for field in of_type.fields.iter().filter(|f| f.implicit.is_some()) {
             if self.filling.is_full() {
                 return;
             }
@@ -317,7 +320,7 @@ impl Reading<'_> {
                 segment: &field.name,
             };
             node.member(&field.name, &mut next, |node| {
-                node.is_implicit = true;
+                node.implicit = field.implicit;
                 self.filling.reserve(node, Some(&place));
             });
         }
@@ -331,7 +334,7 @@ impl Reading<'_> {
         place: &Place<'_>,
     ) -> Result<(), String> {
         if !field.is_repeated {
-            node.is_implicit = field.is_implicit;
+            node.implicit = field.implicit;
             return self.value(field.kind, wire, node, place);
         }
         self.filling.meet(node);
@@ -341,7 +344,7 @@ impl Reading<'_> {
             (Kind::Message(entry), Wire::Bytes(data)) if types.list[entry].is_map_entry => {
                 self.entry(data, &types.list[entry], node, place)
             }
-            (Kind::Scalar(scalar), Wire::Bytes(mut packed)) => {
+            (Kind::Scalar(scalar), Wire::Bytes(mut packed)) if is_packable(scalar) => {
                 while !packed.is_empty() {
                     let wire = take_packed(scalar, &mut packed)?;
                     self.element(field.kind, wire, node, place)?;
@@ -382,10 +385,14 @@ impl Reading<'_> {
     ) -> Result<(), String> {
         let (mut key, mut value) = (None, None);
         while !data.is_empty() {
+            let before = data;
             match take(&mut data)? {
                 (KEY, wire) => key = Some(wire),
                 (VALUE, wire) => value = Some(wire),
-                _ => {}
+                _ => {
+                    let length = before.len() - data.len();
+                    self.filling.keep_unknown(&before[..length]);
+                }
             }
         }
         let Some(field) = of_type.find(VALUE, &mut 0) else {
@@ -417,8 +424,8 @@ impl Reading<'_> {
                 return self.message(data, inner, node, Some(place));
             }
             (Kind::Scalar(scalar), wire) => {
-                if let Some(number) = number(scalar, wire) {
-                    self.filling.put(node, Some(place), number);
+                if let Some(value) = value(scalar, wire) {
+                    self.filling.put(node, Some(place), value);
                     return Ok(());
                 }
             }
@@ -436,18 +443,15 @@ impl MessageType {
     /// The key of a map's entry.
     fn key<'a>(&self, wire: Option<Wire<'a>>) -> Result<Segment<'a>, String> {
         let unreadable = "the key of a map is neither a text nor an integer";
-        let Some(field) = self.find(KEY, &mut 0) else {
-            return match wire.unwrap_or(Wire::Bytes(&[])) {
-                Wire::Bytes(text) => std::str::from_utf8(text)
-                    .map(|text| Segment::Name(Cow::Borrowed(text)))
-                    .map_err(|error| error.to_string()),
-                _ => Err(unreadable.to_owned()),
-            };
-        };
-        let Kind::Scalar(scalar) = field.kind else {
+        let Some(Kind::Scalar(scalar)) = self.find(KEY, &mut 0).map(|field| field.kind) else {
             return Err(unreadable.to_owned());
         };
-        let key = integer(scalar, wire.unwrap_or(field.kind.zero())).ok_or(unreadable)?;
+        let wire = wire.unwrap_or(Kind::Scalar(scalar).zero());
+        if let (Type::String, Wire::Bytes(text)) = (scalar, wire) {
+            let text = std::str::from_utf8(text).map_err(|error| error.to_string())?;
+            return Ok(Segment::Name(Cow::Borrowed(text)));
+        }
+        let key = integer(scalar, wire).ok_or(unreadable)?;
         Ok(match (scalar, key) {
             (Type::Bool, 0) => Segment::Name(Cow::Borrowed("false")),
             (Type::Bool, _) => Segment::Name(Cow::Borrowed("true")),
@@ -460,7 +464,7 @@ impl Kind {
     /// What stands for zero, or for an empty message.
     fn zero(self) -> Wire<'static> {
         match self {
-            Self::Message(_) => Wire::Bytes(&[]),
+            Self::Message(_) | Self::Scalar(Type::String | Type::Bytes) => Wire::Bytes(&[]),
             Self::Scalar(Type::Double | Type::Fixed64 | Type::Sfixed64) => Wire::Eight([0; 8]),
             Self::Scalar(Type::Float | Type::Fixed32 | Type::Sfixed32) => Wire::Four([0; 4]),
             Self::Scalar(_) => Wire::Varint(0),
@@ -468,14 +472,37 @@ impl Kind {
     }
 }
 
-/// The number that is written so; nothing if its type is written otherwise.
-#[inline]
-fn number(scalar: Type, wire: Wire<'_>) -> Option<f64> {
-    match (scalar, wire) {
-        (Type::Double, Wire::Eight(bytes)) => Some(f64::from_le_bytes(bytes)),
-        (Type::Float, Wire::Four(bytes)) => Some(f32::from_le_bytes(bytes).into()),
-        _ => integer(scalar, wire).map(|integer| integer as f64),
+/// What stands for a field of proto3 that isn't there.
+fn implicit(scalar: Type) -> Zero {
+    match scalar {
+        Type::Double | Type::Float => Zero::Real,
+        Type::Bool => Zero::Bool,
+        Type::String => Zero::Text,
+        Type::Bytes => Zero::Bytes,
+        _ => Zero::Integer,
     }
+}
+
+/// Whether lists of a type may be written as one field.
+fn is_packable(scalar: Type) -> bool {
+    !matches!(scalar, Type::String | Type::Bytes)
+}
+
+/// The value that is written so; nothing if its type is written otherwise.
+#[inline]
+fn value(scalar: Type, wire: Wire<'_>) -> Option<Value> {
+    Some(match (scalar, wire) {
+        (Type::Double, Wire::Eight(bytes)) => Value::Real(f64::from_le_bytes(bytes)),
+        (Type::Float, Wire::Four(bytes)) => Value::Real(f32::from_le_bytes(bytes).into()),
+        (Type::Bool, Wire::Varint(bits)) => Value::Bool(bits != 0),
+        (Type::Bytes, Wire::Bytes(bytes)) => Value::Bytes(bytes.into()),
+        (Type::String, Wire::Bytes(bytes)) => match std::str::from_utf8(bytes) {
+            Ok(text) => Value::Text(text.into()),
+            // Proto2 doesn't demand that texts are UTF-8.
+            Err(_) => Value::Bytes(bytes.into()),
+        },
+        _ => Value::integer(integer(scalar, wire)?),
+    })
 }
 
 fn integer(scalar: Type, wire: Wire<'_>) -> Option<i128> {

@@ -1,10 +1,11 @@
 //! The fields that have been found in messages, and the tree by which they are found again.
 
+use super::value::Value;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt;
 
-/// A channel has no more numeric fields than this; others are left out.
+/// A channel has no more fields than this; others are left out.
 pub const MAX_FIELDS: usize = 4096;
 /// The paths of all fields may cost so much together: a byte costs one, and a part of a path what follows.
 const LARGEST_PATHS: usize = 1 << 19;
@@ -55,7 +56,7 @@ impl fmt::Display for Place<'_> {
     }
 }
 
-/// What is known of a value in the messages: whether it has been a number, and what has been in it.
+/// What is known of a place in the messages: which field it is, and what has been in it.
 #[derive(Debug, Default)]
 pub(super) struct Node {
     /// Which field it is.
@@ -66,10 +67,10 @@ pub(super) struct Node {
     met_in: u64,
     /// How many elements that message has had in it, for lists that come in pieces.
     pub(super) elements: usize,
-    /// Whether it stays known although it has led to no number yet.
+    /// Whether it stays known although it has led to no field yet.
     is_kept: bool,
-    /// Whether it is zero where a message has what it stands in, but not it.
-    pub(super) is_implicit: bool,
+    /// What it is where a message has what it stands in, but not it.
+    pub(super) implicit: Option<Zero>,
     /// Whether its implicit members have been made.
     pub(super) is_unfolded: bool,
 }
@@ -113,6 +114,28 @@ impl Node {
     }
 }
 
+/// What stands for the fields of proto3 that are not in a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Zero {
+    Real,
+    Integer,
+    Bool,
+    Text,
+    Bytes,
+}
+
+impl Zero {
+    fn value(self) -> Value {
+        match self {
+            Self::Real => Value::Real(0.0),
+            Self::Integer => Value::Integer(0),
+            Self::Bool => Value::Bool(false),
+            Self::Text => Value::Text("".into()),
+            Self::Bytes => Value::Bytes([].into()),
+        }
+    }
+}
+
 /// All fields that have been found.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
@@ -123,9 +146,15 @@ pub(super) struct Tree {
     is_full: bool,
     /// How many messages there have been.
     messages: u64,
-    /// Numbers of this message that are left out.
+    /// Values of this message that are left out.
     missed: u64,
     left_out: u64,
+    /// Whether this message says something twice.
+    repeats: bool,
+    /// Parts of this message that its schema doesn't know.
+    unknown: Vec<u8>,
+    /// Whether two ways through messages lead to fields with one path.
+    is_ambiguous: bool,
 }
 
 impl Tree {
@@ -137,6 +166,14 @@ impl Tree {
         self.left_out.max(self.missed)
     }
 
+    /// What the last message says beyond its fields: parts of it, or all of it; nothing if they say it all.
+    pub(super) fn unsaid<'a>(&'a self, message: &'a [u8]) -> Option<&'a [u8]> {
+        if self.missed > 0 || self.repeats || self.is_ambiguous {
+            return Some(message);
+        }
+        (!self.unknown.is_empty()).then_some(&self.unknown)
+    }
+
     /// The field at a place, a new one if there is none; nothing if there is no room for it.
     fn slot(&mut self, place: Option<&Place<'_>>) -> Option<usize> {
         // The tree leads to the fields that are known, so there is no need to look.
@@ -145,6 +182,7 @@ impl Tree {
         }
         let path = place.map_or_else(String::new, Place::to_string);
         if let Some(slot) = self.slots.get(&path) {
+            self.is_ambiguous = true;
             return Some(*slot);
         }
         let has_room = self.has_room(path.len(), place.map_or(0, Place::depth));
@@ -168,17 +206,19 @@ impl Tree {
 #[derive(Debug)]
 pub(super) struct Filling<'a> {
     tree: &'a mut Tree,
-    values: &'a mut Vec<f64>,
+    values: &'a mut Vec<Value>,
 }
 
 impl<'a> Filling<'a> {
     /// Begins a message.
-    pub(super) fn new(tree: &'a mut Tree, values: &'a mut Vec<f64>) -> Self {
+    pub(super) fn new(tree: &'a mut Tree, values: &'a mut Vec<Value>) -> Self {
         tree.left_out = tree.left_out();
         tree.missed = 0;
+        tree.repeats = false;
+        tree.unknown.clear();
         tree.messages += 1;
         values.clear();
-        values.resize(tree.paths.len(), f64::NAN);
+        values.resize(tree.paths.len(), Value::Absent);
         Self { tree, values }
     }
 
@@ -202,6 +242,7 @@ impl<'a> Filling<'a> {
     #[inline]
     pub(super) fn forget(&mut self, node: &mut Node) {
         if node.met_in == self.tree.messages {
+            self.tree.repeats = true;
             self.clear(node);
         }
     }
@@ -209,7 +250,7 @@ impl<'a> Filling<'a> {
     fn clear(&mut self, node: &mut Node) {
         node.met_in = 0;
         if let Some(slot) = node.slot {
-            self.values[slot] = f64::NAN;
+            self.values[slot] = Value::Absent;
         }
         for (_, member) in &mut node.members {
             self.forget(member);
@@ -221,38 +262,45 @@ impl<'a> Filling<'a> {
     pub(super) fn reserve(&mut self, node: &mut Node, place: Option<&Place<'_>>) -> Option<usize> {
         if node.slot.is_none() {
             node.slot = self.tree.slot(place);
-            self.values.resize(self.tree.paths.len(), f64::NAN);
+            self.values.resize(self.tree.paths.len(), Value::Absent);
         }
         node.slot
     }
 
     /// Gives the field at a node its value.
     #[inline]
-    pub(super) fn put(&mut self, node: &mut Node, place: Option<&Place<'_>>, value: f64) {
+    pub(super) fn put(&mut self, node: &mut Node, place: Option<&Place<'_>>, value: Value) {
         match self.reserve(node, place) {
             Some(slot) => {
                 node.met_in = self.tree.messages;
                 self.values[slot] = value;
             }
             // The value was counted with the message in which it stands.
-            None if node.is_implicit => {}
+            None if node.implicit.is_some() => {}
             None => self.miss(1),
         }
     }
 
     /// Sets the implicit members to zero, and says how many there are.
     pub(super) fn zero_members(&mut self, node: &Node) -> usize {
-        let implicit = node.members.iter().filter(|(_, member)| member.is_implicit);
-        let slots = implicit.filter_map(|(_, member)| member.slot);
-        slots.map(|slot| self.values[slot] = 0.0).count()
+        let members = node.members.iter();
+        let implicit = members.filter_map(|(_, member)| member.slot.zip(member.implicit));
+        implicit
+            .map(|(slot, zero)| self.values[slot] = zero.value())
+            .count()
     }
 
-    /// Counts numbers that are left out.
-    pub(super) fn miss(&mut self, numbers: usize) {
-        self.tree.missed += numbers as u64;
+    /// Counts values that are left out.
+    pub(super) fn miss(&mut self, values: usize) {
+        self.tree.missed += values as u64;
     }
 
-    /// Keeps a list known, if there is room, before it is known whether there are numbers in it: its
+    /// Keeps a part of the message that its schema doesn't know.
+    pub(super) fn keep_unknown(&mut self, part: &[u8]) {
+        self.tree.unknown.extend_from_slice(part);
+    }
+
+    /// Keeps a list known, if there is room, before it is known whether there is anything in it: its
     /// elements are counted there.
     pub(super) fn keep(&mut self, list: &mut Node, place: &Place<'_>) {
         if list.is_kept || self.tree.is_full {
