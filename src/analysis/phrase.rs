@@ -49,6 +49,16 @@ pub(crate) fn duration(seconds: f64) -> String {
     quantity(size * factor, 3, unit)
 }
 
+/// A time with its sign, in the unit that fits.
+#[must_use]
+pub(crate) fn signed_duration(seconds: f64) -> String {
+    match seconds {
+        0.0 => "0".to_owned(),
+        _ if seconds > 0.0 => format!("+{}", duration(seconds)),
+        _ => format!("−{}", duration(seconds)),
+    }
+}
+
 /// A point in time, s.
 #[must_use]
 pub(crate) fn moment(seconds: f64) -> String {

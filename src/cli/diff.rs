@@ -1,12 +1,14 @@
 //! `toprise diff`.
 
 mod content;
+mod junit;
 #[cfg(feature = "rerun")]
 mod viewer;
 
-use super::arguments::{EncodingName, FormArguments, Override, parse_override};
+use super::arguments::{EncodingName, Format, Override, parse_override};
 use super::done::Done;
 use super::given::{Given, open};
+use super::page::Page;
 use super::progress::Progress;
 use super::report::WrittenFile;
 use super::{output, report};
@@ -21,6 +23,7 @@ use crate::telemetry::side::Side;
 use anyhow::{Context as _, Error, bail};
 use clap::{Args, ValueEnum};
 use content::Detail;
+use serde::Serialize;
 use std::path::PathBuf;
 
 /// Arguments of `toprise diff`.
@@ -103,8 +106,27 @@ pub(super) struct DiffArguments {
     #[arg(long)]
     force: bool,
 
-    #[command(flatten)]
-    form: FormArguments,
+    /// Form of the answer.
+    #[arg(long, value_enum, default_value_t)]
+    format: DiffFormat,
+
+    /// Short for --format markdown.
+    #[arg(long, conflicts_with = "format")]
+    markdown: bool,
+}
+
+/// The form of a comparison's answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum DiffFormat {
+    /// For people, at a terminal.
+    #[default]
+    Text,
+    /// For programs; schemas/toprise.*Report.json describe it.
+    Json,
+    /// For documents.
+    Markdown,
+    /// For CI: JUnit's XML, with a test for each topic.
+    Junit,
 }
 
 /// What is compared with what.
@@ -275,7 +297,27 @@ impl DiffArguments {
             Detail::Short
         };
         let page = || content::page(report, detail);
-        report::print(report, self.form.format(), page)
+        self.print_as(report, std::slice::from_ref(report), page)
+    }
+
+    /// Prints an answer, which is about these pairs of runs, in the form that was chosen.
+    fn print_as(
+        &self,
+        answer: &impl Serialize,
+        pairs: &[Report],
+        page: impl FnOnce() -> Page,
+    ) -> Result<(), Error> {
+        let format = match self.format {
+            _ if self.markdown => Format::Markdown,
+            DiffFormat::Text => Format::Text,
+            DiffFormat::Json => Format::Json,
+            DiffFormat::Markdown => Format::Markdown,
+            DiffFormat::Junit => {
+                output::print(&junit::document(pairs))?;
+                return Ok(());
+            }
+        };
+        report::print(answer, format, page)
     }
 }
 
@@ -430,7 +472,7 @@ fn several(arguments: &DiffArguments, options: &Options, runs: &[Given]) -> Resu
     progress.finish();
     let matrix = matrix?;
     let page = || content::matrix_page(&matrix);
-    report::print(&matrix, arguments.form.format(), page)?;
+    arguments.print_as(&matrix, &matrix.against_first, page)?;
     Ok(done(&matrix.against_first))
 }
 

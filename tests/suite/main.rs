@@ -13,6 +13,7 @@ mod crash;
 mod damage;
 mod diff;
 mod diff_command;
+mod diff_sentences;
 mod documents;
 mod explain;
 mod figures;

@@ -50,6 +50,32 @@ impl Curve {
         )
     }
 
+    /// The slope at x, if x lies between the first and the last point.
+    pub(crate) fn slope(&self, x: f64) -> Option<f64> {
+        let (first, last) = self.domain()?;
+        // So small that the cubic is a straight line, and so large that rounding does not matter: 1e-3 of the distance of
+        // two points.
+        let step = 1e-3 * (last - first) / (self.x.len() - 1).max(1) as f64;
+        let (from, to) = ((x - step).max(first), (x + step).min(last));
+        let slope = (self.at(to)? - self.at(from)?) / (to - from);
+        (self.at(x).is_some() && slope.is_finite()).then_some(slope)
+    }
+
+    /// How far the cubic through its neighbours is from the point nearest to x that has two neighbours on each side.
+    pub(crate) fn left_out(&self, x: f64) -> Option<f64> {
+        let count = self.x.len();
+        if count < 5 {
+            return None;
+        }
+        let at = self.x.partition_point(|known| *known <= x);
+        let at = at.clamp(2, count - 3);
+        let others = [at - 2, at - 1, at + 1, at + 2];
+        let nodes = others.map(|i| self.x[i]);
+        let weights = lagrange(&nodes, self.x[at]);
+        let value: f64 = weights.zip(others).map(|(w, i)| w * self.y[i]).sum();
+        Some(value - self.y[at])
+    }
+
     /// The inverse of the curve, up to where y first turns.
     pub(crate) fn inverse(&self) -> Self {
         let sign = match self.y.as_slice() {

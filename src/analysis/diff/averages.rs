@@ -49,6 +49,23 @@ pub struct Averaged {
     pub amplitude_ratio_first: Option<f64>,
     /// Amplitude of B's nutation over that of A's in the last cycle.
     pub amplitude_ratio_last: Option<f64>,
+    /// What doesn't depend on which of the two is called A, but for signs.
+    pub either_way: EitherWay,
+}
+
+/// Comparisons at the cycles of both runs: those that are told in sentences.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct EitherWay {
+    /// Largest magnitudes of the differences of the means θ, θ̇, φ̇ and ψ̇ at the middles of the cycles of A and of B.
+    pub means: Vec<f64>,
+    /// The end of the last cycle that both have finished, s.
+    pub end: f64,
+    /// How many nutations B is ahead of A there.
+    pub phase: f64,
+    /// Amplitude of B's nutation over that of A's in the middle of the last cycle of the one that nutates for less long.
+    pub amplitude_ratio: Option<f64>,
+    /// When one is first ahead by a quarter of a nutation, at an end of a cycle of either, s.
+    pub out_of_step: Option<f64>,
 }
 
 /// How far two curves lie apart.
@@ -115,6 +132,41 @@ pub(super) fn compare(a: &Course, b: &Course) -> Option<Averaged> {
             .find(|time| ahead(&phases, *time).is_some_and(|ahead| ahead.abs() >= DECORRELATED)),
         amplitude_ratio_first: ratio(common.first()),
         amplitude_ratio_last: ratio(common.last()),
+        either_way: either_way([a, b])?,
+    })
+}
+
+fn either_way(courses: [&Course; 2]) -> Option<EitherWay> {
+    let at_cycles = |times: &dyn Fn(&Course) -> Vec<f64>| -> Vec<f64> {
+        let mut all = courses.map(times).concat();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    let middles = at_cycles(&|course| course.cycles.iter().map(Cycle::middle).collect());
+    let boundaries = at_cycles(&|course| boundaries(course).collect());
+    let phases = courses.map(Course::phase);
+    let amplitudes = courses.map(|course| course.of_cycles(Cycle::amplitude));
+    let last = |curves: &[Curve; 2]| -> Option<f64> {
+        let [a, b] = curves.each_ref().map(|curve| curve.domain());
+        Some(a?.1.min(b?.1))
+    };
+    let mean = |at: usize| {
+        let curves = courses.map(|course| course.of_cycles(|cycle| cycle.means[at]));
+        let found = deviation("", "", &middles, &curves)?;
+        Some(found.largest.abs())
+    };
+    let end = last(&phases)?;
+    Some(EitherWay {
+        means: (0..QUANTITIES.len()).map(mean).collect::<Option<_>>()?,
+        end,
+        phase: ahead(&phases, end)?,
+        amplitude_ratio: last(&amplitudes).and_then(|time| {
+            let [a, b] = &amplitudes;
+            Some(b.at(time)? / a.at(time)?).filter(|ratio| ratio.is_finite())
+        }),
+        out_of_step: boundaries
+            .into_iter()
+            .find(|time| ahead(&phases, *time).is_some_and(|ahead| ahead.abs() >= DECORRELATED)),
     })
 }
 

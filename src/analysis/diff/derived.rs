@@ -89,6 +89,11 @@ impl Derived {
         self.tally.add(time_ns, 0.0, self.kind.difference(a, b));
     }
 
+    /// Takes in a pair without differences.
+    pub(super) fn add_identical(&mut self, time_ns: u64) {
+        self.tally.add(time_ns, 0.0, 0.0);
+    }
+
     /// What was found.
     pub(super) fn report(&self) -> FieldDifference {
         FieldDifference {

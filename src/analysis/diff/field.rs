@@ -55,8 +55,27 @@ pub struct FieldDifference {
     pub interpolation_error: Option<f64>,
     /// The errors of both integrators together, if they are known.
     pub floor: Option<f64>,
+    /// What the difference may be owed to beside the motions: the errors of the integrators and of interpolation,
+    /// as far as they are known, with what their estimates may miss.
+    pub errors: Option<f64>,
     /// Whether the difference is not larger than those.
     pub is_below_floor: bool,
+}
+
+/// By how much an error may be larger than its estimate. The integrators' are estimated from a run whose own error is as
+/// large where both are rounding, and that of interpolation in the middle of every eighth gap.
+const UNDERESTIMATED: f64 = 3.0;
+/// Roundings of a number that is computed in two ways, in units of the largest that it gets, 2^-52 of it.
+const ROUNDINGS: f64 = 8.0;
+
+/// What a difference may be owed to beside the motions, from the integrators' errors, the error of interpolation and
+/// the size of the field.
+pub(super) fn errors(floor: Option<f64>, interpolation: Option<f64>, scale: f64) -> Option<f64> {
+    if floor.is_none() && interpolation.is_none() {
+        return None;
+    }
+    let estimates = floor.unwrap_or(0.0) + interpolation.unwrap_or(0.0);
+    Some(UNDERESTIMATED * estimates + ROUNDINGS * f64::EPSILON * scale)
 }
 
 /// What is known of a field from its pairs so far, in memory that doesn't grow with their number.
@@ -194,6 +213,11 @@ impl FieldTally {
     /// The largest magnitude of the field in either run.
     pub(super) fn scale(&self) -> f64 {
         self.scale
+    }
+
+    /// How large the error of interpolation is.
+    pub(super) fn interpolation_error(&self) -> f64 {
+        self.interpolation_error
     }
 
     /// Whether all pairs agree within the tolerance.

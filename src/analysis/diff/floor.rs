@@ -4,11 +4,13 @@
 //! like any runs. Their difference is the error of the coarser one, as far as it is known. A difference between A and B
 //! that is no larger than both errors together, the floor, says nothing about the models.
 
+use super::averages;
+use super::events::Events;
 use super::options::Options;
+use super::passage::Passage;
 use super::plan::ComparisonPlan;
 use super::reading::read_both;
 use super::topic::ComparedTopic;
-use super::{averages, happened};
 use crate::analysis::subject::Subject;
 use crate::run::scenario::Scenario;
 use schemars::JsonSchema;
@@ -80,8 +82,8 @@ fn error(scenario: &Scenario) -> Option<IntegratorError> {
     let plan = ComparisonPlan::new(runs, &options).ok()?;
     let findings = read_both(runs, &plan, &options.tolerances, &mut ()).ok()?;
     let [first, second] = [0, 1].map(|side| &findings.runs[side].course);
-    let happened = happened::compare(first, second, true);
-    let shifts = happened.kinds.iter().filter_map(|kind| kind.largest_shift);
+    let passage = Passage::find(first, second, [0.0; 2]);
+    let events = Events::compare(first, second, passage.as_ref());
     let means = averages::compare(first, second).map(|averaged| averaged.means);
     let theta = means.and_then(|means| means.first().map(|mean| mean.largest.abs()));
     let largest = |topic: &ComparedTopic| topic.tally.largest().collect::<Vec<_>>();
@@ -89,7 +91,7 @@ fn error(scenario: &Scenario) -> Option<IntegratorError> {
         relative_tolerance: scenario.tolerances.relative,
         compared_with: tighter.tolerances.relative,
         fields: findings.compared().flat_map(largest).collect(),
-        event_shift: shifts.map(f64::abs).fold(0.0, f64::max),
+        event_shift: events.largest_shift(),
         theta_mean: theta.unwrap_or_default(),
     })
 }

@@ -14,6 +14,9 @@ const WINDOWS: usize = 256;
 const FEWEST: usize = 8;
 /// A power law with a smaller exponent is none: the difference is bounded.
 const SMALLEST_EXPONENT: f64 = 0.2;
+/// A law is named if it leaves no more than this part of the variance that the other one leaves. With a hundred windows,
+/// a third of which are independent, that is a likelihood ratio of 2^(33/2), 1e5; and a constant leaves all of it.
+const CLEARLY: f64 = 0.5;
 
 /// The law by which a difference grew.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -24,8 +27,8 @@ pub struct Growth {
     pub law: GrowthLaw,
     /// The law's parameter: the exponent p of t^p, or the rate in 1/s of an exponential; 0 if bounded.
     pub parameter: f64,
-    /// The part of the variance of the logarithm that the law explains; for a bounded difference, 1 less
-    /// the part that a power law would explain.
+    /// The part of the variance of the logarithm that the law explains (R²); a bounded difference has a constant
+    /// logarithm, which explains none of it: 0.
     pub quality: f64,
 }
 
@@ -92,30 +95,34 @@ impl Envelope {
         self.peaks = merged;
     }
 
-    /// The law that fits best.
-    pub(super) fn law(&self, field: String) -> Option<Growth> {
-        if self.peaks.len() < FEWEST {
+    /// The law by which the differences beyond their errors grow, if one fits clearly better than the others.
+    pub(super) fn law(&self, field: String, errors: f64) -> Option<Growth> {
+        let peaks: Vec<_> = self.peaks.iter().filter(|peak| peak.2 > errors).collect();
+        if peaks.len() < FEWEST {
             return None;
         }
-        let logarithms: Vec<f64> = self.peaks.iter().map(|peak| ln(peak.2)).collect();
-        let power = Line::through(self.peaks.iter().map(|peak| ln(peak.1)), &logarithms);
-        let exponential = Line::through(self.peaks.iter().map(|peak| peak.1), &logarithms);
-        let (law, parameter, quality) = if power.slope.abs() < SMALLEST_EXPONENT {
-            (GrowthLaw::Bounded, 0.0, 1.0 - power.explained)
-        } else if power.explained >= exponential.explained {
-            (GrowthLaw::Power, power.slope, power.explained)
+        let logarithms: Vec<f64> = peaks.iter().map(|peak| ln(peak.2)).collect();
+        let power = Line::through(peaks.iter().map(|peak| ln(peak.1)), &logarithms);
+        let exponential = Line::through(peaks.iter().map(|peak| peak.1), &logarithms);
+        if power.slope.abs() < SMALLEST_EXPONENT {
+            return Some(Growth {
+                field,
+                law: GrowthLaw::Bounded,
+                parameter: 0.0,
+                quality: 0.0,
+            });
+        }
+        let (law, best, other) = if power.explained >= exponential.explained {
+            (GrowthLaw::Power, power, exponential)
         } else {
-            (
-                GrowthLaw::Exponential,
-                exponential.slope,
-                exponential.explained,
-            )
+            (GrowthLaw::Exponential, exponential, power)
         };
-        Some(Growth {
+        let is_clear = 1.0 - best.explained < CLEARLY * (1.0 - other.explained);
+        is_clear.then(|| Growth {
             field,
             law,
-            parameter,
-            quality,
+            parameter: best.slope,
+            quality: best.explained,
         })
     }
 }
@@ -161,7 +168,7 @@ mod tests {
         for i in 0..20_000_u64 {
             envelope.add(i * 1_000_000, difference(i as f64 / 1e3));
         }
-        envelope.law("x".to_owned()).unwrap()
+        envelope.law("x".to_owned(), 0.0).unwrap()
     }
 
     #[test]
@@ -188,6 +195,6 @@ mod tests {
     fn nothing_is_said_of_no_difference() {
         let mut envelope = Envelope::default();
         envelope.add(5, 0.0);
-        assert_eq!(envelope.law("x".to_owned()), None);
+        assert_eq!(envelope.law("x".to_owned(), 0.0), None);
     }
 }

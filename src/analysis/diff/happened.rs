@@ -1,16 +1,17 @@
 //! Section b of a report: what happened in one run and in the other.
 //!
-//! Events of a kind are matched one to one ([`match_times`]). The rise is told twice: when θ first was at the limit,
-//! which depends on which dip of the nutation reaches it, and when the averaged θ passed a level that both reach.
+//! The rise, or the fall, is told twice: when the averaged motions passed a level of θ that both reach, which says by
+//! how much one is ahead, and when θ itself first touched one, which depends on which dip of the nutation does.
 
-use crate::analysis::course::{Course, Cycle, Event};
+use super::budget::{Budget, Energies};
+use super::events::{EventKindDifference, EventMoment, EventPair, Events};
+use super::floor::Floor;
+use super::passage::{Passage, ripple};
+use super::touch::{CommonLevels, Levels, Touches};
+use crate::analysis::course::Course;
 use crate::run::simulation::EventKind;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::collections::BTreeMap;
-
-/// Matches whose shifts are smaller by this factor are better than matches in order.
-const SMALLER: f64 = 0.25;
 
 /// Section b: what happened.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
@@ -23,285 +24,174 @@ pub struct Happened {
     pub only_in_a: Vec<EventMoment>,
     /// Events that only B has, with nutation extremes.
     pub only_in_b: Vec<EventMoment>,
-    /// The shift of the rise, s.
-    pub rise_shift: Option<f64>,
-    /// How much the nutation alone can have moved the rise, s: half the ripple over the drift.
-    pub rise_shift_uncertainty: Option<f64>,
-    /// The level of the averaged θ that both reach, rad.
+    /// The farthest level of θ, averaged over each nutation, that both pass, rad.
     pub averaged_level: Option<f64>,
-    /// When A's averaged θ reaches it, s.
+    /// When A's averaged θ passes it, s.
     pub averaged_crossing_a: Option<f64>,
-    /// When B's averaged θ reaches it, s.
+    /// When B's averaged θ passes it, s.
     pub averaged_crossing_b: Option<f64>,
+    /// By how much B's averaged motion is later there, s.
+    pub averaged_shift: Option<f64>,
+    /// How exactly that is known, s: up to the integrators' errors, the error of interpolating between averages, and
+    /// what an average over one nutation keeps of it.
+    pub averaged_shift_uncertainty: Option<f64>,
+    /// The level at which a top counts as risen, rad: the higher one if the two runs have different ones.
+    pub risen_level: Option<f64>,
+    /// When A's θ first touches it, s.
+    pub risen_a: Option<f64>,
+    /// When B's θ first touches it, s.
+    pub risen_b: Option<f64>,
+    /// By how much B touches it later, s.
+    pub rise_shift: Option<f64>,
+    /// How much earlier (negative) and later the nutation can make A's θ touch a level than its average, s.
+    pub rise_by_nutation_a: Option<[f64; 2]>,
+    /// How much earlier (negative) and later the nutation can make B's θ touch a level than its average, s.
+    pub rise_by_nutation_b: Option<[f64; 2]>,
+    /// How far the nutations of both, and the integrators' errors, can move the shift down and up, s.
+    pub rise_shift_uncertainty: Option<[f64; 2]>,
+    /// The level at which a top counts as fallen, rad: the lower one if the two runs have different ones.
+    pub fallen_level: Option<f64>,
+    /// When A's θ first touches it, s.
+    pub fallen_a: Option<f64>,
+    /// When B's θ first touches it, s.
+    pub fallen_b: Option<f64>,
+    /// What A has lost by its end.
+    pub budget_a: Option<Budget>,
+    /// What B has lost by its end.
+    pub budget_b: Option<Budget>,
+    /// What A has lost by the end of the one that ends first; absent where equal times are not compared.
+    pub common_budget_a: Option<Budget>,
+    /// What B has lost by then.
+    pub common_budget_b: Option<Budget>,
+    /// A's θ, averaged over its first and its last nutation, rad.
+    pub averaged_ends_a: Option<[f64; 2]>,
+    /// B's θ, averaged over its first and its last nutation, rad.
+    pub averaged_ends_b: Option<[f64; 2]>,
+    /// A's θ in its first and its last sample, rad.
+    pub theta_ends_a: Option<[f64; 2]>,
+    /// B's θ in its first and its last sample, rad.
+    pub theta_ends_b: Option<[f64; 2]>,
 }
 
-/// Events of one kind.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct EventKindDifference {
-    /// The kind.
-    pub name: String,
-    /// How many A has.
-    pub count_a: u64,
-    /// How many B has.
-    pub count_b: u64,
-    /// How many of them were matched.
-    pub matched: u64,
-    /// Mean shift of the matched events, s.
-    pub mean_shift: Option<f64>,
-    /// Shift of largest magnitude, s.
-    pub largest_shift: Option<f64>,
+impl Happened {
+    /// Whether the averaged motions are shifted by more than is uncertain; none where they pass no common level.
+    #[must_use]
+    pub fn is_averaged_shift_clear(&self) -> Option<bool> {
+        Some(self.averaged_shift?.abs() > self.averaged_shift_uncertainty?)
+    }
+
+    /// When an event of a kind first was in A and in B, s.
+    #[must_use]
+    pub fn first(&self, kind: EventKind) -> [Option<f64>; 2] {
+        let earliest = |times: &mut dyn Iterator<Item = f64>| times.reduce(f64::min);
+        let pairs = || self.matched.iter().filter(|pair| pair.name == kind.name());
+        let alone = |events: &[EventMoment]| -> Vec<f64> {
+            let events = events.iter().filter(|event| event.name == kind.name());
+            events.map(|event| event.time).collect()
+        };
+        let (of_a, of_b) = (alone(&self.only_in_a), alone(&self.only_in_b));
+        [
+            earliest(&mut pairs().map(|pair| pair.time_a).chain(of_a)),
+            earliest(&mut pairs().map(|pair| pair.time_b).chain(of_b)),
+        ]
+    }
+
+    /// Whether the first touches are apart by more than the nutation can move them; none where that isn't known.
+    #[must_use]
+    pub fn is_rise_shift_clear(&self) -> Option<bool> {
+        let (shift, [least, greatest]) = (self.rise_shift?, self.rise_shift_uncertainty?);
+        Some(!(least..=greatest).contains(&shift))
+    }
 }
 
-/// Two events that belong together.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct EventPair {
-    /// The kind.
-    pub name: String,
-    /// Time in A, s.
-    pub time_a: f64,
-    /// Time in B, s.
-    pub time_b: f64,
-    /// θ of the event in A, rad.
-    pub theta_a: f64,
-    /// θ of the event in B, rad.
-    pub theta_b: f64,
+/// What is known of a run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ran<'r> {
+    pub(super) course: &'r Course,
+    pub(super) touches: &'r Touches,
+    pub(super) energies: &'r Energies,
+    /// Its energies at the times of both, if these are equal.
+    pub(super) common: Option<&'r Energies>,
 }
 
-/// An event that only one run has.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct EventMoment {
-    /// The kind.
-    pub name: String,
-    /// Time, s.
-    pub time: f64,
-    /// What happened, in a sentence.
-    pub description: String,
+impl Ran<'_> {
+    /// When it ended, s.
+    fn end(&self) -> Option<f64> {
+        let stop = self.course.report().stop_time;
+        stop.or_else(|| self.energies.end())
+    }
 }
 
 /// Compares what happened; events only if both have recorded them.
-pub(super) fn compare(a: &Course, b: &Course, both_have_events: bool) -> Happened {
+pub(super) fn compare(
+    runs: [Ran<'_>; 2],
+    levels: CommonLevels,
+    both_have_events: bool,
+    floor: Option<&Floor>,
+) -> Happened {
+    let [a, b] = runs;
+    let integrators = floor.map_or([0.0; 2], |floor| [floor.a.theta_mean, floor.b.theta_mean]);
+    let passage = Passage::find(a.course, b.course, integrators);
     let mut happened = Happened::default();
     if both_have_events {
-        for (name, [of_a, of_b]) in by_kind(a, b) {
-            compare_kind(name, &of_a, &of_b, &mut happened);
-        }
+        let events = Events::compare(a.course, b.course, passage.as_ref());
+        happened.kinds = events.kinds;
+        happened.matched = events.matched;
+        happened.only_in_a = events.only_in_a;
+        happened.only_in_b = events.only_in_b;
     }
-    let time = |time: &f64, other: &f64| time.total_cmp(other);
-    happened.matched.sort_by(|x, y| time(&x.time_a, &y.time_a));
-    for alone in [&mut happened.only_in_a, &mut happened.only_in_b] {
-        alone.sort_by(|x, y| time(&x.time, &y.time));
+    if let Some(passage) = &passage {
+        let [x, y] = passage.times;
+        happened.averaged_level = Some(passage.level);
+        (happened.averaged_crossing_a, happened.averaged_crossing_b) = (Some(x), Some(y));
+        happened.averaged_shift = Some(passage.shift());
+        happened.averaged_shift_uncertainty = Some(passage.uncertainty);
     }
-    if let (Some(x), Some(y)) = (a.report().rise_time, b.report().rise_time) {
-        happened.rise_shift = Some(y - x);
-        happened.rise_shift_uncertainty = uncertainty(a).zip(uncertainty(b)).map(|(x, y)| x.max(y));
-    }
-    cross_averaged(a, b, &mut happened);
+    [happened.averaged_ends_a, happened.averaged_ends_b] = runs.map(|ran| {
+        let cycles = &ran.course.cycles;
+        Some([cycles.first()?.means[0], cycles.last()?.means[0]])
+    });
+    touch(runs, levels, floor, &mut happened);
+    let up_to = |energies: &Energies, end: Option<f64>| energies.up_to(end?);
+    happened.budget_a = up_to(a.energies, a.end());
+    happened.budget_b = up_to(b.energies, b.end());
+    let end = a.end().zip(b.end()).map(|(a, b)| a.min(b));
+    happened.common_budget_a = a.common.and_then(|common| up_to(common, end));
+    happened.common_budget_b = b.common.and_then(|common| up_to(common, end));
     happened
 }
 
-/// The events of A and of B by their kinds, in the order in which these first come.
-fn by_kind<'c>(a: &'c Course, b: &'c Course) -> Vec<(&'c str, [Vec<&'c Event>; 2])> {
-    let mut kinds: Vec<(&str, [Vec<&Event>; 2])> = Vec::new();
-    let mut known = BTreeMap::new();
-    for (side, course) in [a, b].into_iter().enumerate() {
-        for event in &course.events {
-            let name = event.name.as_str();
-            let at = *known.entry(name).or_insert(kinds.len());
-            if at == kinds.len() {
-                kinds.push((name, Default::default()));
-            }
-            kinds[at].1[side].push(event);
-        }
-    }
-    kinds
-}
-
-/// Compares the events of a kind.
-fn compare_kind(name: &str, a: &[&Event], b: &[&Event], happened: &mut Happened) {
-    let times = |events: &[&Event]| -> Vec<f64> { events.iter().map(|event| event.time).collect() };
-    let matches = match_times(&times(a), &times(b));
-    let shifts: Vec<f64> = matches
-        .iter()
-        .map(|(i, j)| b[*j].time - a[*i].time)
-        .collect();
-    let largest = shifts
-        .iter()
-        .copied()
-        .max_by(|x, y| x.abs().total_cmp(&y.abs()));
-    happened.kinds.push(EventKindDifference {
-        name: name.to_owned(),
-        count_a: a.len() as u64,
-        count_b: b.len() as u64,
-        matched: matches.len() as u64,
-        mean_shift: largest.map(|_| shifts.iter().sum::<f64>() / shifts.len() as f64),
-        largest_shift: largest,
+/// When θ first touches the levels, and what the nutation can do to that.
+fn touch(
+    [a, b]: [Ran<'_>; 2],
+    CommonLevels { common, own }: CommonLevels,
+    floor: Option<&Floor>,
+    happened: &mut Happened,
+) {
+    happened.fallen_level = common.fallen;
+    happened.fallen_a = a.touches.fallen();
+    happened.fallen_b = b.touches.fallen();
+    // A run without events still tells when it ended, and why.
+    let risen = |ran: Ran<'_>, own: Levels| {
+        let at_end = || ran.course.report().rise_time;
+        ran.touches
+            .risen()
+            .or_else(|| at_end().filter(|_| own.risen == common.risen))
+    };
+    happened.theta_ends_a = a.touches.ends();
+    happened.theta_ends_b = b.touches.ends();
+    happened.risen_level = common.risen;
+    happened.risen_a = risen(a, own[0]);
+    happened.risen_b = risen(b, own[1]);
+    let (Some(x), Some(y)) = (happened.risen_a, happened.risen_b) else {
+        return;
+    };
+    happened.rise_shift = Some(y - x);
+    happened.rise_by_nutation_a = ripple(a.course, x);
+    happened.rise_by_nutation_b = ripple(b.course, y);
+    let errors = floor.map_or(0.0, |floor| floor.a.event_shift + floor.b.event_shift);
+    let ripples = happened.rise_by_nutation_a.zip(happened.rise_by_nutation_b);
+    happened.rise_shift_uncertainty = ripples.map(|([first_a, last_a], [first_b, last_b])| {
+        [first_b - last_a - errors, last_b - first_a + errors]
     });
-    // Those that come with each nutation are counted, not listed.
-    if !EventKind::find(name).is_some_and(EventKind::is_of_nutation) {
-        happened
-            .matched
-            .extend(matches.iter().map(|(i, j)| EventPair {
-                name: name.to_owned(),
-                time_a: a[*i].time,
-                time_b: b[*j].time,
-                theta_a: a[*i].theta,
-                theta_b: b[*j].theta,
-            }));
-    }
-    let alone = |events: &[&Event], matched: &dyn Fn(usize) -> bool| -> Vec<EventMoment> {
-        let alone = events.iter().enumerate().filter(|(at, _)| !matched(*at));
-        let moment = |(_, event): (usize, &&Event)| EventMoment {
-            name: event.name.clone(),
-            time: event.time,
-            description: event.description.clone(),
-        };
-        alone.map(moment).collect()
-    };
-    // Both sides of the matches are in rising order.
-    let in_a = |at: usize| matches.binary_search_by(|(i, _)| i.cmp(&at)).is_ok();
-    let in_b = |at: usize| matches.binary_search_by(|(_, j)| j.cmp(&at)).is_ok();
-    happened.only_in_a.extend(alone(a, &in_a));
-    happened.only_in_b.extend(alone(b, &in_b));
-}
-
-/// Matches events of one kind in their order: positions in A and B.
-///
-/// Where there are as many in both, the first belongs to the first and so on, unless following the shift from
-/// one to the next gives much smaller shifts. Where there are not, it is followed, beginning with none or with
-/// that of the first two, whichever matches more.
-pub(super) fn match_times(a: &[f64], b: &[f64]) -> Vec<(usize, usize)> {
-    let (Some(first_a), Some(first_b)) = (a.first(), b.first()) else {
-        return Vec::new();
-    };
-    let in_place = follow(a, b, 0.0);
-    if a.len() == b.len() {
-        let in_order: Vec<_> = (0..a.len()).map(|at| (at, at)).collect();
-        let mean = |matches: &[(usize, usize)]| {
-            let shifts = matches.iter().map(|(i, j)| (b[*j] - a[*i]).abs());
-            shifts.sum::<f64>() / matches.len() as f64
-        };
-        let is_better = 2 * in_place.len() > a.len() && mean(&in_place) < SMALLER * mean(&in_order);
-        return if is_better { in_place } else { in_order };
-    }
-    let from_first = follow(a, b, first_b - first_a);
-    if from_first.len() > in_place.len() {
-        from_first
-    } else {
-        in_place
-    }
-}
-
-/// Matches events by following their shift: one that would need a shift other than the last one by more than
-/// half the distance to its neighbours has no counterpart.
-fn follow(a: &[f64], b: &[f64], mut shift: f64) -> Vec<(usize, usize)> {
-    let mut matches = Vec::new();
-    let (mut i, mut j) = (0, 0);
-    while i < a.len() && j < b.len() {
-        let change = b[j] - a[i] - shift;
-        let spacing = spacing(a, i).min(spacing(b, j));
-        if change.abs() <= 0.5 * spacing {
-            matches.push((i, j));
-            shift = b[j] - a[i];
-            i += 1;
-            j += 1;
-        } else if change > 0.0 {
-            i += 1;
-        } else {
-            j += 1;
-        }
-    }
-    matches
-}
-
-/// The distance of an event to the nearest of its neighbours; infinite if it has none.
-fn spacing(times: &[f64], at: usize) -> f64 {
-    let before = at.checked_sub(1).map(|other| times[at] - times[other]);
-    let behind = times.get(at + 1).map(|next| next - times[at]);
-    before
-        .into_iter()
-        .chain(behind)
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// How much earlier or later the nutation alone can make θ reach a level, s: half the ripple over the drift.
-fn uncertainty(course: &Course) -> Option<f64> {
-    let last = course.cycles.last()?;
-    let [_, drift, ..] = last.means;
-    let [least, greatest] = last.ranges[0];
-    // Within a cycle the drift widens the range too.
-    let ripple = (greatest - least - (drift * last.period).abs()).max(0.0);
-    Some(0.5 * ripple / drift.abs()).filter(|time| time.is_finite())
-}
-
-/// When the averaged θ reaches the lowest level that both reach.
-fn cross_averaged(a: &Course, b: &Course, happened: &mut Happened) {
-    let mean = |cycle: &Cycle| cycle.means[0];
-    let last = |course: &Course| course.cycles.last().map(mean);
-    let first = |course: &Course| course.cycles.first().map(mean);
-    let (Some(last_a), Some(last_b), Some(first_a), Some(first_b)) =
-        (last(a), last(b), first(a), first(b))
-    else {
-        return;
-    };
-    let level = last_a.max(last_b);
-    if level >= first_a.min(first_b) {
-        return;
-    }
-    let reach = |course: &Course| course.of_cycles(mean).first_reaches(level);
-    happened.averaged_level = Some(level);
-    happened.averaged_crossing_a = reach(a);
-    happened.averaged_crossing_b = reach(b);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn as_many_events_match_in_order() {
-        let matches = match_times(&[1.0, 2.0, 3.0], &[1.6, 2.6, 3.6]);
-        assert_eq!(matches, [(0, 0), (1, 1), (2, 2)]);
-        assert_eq!(match_times(&[24.7], &[68.4]), [(0, 0)]);
-        assert_eq!(match_times(&[], &[]), []);
-    }
-
-    #[test]
-    fn a_missing_event_doesn_t_shift_the_others() {
-        let a: Vec<f64> = (0..50).map(f64::from).collect();
-        // The lag grows beyond the distance of two events.
-        let lag = |t: f64| t + 0.04 * t;
-        let b: Vec<f64> = a
-            .iter()
-            .map(|t| lag(*t))
-            .filter(|t| (t - lag(30.0)).abs() > 0.1)
-            .collect();
-        let matches = match_times(&a, &b);
-        assert_eq!(matches.len(), 49);
-        assert!(
-            matches
-                .iter()
-                .all(|(i, j)| (b[*j] - lag(a[*i])).abs() < 1e-12)
-        );
-        let mirrored = match_times(&b, &a);
-        assert!(
-            mirrored
-                .iter()
-                .zip(&matches)
-                .all(|((j, i), m)| (*i, *j) == *m)
-        );
-    }
-
-    #[test]
-    fn one_missing_at_either_end_is_noticed_though_there_are_as_many() {
-        let all: Vec<f64> = (0..40).map(f64::from).collect();
-        let matches = match_times(&all[1..], &all[..39]);
-        assert_eq!(matches.len(), 38);
-        assert!(matches.iter().all(|(i, j)| i + 1 == *j));
-    }
-
-    #[test]
-    fn events_at_the_end_of_the_longer_run_have_no_counterpart() {
-        assert_eq!(match_times(&[1.0, 2.0, 3.0], &[1.1, 2.1]), [(0, 0), (1, 1)]);
-        assert_eq!(match_times(&[], &[1.0]), []);
-    }
 }

@@ -9,6 +9,7 @@ use super::rule::{Interpolation, Rule};
 use super::time_map::TimeMap;
 use super::times::{MessageTimes, Times};
 use super::topics::Topics;
+use super::touch::CommonLevels;
 use crate::analysis::subject::Subject;
 use crate::archive::format::SAMPLE_PERIOD;
 use crate::telemetry::fields::{EVENTS, NUTATION};
@@ -45,6 +46,8 @@ pub(super) struct ComparisonPlan {
     pub(super) is_by_index: bool,
     /// Whether both files are the same to the last byte, and no clock is shifted.
     pub(super) is_same: bool,
+    /// The levels of θ at which a top counts as risen or fallen.
+    pub(super) levels: CommonLevels,
     /// Topics of both that can't be compared.
     pub(super) uncompared: Vec<String>,
     /// Topics that only A and only B has, but for those that are derived for viewers.
@@ -111,6 +114,7 @@ impl ComparisonPlan {
                 [found.compared, names(&STORY)].concat()
             },
             disorder: [0; 2],
+            levels: CommonLevels::of(runs),
             uncompared: found.uncompared,
             alone: found.alone,
         })
@@ -170,6 +174,7 @@ impl ComparisonPlan {
             read: topics.clone(),
             topics,
             disorder: [disorder_a, disorder_b],
+            levels: CommonLevels::default(),
             uncompared: found.uncompared,
             alone: found.alone,
         })

@@ -4,19 +4,23 @@
 //! is taken from next, so that little waits for a counterpart. What is kept doesn't grow with the number of samples:
 //! events, nutation cycles, and a few sums for each field.
 
+use super::budget::Energies;
 use super::discrepancy::Residuals;
 use super::error::DiffError;
 use super::item::Item;
 use super::lane::Frontier;
+use super::nutation::end_with_nutation;
 use super::observer::Observer;
 use super::plan::ComparisonPlan;
 use super::stream::{Batch, Parcel, read};
 use super::tolerance::{Tolerances, full_name};
 use super::topic::ComparedTopic;
 use super::topics::some_of;
+use super::touch::Touches;
 use crate::analysis::course::Course;
 use crate::analysis::subject::{Ended, Subject};
 use crate::archive::sink::SinkError;
+use crate::telemetry::fields::ENERGY;
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic};
 use std::collections::BTreeSet;
@@ -35,6 +39,8 @@ pub(super) struct Findings {
     pub(super) runs: [RunFindings; 2],
     /// The topics of the plan; none for those that are not compared.
     pub(super) topics: Vec<Option<ComparedTopic>>,
+    /// The energies of A and of B at equal times.
+    pub(super) common: [Energies; 2],
     /// The differences of the two models at A's states, if both scenarios are known.
     pub(super) residuals: Option<Residuals>,
 }
@@ -57,6 +63,10 @@ impl Findings {
 pub(super) struct RunFindings {
     /// What happened in it, if it is of toprise.
     pub(super) course: Course,
+    /// When θ first was at the levels of both.
+    pub(super) touches: Touches,
+    /// Its energy.
+    pub(super) energies: Energies,
     /// How many messages were read.
     pub(super) messages: u64,
     /// The times of the first and the last message, ns.
@@ -115,8 +125,12 @@ impl<'p> Reading<'p> {
         let topics = topics.map(|(topic, rule)| Some(ComparedTopic::new(topic, rule.clone()?)));
         let mut reading = Self {
             findings: Findings {
-                runs: Default::default(),
+                runs: [(); 2].map(|()| RunFindings {
+                    touches: Touches::new(plan.levels.common),
+                    ..RunFindings::default()
+                }),
                 topics: topics.collect(),
+                common: Default::default(),
                 residuals,
             },
             unpaired: 0,
@@ -215,6 +229,8 @@ impl<'p> Reading<'p> {
         if self.plan.are_ours {
             let seen = message.as_message();
             run.course.take(&seen);
+            run.touches.take(&seen);
+            run.energies.take(&seen);
             self.observer.message(side, &seen)?;
             if side == Side::A
                 && let Some(residuals) = &mut self.findings.residuals
@@ -247,7 +263,13 @@ impl<'p> Reading<'p> {
             };
             // Where a recording of another version lacks a field, there is no row of the table.
             let is_row = self.plan.are_ours && compared.tally.is_complete;
+            let is_energy = self.plan.are_ours && channel == ENERGY.index();
+            let common = &mut self.findings.common;
             compared.drain(frontiers, &self.plan.map, &mut |pair, difference| {
+                if is_energy {
+                    common[0].add(pair.time_ns, pair.a);
+                    common[1].add(pair.time_ns, pair.b);
+                }
                 if is_row && shown.is_ok() && difference.iter().all(|d| d.is_finite()) {
                     shown = self.observer.difference(&Message {
                         channel,
@@ -272,6 +294,9 @@ impl<'p> Reading<'p> {
     fn finish(mut self) -> Result<Findings, DiffError> {
         for compared in self.findings.topics.iter_mut().flatten() {
             compared.lane.finish();
+        }
+        for run in &mut self.findings.runs {
+            end_with_nutation(&mut run.course.cycles);
         }
         if !self.plan.are_ours {
             self.check_patterns()?;

@@ -4,15 +4,17 @@
 //! otherwise. Quantities that one of the runs doesn't have are absent.
 
 use super::averages::{self, Averaged};
+use super::budget::Energies;
 use super::clock::ClockReport;
 use super::discrepancy::{Discrepancy, Residuals};
 use super::field::seconds;
 use super::floor::Floor;
-use super::happened::{self, Happened};
+use super::happened::{self, Happened, Ran};
 use super::plan::ComparisonPlan;
 use super::reading::{Findings, RunFindings};
 use super::setup::{self, SetupDifferences};
 use super::signals::Signals;
+use super::time_map::TimeMap;
 use super::times::MessageTimes;
 use super::topics::some_of;
 use super::verdict::Verdict;
@@ -89,10 +91,10 @@ pub struct ComparedRun {
 
 impl Report {
     /// Puts together what was found, but for the summary.
-    pub(super) fn new(
+    pub(super) fn new<'f>(
         [a, b]: [Subject<'_>; 2],
         plan: &ComparisonPlan,
-        findings: &Findings,
+        findings: &'f Findings,
         floor: Option<Floor>,
     ) -> Self {
         let [found_a, found_b] = &findings.runs;
@@ -124,7 +126,15 @@ impl Report {
             setup,
             happened: plan.are_ours.then(|| {
                 let both_have_events = a.has_topic(EVENTS) && b.has_topic(EVENTS);
-                happened::compare(course_a, course_b, both_have_events)
+                let ran = |found: &'f RunFindings, common: &'f Energies| Ran {
+                    course: &found.course,
+                    touches: &found.touches,
+                    energies: &found.energies,
+                    common: (plan.map == TimeMap::Same).then_some(common),
+                };
+                let [of_a, of_b] = &findings.common;
+                let runs = [ran(found_a, of_a), ran(found_b, of_b)];
+                happened::compare(runs, plan.levels, both_have_events, floor.as_ref())
             }),
             averaged: averages::compare(course_a, course_b),
             signals,

@@ -43,7 +43,7 @@ impl Signals {
                 let (from, to) = span.unwrap_or((first, last));
                 span = Some((from.min(first), to.max(last)));
             }
-            signals.growth.extend(topic.tally.growths());
+            signals.growth.extend(topic.tally.growths(floor));
             // Events and cycles are there only afterwards.
             if topic.lane.rule != Rule::SameSequence {
                 signals.parted.extend(topic.tally.partings(floor));
@@ -59,13 +59,28 @@ impl Signals {
         signals
     }
 
-    /// How many fields differ and have a floor, and how many of them by no more than it.
+    /// How many fields differ and have known errors, and how many of them differ by no more than those.
     #[must_use]
     pub fn at_floor(&self) -> (usize, usize) {
-        let judged = |field: &&FieldDifference| field.largest != 0.0 && field.floor.is_some();
+        let judged = |field: &&FieldDifference| field.largest != 0.0 && field.errors.is_some();
         let fields = || self.fields().map(|(_, field)| field);
         let below = fields().filter(|field| field.is_below_floor).count();
         (fields().filter(judged).count(), below)
+    }
+
+    /// How many fields differ.
+    #[must_use]
+    pub fn differing(&self) -> usize {
+        let own = self.fields().filter(|(_, field)| !field.is_derived);
+        own.filter(|(_, field)| field.first_different.is_some())
+            .count()
+    }
+
+    /// Whether any field was interpolated.
+    #[must_use]
+    pub fn is_interpolated(&self) -> bool {
+        self.fields()
+            .any(|(_, field)| field.interpolation_error.is_some())
     }
 
     /// The fields of all topics, each with its topic.

@@ -7,6 +7,7 @@
 //! B's time.
 
 use super::error::DiffError;
+use super::nutation::end_with_nutation;
 use super::options::Align;
 use crate::analysis::course::curve::Curve;
 use crate::analysis::course::{Course, Cycle};
@@ -103,5 +104,6 @@ fn cycles(run: Subject<'_>) -> Course {
         course.take(message);
         ControlFlow::Continue(())
     });
+    end_with_nutation(&mut course.cycles);
     course
 }

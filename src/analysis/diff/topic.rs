@@ -1,7 +1,7 @@
 //! The differences of one topic: its messages as they are paired, and the fields of the pairs summed up.
 
 use super::derived::Derived;
-use super::field::{FieldDifference, FieldTally, seconds};
+use super::field::{FieldDifference, FieldTally, errors, seconds};
 use super::growth::{Envelope, Growth};
 use super::item::Content;
 use super::lane::{Frontier, Given, Lane, Pair};
@@ -358,6 +358,9 @@ impl TopicTally {
         }
         self.identical += u64::from(is_same);
         if is_same {
+            for derived in &mut self.derived {
+                derived.add_identical(pair.time_ns);
+            }
             return;
         }
         for (field, envelope) in &mut self.growing {
@@ -481,9 +484,11 @@ impl TopicTally {
             let unit = field.number.map_or("", NumberField::unit);
             let mut found = field.tally.report(&field.name, unit, self.is_interpolated);
             found.floor = floor(&full_name(&self.topic, &field.name));
-            found.is_below_floor = found
-                .floor
-                .is_some_and(|floor| found.largest != 0.0 && found.largest.abs() <= floor);
+            found.errors = errors(found.floor, found.interpolation_error, found.scale);
+            found.is_below_floor = found.not_numbers == 0
+                && found
+                    .errors
+                    .is_some_and(|errors| found.largest != 0.0 && found.largest.abs() <= errors);
             found
         });
         own.chain(self.derived.iter().map(Derived::report))
@@ -494,16 +499,27 @@ impl TopicTally {
     pub(super) fn partings(&self, floor: &impl Fn(&str) -> Option<f64>) -> Vec<Parting> {
         let parting = |field: &ComparedField| {
             let name = full_name(&self.topic, &field.name);
-            let floor = floor(&name).unwrap_or(0.0);
-            Parting::find(name, field.number, &field.tally, floor)
+            let errors = self.errors(field, floor).unwrap_or(0.0);
+            Parting::find(name, field.number, &field.tally, errors)
         };
         self.fields.iter().filter_map(parting).collect()
     }
 
-    /// How the differences of the angles grew.
-    pub(super) fn growths(&self) -> Vec<Growth> {
+    /// What the difference of a field may be owed to beside the motions.
+    fn errors(&self, field: &ComparedField, floor: &impl Fn(&str) -> Option<f64>) -> Option<f64> {
+        let interpolation = self
+            .is_interpolated
+            .then(|| field.tally.interpolation_error());
+        let floor = floor(&full_name(&self.topic, &field.name));
+        errors(floor, interpolation, field.tally.scale())
+    }
+
+    /// How the differences of the angles grew, as far as they are larger than their errors.
+    pub(super) fn growths(&self, floor: &impl Fn(&str) -> Option<f64>) -> Vec<Growth> {
         let growth = |(field, envelope): &(usize, Envelope)| {
-            envelope.law(full_name(&self.topic, &self.fields[*field].name))
+            let field = &self.fields[*field];
+            let errors = self.errors(field, floor).unwrap_or(0.0);
+            envelope.law(full_name(&self.topic, &field.name), errors)
         };
         self.growing.iter().filter_map(growth).collect()
     }

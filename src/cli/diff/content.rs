@@ -1,11 +1,11 @@
 //! What the report says, section by section.
 
 use crate::analysis::diff::{
-    ChannelDifference, ComparedRun, CourseReport, Deviation, EventKindDifference, EventMoment,
-    FieldDifference, Growth, GrowthLaw, Happened, IntegratorError, KeyDifference, Matrix, Parting,
-    QuantityKind, Report, Residual, Signals, TextDifference, Verdict,
+    Budget, ChannelDifference, ComparedRun, CourseReport, Deviation, EventKindDifference,
+    EventMoment, FieldDifference, Growth, GrowthLaw, Happened, IntegratorError, KeyDifference,
+    Matrix, Parting, QuantityKind, Report, Residual, Signals, TextDifference, Verdict,
 };
-use crate::analysis::phrase::{duration, quantity, significant, symbol};
+use crate::analysis::phrase::{duration, quantity, signed_duration, significant, symbol};
 use crate::archive::recording::Condition;
 use crate::cli::numbers;
 use crate::cli::page::{Page, Section, Tone};
@@ -153,9 +153,9 @@ fn happened(report: &Report) -> Section {
     section.table(Table {
         header: cells(["", "A", "B", "B − A"]),
         rows: [
-            first_rows(a, b, found),
-            happening_rows(found),
-            budget_rows(a, b),
+            first_rows(a, b),
+            level_rows(found),
+            budget_rows(found, a, b),
         ]
         .concat(),
         left: 1,
@@ -198,14 +198,6 @@ fn shift(a: Option<f64>, b: Option<f64>) -> String {
     signed_duration(b - a)
 }
 
-fn signed_duration(seconds: f64) -> String {
-    match seconds {
-        0.0 => "0".to_owned(),
-        _ if seconds > 0.0 => format!("+{}", duration(seconds)),
-        _ => format!("−{}", duration(seconds)),
-    }
-}
-
 fn signed(value: f64) -> String {
     let text = significant(value, 3);
     if value > 0.0 {
@@ -219,7 +211,7 @@ fn time_cell(time: Option<f64>) -> String {
     time.map_or("–".to_owned(), |time| format!("{time:.6}"))
 }
 
-fn first_rows(a: &CourseReport, b: &CourseReport, found: &Happened) -> Vec<Vec<String>> {
+fn first_rows(a: &CourseReport, b: &CourseReport) -> Vec<Vec<String>> {
     let reason =
         |course: &CourseReport| course.stop_reason.clone().unwrap_or("not known".to_owned());
     let mut rows = vec![
@@ -239,47 +231,94 @@ fn first_rows(a: &CourseReport, b: &CourseReport, found: &Happened) -> Vec<Vec<S
             shift(a.last_sample, b.last_sample),
         ]);
     }
-    if a.rise_time.is_some() || b.rise_time.is_some() {
-        let uncertainty = found
-            .rise_shift_uncertainty
-            .map_or(String::new(), |uncertainty| {
-                format!(" ± {}", duration(uncertainty))
-            });
-        rows.push(vec![
-            "rise [s]".to_owned(),
-            time_cell(a.rise_time),
-            time_cell(b.rise_time),
-            shift(a.rise_time, b.rise_time) + &uncertainty,
-        ]);
-    }
     rows
 }
 
-fn happening_rows(found: &Happened) -> Vec<Vec<String>> {
-    let Some(level) = found.averaged_level else {
-        return Vec::new();
+/// When the averaged motions passed a level, and when θ first touched one.
+fn level_rows(found: &Happened) -> Vec<Vec<String>> {
+    let row = |name: &str, level: Option<f64>, [a, b]: [Option<f64>; 2], uncertainty: String| {
+        let level = level.filter(|_| a.is_some() || b.is_some())?;
+        Some(vec![
+            format!("{name} {} rad [s]", significant(level, 4)),
+            time_cell(a),
+            time_cell(b),
+            shift(a, b) + &uncertainty,
+        ])
     };
-    let (a, b) = (found.averaged_crossing_a, found.averaged_crossing_b);
-    vec![vec![
-        format!("mean θ at {} rad [s]", significant(level, 4)),
-        time_cell(a),
-        time_cell(b),
-        shift(a, b),
-    ]]
+    let within =
+        |error: Option<f64>| error.map_or(String::new(), |e| format!(" ± {}", duration(e)));
+    let by_nutation = |range: Option<[f64; 2]>| {
+        range.map_or(String::new(), |[least, greatest]| {
+            format!(
+                " ({} to {})",
+                signed_duration(least),
+                signed_duration(greatest)
+            )
+        })
+    };
+    [
+        row(
+            "mean θ at",
+            found.averaged_level,
+            [found.averaged_crossing_a, found.averaged_crossing_b],
+            within(found.averaged_shift_uncertainty),
+        ),
+        row(
+            "θ first at",
+            found.risen_level,
+            [found.risen_a, found.risen_b],
+            by_nutation(found.rise_shift_uncertainty),
+        ),
+        row(
+            "θ first at",
+            found.fallen_level,
+            [found.fallen_a, found.fallen_b],
+            String::new(),
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
-fn budget_rows(a: &CourseReport, b: &CourseReport) -> Vec<Vec<String>> {
+fn budget_rows(found: &Happened, a: &CourseReport, b: &CourseReport) -> Vec<Vec<String>> {
     let count = |count: Option<u64>| count.map(|count| count as f64);
-    let lost = |course: &CourseReport| Some(course.energy_first? - course.energy_last?);
+    let lost = |budget: &Option<Budget>| budget.map(|budget| budget.energy_lost);
+    let friction = |budget: &Option<Budget>| budget.map(|budget| budget.friction_work);
+    let (common_a, common_b) = (&found.common_budget_a, &found.common_budget_b);
+    let time = common_a.map_or(0.0, |budget| budget.time);
+    let lost_by = format!("energy lost by {time:.4} s [J]");
+    let work_by = format!("work of friction by {time:.4} s [J]");
+    let has_common =
+        found.budget_a.map(|budget| budget.time) != found.budget_b.map(|budget| budget.time);
+    let in_common = |value: Option<f64>| value.filter(|_| has_common);
     let work =
         |course: &CourseReport, axis: usize| course.friction_work_node.map(|work| work[axis]);
     let quantities = [
         ("nutation cycles", count(a.nutations), count(b.nutations)),
-        ("energy lost [J]", lost(a), lost(b)),
-        ("work of friction [J]", a.friction_work, b.friction_work),
+        (
+            "energy lost [J]",
+            lost(&found.budget_a),
+            lost(&found.budget_b),
+        ),
+        (
+            "work of friction [J]",
+            friction(&found.budget_a),
+            friction(&found.budget_b),
+        ),
         ("  against the nutation", work(a, 0), work(b, 0)),
         ("  on the precession", work(a, 1), work(b, 1)),
         ("  against the spin", work(a, 2), work(b, 2)),
+        (
+            &lost_by,
+            in_common(lost(common_a)),
+            in_common(lost(common_b)),
+        ),
+        (
+            &work_by,
+            in_common(friction(common_a)),
+            in_common(friction(common_b)),
+        ),
         ("path slipped [m]", a.slip_path, b.slip_path),
         (
             "precession at the end [rad/s]",
