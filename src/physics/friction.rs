@@ -17,6 +17,7 @@ pub use losses::{Air, Drilling, Losses};
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
 use nalgebra::Vector3;
+use std::ops::Mul;
 
 /// Which parts of the torque of sliding friction enter the equations of motion. [`Losses`] always do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +68,27 @@ pub struct Contact {
     /// Torque beside that of the force, N m: rolling resistance, drilling, air. None if nothing of that kind
     /// acts.
     pub losses: Option<Vector3<f64>>,
+}
+
+/// A force and a couple at the point of contact: in N and N m, or of friction per newton of normal force, in 1 and m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wrench {
+    /// The force, horizontal.
+    pub force: Vector3<f64>,
+    /// The couple.
+    pub couple: Vector3<f64>,
+}
+
+impl Mul<f64> for Wrench {
+    type Output = Self;
+
+    #[inline]
+    fn mul(self, factor: f64) -> Self {
+        Self {
+            force: self.force * factor,
+            couple: self.couple * factor,
+        }
+    }
 }
 
 /// A friction law together with the parts of it that act, and what acts beside it.
@@ -146,6 +168,39 @@ impl Friction {
         }
     }
 
+    /// What friction does at a point of contact that slips with `slip` (m/s), per newton of normal force, while the
+    /// top turns with `omega` (rad/s). Both are in the lean frame. Everything at the contact is proportional to the
+    /// normal force; only the air is not.
+    ///
+    /// A contact point at rest has no force of sliding here: where the law is set-valued, it is what holds the point.
+    #[must_use]
+    #[inline(always)]
+    pub fn per_newton(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
+        let speed = (slip.x * slip.x + slip.y * slip.y).sqrt();
+        let force = if speed > 0.0 {
+            -self.law.resistance(speed, omega.z, 1.0) * slip
+        } else {
+            Vector3::zeros()
+        };
+        let mut couple = self
+            .losses
+            .map_or_else(Vector3::zeros, |losses| losses.at_contact(1.0, omega));
+        if let FrictionLaw::Contensou { k, patch_radius } = self.law {
+            couple.z += drilling_torque(k, patch_radius, 1.0, speed, omega.z);
+        }
+        Wrench { force, couple }
+    }
+
+    /// Torque of the air, N m, in the frame of the angular velocity (rad/s) and the symmetry axis.
+    #[must_use]
+    #[inline]
+    pub fn torque_of_air(&self, omega: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
+        match &self.losses {
+            Some(losses) => losses.air.torque(omega, axis),
+            None => Vector3::zeros(),
+        }
+    }
+
     /// Force of a contact point that slips, N.
     #[inline(always)]
     fn force(
@@ -169,6 +224,13 @@ impl Friction {
     #[inline]
     pub fn is_set_valued(&self) -> bool {
         self.law.static_bound(1.0) + self.rolling_arm() > 0.0
+    }
+
+    /// Whether the force of sliding jumps where the slip stops, so that it can hold a contact point at rest.
+    #[must_use]
+    #[inline]
+    pub fn is_set_valued_at_rest(&self) -> bool {
+        self.law.static_bound(1.0) > 0.0
     }
 
     /// Whether a contact point at rest can stay so: whether the law is set-valued there, and acts whole.

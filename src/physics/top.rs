@@ -46,6 +46,23 @@ impl Top {
         self.mass * self.gravity * self.center_distance
     }
 
+    /// Moment of inertia about the centre of mass across the symmetry axis, `I_x − M l²`, kg m².
+    #[must_use]
+    #[inline]
+    pub fn central_moment(&self) -> f64 {
+        self.transverse_moment - self.mass * self.center_distance * self.center_distance
+    }
+
+    /// The top with its moments of inertia about the centre of mass instead of the peg's centre.
+    #[must_use]
+    #[inline]
+    pub fn about_center(&self) -> Self {
+        Self {
+            transverse_moment: self.central_moment(),
+            ..*self
+        }
+    }
+
     /// Torque of gravity about the peg's centre in the lean frame, N m: `M g l sin θ` about the line
     /// of nodes (the paper's equation (5)).
     #[must_use]

@@ -31,11 +31,10 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::Integrate`] if the accelerations are not finite at the start.
     pub fn new(scenario: &Scenario) -> Result<Self, SimulationError> {
-        let model = scenario.model;
         Ok(Self {
             run: match scenario.formulation {
-                FormulationKind::Euler => Box::new(Runner::new(EulerAngles::new(model), scenario)?),
-                FormulationKind::Body => Box::new(Runner::new(BodyRotation::new(model), scenario)?),
+                FormulationKind::Euler => Box::new(Runner::<EulerAngles, _>::new(scenario)?),
+                FormulationKind::Body => Box::new(Runner::<BodyRotation, _>::new(scenario)?),
             },
             carry_on: Box::new(|| true),
         })

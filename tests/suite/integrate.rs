@@ -11,7 +11,7 @@ use crate::support::scenario;
 use proptest::prelude::*;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
-use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, INTEGRALS};
+use toprise::physics::dynamics::{BodyRotation, EulerAngles, INTEGRALS};
 use toprise::physics::integrate::{
     Crossing, Dense, Direction, Dop853, IntegrateError, KNOTS, SignTracker, Slope, System,
     Tolerances,

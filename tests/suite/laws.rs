@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use toprise::analysis::verify::{Options, Verdict, verify};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
-use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Model};
+use toprise::physics::dynamics::{BodyRotation, EulerAngles, Model, Phase};
 use toprise::physics::friction::{
     Air, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing, drilling_torque,
 };
@@ -672,9 +672,9 @@ fn the_formulations_agree_on_every_derivative_at_rest() {
         theta: 0.0,
         psi: 0.0,
     };
-    let sticking = toprise::physics::dynamics::Regime::Sticking;
-    let euler = EulerAngles::new(model).in_regime(sticking);
-    let body = BodyRotation::new(model).in_regime(sticking);
+    let phase = Phase::Holding;
+    let euler = EulerAngles { model, phase };
+    let body = BodyRotation { model, phase };
     let y = EulerAngles::state(angles, rates, &model);
     let z = BodyRotation::state(angles, rates, &model);
     // dL_z/dt = I φ̈, and the work is that of the air.

@@ -17,6 +17,7 @@ mod diff_sentences;
 mod documents;
 mod explain;
 mod figures;
+mod free_peg;
 mod fuzz_corpus;
 mod golden;
 mod integrate;

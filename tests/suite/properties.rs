@@ -3,7 +3,7 @@
 use crate::support::{Run, scenario};
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Model};
+use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Model, Support};
 use toprise::physics::friction::{Dissipation, Friction, FrictionLaw};
 use toprise::physics::integrate::System;
 use toprise::physics::kinematics::{
@@ -43,6 +43,7 @@ fn model(dissipation: Dissipation, k: f64) -> Model {
             gravity: 9.81,
         },
         friction: Friction::sliding(FrictionLaw::Coulomb { k }, dissipation),
+        support: Support::FixedPeg,
     }
 }
 

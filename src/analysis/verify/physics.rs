@@ -347,7 +347,7 @@ fn laws(scenario: &Scenario) -> Vec<Law> {
 
 /// Friction gives no energy. Torques that mix directions, like those of the air, do so up to rounding.
 fn only_takes(scenario: &Scenario) -> Law {
-    let Model { top, friction } = scenario.model;
+    let Model { top, friction, .. } = scenario.model;
     law("friction only takes", "W", move |now, _| {
         let allowed = if friction.has_losses() {
             let omega = pose::OMEGA_WORLD.of(now).norm();
@@ -439,7 +439,7 @@ fn torque_of_force(scenario: &Scenario) -> Law {
 
 /// Parts of r × f, and the torques beside it that follow from rates and slip speed.
 fn torque_of_parts(scenario: &Scenario) -> Law {
-    let Model { top, friction } = scenario.model;
+    let Model { top, friction, .. } = scenario.model;
     law("torque of friction", "N m", move |now, _| {
         let (normal, axis) = (contact::NORMAL_FORCE.of(now), pose::AXIS.of(now));
         let slip_speed = contact::SLIP_WORLD.of(now).norm();

@@ -1,11 +1,15 @@
 //! Variables without a singularity: orientation as a quaternion and angular momentum.
 
-use super::formulation::{Formulation, Motion, Regime};
+use super::fixed::{self, FixedPeg};
+use super::formulation::{Entry, Formulation, Guard, Passage};
 use super::integrals::{INTEGRALS, Integrals, integrals, with_integrals};
+use super::lean::Lean;
 use super::model::Model;
-use crate::physics::integrate::System;
+use super::motion::{Motion, Peg, Start};
+use super::support::Phase;
+use crate::physics::integrate::{IntegrateError, System};
 use crate::physics::kinematics::{Euler, Tilt, euler_angles, lean_to_world, world_from_body};
-use crate::physics::math::{atan2, hypot};
+use crate::physics::math::atan2;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 /// The motion as a rotation of the body: regular in every position.
@@ -22,53 +26,10 @@ pub struct BodyRotation {
     pub model: Model,
     /// What the contact point does. Where it sticks, only the vertical component of the angular momentum
     /// is looked at: the others follow from it.
-    pub regime: Regime,
+    pub phase: Phase,
 }
 
 const SIZE: usize = 7 + INTEGRALS;
-
-/// The lean of the symmetry axis: where it points, as seen from above.
-struct Lean {
-    sin: f64,
-    cos: f64,
-    /// Horizontal unit vector in which the axis leans, world; the x direction where it leans nowhere.
-    direction: [f64; 2],
-}
-
-impl Lean {
-    #[inline]
-    fn of(q: &Quaternion<f64>) -> Self {
-        let per_square = 1.0 / q.norm_squared();
-        let x = 2.0 * (q.i * q.k + q.j * q.w) * per_square;
-        let y = 2.0 * (q.j * q.k - q.i * q.w) * per_square;
-        let cos = (q.w * q.w + q.k * q.k - q.i * q.i - q.j * q.j) * per_square;
-        let sin = hypot(x, y);
-        let direction = if sin > 0.0 {
-            [x / sin, y / sin]
-        } else {
-            [1.0, 0.0]
-        };
-        Self {
-            sin,
-            cos,
-            direction,
-        }
-    }
-
-    /// World components turned into lean components.
-    #[inline]
-    fn of_world(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        let [x, y] = self.direction;
-        Vector3::new(x * v.x + y * v.y, x * v.y - y * v.x, v.z)
-    }
-
-    /// Lean components turned into world components.
-    #[inline]
-    fn in_world(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        let [x, y] = self.direction;
-        Vector3::new(x * v.x - y * v.y, y * v.x + x * v.y, v.z)
-    }
-}
 
 impl BodyRotation {
     /// Slipping.
@@ -76,7 +37,7 @@ impl BodyRotation {
     pub fn new(model: Model) -> Self {
         Self {
             model,
-            regime: Regime::Slipping,
+            phase: Phase::Sliding,
         }
     }
 
@@ -84,7 +45,7 @@ impl BodyRotation {
     #[inline]
     fn tilt(&self, lean: &Lean, momentum: &Vector3<f64>) -> Tilt {
         let top = &self.model.top;
-        if self.regime == Regime::Sticking {
+        if self.phase == Phase::Holding {
             let rate = momentum.z / top.vertical_moment(lean.sin, lean.cos);
             return Tilt::from_omega(lean.sin, lean.cos, Vector3::new(0.0, 0.0, rate));
         }
@@ -122,8 +83,10 @@ impl System<SIZE> for BodyRotation {
     }
 }
 
-impl Formulation<SIZE> for BodyRotation {
-    fn state(angles: Euler, rates: Euler, model: &Model) -> [f64; SIZE] {
+impl BodyRotation {
+    /// The state at the start from Euler angles (rad) and rates (rad/s).
+    #[must_use]
+    pub fn state(angles: Euler, rates: Euler, model: &Model) -> [f64; SIZE] {
         let q = world_from_body(angles);
         let tilt = Tilt::from_rates(angles.theta, rates);
         let momentum_lean = tilt.node_to_lean(&model.top.angular_momentum_node(&tilt));
@@ -132,11 +95,42 @@ impl Formulation<SIZE> for BodyRotation {
         with_integrals(first, &Integrals::default())
     }
 
+    /// The state with the contact point brought to rest at the same angular momentum about the vertical.
+    #[must_use]
+    pub fn brought_to_rest(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
+        let lean = Lean::of(&quaternion(y));
+        let tilt = self.in_phase(Phase::Holding).tilt(&lean, &momentum(y));
+        let top = &self.model.top;
+        let momentum = lean.in_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
+        let mut rested = *y;
+        (rested[4], rested[5]) = (momentum.x, momentum.y);
+        rested
+    }
+}
+
+impl FixedPeg<SIZE> for BodyRotation {
+    fn in_phase(self, phase: Phase) -> Self {
+        Self { phase, ..self }
+    }
+
+    fn rested(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
+        self.brought_to_rest(y)
+    }
+}
+
+impl Formulation<SIZE> for BodyRotation {
+    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; SIZE], Option<Passage>) {
+        let state = Self::state(start.angles, start.rates, model);
+        fixed::start(Self::new(*model), state, start, may_hold)
+    }
+
     fn motion(&self, y: &[f64; SIZE], reference: Euler) -> Motion {
         let q = quaternion(y);
         Motion {
             angles: euler_angles(&q, reference),
             tilt: self.tilt(&Lean::of(&q), &momentum(y)),
+            peg: Peg::fixed(self.model.top.peg_radius),
+            phase: self.phase,
             integrals: integrals(y),
         }
     }
@@ -149,22 +143,29 @@ impl Formulation<SIZE> for BodyRotation {
         &self.model
     }
 
-    fn regime(&self) -> Regime {
-        self.regime
+    fn phase(&self) -> Phase {
+        self.phase
     }
 
-    fn in_regime(self, regime: Regime) -> Self {
-        Self { regime, ..self }
+    fn guards(&self) -> &'static [Guard] {
+        match (self.phase, self.model.friction.is_set_valued()) {
+            (Phase::Sliding, true) => &[Guard::Slip],
+            (Phase::Sliding, false) => &[],
+            _ => &[Guard::Grip],
+        }
     }
 
-    fn brought_to_rest(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
-        let lean = Lean::of(&quaternion(y));
-        let tilt = self.in_regime(Regime::Sticking).tilt(&lean, &momentum(y));
-        let top = &self.model.top;
-        let momentum = lean.in_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
-        let mut rested = *y;
-        (rested[4], rested[5]) = (momentum.x, momentum.y);
-        rested
+    fn guard(&self, guard: Guard, motion: &Motion) -> f64 {
+        fixed::guard(&self.model, guard, &motion.tilt)
+    }
+
+    fn enter(
+        &self,
+        guard: Guard,
+        y: &[f64; SIZE],
+        reference: Euler,
+    ) -> Result<Entry<Self, SIZE>, IntegrateError> {
+        Ok(fixed::enter(self, guard, y, reference))
     }
 }
 

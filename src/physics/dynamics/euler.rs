@@ -1,9 +1,12 @@
 //! The paper's own variables: Euler angles and their rates, equations (7).
 
-use super::formulation::{Formulation, Motion, Regime};
+use super::fixed::{self, FixedPeg};
+use super::formulation::{Entry, Formulation, Guard, Passage};
 use super::integrals::{INTEGRALS, Integrals, integrals, with_integrals};
 use super::model::Model;
-use crate::physics::integrate::System;
+use super::motion::{Motion, Peg, Start};
+use super::support::Phase;
+use crate::physics::integrate::{IntegrateError, System};
 use crate::physics::kinematics::{Euler, Tilt, world_from_body};
 use nalgebra::UnitQuaternion;
 
@@ -15,7 +18,7 @@ pub struct EulerAngles {
     /// The physics.
     pub model: Model,
     /// What the contact point does. Where it sticks, θ and ψ stay as they are.
-    pub regime: Regime,
+    pub phase: Phase,
 }
 
 impl EulerAngles {
@@ -24,7 +27,7 @@ impl EulerAngles {
     pub fn new(model: Model) -> Self {
         Self {
             model,
-            regime: Regime::Slipping,
+            phase: Phase::Sliding,
         }
     }
 }
@@ -41,7 +44,7 @@ impl System<SIZE> for EulerAngles {
         let contact = self.model.contact(&tilt);
         let terms = self.model.accelerations(&contact, &tilt);
         let mut acceleration = terms.total();
-        if self.regime == Regime::Sticking {
+        if self.phase == Phase::Holding {
             (acceleration.theta, acceleration.psi) = (0.0, 0.0);
         }
         let torque = self.model.friction_torque(&contact, &tilt);
@@ -60,8 +63,10 @@ impl System<SIZE> for EulerAngles {
     }
 }
 
-impl Formulation<SIZE> for EulerAngles {
-    fn state(angles: Euler, rates: Euler, _model: &Model) -> [f64; SIZE] {
+impl EulerAngles {
+    /// The state at the start from Euler angles (rad) and rates (rad/s).
+    #[must_use]
+    pub fn state(angles: Euler, rates: Euler, _model: &Model) -> [f64; SIZE] {
         let first = [
             angles.phi,
             angles.theta,
@@ -73,11 +78,42 @@ impl Formulation<SIZE> for EulerAngles {
         with_integrals(first, &Integrals::default())
     }
 
+    /// The state with the contact point brought to rest at the same angular momentum about the vertical.
+    #[must_use]
+    pub fn brought_to_rest(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
+        let top = &self.model.top;
+        let tilt = Tilt::from_rates(y[1], rates(y));
+        let vertical = tilt.node_to_lean(&top.angular_momentum_node(&tilt)).z;
+        let mut rested = *y;
+        rested[3] = vertical / top.vertical_moment(tilt.sin, tilt.cos);
+        (rested[4], rested[5]) = (0.0, 0.0);
+        rested
+    }
+}
+
+impl FixedPeg<SIZE> for EulerAngles {
+    fn in_phase(self, phase: Phase) -> Self {
+        Self { phase, ..self }
+    }
+
+    fn rested(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
+        self.brought_to_rest(y)
+    }
+}
+
+impl Formulation<SIZE> for EulerAngles {
+    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; SIZE], Option<Passage>) {
+        let state = Self::state(start.angles, start.rates, model);
+        fixed::start(Self::new(*model), state, start, may_hold)
+    }
+
     fn motion(&self, y: &[f64; SIZE], _reference: Euler) -> Motion {
         let angles = angles(y);
         Motion {
             angles,
             tilt: Tilt::from_rates(angles.theta, rates(y)),
+            peg: Peg::fixed(self.model.top.peg_radius),
+            phase: self.phase,
             integrals: integrals(y),
         }
     }
@@ -90,22 +126,29 @@ impl Formulation<SIZE> for EulerAngles {
         &self.model
     }
 
-    fn regime(&self) -> Regime {
-        self.regime
+    fn phase(&self) -> Phase {
+        self.phase
     }
 
-    fn in_regime(self, regime: Regime) -> Self {
-        Self { regime, ..self }
+    fn guards(&self) -> &'static [Guard] {
+        match (self.phase, self.model.friction.is_set_valued()) {
+            (Phase::Sliding, true) => &[Guard::Slip, Guard::Regular],
+            (Phase::Sliding, false) => &[Guard::Regular],
+            _ => &[Guard::Grip],
+        }
     }
 
-    fn brought_to_rest(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
-        let top = &self.model.top;
-        let tilt = Tilt::from_rates(y[1], rates(y));
-        let vertical = tilt.node_to_lean(&top.angular_momentum_node(&tilt)).z;
-        let mut rested = *y;
-        rested[3] = vertical / top.vertical_moment(tilt.sin, tilt.cos);
-        (rested[4], rested[5]) = (0.0, 0.0);
-        rested
+    fn guard(&self, guard: Guard, motion: &Motion) -> f64 {
+        fixed::guard(&self.model, guard, &motion.tilt)
+    }
+
+    fn enter(
+        &self,
+        guard: Guard,
+        y: &[f64; SIZE],
+        reference: Euler,
+    ) -> Result<Entry<Self, SIZE>, IntegrateError> {
+        Ok(fixed::enter(self, guard, y, reference))
     }
 }
 

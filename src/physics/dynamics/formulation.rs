@@ -1,37 +1,78 @@
-//! What a choice of variables has to offer, and the motion that a state means.
+//! What a choice of variables has to offer: equations, phases, and what happens between them.
 
-use super::integrals::Integrals;
+use super::impact::Impact;
 use super::model::Model;
-use crate::physics::integrate::System;
-use crate::physics::kinematics::{Euler, Tilt};
+use super::motion::{Motion, Start};
+use super::support::Phase;
+use crate::physics::integrate::{IntegrateError, System};
+use crate::physics::kinematics::Euler;
 use nalgebra::UnitQuaternion;
 
-/// What the contact point does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Regime {
-    /// Slips, or would: no friction holds it.
-    #[default]
-    Slipping,
-    /// Stays at rest, while the top turns about the vertical as a whole.
-    Sticking,
+/// A function of the motion that is positive while a phase lasts. Where it falls to zero, another begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Guard {
+    /// The contact point slips.
+    Slip,
+    /// Friction is strong enough to hold the contact point.
+    Grip,
+    /// The table pushes.
+    NormalForce,
+    /// There is a gap between peg and table.
+    Gap,
+    /// The peg can get out of the table's way.
+    Mobility,
+    /// The top rolls rather than pivots.
+    Rolling,
+    /// The variables are regular.
+    Regular,
 }
 
-/// The motion at one instant, whatever the formulation that computed it.
+/// What happens where a phase ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    /// Euler angles, rad; φ and ψ unwrapped.
-    pub angles: Euler,
-    /// Inclination and angular velocity.
-    pub tilt: Tilt,
-    /// Integrals since the start.
-    pub integrals: Integrals,
+pub enum Passage {
+    /// The contact point stops slipping, but nothing holds it.
+    SlipStops,
+    /// The contact point is held.
+    Holds,
+    /// The contact point slips again.
+    SlipResumes,
+    /// The peg leaves the table.
+    LiftsOff,
+    /// The peg hits the table and bounces.
+    Bounces(Impact),
+    /// The peg hits the table and stays there.
+    Lands(Impact),
+    /// The peg jams: no normal force keeps it out of the table.
+    Jams,
+    /// The top stands on its peg and turns about the vertical only, held by rolling resistance.
+    Pivots,
+    /// The variables become singular.
+    BecomesSingular,
+}
+
+/// The beginning of a phase.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry<F, const N: usize> {
+    /// The equations of the phase.
+    pub formulation: F,
+    /// The state at its beginning.
+    pub state: [f64; N],
+    /// How long after the end of the phase before, s: what little time is left until the contact point rests.
+    pub delay: f64,
+    /// What happens.
+    pub passage: Passage,
+    /// The motion that goes with that.
+    pub motion: Motion,
+    /// The first step is not longer than this, s.
+    pub first_step: f64,
 }
 
 /// A choice of variables for the equations of motion, with `N` numbers as state, of which the last
 /// [`INTEGRALS`](super::INTEGRALS) are the running integrals.
 pub trait Formulation<const N: usize>: System<N> + Copy {
-    /// The state at the start from Euler angles (rad) and rates (rad/s).
-    fn state(angles: Euler, rates: Euler, model: &Model) -> [f64; N];
+    /// The equations, the state and what happens where the motion starts. Only if `may_hold` friction can hold the peg of
+    /// a top that turns as a whole from the start.
+    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Passage>);
 
     /// The motion that a state describes. `reference` are Euler angles of a moment ago, from which φ
     /// and ψ go on without jumps of whole turns.
@@ -44,12 +85,22 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     fn model(&self) -> &Model;
 
     /// What the contact point does.
-    fn regime(&self) -> Regime;
+    fn phase(&self) -> Phase;
 
-    /// These equations in another regime.
-    #[must_use]
-    fn in_regime(self, regime: Regime) -> Self;
+    /// What ends the phase.
+    fn guards(&self) -> &'static [Guard];
 
-    /// The state with the contact point brought to rest at the same angular momentum about the vertical.
-    fn brought_to_rest(&self, state: &[f64; N]) -> [f64; N];
+    /// The value of a guard.
+    fn guard(&self, guard: Guard, motion: &Motion) -> f64;
+
+    /// What follows where a guard has fallen to zero. `reference` as for [`Formulation::motion`].
+    ///
+    /// # Errors
+    /// If an impact can't be computed.
+    fn enter(
+        &self,
+        guard: Guard,
+        state: &[f64; N],
+        reference: Euler,
+    ) -> Result<Entry<Self, N>, IntegrateError>;
 }

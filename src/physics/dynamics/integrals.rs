@@ -1,5 +1,12 @@
 //! Integrals over the motion that travel with it.
 
+#![allow(
+    clippy::inline_always,
+    reason = "with hints alone this is called and not unrolled into the derivative"
+)]
+
+use super::accelerations::Accelerations;
+use crate::physics::kinematics::Tilt;
 use nalgebra::Vector3;
 
 /// How many running integrals travel with the motion: see [`Integrals`].
@@ -35,6 +42,23 @@ pub struct TermIntegrals {
     pub phi_frictional: f64,
     /// ∫ of the frictional term of ψ̈.
     pub psi_frictional: f64,
+}
+
+impl TermIntegrals {
+    /// What they grow by per second.
+    #[inline(always)]
+    pub(super) fn of(accelerations: &Accelerations, tilt: &Tilt) -> Self {
+        if tilt.sin > TERMS_SINE {
+            Self {
+                phi_gyroscopic: accelerations.gyroscopic.phi,
+                phi_coriolis: accelerations.inertial.phi,
+                phi_frictional: accelerations.frictional.phi,
+                psi_frictional: accelerations.frictional.psi,
+            }
+        } else {
+            Self::default()
+        }
+    }
 }
 
 /// Below this sine of θ the terms of φ̈ and ψ̈ are not summed. They grow like 1/sin² θ, so that the sums would keep

@@ -121,6 +121,23 @@ impl FrictionLaw {
         }
     }
 
+    /// No friction force is a larger multiple of the normal force; infinite where it grows with the slip speed.
+    #[must_use]
+    pub fn largest_coefficient(&self) -> f64 {
+        match *self {
+            Self::None => 0.0,
+            Self::Coulomb { k } | Self::Regularised { k, .. } | Self::Contensou { k, .. } => k,
+            Self::Stribeck {
+                k,
+                static_k,
+                slope: 0.0,
+                ..
+            } => k.max(static_k),
+            Self::Viscous { k: 0.0, .. } => 0.0,
+            Self::Viscous { .. } | Self::Stribeck { .. } => f64::INFINITY,
+        }
+    }
+
     /// Largest force that holds a contact point at rest, N; 0 for laws whose force fades with the slip.
     #[must_use]
     #[inline]

@@ -52,11 +52,17 @@ impl Losses {
         omega: &Vector3<f64>,
         axis: &Vector3<f64>,
     ) -> Vector3<f64> {
+        self.at_contact(normal_force, omega) + self.air.torque(omega, axis)
+    }
+
+    /// The torque of rolling resistance and drilling alone, N m, in any frame whose z axis is vertical.
+    #[must_use]
+    #[inline]
+    pub fn at_contact(&self, normal_force: f64, omega: &Vector3<f64>) -> Vector3<f64> {
         let Drilling { k, patch_radius } = self.drilling;
         let drilling = drilling_torque(k, patch_radius, normal_force, 0.0, omega.z);
         let rolling = self.rolling_resistance(normal_force, omega);
-        let contact = Vector3::new(-rolling * omega.x, -rolling * omega.y, drilling);
-        contact + self.air.torque(omega, axis)
+        Vector3::new(-rolling * omega.x, -rolling * omega.y, drilling)
     }
 
     /// `δ N / |ω_⊥|`, N m s; 0 without rolling.
@@ -95,7 +101,7 @@ impl Losses {
 
 impl Air {
     #[inline]
-    fn torque(&self, omega: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn torque(&self, omega: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
         let axial_rate = omega.dot(axis);
         let along = self.axial + self.disc * axial_rate.abs().sqrt() - self.transverse;
         -self.transverse * omega - along * axial_rate * axis

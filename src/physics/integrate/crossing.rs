@@ -72,6 +72,15 @@ impl SignTracker {
         }
     }
 
+    /// A tracker for a function that has this sign to begin with, even if it starts at zero.
+    #[must_use]
+    pub fn with_sign(positive: bool, floor: f64) -> Self {
+        Self {
+            floor,
+            positive: Some(positive),
+        }
+    }
+
     /// Appends to `found` the changes of sign of `g` within a step, in the order of `s`.
     ///
     /// `values` are those of `g` at `knots`, which ascend from the step's start to its end ([`KNOTS`], for

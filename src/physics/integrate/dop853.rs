@@ -157,6 +157,13 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         Ok(())
     }
 
+    /// Makes the next step no longer than this. For motions that may not be looked past at first: the steps grow again.
+    pub fn limit_next_step(&mut self, longest: f64) {
+        if self.next_h.abs() > longest {
+            self.next_h = longest.copysign(self.next_h);
+        }
+    }
+
     /// The system that is integrated.
     pub fn system(&self) -> &S {
         &self.system

@@ -6,9 +6,10 @@ use super::keys::{FORMAT, KEYS};
 use super::model::model;
 use super::values::{Values, nanoseconds};
 use super::words::{FormulationKind, OnStick};
-use crate::physics::dynamics::Model;
+use crate::physics::dynamics::{Model, Start};
 use crate::physics::integrate::Tolerances;
 use crate::physics::kinematics::{Euler, Tilt};
+use nalgebra::Vector3;
 use sha2::{Digest as _, Sha256};
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -187,7 +188,7 @@ impl Scenario {
     /// Largest friction force of the law at the slip speed of the start, N: the scale for drawing it.
     #[must_use]
     pub fn force_scale(&self) -> f64 {
-        let Model { top, friction } = &self.model;
+        let Model { top, friction, .. } = &self.model;
         friction.law.bound(self.slip_speed_at_start(), top.weight())
     }
 
@@ -197,6 +198,17 @@ impl Scenario {
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
         let losses = self.model.contact(&tilt).losses.unwrap_or_default();
         self.force_scale() * self.model.top.peg_radius + losses.norm()
+    }
+
+    /// What the motion starts from.
+    #[must_use]
+    pub fn start(&self) -> Start {
+        Start {
+            angles: self.angles,
+            rates: self.rates,
+            peg_position: Vector3::new(0.0, 0.0, self.model.top.peg_radius),
+            peg_velocity: Vector3::zeros(),
+        }
     }
 
     /// Slip speed of the contact point at the start, m/s.

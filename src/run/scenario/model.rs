@@ -3,7 +3,7 @@
 use super::error::ScenarioError;
 use super::values::Values;
 use super::words::SlidingLaw;
-use crate::physics::dynamics::Model;
+use crate::physics::dynamics::{Model, Support};
 use crate::physics::friction::{
     Air, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing,
 };
@@ -14,6 +14,7 @@ pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
     Ok(Model {
         top: top(values)?,
         friction: friction(values)?,
+        support: Support::FixedPeg,
     })
 }
 

@@ -4,20 +4,14 @@ use super::event::{Event, EventKind, StopReason, UPRIGHT};
 use super::nutation::{NutationCycle, NutationTracker};
 use super::record::{Outcome, Record, SimulationError};
 use super::sample::Sample;
-use crate::physics::dynamics::{Formulation, Model, Motion, Regime};
+use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Passage, Phase};
 use crate::physics::integrate::{
     Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope, zero,
 };
-use crate::physics::kinematics::{Euler, Tilt};
-use crate::run::scenario::{FormulationKind, OnStick, Scenario, Stop};
+use crate::physics::kinematics::Euler;
+use crate::run::scenario::{OnStick, Scenario, Stop};
 use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
-
-/// Angles nearer than this to θ = 0 or θ = π can't be integrated as Euler angles, rad.
-const SINGULAR: f64 = 1e-6;
-
-/// A contact point that slips more slowly than this has stopped, m/s: on the scale of a top a nanometre per second.
-const NO_SLIP: f64 = 1e-9;
 
 /// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²): smaller values are rounding, not nutation.
 const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
@@ -60,7 +54,7 @@ pub(super) struct Runner<F, const N: usize> {
     since_check: (u32, f64),
     energy_at_start: f64,
     /// Where the step is left before its end, once that is known.
-    end: Option<(f64, End)>,
+    end: Option<(f64, End<F, N>)>,
     /// The time up to which records have been handed out, and the motion there.
     last: (f64, Motion),
     /// Set once nothing more will come.
@@ -71,18 +65,17 @@ pub(super) struct Runner<F, const N: usize> {
 struct LoopSettings {
     period_ns: u64,
     stop: Stop,
-    is_euler: bool,
     /// The sense of the precession: +1 or −1.
     sense: f64,
 }
 
 /// Why a step is left before its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum End {
+enum End<F, const N: usize> {
     /// The run is over.
     Stop(StopReason),
-    /// The contact point is at rest for a moment, and what follows is this.
-    Switch(Regime),
+    /// Another phase begins.
+    Enter(Entry<F, N>),
 }
 
 /// A function of the motion whose zeros mean something.
@@ -101,10 +94,8 @@ enum Meaning {
     Strength,
     Risen(f64),
     Fallen(f64),
-    Slip,
-    Singular,
-    /// By how much friction holds the contact point.
-    Grip,
+    /// What ends the phase.
+    Guard(Guard),
     /// How fast a top turns whose contact point sticks.
     Turning,
 }
@@ -124,21 +115,12 @@ impl Pending {
 }
 
 impl<F: Formulation<N>, const N: usize> Runner<F, N> {
-    pub(super) fn new(formulation: F, scenario: &Scenario) -> Result<Self, SimulationError> {
-        let state = F::state(scenario.angles, scenario.rates, &scenario.model);
+    pub(super) fn new(scenario: &Scenario) -> Result<Self, SimulationError> {
+        let may_hold = scenario.stop.on_stick == OnStick::Continue;
+        let (formulation, state, passage) = F::start(&scenario.model, &scenario.start(), may_hold);
         let motion = formulation.motion(&state, scenario.angles);
-        let sticks = scenario.stop.on_stick == OnStick::Continue
-            && scenario.slip_speed_at_start() == 0.0
-            && scenario.model.grip(&motion.tilt).holds();
-        let formulation = formulation.in_regime(if sticks {
-            Regime::Sticking
-        } else {
-            Regime::Slipping
-        });
         let mut pending = VecDeque::from([Pending::Event(EventKind::Start, 0.0, motion)]);
-        if sticks {
-            pending.push_back(Pending::Event(EventKind::Stick, 0.0, motion));
-        }
+        pending.extend(passage.map(|passage| Pending::Event(kind_of(&passage), 0.0, motion)));
         let integrator = Dop853::new(
             formulation,
             0.0,
@@ -154,7 +136,6 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let settings = LoopSettings {
             period_ns: scenario.sample_period_ns,
             stop: scenario.stop,
-            is_euler: scenario.formulation == FormulationKind::Euler,
             sense,
         };
         Ok(Self {
@@ -169,7 +150,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             events: 0,
             cycles: 0,
             since_check: (0, 0.0),
-            energy_at_start: energy(&scenario.model, &motion),
+            energy_at_start: scenario.model.energy(&motion),
             end: None,
             last: (0.0, motion),
             stopped: None,
@@ -188,7 +169,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let dense = self.integrator.step_densely()?;
         self.check_advance(dense.t0 + dense.h)?;
         for (s, meaning, slope) in self.crossings(&dense) {
-            self.note(&dense, s, meaning, slope);
+            self.note(&dense, s, meaning, slope)?;
             if self.end.is_some() {
                 break;
             }
@@ -237,25 +218,24 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             Meaning::Precession => self.settings.sense * tilt.rates.phi * tilt.sin * tilt.sin,
             Meaning::Strength => self.model().top.strength_ratio(tilt) - 1.0,
             Meaning::Risen(limit) | Meaning::Fallen(limit) => motion.angles.theta - limit,
-            Meaning::Slip => self.model().top.slip_speed(tilt) - NO_SLIP,
-            Meaning::Singular => tilt.sin - SINGULAR,
-            Meaning::Grip => self.grip_margin(tilt),
+            Meaning::Guard(guard) => self.integrator.system().guard(guard, motion),
             Meaning::Turning => self.settings.sense * tilt.omega_lean.z,
         }
     }
 
     fn accelerations(&self, motion: &Motion) -> Euler {
-        let contact = self.model().contact(&motion.tilt);
-        self.model().accelerations(&contact, &motion.tilt).total()
-    }
-
-    #[cold]
-    fn grip_margin(&self, tilt: &Tilt) -> f64 {
-        self.model().grip(tilt).margin()
+        let contact = self.model().contact_in(motion);
+        self.model().accelerations_in(&contact, motion).total()
     }
 
     /// Turns a zero of a watched function into what it means.
-    fn note(&mut self, dense: &Dense<N>, s: f64, meaning: Meaning, slope: Slope) {
+    fn note(
+        &mut self,
+        dense: &Dense<N>,
+        s: f64,
+        meaning: Meaning,
+        slope: Slope,
+    ) -> Result<(), SimulationError> {
         let motion = self.motion(dense, s);
         let time = dense.t0 + s * dense.h;
         let mut event = |kind| self.pending.push_back(Pending::Event(kind, time, motion));
@@ -292,44 +272,44 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                     self.end = Some((time, End::Stop(StopReason::Fallen)));
                 }
             }
-            (Meaning::Slip, Slope::Falling) => {
-                let (kind, end) = self.rest_of_contact(&motion);
-                self.pending.push_back(Pending::Event(kind, time, motion));
-                self.end = Some((time, end));
-            }
-            (Meaning::Grip, Slope::Falling) => {
-                event(EventKind::SlipResumes);
-                self.end = Some((time, End::Switch(Regime::Slipping)));
+            (Meaning::Guard(guard), Slope::Falling) => {
+                return self.end_phase(guard, time, &dense.at(s), motion);
             }
             (Meaning::Turning, Slope::Falling) => {
                 event(EventKind::Rest);
                 self.end = Some((time, End::Stop(StopReason::Rest)));
             }
-            (Meaning::Singular, Slope::Falling) => {
-                event(EventKind::Singular);
-                self.end = Some((time, End::Stop(StopReason::Singular)));
-            }
-            (
-                Meaning::Risen(_)
-                | Meaning::Slip
-                | Meaning::Singular
-                | Meaning::Grip
-                | Meaning::Turning,
-                Slope::Rising,
-            )
+            (Meaning::Risen(_) | Meaning::Guard(_) | Meaning::Turning, Slope::Rising)
             | (Meaning::Fallen(_), Slope::Falling) => {}
         }
+        Ok(())
     }
 
-    /// What a contact point means that has come to rest, and what follows.
-    fn rest_of_contact(&self, motion: &Motion) -> (EventKind, End) {
-        if self.settings.stop.on_stick == OnStick::Stop {
-            (EventKind::SlipStops, End::Stop(StopReason::SlipStopped))
-        } else if self.model().grip(&motion.tilt).holds() {
-            (EventKind::Stick, End::Switch(Regime::Sticking))
-        } else {
-            (EventKind::SlipStops, End::Switch(Regime::Slipping))
+    /// Notes what ends a phase, and what follows: another one, or nothing.
+    fn end_phase(
+        &mut self,
+        guard: Guard,
+        time: f64,
+        state: &[f64; N],
+        motion: Motion,
+    ) -> Result<(), SimulationError> {
+        if guard == Guard::Slip && self.settings.stop.on_stick == OnStick::Stop {
+            self.pending
+                .push_back(Pending::Event(EventKind::SlipStops, time, motion));
+            self.end = Some((time, End::Stop(StopReason::SlipStopped)));
+            return Ok(());
         }
+        let system = self.integrator.system();
+        let entry = system.enter(guard, state, self.reference)?;
+        let kind = kind_of(&entry.passage);
+        self.pending
+            .push_back(Pending::Event(kind, time, entry.motion));
+        let end = match entry.passage {
+            Passage::BecomesSingular => End::Stop(StopReason::Singular),
+            _ => End::Enter(entry),
+        };
+        self.end = Some((time + entry.delay, end));
+        Ok(())
     }
 
     /// Gives up where steps have become so short that the run would never end.
@@ -420,20 +400,17 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// Goes on from within the last step with the contact point at rest.
+    /// Goes on from within the last step with another phase.
     #[cold]
-    fn switch(&mut self, time: f64, regime: Regime) -> Result<(), SimulationError> {
-        let Some(dense) = self.dense.take() else {
-            return Ok(());
-        };
-        let state = dense.at((time - dense.t0) / dense.h);
-        let system = self.integrator.system().in_regime(regime);
-        let state = system.brought_to_rest(&state);
-        self.reference = system.motion(&state, self.reference).angles;
+    fn enter(&mut self, time: f64, entry: &Entry<F, N>) -> Result<(), SimulationError> {
+        self.dense = None;
+        let system = entry.formulation;
+        self.reference = system.motion(&entry.state, self.reference).angles;
         self.integrator
-            .restart(system, time, state, Direction::Forward)?;
-        self.watches = watches(&self.settings, self.integrator.system());
-        let motion = system.motion(&state, self.reference);
+            .restart(system, time, entry.state, Direction::Forward)?;
+        self.integrator.limit_next_step(entry.first_step);
+        self.watches = watches(&self.settings, &system);
+        let motion = system.motion(&entry.state, self.reference);
         self.nutation.interrupt(time, motion);
         self.end = None;
         Ok(())
@@ -470,7 +447,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
                     self.stop(time, reason);
                     Ok(())
                 }
-                Some((time, End::Switch(regime))) => self.switch(time, regime),
+                Some((time, End::Enter(entry))) => self.enter(time, &entry),
                 None if carry_on() => self.step(),
                 None => return Ok(None),
             };
@@ -488,7 +465,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             stop: self.stopped.unwrap_or(StopReason::Interrupted),
             time,
             motion,
-            energy: energy(self.model(), &motion),
+            energy: self.model().energy(&motion),
             energy_at_start: self.energy_at_start,
             samples: u64::from(self.next_sample),
             events: u64::from(self.events),
@@ -533,7 +510,18 @@ fn envelope<const K: usize>(
     }
 }
 
-/// What to look for in a run, as long as it stays in its regime.
+/// The event that a passage is.
+fn kind_of(passage: &Passage) -> EventKind {
+    match passage {
+        Passage::Holds => EventKind::Stick,
+        Passage::SlipStops => EventKind::SlipStops,
+        Passage::SlipResumes => EventKind::SlipResumes,
+        Passage::BecomesSingular => EventKind::Singular,
+        _ => EventKind::Rest,
+    }
+}
+
+/// What to look for in a run, as long as it stays in its phase.
 fn watches<F: Formulation<N>, const N: usize>(
     settings: &LoopSettings,
     formulation: &F,
@@ -543,9 +531,15 @@ fn watches<F: Formulation<N>, const N: usize>(
         meaning,
         tracker: SignTracker::with_floor(floor),
     };
-    if formulation.regime() == Regime::Sticking {
-        let sticking = [Meaning::Strength, Meaning::Grip, Meaning::Turning];
-        return sticking.map(|meaning| watch(meaning, 0.0)).into();
+    let guards = formulation
+        .guards()
+        .iter()
+        .map(|guard| watch(Meaning::Guard(*guard), 0.0));
+    if formulation.phase() == Phase::Holding {
+        let mut watches = vec![watch(Meaning::Strength, 0.0)];
+        watches.extend(guards);
+        watches.push(watch(Meaning::Turning, 0.0));
+        return watches;
     }
     let mut watches = vec![
         watch(Meaning::Nutation, NUTATION_FLOOR.0),
@@ -558,17 +552,8 @@ fn watches<F: Formulation<N>, const N: usize>(
         stop.theta_risen
             .map(|limit| watch(Meaning::Risen(limit), 0.0)),
     );
-    if formulation.model().friction.is_set_valued() {
-        watches.push(watch(Meaning::Slip, 0.0));
-    }
-    if settings.is_euler {
-        watches.push(watch(Meaning::Singular, 0.0));
-    }
+    watches.extend(guards);
     watches
-}
-
-fn energy(model: &Model, motion: &Motion) -> f64 {
-    model.top.kinetic_energy(&motion.tilt) + model.top.potential_energy(&motion.tilt)
 }
 
 /// Seconds of whole nanoseconds: correctly rounded.

@@ -1,6 +1,6 @@
 //! Everything that there is to know about the motion at one instant.
 
-use crate::physics::dynamics::{Accelerations, Integrals, Model, Motion};
+use crate::physics::dynamics::{Accelerations, Integrals, Model, Motion, Torques};
 use crate::physics::friction::Contact;
 use crate::physics::kinematics::{Euler, Tilt, lean_to_world, node_to_body};
 use crate::physics::top::PrecessionRoots;
@@ -87,11 +87,13 @@ impl Sample {
             angles,
             tilt,
             integrals,
+            ..
         } = *motion;
         let top = &model.top;
-        let contact = model.contact(&tilt);
-        let friction = model.friction_torque(&contact, &tilt);
-        let gravity = top.gravity_torque(&tilt);
+        let contact = model.contact_in(motion);
+        let Torques {
+            gravity, friction, ..
+        } = model.torques(&contact, motion);
         let frames = |lean: &Vector3<f64>| {
             let node = tilt.lean_to_node(lean);
             Frames {
@@ -102,13 +104,13 @@ impl Sample {
         let world = |lean: &Vector3<f64>| lean_to_world(lean, angles.phi);
         let momentum_node = top.angular_momentum_node(&tilt);
         let momentum_lean = tilt.node_to_lean(&momentum_node);
-        let peg_position = Vector3::new(0.0, 0.0, top.peg_radius);
+        let peg_position = motion.peg.position;
         Self {
             index,
             time_ns,
             angles,
             tilt,
-            accelerations: model.accelerations(&contact, &tilt),
+            accelerations: model.accelerations_in(&contact, motion),
             world_from_body,
             axis: world(&Vector3::new(tilt.sin, 0.0, tilt.cos)),
             omega_body: frames(&tilt.omega_lean).body,
@@ -122,8 +124,8 @@ impl Sample {
             friction_force: world(&contact.force),
             contact,
             contact_point: peg_position - Vector3::new(0.0, 0.0, top.peg_radius),
-            kinetic_energy: top.kinetic_energy(&tilt),
-            potential_energy: top.potential_energy(&tilt),
+            kinetic_energy: model.kinetic_energy(motion),
+            potential_energy: model.potential_energy(motion),
             friction_power: friction.dot(&tilt.omega_lean),
             integrals,
             vertical_momentum: momentum_lean.z,

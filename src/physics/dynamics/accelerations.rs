@@ -1,0 +1,95 @@
+//! The Euler accelerations, term by term.
+
+#![allow(
+    clippy::inline_always,
+    reason = "with hints alone this is called and not unrolled into the derivative, and runs take a quarter longer"
+)]
+
+use crate::physics::kinematics::{Euler, Tilt};
+use crate::physics::top::Top;
+use nalgebra::Vector3;
+
+/// The Euler accelerations, term by term, rad/s²: the paper's equations (7).
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Accelerations {
+    /// The terms with the axial angular momentum `I_z (ψ̇ + φ̇ cos θ)`.
+    pub gyroscopic: Euler,
+    /// The terms quadratic in the rates without `I_z`: centrifugal in θ̈, Coriolis in φ̈ and ψ̈.
+    pub inertial: Euler,
+    /// The terms of gravity (in θ̈ only).
+    pub gravitational: Euler,
+    /// The terms of friction.
+    pub frictional: Euler,
+}
+
+impl Accelerations {
+    /// The whole Euler accelerations, rad/s².
+    #[must_use]
+    #[inline]
+    pub fn total(&self) -> Euler {
+        let sum = |part: fn(&Euler) -> f64| {
+            part(&self.gyroscopic)
+                + part(&self.inertial)
+                + part(&self.gravitational)
+                + part(&self.frictional)
+        };
+        Euler {
+            phi: sum(|e| e.phi),
+            theta: sum(|e| e.theta),
+            psi: sum(|e| e.psi),
+        }
+    }
+}
+
+/// The terms of inertia in the Euler accelerations of a top; none upright.
+#[inline(always)]
+pub(super) fn inertial_terms(top: &Top, tilt: &Tilt) -> Accelerations {
+    if tilt.is_upright() {
+        return Accelerations::default();
+    }
+    let Tilt {
+        sin, cos, rates, ..
+    } = *tilt;
+    let axial = top.axial_moment * (rates.psi + rates.phi * cos);
+    let gyroscopic = axial / top.transverse_moment;
+    let nutation_over_sine = rates.theta / sin;
+    let precession_gyroscopic = nutation_over_sine * gyroscopic;
+    let precession_coriolis = -2.0 * nutation_over_sine * rates.phi * cos;
+    Accelerations {
+        gyroscopic: Euler {
+            phi: precession_gyroscopic,
+            theta: -rates.phi * sin * gyroscopic,
+            psi: -precession_gyroscopic * cos,
+        },
+        inertial: Euler {
+            phi: precession_coriolis,
+            theta: rates.phi * rates.phi * sin * cos,
+            psi: rates.theta * rates.phi * sin - precession_coriolis * cos,
+        },
+        ..Accelerations::default()
+    }
+}
+
+/// The terms of inertia and gravity in the Euler accelerations of a top whose peg's centre is fixed; none upright.
+#[inline(always)]
+pub(super) fn inertial_terms_with_gravity(top: &Top, tilt: &Tilt) -> Accelerations {
+    let mut terms = inertial_terms(top, tilt);
+    if !tilt.is_upright() {
+        terms.gravitational.theta = top.gravity_moment() * tilt.sin / top.transverse_moment;
+    }
+    terms
+}
+
+/// The terms of inertia and friction in the Euler accelerations of a top whose moments of inertia are about its centre of
+/// mass, with the torque of friction about it (node frame, N m).
+#[inline(always)]
+pub(super) fn accelerations_about(
+    central: &Top,
+    friction: &Vector3<f64>,
+    tilt: &Tilt,
+) -> Accelerations {
+    Accelerations {
+        frictional: central.euler_accelerations(friction, tilt),
+        ..inertial_terms(central, tilt)
+    }
+}

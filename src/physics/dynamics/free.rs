@@ -1,0 +1,543 @@
+//! A top whose peg is free: it slides and rolls over the table, lifts off, flies and lands.
+
+#![allow(
+    clippy::inline_always,
+    reason = "with hints alone little of this is unrolled into the derivative, and runs take half as long again"
+)]
+
+use super::accelerations::accelerations_about;
+use super::fixed::NO_SLIP;
+use super::formulation::{Entry, Formulation, Guard, Passage};
+use super::impact::{Impact, impact};
+use super::integrals::{INTEGRALS, Integrals, TermIntegrals, integrals, with_integrals};
+use super::lean::Lean;
+use super::model::Model;
+use super::motion::{Dissipated, Motion, Peg, Start, slip_of_law};
+use super::reaction::{FreeBody, Inertia, Reaction};
+use super::support::{Phase, Support};
+use crate::physics::integrate::{IntegrateError, System};
+use crate::physics::kinematics::{Euler, Tilt, euler_angles, lean_to_world, world_from_body};
+use crate::physics::math::{atan2, hypot};
+use crate::physics::top::Top;
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+
+/// A peg whose mobility (see [`Guard::Mobility`]) has fallen to this jams. The table's force has then grown to a million
+/// times what it would be without friction.
+const JAMMED: f64 = 1e-6;
+
+/// A top that turns about a horizontal axis more slowly than this doesn't roll but pivot, rad/s.
+const NO_ROLLING: f64 = 1e-9;
+
+/// The motion as a rotation of the body about its centre of mass, which moves.
+///
+/// State: quaternion x, y, z, w (turns body components into world components), angular momentum about the centre of mass
+/// over the transverse moment of inertia about it in world components (rad/s: of the size of the rates, so that the
+/// tolerances mean the same for each), position (m) and velocity (m/s) of the centre of mass in the world; then what
+/// impacts and losses have taken (J), and the running integrals.
+///
+/// On the table the height of the centre of mass follows from the inclination, and so never drifts; where the peg rolls
+/// the velocity follows from the angular velocity. The components for them are looked at in flight and in sliding only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FreeRotation {
+    /// The physics.
+    pub model: Model,
+    /// What the contact point does.
+    pub phase: Phase,
+    /// The direction, in the lean frame, in which a contact point begins to slip that was at rest.
+    departure: Option<Vector3<f64>>,
+    inertia: Inertia,
+    central: Top,
+    sliding_guards: &'static [Guard],
+}
+
+const CONTROLLED: usize = 13;
+const DISSIPATED: usize = 3;
+const SIZE: usize = CONTROLLED + DISSIPATED + INTEGRALS;
+type State = [f64; SIZE];
+
+/// A state taken apart, in the lean frame.
+struct Parts {
+    lean: Lean,
+    tilt: Tilt,
+    /// Velocity of the centre of mass, m/s.
+    velocity: Vector3<f64>,
+    /// From the centre of mass to the contact point, m.
+    arm: Vector3<f64>,
+}
+
+impl Parts {
+    /// Velocity of the contact point, m/s.
+    #[inline(always)]
+    fn contact_velocity(&self) -> Vector3<f64> {
+        self.velocity + self.tilt.omega_lean.cross(&self.arm)
+    }
+}
+
+impl FreeRotation {
+    #[inline(always)]
+    fn body(&self, tilt: Tilt) -> FreeBody<'_> {
+        FreeBody::new(&self.model.top, &self.model.friction, &self.inertia, tilt)
+    }
+
+    #[inline(always)]
+    fn parts(&self, y: &State) -> Parts {
+        let top = &self.model.top;
+        let lean = Lean::of(&quaternion(y));
+        let turning = lean.of_world(&vector(y, 4));
+        let axial = lean.sin * turning.x + lean.cos * turning.z;
+        let excess = axial * (self.inertia.transverse * self.inertia.per_axial - 1.0);
+        let omega = turning + excess * Vector3::new(lean.sin, 0.0, lean.cos);
+        let tilt = Tilt::from_omega(lean.sin, lean.cos, omega);
+        let arm = Vector3::new(
+            -top.center_distance * lean.sin,
+            0.0,
+            -(top.peg_radius + top.center_distance * lean.cos),
+        );
+        let rolling = arm.cross(&tilt.omega_lean);
+        let velocity = match self.phase {
+            Phase::Flying => lean.of_world(&vector(y, 10)),
+            Phase::Holding => rolling,
+            Phase::Sliding => {
+                let own = lean.of_world(&vector(y, 10));
+                Vector3::new(own.x, own.y, rolling.z)
+            }
+        };
+        Parts {
+            lean,
+            tilt,
+            velocity,
+            arm,
+        }
+    }
+
+    #[inline(always)]
+    fn reaction(&self, parts: &Parts) -> Reaction {
+        let body = self.body(parts.tilt);
+        let velocity = parts.contact_velocity();
+        let slip = Vector3::new(velocity.x, velocity.y, 0.0);
+        body.reaction(self.phase, &slip_of_law(&slip, self.departure.as_ref()))
+    }
+
+    /// What the running integrals grow by per second, where the losses have this power, W.
+    #[inline(always)]
+    fn integrands(&self, parts: &Parts, reaction: &Reaction, losses: f64) -> Integrals {
+        let Parts {
+            lean, tilt, arm, ..
+        } = parts;
+        let (mut slip_path, mut slip_work) = (0.0, 0.0);
+        if self.phase == Phase::Sliding {
+            let slip = parts.contact_velocity();
+            slip_path = hypot(slip.x, slip.y);
+            slip_work = reaction.friction.force.dot(&slip);
+        }
+        let friction =
+            arm.cross(&reaction.friction.force) + reaction.friction.couple + reaction.air;
+        let torque = tilt.lean_to_node(&friction);
+        Integrals {
+            friction_work: slip_work + losses,
+            slip_path,
+            theta: atan2(lean.sin, lean.cos),
+            work_node: torque.component_mul(&tilt.omega_node()),
+            slip_work,
+            terms: TermIntegrals::of(&accelerations_about(&self.central, &torque, tilt), tilt),
+        }
+    }
+
+    fn in_phase(&self, phase: Phase) -> Self {
+        Self {
+            phase,
+            departure: None,
+            ..*self
+        }
+    }
+
+    /// The state with the components that don't count in this phase as they would be if they did.
+    fn completed(&self, y: &State) -> State {
+        let parts = self.parts(y);
+        let mut state = *y;
+        put(&mut state, 10, &parts.lean.in_world(&parts.velocity));
+        if self.phase != Phase::Flying {
+            state[9] = -parts.arm.z;
+        }
+        state
+    }
+
+    /// How the motion goes on from a peg that has rolled and is held no longer.
+    fn departing(&self, y: &State) -> Self {
+        let parts = self.parts(y);
+        let reaction = self.reaction(&parts);
+        // The contact point gives way against the force that held it.
+        let force = reaction.friction.force;
+        let sliding = Self {
+            departure: Some(-force / force.norm()),
+            ..self.in_phase(Phase::Sliding)
+        };
+        if reaction.normal > 0.0 && sliding.reaction(&sliding.parts(y)).normal > 0.0 {
+            sliding
+        } else {
+            self.in_phase(Phase::Flying)
+        }
+    }
+
+    /// How the motion goes on from a peg on the table whose contact point slips, or is `at_rest`.
+    fn on_table(&self, y: &State, at_rest: bool) -> Self {
+        let sliding = self.in_phase(Phase::Sliding);
+        let departing = at_rest && self.model.friction.is_set_valued_at_rest();
+        if departing {
+            let holding = self.in_phase(Phase::Holding);
+            if holding.is_held(y) {
+                return holding;
+            }
+        }
+        let parts = sliding.parts(y);
+        let body = self.body(parts.tilt);
+        let departure = if departing {
+            FreeBody::departure(|direction| body.slip_acceleration(&(NO_SLIP * direction)))
+        } else {
+            None
+        };
+        let sliding = Self {
+            departure,
+            ..sliding
+        };
+        if sliding.reaction(&parts).normal > 0.0 {
+            sliding
+        } else {
+            self.in_phase(Phase::Flying)
+        }
+    }
+
+    /// Whether friction holds the contact point of a peg that rolls.
+    fn is_held(&self, y: &State) -> bool {
+        let reaction = self.reaction(&self.parts(y));
+        reaction.normal > 0.0 && self.grip(&reaction) >= 0.0
+    }
+
+    /// How much stronger friction could be than it has to be to hold the contact point, N.
+    fn grip(&self, reaction: &Reaction) -> f64 {
+        let force = reaction.friction.force;
+        self.model.friction.law.static_bound(reaction.normal) - hypot(force.x, force.y)
+    }
+
+    /// The state with the contact point brought to rest, and how long that takes, s.
+    fn rested(&self, y: &State) -> (State, f64) {
+        let parts = self.parts(y);
+        let velocity = parts.contact_velocity();
+        let slip = Vector3::new(velocity.x, velocity.y, 0.0);
+        let body = self.body(parts.tilt);
+        let slowing = -body.slip_acceleration(&slip).dot(&slip);
+        let delay = slip.norm_squared() / slowing;
+        let delay = if delay > 0.0 && delay < 1e-3 {
+            delay
+        } else {
+            0.0
+        };
+        let slope = self.derivative(0.0, y);
+        let state: State = std::array::from_fn(|i| y[i] + delay * slope[i]);
+        (self.in_phase(Phase::Holding).completed(&state), delay)
+    }
+
+    /// The state after an impact, and how the motion goes on.
+    fn after_impact(&self, y: &State) -> Result<(Self, State, Passage), IntegrateError> {
+        let Support::FreePeg { restitution } = self.model.support else {
+            return Ok((*self, *y, Passage::LiftsOff));
+        };
+        let parts = self.parts(y);
+        let body = self.body(parts.tilt);
+        let before = parts.contact_velocity();
+        let hit = if before.z < 0.0 {
+            impact(&body, before, restitution)?
+        } else {
+            Impact::without_approach(before)
+        };
+        let mut state = *y;
+        let moment = parts.arm.cross(&hit.impulse) + hit.couple;
+        let turned = parts.lean.in_world(&(moment * self.inertia.per_transverse));
+        let pushed = parts.lean.in_world(&(hit.impulse * self.inertia.per_mass));
+        for i in 0..3 {
+            state[4 + i] += turned[i];
+            state[10 + i] += pushed[i];
+        }
+        state[9] = -parts.arm.z;
+        state[SIZE - INTEGRALS] -= hit.normal_loss + hit.friction_loss;
+        state[CONTROLLED] += hit.normal_loss;
+        state[CONTROLLED + 1] += hit.friction_loss;
+        let flying = self.in_phase(Phase::Flying);
+        if hit.after.z > 0.0 {
+            return Ok((flying, state, Passage::Bounces(hit)));
+        }
+        let next = self.on_table(&state, hit.is_held);
+        let passage = if next.phase == Phase::Flying {
+            Passage::Bounces(hit)
+        } else {
+            Passage::Lands(hit)
+        };
+        let landed = if hit.is_held {
+            Phase::Holding
+        } else {
+            Phase::Sliding
+        };
+        Ok((next, self.in_phase(landed).completed(&state), passage))
+    }
+
+    /// The longest that the first step in flight may be, s: about as long as the flight, if the peg falls back at once.
+    fn first_step(&self, y: &State) -> f64 {
+        let parts = self.parts(y);
+        let rise = parts.contact_velocity().z;
+        let body = self.body(parts.tilt);
+        let fall = -body.flying_acceleration().z;
+        if self.phase == Phase::Flying && rise > 0.0 && fall > 0.0 {
+            4.0 * rise / fall
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
+impl System<SIZE> for FreeRotation {
+    const CONTROLLED: usize = CONTROLLED;
+
+    #[inline(always)]
+    fn derivative(&self, _t: f64, y: &State) -> State {
+        let parts = self.parts(y);
+        let Parts {
+            lean,
+            tilt,
+            velocity,
+            arm,
+        } = &parts;
+        let top = &self.model.top;
+        let reaction = self.reaction(&parts);
+        let torque = lean.in_world(&(reaction.torque(arm) * self.inertia.per_transverse));
+        let turning = Quaternion::from_imag(lean.in_world(&tilt.omega_lean)) * quaternion(y) * 0.5;
+        let moving = lean.in_world(velocity);
+        let mut acceleration = lean.in_world(&(reaction.force() * self.inertia.per_mass));
+        acceleration.z -= top.gravity;
+        let (mut rise, mut fall) = (moving.z, acceleration.z);
+        if self.phase != Phase::Flying {
+            // What follows from the inclination is not integrated.
+            (rise, fall) = (0.0, 0.0);
+        }
+        let losses = (reaction.friction.couple + reaction.air).dot(&tilt.omega_lean);
+        let first: [f64; CONTROLLED + DISSIPATED] = [
+            turning.i,
+            turning.j,
+            turning.k,
+            turning.w,
+            torque.x,
+            torque.y,
+            torque.z,
+            moving.x,
+            moving.y,
+            rise,
+            acceleration.x,
+            acceleration.y,
+            fall,
+            0.0,
+            0.0,
+            -losses,
+        ];
+        with_integrals(first, &self.integrands(&parts, &reaction, losses))
+    }
+}
+
+impl Formulation<SIZE> for FreeRotation {
+    fn start(model: &Model, start: &Start, _may_hold: bool) -> (Self, State, Option<Passage>) {
+        let Start {
+            angles,
+            rates,
+            peg_position,
+            peg_velocity,
+        } = *start;
+        let top = &model.top;
+        let q = world_from_body(angles);
+        let tilt = Tilt::from_rates(angles.theta, rates);
+        let central = top.about_center();
+        let momentum = tilt.node_to_lean(&central.angular_momentum_node(&tilt));
+        let turning = lean_to_world(&(momentum / central.transverse_moment), angles.phi);
+        let axis = lean_to_world(&tilt.axis(), angles.phi);
+        let omega = lean_to_world(&tilt.omega_lean, angles.phi);
+        let center = peg_position + top.center_distance * axis;
+        let velocity = peg_velocity + top.center_distance * omega.cross(&axis);
+        let mut state = [0.0; SIZE];
+        state[..4].copy_from_slice(&[q.i, q.j, q.k, q.w]);
+        put(&mut state, 4, &turning);
+        put(&mut state, 7, &center);
+        put(&mut state, 10, &velocity);
+        let flying = Self {
+            model: *model,
+            phase: Phase::Flying,
+            departure: None,
+            inertia: Inertia::of(top),
+            central,
+            sliding_guards: sliding_guards(model),
+        };
+        if peg_position.z > top.peg_radius || peg_velocity.z != 0.0 {
+            return (flying, state, None);
+        }
+        let slip = flying.parts(&state).contact_velocity();
+        let at_rest = hypot(slip.x, slip.y) <= NO_SLIP;
+        let formulation = flying.on_table(&state, at_rest);
+        let passage = (formulation.phase == Phase::Holding).then_some(Passage::Holds);
+        (formulation, state, passage)
+    }
+
+    fn motion(&self, y: &State, reference: Euler) -> Motion {
+        let top = &self.model.top;
+        let parts = self.parts(y);
+        let Parts {
+            lean,
+            tilt,
+            velocity,
+            arm,
+        } = &parts;
+        let to_peg = Vector3::new(arm.x, 0.0, arm.z + top.peg_radius);
+        let mut position = vector(y, 7) + lean.in_world(&to_peg);
+        let mut velocity_lean = velocity + tilt.omega_lean.cross(&to_peg);
+        if self.phase != Phase::Flying {
+            position.z = top.peg_radius;
+            velocity_lean.z = 0.0;
+        }
+        Motion {
+            angles: euler_angles(&quaternion(y), reference),
+            tilt: *tilt,
+            peg: Peg {
+                position,
+                velocity_lean,
+                departure: self.departure,
+                dissipated: Dissipated {
+                    impact_normal: y[CONTROLLED],
+                    impact_friction: y[CONTROLLED + 1],
+                    losses: y[CONTROLLED + 2],
+                },
+            },
+            phase: self.phase,
+            integrals: integrals(y),
+        }
+    }
+
+    fn world_from_body(&self, y: &State) -> UnitQuaternion<f64> {
+        Unit::new_normalize(quaternion(y))
+    }
+
+    fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    fn guards(&self) -> &'static [Guard] {
+        let rolls = self.model.friction.rolling_arm() > 0.0;
+        match self.phase {
+            Phase::Flying => &[Guard::Gap],
+            // Where the table would have to pull, friction could not hold the point either.
+            Phase::Holding if rolls => &[Guard::Grip, Guard::Rolling],
+            Phase::Holding => &[Guard::Grip],
+            Phase::Sliding => self.sliding_guards,
+        }
+    }
+
+    fn guard(&self, guard: Guard, motion: &Motion) -> f64 {
+        let top = &self.model.top;
+        let slip = motion.slip_velocity(top);
+        let reaction = || {
+            self.body(motion.tilt)
+                .reaction(self.phase, &motion.law_slip(&slip))
+        };
+        match guard {
+            Guard::Slip => slip.norm() - NO_SLIP,
+            Guard::Grip => self.grip(&reaction()),
+            Guard::NormalForce => reaction().normal,
+            Guard::Gap => motion.peg.position.z - top.peg_radius,
+            Guard::Mobility => reaction().mobility - JAMMED,
+            Guard::Rolling => {
+                hypot(motion.tilt.omega_lean.x, motion.tilt.omega_lean.y) - NO_ROLLING
+            }
+            // These variables are regular everywhere.
+            Guard::Regular => f64::NAN,
+        }
+    }
+
+    fn enter(
+        &self,
+        guard: Guard,
+        y: &State,
+        reference: Euler,
+    ) -> Result<Entry<Self, SIZE>, IntegrateError> {
+        let (mut delay, mut state) = (0.0, self.completed(y));
+        let (formulation, passage) = match guard {
+            Guard::Slip => {
+                (state, delay) = self.rested(y);
+                let next = self.on_table(&state, true);
+                let passage = match next.phase {
+                    Phase::Holding => Passage::Holds,
+                    Phase::Sliding => Passage::SlipStops,
+                    Phase::Flying => Passage::LiftsOff,
+                };
+                (next, passage)
+            }
+            Guard::Grip => {
+                let next = self.departing(&state);
+                let passage = match next.phase {
+                    Phase::Flying => Passage::LiftsOff,
+                    Phase::Sliding | Phase::Holding => Passage::SlipResumes,
+                };
+                (next, passage)
+            }
+            Guard::NormalForce => (self.in_phase(Phase::Flying), Passage::LiftsOff),
+            Guard::Gap => {
+                let (next, after, passage) = self.after_impact(&state)?;
+                state = after;
+                (next, passage)
+            }
+            Guard::Mobility => (*self, Passage::Jams),
+            Guard::Rolling => (*self, Passage::Pivots),
+            Guard::Regular => (*self, Passage::BecomesSingular),
+        };
+        Ok(Entry {
+            formulation,
+            state,
+            delay,
+            passage,
+            motion: formulation.motion(&state, reference),
+            first_step: formulation.first_step(&state),
+        })
+    }
+}
+
+/// What ends a phase of sliding.
+fn sliding_guards(model: &Model) -> &'static [Guard] {
+    use Guard::{Mobility, NormalForce, Rolling, Slip};
+    let Model { top, friction, .. } = model;
+    // No normal force can jam the peg if k (R + |l|) + δ < 2 √(A/M), whatever the inclination.
+    let reach = top.peg_radius + top.center_distance.abs();
+    let lever = friction.law.largest_coefficient() * reach + friction.rolling_arm();
+    let jams = lever >= 2.0 * (top.central_moment() / top.mass).sqrt();
+    let rolls = friction.rolling_arm() > 0.0;
+    match (friction.is_set_valued_at_rest(), jams, rolls) {
+        (true, false, false) => &[Slip, NormalForce],
+        (true, false, true) => &[Slip, NormalForce, Rolling],
+        (true, true, false) => &[Slip, NormalForce, Mobility],
+        (true, true, true) => &[Slip, NormalForce, Mobility, Rolling],
+        (false, false, false) => &[NormalForce],
+        (false, false, true) => &[NormalForce, Rolling],
+        (false, true, false) => &[NormalForce, Mobility],
+        (false, true, true) => &[NormalForce, Mobility, Rolling],
+    }
+}
+
+#[inline]
+fn quaternion(y: &State) -> Quaternion<f64> {
+    Quaternion::new(y[3], y[0], y[1], y[2])
+}
+
+#[inline]
+fn vector(y: &State, at: usize) -> Vector3<f64> {
+    Vector3::new(y[at], y[at + 1], y[at + 2])
+}
+
+fn put(y: &mut State, at: usize, v: &Vector3<f64>) {
+    y[at..at + 3].copy_from_slice(v.as_slice());
+}

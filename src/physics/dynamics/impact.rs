@@ -1,0 +1,423 @@
+//! Impacts of a free peg on the table.
+//!
+//! While an impact lasts, nothing moves but the velocities. The slip follows the normal impulse as J.-G. Darboux
+//! (Bull. Sci. Math. 4 (1880) 126) and J. B. Keller (J. Appl. Mech. 53 (1986) 1) describe it: friction acts in proportion
+//! to the normal impulse, in the direction that the slip has at each moment, and the slip may stop, turn and begin again.
+//! Compression lasts until the contact point approaches no longer; restitution, until it has given back the fraction
+//! `e²` of the work of compression (W. J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169). So no impact gains energy.
+
+use super::reaction::FreeBody;
+use crate::physics::friction::Wrench;
+use crate::physics::integrate::{
+    Crossing, Dense, Direction, Dop853, IntegrateError, KNOTS, SignTracker, Slope, System,
+    Tolerances,
+};
+use crate::physics::math::hypot;
+use nalgebra::Vector3;
+
+/// A contact point that approaches the table more slowly than this doesn't bounce, m/s. Each bounce of a train is lower
+/// than the one before; without an end there would be infinitely many. Between 1e-8 and 1e-5 m/s this moves what follows
+/// by less than 1e-11 s.
+pub(super) const SLOWEST_BOUNCE: f64 = 1e-6;
+
+/// Slower than this fraction of the velocity of the impact the contact point has stopped slipping. What is left is taken
+/// away along a straight line, so that an error of the square of this remains.
+const SLIP_STOPPED: f64 = 1e-12;
+
+/// An impact that takes more steps has a law of friction that is too steep for its speed.
+const MOST_STEPS: u32 = 20_000;
+
+/// What happened in an impact. Vectors are in the lean frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impact {
+    /// Impulse of the table, N s.
+    pub impulse: Vector3<f64>,
+    /// Moment of impulse of the couples at the contact, N m s.
+    pub couple: Vector3<f64>,
+    /// Velocity of the contact point before, m/s.
+    pub before: Vector3<f64>,
+    /// Velocity of the contact point after, m/s.
+    pub after: Vector3<f64>,
+    /// The coefficient of restitution that acted: 0 for approaches too slow to bounce.
+    pub restitution: f64,
+    /// Energy lost by compression and restitution, J.
+    pub normal_loss: f64,
+    /// Energy lost by friction, J.
+    pub friction_loss: f64,
+    /// Whether the contact point no longer slips at the end.
+    pub is_held: bool,
+}
+
+impl Impact {
+    /// A contact point that touches the table without approaching it.
+    pub(super) fn without_approach(velocity: Vector3<f64>) -> Self {
+        Self {
+            impulse: Vector3::zeros(),
+            couple: Vector3::zeros(),
+            before: velocity,
+            after: velocity,
+            restitution: 0.0,
+            normal_loss: 0.0,
+            friction_loss: 0.0,
+            is_held: false,
+        }
+    }
+}
+
+/// Impulses, moments, work of the normal force and energy lost by friction, as multiples of what the impact's
+/// velocity makes of them.
+const SIZE: usize = 8;
+type State = [f64; SIZE];
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage {
+    /// The contact point slips. The direction, if it begins to.
+    Slipping(Option<Vector3<f64>>),
+    /// The contact point is held.
+    Held,
+}
+
+#[derive(Clone, Copy)]
+struct Process<'a> {
+    body: &'a FreeBody<'a>,
+    before: Vector3<f64>,
+    /// Approach of the contact point before, m/s: the scale of velocities.
+    speed: f64,
+    stage: Stage,
+}
+
+/// What the impact has come to.
+struct Progress {
+    impulse: Vector3<f64>,
+    couple: Vector3<f64>,
+    velocity: Vector3<f64>,
+    omega: Vector3<f64>,
+}
+
+impl Process<'_> {
+    fn progress(&self, y: &State) -> Progress {
+        let top = self.body.top;
+        let unit = top.mass * self.speed;
+        let impulse = unit * Vector3::new(y[0], y[1], y[2]);
+        let couple = unit * top.peg_radius * Vector3::new(y[3], y[4], y[5]);
+        let turned = self
+            .body
+            .turned_by(&(self.body.arm.cross(&impulse) + couple));
+        Progress {
+            impulse,
+            couple,
+            velocity: self.before
+                + self.body.response.to(&impulse)
+                + self.body.answer_to_couple(&couple),
+            omega: self.body.tilt.omega_lean + turned,
+        }
+    }
+
+    fn slip(velocity: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(velocity.x, velocity.y, 0.0)
+    }
+
+    /// Friction per newton second of normal impulse, and by how much the slip slows the process down.
+    fn friction(&self, now: &Progress) -> (Wrench, f64) {
+        let slip = Self::slip(&now.velocity);
+        let friction = self.body.friction;
+        match self.stage {
+            Stage::Held => (self.holding(now), 1.0),
+            Stage::Slipping(start) => {
+                let speed = slip.norm();
+                let resolution = SLIP_STOPPED * self.scale();
+                match start {
+                    Some(direction) if speed < resolution => {
+                        let slip = resolution * direction;
+                        let pace = if friction.is_set_valued_at_rest() {
+                            resolution / (resolution + self.speed)
+                        } else {
+                            1.0
+                        };
+                        (friction.per_newton(&slip, &now.omega), pace)
+                    }
+                    _ => {
+                        // Near the end of slip its direction turns ever faster.
+                        let pace = if friction.is_set_valued_at_rest() {
+                            speed / (speed + self.speed)
+                        } else {
+                            1.0
+                        };
+                        (friction.per_newton(&slip, &now.omega), pace)
+                    }
+                }
+            }
+        }
+    }
+
+    /// The velocity that this impact is about, m/s.
+    fn scale(&self) -> f64 {
+        self.speed + hypot(self.before.x, self.before.y)
+    }
+
+    /// The friction that keeps the contact point at rest, per newton second of normal impulse.
+    fn holding(&self, now: &Progress) -> Wrench {
+        let couple = self
+            .body
+            .friction
+            .per_newton(&Vector3::zeros(), &now.omega)
+            .couple;
+        let by_couple = self.body.answer_to_couple(&couple);
+        let response = &self.body.response;
+        Wrench {
+            force: Vector3::new(
+                -(response.coupling + by_couple.x) / response.lean,
+                -by_couple.y / response.node,
+                0.0,
+            ),
+            couple,
+        }
+    }
+
+    /// What follows where the contact point has stopped slipping.
+    fn stopped(&self, y: &State) -> Stage {
+        let now = self.progress(y);
+        let bound = self.body.friction.law.static_bound(1.0);
+        if self.holding(&now).force.norm() <= bound {
+            return Stage::Held;
+        }
+        let slowly = SLIP_STOPPED * self.scale();
+        let answer = |direction: &Vector3<f64>| {
+            let friction = self
+                .body
+                .friction
+                .per_newton(&(slowly * direction), &now.omega);
+            self.body.answer_per_newton(&friction)
+        };
+        match FreeBody::departure(answer) {
+            Some(direction) => Stage::Slipping(Some(direction)),
+            None => Stage::Held,
+        }
+    }
+}
+
+impl System<SIZE> for Process<'_> {
+    const CONTROLLED: usize = 6;
+
+    fn derivative(&self, _: f64, y: &State) -> State {
+        let now = self.progress(y);
+        let (friction, pace) = self.friction(&now);
+        let Wrench { force, couple } = friction;
+        let radius = self.body.top.peg_radius;
+        let power = force.dot(&now.velocity) + couple.dot(&now.omega);
+        [
+            pace * force.x,
+            pace * force.y,
+            pace,
+            pace * couple.x / radius,
+            pace * couple.y / radius,
+            pace * couple.z / radius,
+            pace * now.velocity.z / self.speed,
+            -pace * power / self.speed,
+        ]
+    }
+}
+
+/// What is looked for in an impact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mark {
+    Compressed,
+    Restituted,
+    SlipStopped,
+}
+
+/// An impact of a body whose contact point has the velocity `before` (m/s, lean frame), downward.
+///
+/// # Errors
+/// If the law of friction is too steep to be followed.
+pub(super) fn impact(
+    body: &FreeBody<'_>,
+    before: Vector3<f64>,
+    restitution: f64,
+) -> Result<Impact, IntegrateError> {
+    let mut course = Course::new(body, before, restitution)?;
+    for _ in 0..MOST_STEPS {
+        if let Some(end) = course.step()? {
+            return Ok(end);
+        }
+    }
+    let t = course.integrator.t();
+    Err(IntegrateError::StepSizeUnderflow { t, step: 0.0 })
+}
+
+struct Course<'a> {
+    integrator: Dop853<Process<'a>, SIZE>,
+    restitution: f64,
+    /// The work of compression, negative, once that is over.
+    compression: Option<f64>,
+    watches: Vec<(Mark, SignTracker)>,
+}
+
+impl<'a> Course<'a> {
+    fn new(
+        body: &'a FreeBody<'a>,
+        before: Vector3<f64>,
+        restitution: f64,
+    ) -> Result<Self, IntegrateError> {
+        let speed = -before.z;
+        let mut process = Process {
+            body,
+            before,
+            speed,
+            stage: Stage::Slipping(None),
+        };
+        let start = [0.0; SIZE];
+        if hypot(before.x, before.y) <= SLIP_STOPPED * process.scale()
+            && body.friction.is_set_valued_at_rest()
+        {
+            process.stage = process.stopped(&start);
+        }
+        let tolerances = Tolerances {
+            relative: 1e-14,
+            absolute: 1e-15,
+        };
+        let mut course = Self {
+            integrator: Dop853::new(process, 0.0, start, tolerances, Direction::Forward)?,
+            restitution: if speed < SLOWEST_BOUNCE {
+                0.0
+            } else {
+                restitution
+            },
+            compression: None,
+            watches: Vec::new(),
+        };
+        course.watch();
+        Ok(course)
+    }
+
+    /// Looks for what can come next.
+    fn watch(&mut self) {
+        let process = self.integrator.system();
+        let normal = if self.compression.is_some() {
+            (Mark::Restituted, SignTracker::with_sign(false, 0.0))
+        } else {
+            (Mark::Compressed, SignTracker::with_sign(false, 0.0))
+        };
+        self.watches = vec![normal];
+        if process.stage != Stage::Held && process.body.friction.is_set_valued_at_rest() {
+            self.watches
+                .push((Mark::SlipStopped, SignTracker::default()));
+        }
+    }
+
+    fn value(&self, mark: Mark, y: &State) -> f64 {
+        let process = self.integrator.system();
+        match mark {
+            Mark::Compressed => process.progress(y).velocity.z / process.speed,
+            Mark::Restituted => {
+                let given_back = self.restitution * self.restitution;
+                y[6] - self.compression.unwrap_or_default() * (1.0 - given_back)
+            }
+            Mark::SlipStopped => {
+                let slip = Process::slip(&process.progress(y).velocity).norm();
+                slip / process.scale() - SLIP_STOPPED
+            }
+        }
+    }
+
+    /// Takes a step; the impact if it ends there.
+    fn step(&mut self) -> Result<Option<Impact>, IntegrateError> {
+        let dense = self.integrator.step_densely()?;
+        let Some((s, mark)) = self.first_mark(&dense) else {
+            return Ok(None);
+        };
+        let (t, y) = (dense.t0 + s * dense.h, dense.at(s));
+        match mark {
+            Mark::Compressed => {
+                self.compression = Some(y[6]);
+                if self.restitution == 0.0 {
+                    return Ok(Some(self.end(&y)));
+                }
+                let process = *self.integrator.system();
+                self.restart(process, t, y)?;
+            }
+            Mark::Restituted => return Ok(Some(self.end(&y))),
+            Mark::SlipStopped => {
+                let y = self.without_rest_of_slip(t, y);
+                let mut process = *self.integrator.system();
+                process.stage = process.stopped(&y);
+                self.restart(process, t, y)?;
+            }
+        }
+        Ok(None)
+    }
+
+    fn restart(&mut self, process: Process<'a>, t: f64, y: State) -> Result<(), IntegrateError> {
+        self.integrator.restart(process, t, y, Direction::Forward)?;
+        self.watch();
+        Ok(())
+    }
+
+    /// Goes on along a straight line to where nothing of the slip is left.
+    fn without_rest_of_slip(&self, t: f64, y: State) -> State {
+        let process = self.integrator.system();
+        let slope = process.derivative(t, &y);
+        let slip = Process::slip(&process.progress(&y).velocity);
+        let ahead: State = std::array::from_fn(|i| y[i] + slope[i]);
+        let change = Process::slip(&process.progress(&ahead).velocity) - slip;
+        let span = slip.norm_squared() / -change.dot(&slip);
+        if span > 0.0 && span.is_finite() {
+            std::array::from_fn(|i| y[i] + span * slope[i])
+        } else {
+            y
+        }
+    }
+
+    fn first_mark(&mut self, dense: &Dense<SIZE>) -> Option<(f64, Mark)> {
+        let states = KNOTS.map(|s| dense.at(s));
+        let mut watches = std::mem::take(&mut self.watches);
+        let mut first: Option<(f64, Mark)> = None;
+        for (mark, tracker) in &mut watches {
+            let values = states.map(|y| self.value(*mark, &y));
+            let wanted = match mark {
+                Mark::SlipStopped => Slope::Falling,
+                Mark::Compressed | Mark::Restituted => Slope::Rising,
+            };
+            let mut found: Vec<Crossing> = Vec::new();
+            tracker.scan(
+                &KNOTS,
+                &values,
+                |s| self.value(*mark, &dense.at(s)),
+                &mut found,
+            );
+            let crossing = found.iter().find(|crossing| crossing.slope == wanted);
+            if let Some(crossing) = crossing
+                && first.is_none_or(|(s, _)| crossing.s < s)
+            {
+                first = Some((crossing.s, *mark));
+            }
+        }
+        self.watches = watches;
+        first
+    }
+
+    fn end(&self, y: &State) -> Impact {
+        let process = self.integrator.system();
+        let now = process.progress(y);
+        let unit = process.body.top.mass * process.speed * process.speed;
+        let is_held = process.stage == Stage::Held;
+        let mut after = now.velocity;
+        if self.restitution == 0.0 {
+            after.z = 0.0;
+        }
+        if is_held {
+            (after.x, after.y) = (0.0, 0.0);
+        }
+        let given_back = 1.0 - self.restitution * self.restitution;
+        Impact {
+            impulse: now.impulse,
+            couple: now.couple,
+            before: process.before,
+            after,
+            restitution: self.restitution,
+            normal_loss: -unit * given_back * self.compression.unwrap_or_default(),
+            friction_loss: unit * y[7],
+            is_held,
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The motion at one instant, and what it starts from.
+
+use super::integrals::Integrals;
+use super::support::Phase;
+use crate::physics::kinematics::{Euler, Tilt};
+use crate::physics::top::Top;
+use nalgebra::Vector3;
+
+/// The motion at one instant, whatever the formulation that computed it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Euler angles, rad; φ and ψ unwrapped.
+    pub angles: Euler,
+    /// Inclination and angular velocity.
+    pub tilt: Tilt,
+    /// Where the peg is and how it moves.
+    pub peg: Peg,
+    /// What the contact point does.
+    pub phase: Phase,
+    /// Integrals since the start.
+    pub integrals: Integrals,
+}
+
+/// A contact point that slips more slowly than this after it was at rest goes where friction lets it go, m/s: its
+/// velocity has no direction yet.
+const DEPARTING: f64 = 1e-9;
+
+impl Motion {
+    /// Slip velocity of the contact point over the table in the lean frame, m/s; of a top in flight, that of its lowest
+    /// point.
+    #[must_use]
+    #[inline]
+    pub fn slip_velocity(&self, top: &Top) -> Vector3<f64> {
+        let velocity = self.peg.velocity_lean + self.tilt.slip_velocity(top.peg_radius);
+        Vector3::new(velocity.x, velocity.y, 0.0)
+    }
+
+    /// The slip that friction answers: that of the departure while there is hardly any.
+    #[inline]
+    pub(super) fn law_slip(&self, slip: &Vector3<f64>) -> Vector3<f64> {
+        slip_of_law(slip, self.peg.departure.as_ref())
+    }
+
+    /// Velocity of the centre of mass in the lean frame, m/s.
+    #[must_use]
+    #[inline]
+    pub fn center_velocity_lean(&self, top: &Top) -> Vector3<f64> {
+        let turning = self.tilt.omega_lean.cross(&self.tilt.axis());
+        self.peg.velocity_lean + top.center_distance * turning
+    }
+}
+
+/// The slip that friction answers (m/s, lean frame), where a contact point that was at rest departs in a direction.
+#[inline]
+pub(super) fn slip_of_law(slip: &Vector3<f64>, departure: Option<&Vector3<f64>>) -> Vector3<f64> {
+    match departure {
+        Some(direction) if slip.norm_squared() < DEPARTING * DEPARTING => DEPARTING * direction,
+        _ => *slip,
+    }
+}
+
+/// Position and velocity of the centre of the peg, and what impacts have taken so far. One that is fixed stays where it
+/// is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peg {
+    /// Position of its centre in the world, m; the table is z = 0.
+    pub position: Vector3<f64>,
+    /// Velocity of its centre in the lean frame, m/s.
+    pub velocity_lean: Vector3<f64>,
+    /// The direction, in the lean frame, in which a contact point begins to slip that is still too slow to have one.
+    pub departure: Option<Vector3<f64>>,
+    /// What impacts and losses have taken.
+    pub dissipated: Dissipated,
+}
+
+/// Energy that a top with a free peg has lost since the start, J, beside the sliding.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dissipated {
+    /// By compression and restitution in impacts.
+    pub impact_normal: f64,
+    /// By friction in impacts.
+    pub impact_friction: f64,
+    /// By rolling resistance, drilling and air.
+    pub losses: f64,
+}
+
+impl Peg {
+    /// A peg of this radius (m) that stays where it is, above the origin.
+    #[must_use]
+    #[inline]
+    pub fn fixed(radius: f64) -> Self {
+        Self {
+            position: Vector3::new(0.0, 0.0, radius),
+            velocity_lean: Vector3::zeros(),
+            departure: None,
+            dissipated: Dissipated::default(),
+        }
+    }
+}
+
+/// What a motion starts from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// Euler angles, rad.
+    pub angles: Euler,
+    /// Euler rates, rad/s.
+    pub rates: Euler,
+    /// Position of the peg's centre in the world, m.
+    pub peg_position: Vector3<f64>,
+    /// Velocity of the peg's centre in the world, m/s.
+    pub peg_velocity: Vector3<f64>,
+}

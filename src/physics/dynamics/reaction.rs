@@ -1,0 +1,297 @@
+//! What the table does to a top whose peg is free: the normal force, and friction in proportion to it.
+//!
+//! All vectors are in the lean frame (x where the axis leans, y line of nodes, z up), torques and moments of inertia are
+//! about the centre of mass. `ρ` leads from the centre of mass to the point of contact.
+
+#![allow(
+    clippy::inline_always,
+    reason = "with hints alone little of this is unrolled into the derivative, and runs take half as long again"
+)]
+
+use super::support::Phase;
+use crate::physics::friction::{Friction, Wrench};
+use crate::physics::integrate::zero;
+use crate::physics::kinematics::Tilt;
+use crate::physics::math::{cos, sin};
+use crate::physics::top::Top;
+use nalgebra::Vector3;
+use std::f64::consts::TAU;
+
+/// How many directions are tried where a contact point begins to slip.
+const DIRECTIONS: u32 = 48;
+
+/// A top with a free peg at one inclination.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FreeBody<'a> {
+    pub(super) top: &'a Top,
+    pub(super) friction: &'a Friction,
+    pub(super) tilt: Tilt,
+    /// From the centre of mass to the point of contact, m.
+    pub(super) arm: Vector3<f64>,
+    pub(super) inertia: Inertia,
+    pub(super) response: Response,
+}
+
+/// The inertia of a top about its centre of mass, and inverses of it that many things need.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Inertia {
+    /// 1/kg.
+    pub(super) per_mass: f64,
+    /// Moment of inertia across the symmetry axis, kg m².
+    pub(super) transverse: f64,
+    /// 1/(kg m²).
+    pub(super) per_transverse: f64,
+    /// The inverse of the moment about the symmetry axis, 1/(kg m²).
+    pub(super) per_axial: f64,
+}
+
+impl Inertia {
+    pub(super) fn of(top: &Top) -> Self {
+        let transverse = top.central_moment();
+        Self {
+            per_mass: 1.0 / top.mass,
+            transverse,
+            per_transverse: 1.0 / transverse,
+            per_axial: 1.0 / top.axial_moment,
+        }
+    }
+}
+
+/// The inverse inertia at the point of contact, 1/kg: how its velocity answers an impulse there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Response {
+    /// Along the line of nodes.
+    pub(super) node: f64,
+    /// In the direction in which the axis leans.
+    pub(super) lean: f64,
+    /// Upward.
+    pub(super) up: f64,
+    /// Upward to an impulse in the direction of lean, and the reverse.
+    pub(super) coupling: f64,
+}
+
+impl Response {
+    /// The change of velocity by an impulse (N s) in m/s, or the acceleration by a force.
+    #[inline(always)]
+    pub(super) fn to(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(
+            self.lean * impulse.x + self.coupling * impulse.z,
+            self.node * impulse.y,
+            self.coupling * impulse.x + self.up * impulse.z,
+        )
+    }
+}
+
+/// What acts on the top beside its weight.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reaction {
+    /// Normal force, N. Negative where the table would have to pull.
+    pub(super) normal: f64,
+    /// Friction force and couple of the contact, N and N m.
+    pub(super) friction: Wrench,
+    /// Torque of the air, N m.
+    pub(super) air: Vector3<f64>,
+    /// How much upward acceleration a newton of normal force gives the contact point with the friction that it brings,
+    /// as a fraction of what it gives without. Where it is not positive no normal force keeps the peg out of the
+    /// table: the peg jams (P. Painlevé, C. R. Acad. Sci. 121 (1895) 112).
+    pub(super) mobility: f64,
+}
+
+impl Reaction {
+    /// Torque about the centre of mass, N m.
+    #[inline(always)]
+    pub(super) fn torque(&self, arm: &Vector3<f64>) -> Vector3<f64> {
+        arm.cross(&self.force()) + self.friction.couple + self.air
+    }
+
+    /// Force of the table, N.
+    #[inline(always)]
+    pub(super) fn force(&self) -> Vector3<f64> {
+        Vector3::new(self.friction.force.x, self.friction.force.y, self.normal)
+    }
+}
+
+impl<'a> FreeBody<'a> {
+    #[inline(always)]
+    pub(super) fn new(top: &'a Top, friction: &'a Friction, inertia: &Inertia, tilt: Tilt) -> Self {
+        let (l, radius) = (top.center_distance, top.peg_radius);
+        let (sin, cos) = (tilt.sin, tilt.cos);
+        let height = radius + l * cos;
+        let (reach, lever) = (l + radius * cos, l * sin);
+        let Inertia {
+            per_mass,
+            per_transverse,
+            per_axial,
+            ..
+        } = *inertia;
+        Self {
+            top,
+            friction,
+            tilt,
+            arm: Vector3::new(-lever, 0.0, -height),
+            inertia: *inertia,
+            response: Response {
+                node: per_mass
+                    + reach * reach * per_transverse
+                    + radius * radius * sin * sin * per_axial,
+                lean: per_mass + height * height * per_transverse,
+                up: per_mass + lever * lever * per_transverse,
+                coupling: -lever * height * per_transverse,
+            },
+        }
+    }
+
+    /// The angular acceleration by a torque (N m), rad/s², or the change of angular velocity by a moment of impulse.
+    #[inline(always)]
+    pub(super) fn turned_by(&self, torque: &Vector3<f64>) -> Vector3<f64> {
+        let axis = self.tilt.axis();
+        let axial = torque.dot(&axis) * (self.inertia.per_axial - self.inertia.per_transverse);
+        torque * self.inertia.per_transverse + axial * axis
+    }
+
+    /// The acceleration of the contact point, m/s², if the table did nothing.
+    #[inline(always)]
+    fn loose_acceleration(&self, air: &Vector3<f64>) -> Vector3<f64> {
+        let omega = self.tilt.omega_lean;
+        let axis = self.tilt.axis();
+        let excess = (self.top.axial_moment - self.inertia.transverse) * self.tilt.axial_rate();
+        let momentum = self.inertia.transverse * omega + excess * axis;
+        let turning = self.turned_by(&(air - omega.cross(&momentum)));
+        let turned_arm = self.top.center_distance * omega.cross(&axis);
+        turning.cross(&self.arm)
+            - omega.cross(&turned_arm)
+            - Vector3::new(0.0, 0.0, self.top.gravity)
+    }
+
+    /// How the contact point answers a couple there, m/s² per N m.
+    #[inline(always)]
+    pub(super) fn answer_to_couple(&self, couple: &Vector3<f64>) -> Vector3<f64> {
+        self.turned_by(couple).cross(&self.arm)
+    }
+
+    /// What the table does in a phase, while the contact point slips with `slip` (m/s).
+    #[inline(always)]
+    pub(super) fn reaction(&self, phase: Phase, slip: &Vector3<f64>) -> Reaction {
+        match phase {
+            Phase::Sliding => self.sliding(slip),
+            Phase::Holding => self.holding(),
+            Phase::Flying => self.flying(),
+        }
+    }
+
+    /// The acceleration of the contact point in flight, m/s².
+    pub(super) fn flying_acceleration(&self) -> Vector3<f64> {
+        self.loose_acceleration(&self.air())
+    }
+
+    #[inline(always)]
+    fn air(&self) -> Vector3<f64> {
+        let axis = self.tilt.axis();
+        self.friction.torque_of_air(&self.tilt.omega_lean, &axis)
+    }
+
+    #[inline(always)]
+    fn flying(&self) -> Reaction {
+        Reaction {
+            normal: 0.0,
+            friction: Wrench::default(),
+            air: self.air(),
+            mobility: 1.0,
+        }
+    }
+
+    /// The normal force that keeps the contact point at its height, and friction in proportion to it.
+    #[inline(always)]
+    fn sliding(&self, slip: &Vector3<f64>) -> Reaction {
+        let air = self.air();
+        let per_newton = self.friction.per_newton(slip, &self.tilt.omega_lean);
+        let answer = self.answer_per_newton(&per_newton);
+        let normal = -self.loose_acceleration(&air).z / answer.z;
+        Reaction {
+            normal,
+            friction: per_newton * normal,
+            air,
+            mobility: answer.z / self.response.up,
+        }
+    }
+
+    /// The acceleration of the contact point per newton of normal force with what friction adds.
+    #[inline(always)]
+    pub(super) fn answer_per_newton(&self, friction: &Wrench) -> Vector3<f64> {
+        let force = Vector3::new(friction.force.x, friction.force.y, 1.0);
+        self.response.to(&force) + self.answer_to_couple(&friction.couple)
+    }
+
+    /// The force that keeps the contact point at rest.
+    #[inline(always)]
+    fn holding(&self) -> Reaction {
+        let Response {
+            node,
+            lean,
+            up,
+            coupling,
+        } = self.response;
+        let air = self.air();
+        let couple = self
+            .friction
+            .per_newton(&Vector3::zeros(), &self.tilt.omega_lean)
+            .couple;
+        let loose = self.loose_acceleration(&air);
+        let by_couple = self.answer_to_couple(&couple);
+        let drive = (coupling + by_couple.x) / lean;
+        let resistance = up + by_couple.z - coupling * drive;
+        let normal = (coupling / lean * loose.x - loose.z) / resistance;
+        let force = Vector3::new(
+            -loose.x / lean - drive * normal,
+            -(loose.y + by_couple.y * normal) / node,
+            0.0,
+        );
+        Reaction {
+            normal,
+            friction: Wrench {
+                force,
+                couple: couple * normal,
+            },
+            air,
+            mobility: resistance / up,
+        }
+    }
+
+    /// The acceleration of the slip in the phase of sliding, m/s².
+    pub(super) fn slip_acceleration(&self, slip: &Vector3<f64>) -> Vector3<f64> {
+        let reaction = self.sliding(slip);
+        self.loose_acceleration(&reaction.air)
+            + self.response.to(&reaction.force())
+            + self.answer_to_couple(&reaction.friction.couple)
+    }
+
+    /// The unit vector in which a contact point at rest begins to slip under an acceleration that depends on it, if there
+    /// is one: the acceleration then points in that very direction, and most strongly of all such.
+    pub(super) fn departure(
+        acceleration: impl Fn(&Vector3<f64>) -> Vector3<f64>,
+    ) -> Option<Vector3<f64>> {
+        let direction = |angle: f64| Vector3::new(cos(angle), sin(angle), 0.0);
+        let aside = |angle: f64| {
+            let along = direction(angle);
+            let a = acceleration(&along);
+            along.x * a.y - along.y * a.x
+        };
+        let width = TAU / f64::from(DIRECTIONS);
+        let mut best: Option<(f64, Vector3<f64>)> = None;
+        let mut before = aside(0.0);
+        for piece in 0..DIRECTIONS {
+            let start = width * f64::from(piece);
+            let after = aside(start + width);
+            if (before > 0.0) != (after > 0.0) {
+                let s = zero(before, after, |s| aside(start + s * width));
+                let along = direction(start + s * width);
+                let strength = acceleration(&along).dot(&along);
+                if strength > best.map_or(0.0, |(most, _)| most) {
+                    best = Some((strength, along));
+                }
+            }
+            before = after;
+        }
+        best.map(|(_, along)| along)
+    }
+}
