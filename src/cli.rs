@@ -36,6 +36,7 @@ mod viewer;
 
 use crate::analysis;
 use anyhow::Error;
+use clap::error::{ContextKind, ContextValue};
 use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum as _};
 use done::Done;
 use schemars::{JsonSchema, schema_for};
@@ -192,7 +193,7 @@ pub fn main() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
     let arguments = match parse(&words) {
         Ok(arguments) => arguments,
-        Err(answer) => return told_usage(&answer),
+        Err(answer) => return told_usage(&with_tip(answer)),
     };
     output::set_up(arguments.quiet, arguments.color);
     match dispatch(arguments.command) {
@@ -223,6 +224,25 @@ fn wanted_color(words: &[OsString]) -> ColorChoice {
     let value = value.and_then(|value| value.strip_prefix('=').or_else(|| words.next()));
     let color = value.and_then(|value| ColorChoice::from_str(value, false).ok());
     color.unwrap_or_default()
+}
+
+/// Points to `--kinds` where `--format` is asked for a kind of figure.
+fn with_tip(mut error: clap::Error) -> clap::Error {
+    let says = |kind, part: &str| {
+        let text = error.get(kind).map(ToString::to_string);
+        text.is_some_and(|text| text.starts_with(part))
+    };
+    let is_format = says(ContextKind::InvalidArg, "--format");
+    if is_format
+        && ["svg", "png"]
+            .iter()
+            .any(|kind| says(ContextKind::InvalidValue, kind))
+    {
+        let tip = "--format is the form of the answer; 'toprise figures --kinds svg' chooses the kinds of figures";
+        let tips = ContextValue::StyledStrs(vec![tip.into()]);
+        error.insert(ContextKind::Suggested, tips);
+    }
+    error
 }
 
 /// Prints the help, the version, or what is wrong with the arguments.
@@ -331,6 +351,17 @@ mod tests {
             assert!(parse(&words).is_err(), "{line}");
             assert_eq!(wanted_color(&words), color, "{line}");
         }
+    }
+
+    #[test]
+    fn a_kind_of_figure_is_no_form_of_the_answer() {
+        let told = |line: &str| {
+            let error = Arguments::try_parse_from(line.split(' ')).unwrap_err();
+            with_tip(error).to_string()
+        };
+        assert!(told("toprise figures paper --format svg").contains("--kinds svg"));
+        assert!(!told("toprise figures paper --format xml").contains("--kinds"));
+        assert!(!told("toprise figures paper --kinds pdf").contains("--format"));
     }
 
     #[test]

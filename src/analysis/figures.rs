@@ -26,6 +26,7 @@ mod means;
 mod need;
 mod report;
 mod run;
+mod sampling;
 mod time;
 
 pub use self::report::{FigureFile, FiguresReport, Lacking, RunLoss};
@@ -69,6 +70,8 @@ const ANGLES: Need = samples(&[
     state::PSI_DOT,
 ]);
 
+const CYCLES: Need = samples(&[nutation::START, nutation::PERIOD]);
+
 const NUTATIONS: Need = samples(&[
     nutation::START,
     nutation::PERIOD,
@@ -76,6 +79,17 @@ const NUTATIONS: Need = samples(&[
     nutation::THETA_DOT_MEAN,
     nutation::PHI_DOT_MEAN,
     nutation::PSI_DOT_MEAN,
+]);
+
+const ENVELOPE: Need = samples(&[
+    nutation::THETA_MIN,
+    nutation::THETA_MAX,
+    nutation::THETA_DOT_MIN,
+    nutation::THETA_DOT_MAX,
+    nutation::PHI_DOT_MIN,
+    nutation::PHI_DOT_MAX,
+    nutation::PSI_DOT_MIN,
+    nutation::PSI_DOT_MAX,
 ]);
 
 const THETA: Need = samples(&[state::THETA]);
@@ -120,7 +134,7 @@ pub const FIGURES: &[Figure] = &[
         title: "θ, θ̇, φ̇ and ψ̇ over time",
         least_runs: 1,
         needs: &[ANGLES],
-        uses: &[NUTATIONS],
+        uses: &[NUTATIONS, ENVELOPE],
         draw: time::motion,
     },
     Figure {
@@ -128,7 +142,7 @@ pub const FIGURES: &[Figure] = &[
         title: "The locus of the symmetry axis, its projection, and its end magnified",
         least_runs: 1,
         needs: &[AXIS],
-        uses: &[],
+        uses: &[CYCLES],
         draw: locus::locus,
     },
     Figure {
@@ -136,7 +150,7 @@ pub const FIGURES: &[Figure] = &[
         title: "θ of each further run, with the averages of the first",
         least_runs: 2,
         needs: &[THETA, NUTATIONS],
-        uses: &[],
+        uses: &[ENVELOPE],
         draw: time::compared,
     },
     Figure {
@@ -149,10 +163,10 @@ pub const FIGURES: &[Figure] = &[
     },
     Figure {
         name: "precession",
-        title: "φ̇ and the rates of regular precession; the top rises between them",
+        title: "φ̇ and the rates of regular precession, between which the top is driven upright",
         least_runs: 1,
         needs: &[PRECESSION_RATE, ROOTS],
-        uses: &[NUTATIONS],
+        uses: &[NUTATIONS, ENVELOPE],
         draw: time::precession,
     },
     Figure {
@@ -160,7 +174,7 @@ pub const FIGURES: &[Figure] = &[
         title: "Torques along the line of nodes (x), its perpendicular (y) and the symmetry axis (z)",
         least_runs: 1,
         needs: &[TORQUES],
-        uses: &[],
+        uses: &[CYCLES],
         draw: time::torque,
     },
     Figure {
@@ -168,7 +182,7 @@ pub const FIGURES: &[Figure] = &[
         title: "Slip speed and path slipped",
         least_runs: 1,
         needs: &[SLIP],
-        uses: &[],
+        uses: &[CYCLES],
         draw: time::slip,
     },
     Figure {
@@ -176,7 +190,7 @@ pub const FIGURES: &[Figure] = &[
         title: "Kinetic, potential and total energy, and what friction takes",
         least_runs: 1,
         needs: &[ENERGIES],
-        uses: &[],
+        uses: &[CYCLES],
         draw: time::energy,
     },
 ];

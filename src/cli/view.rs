@@ -8,11 +8,10 @@ use super::page::{Page, Section};
 use super::progress::Progress;
 use super::report::{self, WrittenFile};
 use super::table::Table;
-use super::viewer::{Target, ViewerArguments};
+use super::viewer::{self, Target, ViewerArguments};
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
-use crate::archive::sink::SinkError;
 use crate::rerun::{Destinations, Identity, Live, MISSING_VIEWER, Playback, RerunSink};
 use crate::telemetry::Topics;
 use anyhow::{Context as _, Error, anyhow, bail};
@@ -252,7 +251,7 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
     };
     let existing = Existing::forced(arguments.force);
     let draft = arguments.rrd_of(name).map(|rrd| Draft::new(&rrd, existing));
-    let draft = draft.transpose()?;
+    let mut draft = draft.transpose()?;
     let destinations = Destinations {
         file: draft.as_ref().map(Draft::file).transpose()?,
         live: way.target.live(),
@@ -272,16 +271,12 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
         }
     })
     .with_context(context)?;
-    output::warn_all(sink.finish().map_err(SinkError::from)?);
-    let rrd = match draft {
-        Some(draft) if interrupt.is_asked() => {
-            let path = draft.path().display();
-            output::warn(&format!("interrupted: {path} is not written"));
-            None
-        }
-        Some(draft) => Some(publish(draft)?),
-        None => None,
-    };
+    let interrupted = draft.take_if(|_| interrupt.is_asked());
+    let rrd = viewer::complete(sink.finish(), draft)?;
+    if let Some(draft) = interrupted {
+        let path = draft.path().display();
+        output::warn(&format!("interrupted: {path} is not written"));
+    }
     warn(recording, &replayed);
     Ok(ShownRecording {
         file: path.display().to_string(),
@@ -292,12 +287,6 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
         losses: replayed.losses.iter().map(ToString::to_string).collect(),
         rrd,
     })
-}
-
-fn publish(draft: Draft) -> Result<WrittenFile, Error> {
-    let path = draft.path().to_owned();
-    let bytes = draft.publish()?;
-    Ok(WrittenFile::new(&path, bytes))
 }
 
 fn identity(recording: &Recording, name: &str) -> Result<Identity, Error> {

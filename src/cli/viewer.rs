@@ -1,10 +1,12 @@
 //! Which Rerun viewer to show something in.
 
 use super::interrupt::Interrupt;
-#[cfg(feature = "web-viewer")]
 use super::output;
-use crate::rerun::Live;
-use anyhow::Error;
+use super::report::WrittenFile;
+use crate::archive::publish::Draft;
+use crate::archive::sink::SinkError;
+use crate::rerun::{Live, RerunError};
+use anyhow::{Context as _, Error};
 use clap::Args;
 use std::net::IpAddr;
 
@@ -86,6 +88,30 @@ impl ViewerArguments {
             "this build has no web viewer (it adds 40 MB): build it with --features web-viewer"
         )
     }
+}
+
+/// Completes what a Rerun stream that has `ended` was written to: tells what happened to the viewer, and publishes the
+/// file, if there is one.
+pub(super) fn complete(
+    ended: Result<Vec<String>, RerunError>,
+    draft: Option<Draft>,
+) -> Result<Option<WrittenFile>, Error> {
+    let ended = ended.map_err(SinkError::from);
+    let Some(draft) = draft else {
+        output::warn_all(ended?);
+        return Ok(None);
+    };
+    let path = draft.path().to_owned();
+    let context = || format!("{} is not written", path.display());
+    match ended {
+        Ok(warnings) => output::warn_all(warnings),
+        Err(error) => {
+            draft.discard();
+            return Err(error).with_context(context);
+        }
+    }
+    let bytes = draft.publish().with_context(context)?;
+    Ok(Some(WrittenFile::new(&path, bytes)))
 }
 
 impl Target {

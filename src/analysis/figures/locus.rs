@@ -8,10 +8,12 @@ use self::trace::{Direction, Trace};
 use super::looks::{self, Looks};
 use super::run::Run;
 use crate::analysis::plot::drawing::Drawing;
-use crate::analysis::plot::frame::{self, Frame, Quantity, extremes};
+use crate::analysis::plot::frame::{self, Frame, Quantity};
 use crate::analysis::plot::legend::{self, Entry};
-use crate::analysis::plot::shape::{Bounds, Point};
+use crate::analysis::plot::range::extremes;
+use crate::analysis::plot::shape::{Bounds, Point, Stroke};
 use crate::analysis::plot::style::{LINE, MARGIN, TWO_COLUMNS};
+use crate::analysis::plot::text::Text;
 
 /// The greatest height of the sphere, as a part of its width.
 const TALLEST: f64 = 0.8;
@@ -31,40 +33,101 @@ const Y: Quantity = Quantity {
 
 /// Draws the locus on the sphere, from above, and its end magnified.
 pub(super) fn locus(runs: &[&Run], width: f64) -> Drawing {
-    let looks = Looks { runs: runs.len() };
-    let traces = runs.iter().enumerate();
-    let traces: Vec<_> = traces
-        .map(|(index, run)| Trace::of(run, looks.locus(index)))
-        .collect();
-    let ends: Vec<_> = traces.iter().map(Trace::end).collect();
+    let traces = traces(runs);
+    let mut drawn: Vec<_> = traces.iter().collect();
+    drawn.sort_by_key(|trace| trace.order);
     let mut drawing = Drawing::new(width);
     let mut legend = looks::legend(runs, Looks::run_in_legend);
     legend.extend([Entry::dot(false, "start"), Entry::dot(true, "end")]);
+    legend.extend(looks::note(runs));
     let top = legend::draw_at_top(&mut drawing, &legend) + LINE + 0.6;
     let usable = width - 2.0 * MARGIN;
-    let sphere = Sphere::around(&traces);
-    let squares = [traces.as_slice(), ends.as_slice()];
+    let sphere = Sphere::around(&drawn);
+    let squares = squares(&drawn, &traces);
+    let sphere_height = sphere.height(usable).min(TALLEST * usable);
     let (bounds, below) = if width < TWO_COLUMNS {
-        let bounds = boxed(
-            (MARGIN, top),
-            usable,
-            sphere.height(usable).min(TALLEST * usable),
-        );
-        let share = (usable - GAP) / 2.0;
-        let top = bounds.bottom + LINE + GAP;
-        let places = [MARGIN, MARGIN + share + GAP].map(|left| (left, top));
-        (bounds, draw_squares(&mut drawing, squares, places, share))
+        let bounds = boxed((MARGIN, top), usable, sphere_height);
+        let grid = Grid {
+            columns: 2,
+            width: (usable - GAP) / 2.0,
+            skipped: 0,
+            top: bounds.bottom + LINE + GAP,
+        };
+        (bounds, grid.draw(&mut drawing, &squares))
     } else {
-        let share = (usable - 2.0 * GAP) / 3.0;
-        let places = [1.0, 2.0].map(|column| (MARGIN + column * (share + GAP), top));
-        let below = draw_squares(&mut drawing, squares, places, share);
-        (boxed((MARGIN, top), share, below - top), below)
+        let grid = Grid {
+            columns: 3,
+            width: (usable - 2.0 * GAP) / 3.0,
+            skipped: 1,
+            top,
+        };
+        let below = grid.draw(&mut drawing, &squares);
+        let height = grid.row_height(&squares);
+        (boxed((MARGIN, top), grid.width, height), below)
     };
-    sphere.draw(&mut drawing, &traces, bounds);
+    sphere.draw(&mut drawing, &drawn, bounds);
     frame::draw_letter(&mut drawing, 'a', (MARGIN, top - frame::ABOVE));
     drawing.height = below + MARGIN;
     drawing
 }
+
+/// A view of some paths from above.
+struct Square<'a> {
+    traces: Vec<&'a Trace>,
+    /// The range of x and of y.
+    ranges: [(f64, f64); 2],
+    /// From when on the paths are drawn.
+    from: fn(&Trace) -> usize,
+    /// The run that is alone in it, of several.
+    only: Option<Stroke>,
+}
+
+/// The projections of the whole paths in the order of drawing, and their ends magnified: together if that magnifies each,
+/// else one by one.
+fn squares<'a>(drawn: &[&'a Trace], traces: &'a [Trace]) -> Vec<Square<'a>> {
+    let size = |traces: &[&Trace]| {
+        let [x, y] = ranges(traces, Trace::end).map(|(low, high)| high - low);
+        x.max(y)
+    };
+    let whole = Square {
+        traces: drawn.to_vec(),
+        ranges: around_origin(drawn),
+        from: |_| 0,
+        only: None,
+    };
+    let magnified = |traces: &[&'a Trace]| Square {
+        traces: traces.to_vec(),
+        ranges: ranges(traces, Trace::end),
+        from: Trace::end,
+        only: None,
+    };
+    let smallest = traces.iter().map(|trace| size(&[trace]));
+    let smallest = smallest.fold(f64::INFINITY, f64::min);
+    if traces.len() == 1 || size(drawn) <= MAGNIFIED_TOGETHER * smallest {
+        return vec![whole, magnified(drawn)];
+    }
+    let alone = traces.iter().map(|trace| Square {
+        only: Some(trace.stroke),
+        ..magnified(&[trace])
+    });
+    std::iter::once(whole).chain(alone).collect()
+}
+
+/// The paths of the runs. What covers most is drawn first and with the broadest line, so that the others show.
+fn traces(runs: &[&Run]) -> Vec<Trace> {
+    let looks = Looks { runs: runs.len() };
+    let mut traces: Vec<_> = runs.iter().map(|run| Trace::of(run)).collect();
+    let mut longest: Vec<usize> = (0..runs.len()).collect();
+    longest.sort_by(|one, other| traces[*other].length().total_cmp(&traces[*one].length()));
+    for (order, run) in longest.into_iter().enumerate() {
+        traces[run].order = order;
+        traces[run].stroke = looks.locus(run, order);
+    }
+    traces
+}
+
+/// The ends of several paths are magnified together if they take at most so many times the room of the smallest.
+const MAGNIFIED_TOGETHER: f64 = 4.0;
 
 fn boxed((left, top): Point, width: f64, height: f64) -> Bounds {
     Bounds {
@@ -75,55 +138,96 @@ fn boxed((left, top): Point, width: f64, height: f64) -> Bounds {
     }
 }
 
-/// Draws the projections, and returns where the room below them begins, mm.
-fn draw_squares(
-    drawing: &mut Drawing,
-    traces: [&[Trace]; 2],
-    places: [Point; 2],
+/// Where squares are drawn: in rows, from left to right.
+struct Grid {
+    columns: usize,
+    /// The width of a column, mm.
     width: f64,
-) -> f64 {
-    let ranges = [around_origin(traces[0]), ranges(traces[1])];
-    // The room that the numbers need hardly depends on the size of the frame.
-    let room = |range| {
-        let frame = Frame::square(boxed((0.0, 0.0), 0.7 * width, 0.7 * width), range);
-        frame::room_left(&frame.y, Y)
-    };
-    let room = ranges.map(room).into_iter().fold(0.0, f64::max);
-    let side = width - room - frame::ROOM_RIGHT;
-    for (index, (left, top)) in places.into_iter().enumerate() {
-        let bounds = boxed((left + room, top), side, side);
-        let frame = Frame::square(bounds, ranges[index]);
-        draw_square(drawing, &frame, traces[index]);
-        let place = (bounds.left, top - frame::ABOVE);
-        frame::draw_letter(drawing, ['b', 'c'][index], place);
-    }
-    places[0].1 + side + frame::ROOM_BELOW
+    /// The places of the first row that are taken.
+    skipped: usize,
+    top: f64,
 }
 
-fn draw_square(drawing: &mut Drawing, frame: &Frame, traces: &[Trace]) {
-    for trace in traces {
-        let meaning = format!("{}: projection of the locus", trace.name);
-        drawing.group(&meaning, frame.path(&trace.projected(), trace.stroke));
+impl Grid {
+    /// Draws squares, and returns where the room below them begins, mm.
+    fn draw(&self, drawing: &mut Drawing, squares: &[Square<'_>]) -> f64 {
+        let (room, side) = (self.room_left(squares), self.side(squares));
+        let row = self.row_height(squares) + LINE + GAP;
+        for (index, square) in squares.iter().enumerate() {
+            let place = index + self.skipped;
+            let (column, line) = (place % self.columns, place / self.columns);
+            let left = MARGIN + column as f64 * (self.width + GAP) + room;
+            let top = self.top + line as f64 * row;
+            let frame = Frame::square(boxed((left, top), side, side), square.ranges);
+            square.draw(drawing, &frame);
+            let baseline = top - frame::ABOVE;
+            let letter = ('b'..='z').nth(index).unwrap_or('z');
+            frame::draw_letter(drawing, letter, (left, baseline));
+            let key: Vec<_> = square
+                .only
+                .map(|stroke| Entry::of(stroke, Text::plain("")))
+                .into_iter()
+                .collect();
+            legend::draw(drawing, &key, (left + KEY, left + side), baseline);
+        }
+        let lines = (squares.len() + self.skipped).div_ceil(self.columns);
+        self.top + lines as f64 * row - LINE - GAP
     }
-    let place = |axis: &Direction| frame.place((axis[0], axis[1]));
-    let dots = traces.iter().flat_map(|trace| trace.dots(place));
-    drawing.group("start and end", dots.collect());
-    frame.draw(drawing);
-    frame.name_x(drawing, X);
-    frame.name_y(drawing, Y, frame::ticks_width(&frame.y));
+
+    /// The room that the numbers to the left of a square take, mm.
+    fn room_left(&self, squares: &[Square<'_>]) -> f64 {
+        // The room that the numbers need hardly depends on the size of the frame.
+        let bounds = boxed((0.0, 0.0), 0.7 * self.width, 0.7 * self.width);
+        let frames = squares
+            .iter()
+            .map(|square| Frame::square(bounds, square.ranges));
+        frames
+            .map(|frame| frame::room_left(&frame.y, Y))
+            .fold(0.0, f64::max)
+    }
+
+    fn side(&self, squares: &[Square<'_>]) -> f64 {
+        self.width - self.room_left(squares) - frame::ROOM_RIGHT
+    }
+
+    fn row_height(&self, squares: &[Square<'_>]) -> f64 {
+        self.side(squares) + frame::ROOM_BELOW
+    }
 }
 
-/// The ranges of x and of y.
-fn ranges(traces: &[Trace]) -> [(f64, f64); 2] {
+/// The distance from the letter of a square to the key of its run, mm.
+const KEY: f64 = 6.5;
+
+impl Square<'_> {
+    fn draw(&self, drawing: &mut Drawing, frame: &Frame) {
+        for trace in &self.traces {
+            let meaning = format!("{}: projection of the locus", trace.name);
+            let points = trace.projected((self.from)(trace));
+            drawing.group(&meaning, frame.path(&points, trace.stroke));
+        }
+        let place = |axis: &Direction| frame.place((axis[0], axis[1]));
+        let dots = self
+            .traces
+            .iter()
+            .flat_map(|trace| trace.dots((self.from)(trace), place));
+        drawing.group("start and end", dots.collect());
+        frame.draw(drawing);
+        frame.name_x(drawing, X);
+        frame.name_y(drawing, Y, frame::ticks_width(&frame.y));
+    }
+}
+
+/// The ranges of x and of y, from some point of each path on.
+fn ranges(traces: &[&Trace], from: fn(&Trace) -> usize) -> [(f64, f64); 2] {
     [0, 1].map(|component| {
-        let axes = traces.iter().flat_map(|trace| &trace.axes);
+        let axes = traces.iter().flat_map(|trace| &trace.axes[from(trace)..]);
         extremes(axes.map(|axis| axis[component]))
     })
 }
 
 /// The ranges of x and of y, made equal and even about the vertical.
-fn around_origin(traces: &[Trace]) -> [(f64, f64); 2] {
-    let ends = ranges(traces).map(|(low, high)| high.max(-low));
+fn around_origin(traces: &[&Trace]) -> [(f64, f64); 2] {
+    let ends = ranges(traces, |_| 0).map(|(low, high)| high.max(-low));
     let end = ends[0].max(ends[1]);
     [(-end, end); 2]
 }

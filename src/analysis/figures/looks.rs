@@ -41,6 +41,17 @@ impl Looks {
         }
     }
 
+    /// The colour of the region in which a motion nutates.
+    pub(super) fn envelope(self, run: usize) -> Colour {
+        let Stroke {
+            colour: Colour(red, green, blue),
+            opacity,
+            ..
+        } = self.motion(run);
+        let on_white = |value: u8| (255.0 - opacity * f64::from(255 - value)).round() as u8;
+        Colour(on_white(red), on_white(green), on_white(blue))
+    }
+
     /// The stroke of averages. Those of several runs often coincide: dashes let each be seen.
     pub(super) fn average(self, run: usize) -> Stroke {
         let (colour, dash) = if self.runs == 1 {
@@ -54,19 +65,23 @@ impl Looks {
         }
     }
 
-    /// The stroke of the locus of the axis.
-    pub(super) fn locus(self, run: usize) -> Stroke {
-        line(self.colour(run), HAIRLINE)
+    /// The stroke of the locus of the axis, in the order in which the loci of all runs are drawn.
+    pub(super) fn locus(self, run: usize, order: usize) -> Stroke {
+        line(self.colour(run), HAIRLINE + self.broader(order))
     }
 
-    /// The stroke of one of several quantities in a plot. Where those of several runs coincide, the broader
-    /// line of the earlier run shows.
+    /// By how much the line of a run is broader than that of the last one, mm: where they coincide, that of the earlier
+    /// run shows.
+    fn broader(self, run: usize) -> f64 {
+        (self.runs - 1).saturating_sub(run).min(2) as f64 * 0.5 * POINT
+    }
+
+    /// The stroke of one of several quantities in a plot.
     pub(super) fn term(self, run: usize, term: usize) -> Stroke {
         let colour = if self.runs == 1 { term } else { run };
-        let broader = (self.runs - 1).saturating_sub(run).min(2) as f64 * 0.5 * POINT;
         Stroke {
             dash: DASHES[term % DASHES.len()],
-            ..line(COLOURS[colour % COLOURS.len()], MEDIUM + broader)
+            ..line(COLOURS[colour % COLOURS.len()], MEDIUM + self.broader(run))
         }
     }
 
@@ -103,6 +118,14 @@ impl Looks {
     pub(super) fn run_in_legend(self, run: usize) -> Stroke {
         line(self.colour(run), MEDIUM)
     }
+}
+
+/// What a figure says that can't show how some run nutates.
+pub(super) fn note(runs: &[&Run]) -> Option<Entry> {
+    let fewest = runs.iter().filter_map(|run| run.coarseness());
+    let fewest = fewest.reduce(f64::min)?;
+    let note = format!("as few as {fewest:.1} samples per nutation: too few to show it truly");
+    Some(Entry::note(&note))
 }
 
 /// The legend of several runs; a single run needs none.

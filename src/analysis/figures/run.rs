@@ -2,13 +2,41 @@
 
 use super::means::Means;
 use super::need::{Missing, Need};
+use super::sampling;
 use crate::analysis::plot::rows::{MOST, Rows};
 use crate::analysis::plot::shape::Point;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
-use crate::telemetry::fields::{NUTATION, NumberField, POSE, nutation};
+use crate::run::scenario::Scenario;
+use crate::telemetry::fields::{NUTATION, NumberField, POSE, nutation, state};
 use crate::telemetry::{Message, Topic, Topics};
 use std::ops::ControlFlow;
+
+/// How many times longer than the one before it a nutation may be. The period changes by some hundredths from one to the
+/// next; in recordings of the first version a fall, which isn't a nutation, ends the last cycle.
+const LONGEST: f64 = 2.0;
+
+/// The longest time between two nutations that is rounding, as a part of the period.
+const GAP: f64 = 0.01;
+
+/// Quantities of the state with their least and greatest values in a nutation.
+const ENVELOPES: [[NumberField; 3]; 4] = [
+    [state::THETA, nutation::THETA_MIN, nutation::THETA_MAX],
+    [
+        state::THETA_DOT,
+        nutation::THETA_DOT_MIN,
+        nutation::THETA_DOT_MAX,
+    ],
+    [state::PHI_DOT, nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX],
+    [state::PSI_DOT, nutation::PSI_DOT_MIN, nutation::PSI_DOT_MAX],
+];
+
+/// A nutation cycle.
+struct Cycle {
+    start: f64,
+    period: f64,
+    is_nutation: bool,
+}
 
 /// The numbers of a run that some figures need, from a recording or a simulation.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +73,15 @@ impl Run {
         topics.sort_unstable();
         topics.dedup();
         if !topics.is_empty() {
-            let ended = subject.read(&Topics::Only(topics), &mut |message, bytes| {
+            let fine: Scenario;
+            let source = match subject {
+                Subject::Scenario(scenario) => {
+                    fine = sampling::finely_sampled(scenario);
+                    Subject::Scenario(&fine)
+                }
+                recording @ Subject::Recording(_) => recording,
+            };
+            let ended = source.read(&Topics::Only(topics), &mut |message, bytes| {
                 progress(bytes);
                 run.take(message);
                 ControlFlow::Continue(())
@@ -159,16 +195,67 @@ impl Run {
         points.map_or_else(Vec::new, Iterator::collect)
     }
 
-    /// A mean over each nutation that was recorded, in the middle of the nutation.
+    /// A number that was recorded of each nutation, in the middle of the nutation. Where the motion between two
+    /// nutations is none there is a point that is not a number.
     pub(super) fn averages(&self, field: NumberField) -> Vec<Point> {
-        let [starts, periods, means] =
-            [nutation::START, nutation::PERIOD, field].map(|field| self.series(field));
-        let cycles = starts.into_iter().zip(periods).zip(means);
-        cycles
-            .map(|(((_, start), (_, period)), (_, mean))| {
-                (f64::midpoint(start, start + period), mean)
+        let mut points: Vec<Point> = Vec::new();
+        let left_out = self
+            .track(NUTATION)
+            .map_or(0.0, |track| track.rows.coarseness());
+        let mut last_end = f64::NAN;
+        for (cycle, (_, value)) in self.cycles().zip(self.series(field)) {
+            if !cycle.is_nutation {
+                continue;
+            }
+            let gap = cycle.start - last_end;
+            if gap > left_out + GAP * cycle.period {
+                points.push((last_end + 0.5 * gap, f64::NAN));
+            }
+            points.push((cycle.start + 0.5 * cycle.period, value));
+            last_end = cycle.start + cycle.period;
+        }
+        points
+    }
+
+    /// The least and the greatest values of a quantity of the state in each nutation, if they are recorded.
+    pub(super) fn envelope(&self, field: NumberField) -> Option<[Vec<Point>; 2]> {
+        let [_, least, greatest] = ENVELOPES.iter().find(|[known, ..]| *known == field)?;
+        let envelope = [least, greatest].map(|field| self.averages(*field));
+        let is_there = |(_, value): &Point| value.is_finite();
+        let is_recorded = envelope.iter().all(|line| line.iter().any(is_there));
+        is_recorded.then_some(envelope)
+    }
+
+    /// The least number of samples in a nutation; none if there is no nutation or no sample.
+    fn samples_per_nutation(&self) -> Option<f64> {
+        let samples = self.tracks.iter().filter(|track| track.topic != NUTATION);
+        let steps = samples.map(|track| track.rows.step());
+        let step = steps
+            .chain(self.means.iter().map(Means::step))
+            .reduce(f64::min)?;
+        let nutations = self.cycles().filter(|cycle| cycle.is_nutation);
+        let shortest = nutations.map(|cycle| cycle.period).reduce(f64::min)?;
+        Some(shortest / step)
+    }
+
+    /// The least number of samples in a nutation, if it is too small to show the envelope.
+    pub(super) fn coarseness(&self) -> Option<f64> {
+        self.samples_per_nutation()
+            .filter(|samples| *samples < sampling::ENOUGH)
+    }
+
+    /// The nutation cycles.
+    fn cycles(&self) -> impl Iterator<Item = Cycle> {
+        let [starts, periods] = [nutation::START, nutation::PERIOD].map(|field| self.series(field));
+        let mut before = f64::INFINITY;
+        starts
+            .into_iter()
+            .zip(periods)
+            .map(move |((_, start), (_, period))| Cycle {
+                start,
+                period,
+                is_nutation: period <= LONGEST * std::mem::replace(&mut before, period),
             })
-            .collect()
     }
 
     /// The mean over each nutation of a number that was sampled, in the middle of the nutation.
@@ -222,6 +309,35 @@ mod tests {
         let series = run.series(contact::SLIP_SPEED);
         assert_eq!(series.len(), 5);
         assert!(series[3].0 == 3.5 && series[3].1.is_nan());
+    }
+
+    /// The means of θ of nutations with these starts and periods.
+    fn averages(cycles: &[[f64; 2]]) -> Vec<Point> {
+        const THETA: Need = Need {
+            fields: &[nutation::START, nutation::PERIOD, nutation::THETA_MEAN],
+            are_means: false,
+        };
+        let mut run = Run::new("run", &[&THETA]);
+        for [start, period] in cycles {
+            run.tracks[0]
+                .rows
+                .push(start + period, [*start, *period, 0.1]);
+        }
+        run.finish();
+        run.averages(nutation::THETA_MEAN)
+    }
+
+    #[test]
+    fn a_fall_is_no_nutation() {
+        let found = averages(&[[0.0, 0.25], [0.25, 0.25], [0.5, 18.5]]);
+        assert_eq!(found, [(0.125, 0.1), (0.375, 0.1)]);
+    }
+
+    #[test]
+    fn averages_are_apart_where_there_was_no_nutation() {
+        let found = averages(&[[0.0, 0.25], [0.25, 0.25], [1.0, 0.25]]);
+        let is_gap: Vec<_> = found.iter().map(|(_, value)| value.is_nan()).collect();
+        assert_eq!(is_gap, [false, false, true, false]);
     }
 
     #[test]

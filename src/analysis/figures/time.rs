@@ -3,9 +3,10 @@
 use super::looks::{self, Looks, PALE, SHADE};
 use super::run::Run;
 use crate::analysis::plot::drawing::Drawing;
-use crate::analysis::plot::frame::{Band, Quantity, extremes};
+use crate::analysis::plot::frame::{Band, Quantity};
 use crate::analysis::plot::legend::Entry;
 use crate::analysis::plot::page::{Page, Panel};
+use crate::analysis::plot::range::{extremes, overlap};
 use crate::analysis::plot::shape::Point;
 use crate::analysis::plot::text::Text;
 use crate::telemetry::fields::{
@@ -27,19 +28,41 @@ pub(super) fn motion(runs: &[&Run], width: f64) -> Drawing {
         ("*φ\u{307}*", state::PHI_DOT, nutation::PHI_DOT_MEAN),
         ("*ψ\u{307}*", state::PSI_DOT, nutation::PSI_DOT_MEAN),
     ];
+    let has_envelopes = |run: &&&Run| {
+        panels
+            .iter()
+            .all(|(_, field, _)| run.envelope(*field).is_some())
+    };
+    let without: Vec<_> = runs
+        .iter()
+        .filter(|run| !has_envelopes(run))
+        .copied()
+        .collect();
+    let mut legend = motion_legend(runs);
+    legend.extend(looks::note(&without));
     let panels = panels.map(|(symbol, field, mean)| {
         let mut panel = Panel::new(symbol, field.unit());
+        // Upright, φ and ψ turn about the same axis, and each may turn as fast as it likes.
+        panel.is_singular = [state::PHI_DOT, state::PSI_DOT].contains(&field);
         motions(&mut panel, runs, field);
         averages(&mut panel, runs, field, mean);
         panel
     });
-    page(motion_legend(runs), panels.into()).draw(width)
+    page(legend, panels.into()).draw(width)
 }
 
+/// The motion of each run, and where samples are too few to show how it nutates, the region in which it does.
 fn motions(panel: &mut Panel, runs: &[&Run], field: NumberField) {
     let looks = Looks { runs: runs.len() };
     for (index, run) in runs.iter().enumerate() {
         let meaning = format!("{}: {}", run.name, field.path());
+        let envelope = run.coarseness().and_then(|_| run.envelope(field));
+        panel.envelopes.extend(envelope.map(|[lower, upper]| Band {
+            meaning: format!("{meaning}, range in each nutation"),
+            lower,
+            upper,
+            fill: looks.envelope(index),
+        }));
         panel.curve(meaning, run.series(field), looks.motion(index));
     }
 }
@@ -52,20 +75,34 @@ fn averages(panel: &mut Panel, runs: &[&Run], field: NumberField, mean: NumberFi
     }
 }
 
+/// Whether these points make a line.
+fn is_line(points: &[Point]) -> bool {
+    points
+        .iter()
+        .filter(|point| point.1.is_finite())
+        .nth(1)
+        .is_some()
+}
+
 /// The legend of runs and their averages.
 fn motion_legend(runs: &[&Run]) -> Vec<Entry> {
     let looks = Looks { runs: runs.len() };
+    let has_averages = |run: &&Run| is_line(&run.averages(nutation::THETA_MEAN));
+    let averages = runs.iter().any(has_averages);
     if runs.len() == 1 {
-        return vec![
-            Entry::line(looks.motion(0), "simulation"),
-            Entry::line(looks.average(0), "average over each nutation"),
-        ];
+        let mut legend = vec![Entry::line(looks.motion(0), "simulation")];
+        if averages {
+            legend.push(Entry::line(looks.average(0), "average over each nutation"));
+        }
+        return legend;
     }
     let mut legend = looks::legend(runs, Looks::average);
-    legend.push(Entry::area(
-        PALE,
-        "simulation; lines: average over each nutation",
-    ));
+    let about = if averages {
+        "simulation; lines: average over each nutation"
+    } else {
+        "simulation"
+    };
+    legend.push(Entry::area(PALE, about));
     legend
 }
 
@@ -77,8 +114,7 @@ pub(super) fn compared(runs: &[&Run], width: f64) -> Drawing {
     };
     let panel = |run: &&Run| {
         let mut panel = Panel::new("*θ*", "rad");
-        let points = run.series(state::THETA);
-        panel.curve(format!("{}: theta", run.name), points, looks.motion(0));
+        motions(&mut panel, std::slice::from_ref(run), state::THETA);
         let meaning = format!("{}: average of theta", reference.name);
         panel.curve(
             meaning,
@@ -90,12 +126,15 @@ pub(super) fn compared(runs: &[&Run], width: f64) -> Drawing {
         panel
     };
     let name = Text::name(&reference.name).followed_by(", average over each nutation");
+    let mut legend = vec![Entry::of(looks.average(0), name)];
+    let without = others
+        .iter()
+        .filter(|run| run.envelope(state::THETA).is_none());
+    let without: Vec<_> = without.copied().collect();
+    legend.extend(looks::note(&without));
     Page {
         shares_x: false,
-        ..page(
-            vec![Entry::of(looks.average(0), name)],
-            others.iter().map(panel).collect(),
-        )
+        ..page(legend, others.iter().map(panel).collect())
     }
     .draw(width)
 }
@@ -122,23 +161,40 @@ impl<'a> Terms<'a> {
             runs: self.runs.len(),
         };
         let entry = Entry::line(looks.term_in_legend(self.count), name);
+        let mut is_drawn = false;
         for (index, run) in self.runs.iter().enumerate() {
             let meaning = format!("{}: {}", run.name, entry.text.spoken);
             let stroke = looks.term(index, self.count);
-            self.panel.curve(meaning, points(run), stroke);
+            let points = points(run);
+            is_drawn |= is_line(&points);
+            self.panel.curve(meaning, points, stroke);
         }
-        self.panel.legend.push(entry);
+        if is_drawn {
+            self.panel.legend.push(entry);
+        }
         self.count += 1;
+        self
+    }
+
+    /// Values may grow beyond all bounds: brief spikes are cut off.
+    fn singular(mut self) -> Self {
+        self.panel.is_singular = true;
+        self
+    }
+
+    /// Values below this are rounding.
+    fn rounding(mut self, rounding: f64) -> Self {
+        self.panel.rounding = rounding;
         self
     }
 }
 
 /// A page of panels with several quantities each.
 fn terms(runs: &[&Run], panels: Vec<Terms<'_>>) -> Page {
-    page(
-        looks::legend(runs, Looks::run_in_legend),
-        panels.into_iter().map(|terms| terms.panel).collect(),
-    )
+    let mut legend = looks::legend(runs, Looks::run_in_legend);
+    legend.extend(looks::note(runs));
+    let panels = panels.into_iter().map(|terms| terms.panel);
+    page(legend, panels.collect())
 }
 
 /// A page of panels over the same time.
@@ -162,72 +218,127 @@ pub(super) fn acceleration(runs: &[&Run], width: f64) -> Drawing {
     let phi = Terms::new(runs, "mean *φ\u{308}*", "rad/s²")
         .term("frictional", mean(terms_of::PHI_DDOT_FRICTIONAL))
         .term("gyroscopic", mean(terms_of::PHI_DDOT_GYROSCOPIC))
-        .term("Coriolis", mean(terms_of::PHI_DDOT_CORIOLIS));
+        .term("Coriolis", mean(terms_of::PHI_DDOT_CORIOLIS))
+        .singular();
     terms(runs, vec![theta, phi]).draw(width)
 }
 
 /// φ̇ and the rates of regular precession, with the region between them in which θ̈ is negative.
 pub(super) fn precession(runs: &[&Run], width: f64) -> Drawing {
     let looks = Looks { runs: runs.len() };
-    let mut slow = Panel::new("*φ\u{307}*", "rad/s");
-    let mut fast = Panel::new("*φ\u{307}*", "rad/s");
-    fast.height = 0.45;
-    fast.is_broken = true;
-    let roots = |panel: &mut Panel, field: NumberField| {
-        for (index, run) in runs.iter().enumerate() {
+    let [mut near, mut far] = [(); 2].map(|()| Panel {
+        is_singular: true,
+        ..Panel::new("*φ\u{307}*", "rad/s")
+    });
+    motions(&mut near, runs, state::PHI_DOT);
+    near.most = around(near.range());
+    for (index, run) in runs.iter().enumerate() {
+        for (panel, field) in [&mut near, &mut far].into_iter().zip(by_nearness(run)) {
             let meaning = format!("{}: {}", run.name, field.path());
             panel.curve(meaning, run.series(field), looks.root(index));
         }
-    };
-    motions(&mut slow, runs, state::PHI_DOT);
-    roots(&mut slow, rates::SLOW_ROOT);
-    averages(&mut slow, runs, state::PHI_DOT, nutation::PHI_DOT_MEAN);
-    roots(&mut fast, rates::FAST_ROOT);
-    // The fast root goes to infinity where the axis becomes horizontal.
-    let starts = fast.curves.iter().filter_map(|curve| curve.points.first());
-    fast.limit = 2.0 * extremes(starts.map(|point| point.1.abs())).1;
-    if let [run] = runs {
-        for panel in [&mut slow, &mut fast] {
-            panel.bands = rising(run);
-        }
     }
+    averages(&mut near, runs, state::PHI_DOT, nutation::PHI_DOT_MEAN);
+    let mut panels = arranged(near, far);
     let mut legend = motion_legend(runs);
     legend.push(Entry::line(
         looks.root_in_legend(),
         "regular precession, slow and fast",
     ));
-    if !slow.bands.is_empty() {
-        legend.push(Entry::area(SHADE, "*θ\u{308}* < 0: the top rises"));
+    if let [run] = runs {
+        let bands = rising(run);
+        if !bands.is_empty() {
+            legend.push(Entry::area(SHADE, "*θ\u{308}* < 0: driven upright"));
+        }
+        for panel in &mut panels {
+            panel.bands.clone_from(&bands);
+        }
     }
-    page(legend, vec![fast, slow]).draw(width)
+    legend.extend(looks::note(runs));
+    page(legend, panels).draw(width)
+}
+
+/// The range of rates next to which a motion in this range is seen: a root that is there for a moment only may be far off.
+fn around((low, high): (f64, f64)) -> (f64, f64) {
+    let room = 2.0 * (high - low).max(low.abs()).max(high.abs());
+    (low - room, high + room)
+}
+
+/// The rates of regular precession: first the one that φ̇ follows.
+fn by_nearness(run: &Run) -> [NumberField; 2] {
+    let median = |field| {
+        let values = run.series(field).into_iter().map(|point| point.1);
+        let mut values: Vec<_> = values.filter(|value| value.is_finite()).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    };
+    let rate = median(state::PHI_DOT);
+    let distance = |root| (rate - median(root)).abs();
+    if distance(rates::FAST_ROOT) < distance(rates::SLOW_ROOT) {
+        [rates::FAST_ROOT, rates::SLOW_ROOT]
+    } else {
+        [rates::SLOW_ROOT, rates::FAST_ROOT]
+    }
+}
+
+/// The motion with the root that it follows, and the other root: with a common axis, broken between them, if one lies
+/// above the other.
+fn arranged(near: Panel, far: Panel) -> Vec<Panel> {
+    let (of_near, of_far) = (near.range(), far.range());
+    let far = Panel {
+        height: 0.45,
+        ..far
+    };
+    if far.is_empty() {
+        return vec![near];
+    }
+    if overlap(of_near, of_far) {
+        return vec![near, far];
+    }
+    let [upper, lower] = if of_far.0 > of_near.1 {
+        [far, near]
+    } else {
+        [near, far]
+    };
+    let is_broken = true;
+    vec![Panel { is_broken, ..upper }, lower]
 }
 
 /// The regions where θ̈ is negative: θ̈ is positive at φ̇ = 0 and changes its sign at the roots.
+///
+/// While both roots have the same sign it is negative between them. Where one goes through infinity and comes back from
+/// the other side, it is negative beyond both.
 fn rising(run: &Run) -> Vec<Band> {
-    let slow = run.series(rates::SLOW_ROOT);
-    let fast = run.series(rates::FAST_ROOT);
-    let pairs = || slow.iter().zip(&fast);
-    let pick = |which: fn(f64, f64) -> f64| -> Vec<Point> {
-        pairs().map(|(a, b)| (a.0, which(a.1, b.1))).collect()
+    let slow = run.series(rates::SLOW_ROOT).into_iter();
+    let roots: Vec<_> = slow.zip(run.series(rates::FAST_ROOT)).collect();
+    let sign = |(slow, fast): &(Point, Point)| {
+        let product = slow.1 * fast.1;
+        product.is_finite().then_some(product > 0.0)
     };
-    let far = |sign: f64| slow.iter().map(|(time, _)| (*time, sign * 1e9)).collect();
-    let (low, high) = (pick(f64::min), pick(f64::max));
-    let band = |lower, upper| Band {
-        meaning: "the top rises".to_owned(),
-        lower,
-        upper,
-        fill: SHADE,
-    };
-    let (least, greatest) = extremes(pairs().map(|(a, b)| a.1 * b.1));
-    if least > 0.0 {
-        vec![band(low, high)]
-    } else if greatest < 0.0 {
-        vec![band(far(-1.0), low), band(high, far(1.0))]
-    } else {
-        // A root went through infinity: the region changes its form.
-        Vec::new()
+    let mut bands = Vec::new();
+    for part in roots.chunk_by(|one, other| sign(one) == sign(other)) {
+        let pick = |which: fn(f64, f64) -> f64| -> Vec<Point> {
+            part.iter().map(|(a, b)| (a.0, which(a.1, b.1))).collect()
+        };
+        let far = |end: f64| part.iter().map(|(root, _)| (root.0, end)).collect();
+        let band = |lower, upper| Band {
+            meaning: "driven upright".to_owned(),
+            lower,
+            upper,
+            fill: SHADE,
+        };
+        let (low, high) = (pick(f64::min), pick(f64::max));
+        match part.first().and_then(sign) {
+            Some(true) => bands.push(band(low, high)),
+            Some(false) => bands.extend([band(far(-FAR), low), band(high, far(FAR))]),
+            None => {}
+        }
     }
+    bands
 }
+
+/// A rate beyond all axes, rad/s.
+const FAR: f64 = 1e9;
 
 /// A number of a run over time.
 fn series(field: NumberField) -> impl Fn(&Run) -> Vec<Point> {
@@ -252,6 +363,9 @@ pub(super) fn slip(runs: &[&Run], width: f64) -> Drawing {
     terms(runs, vec![speed, path]).draw(width)
 }
 
+/// A change of the energy by less than this part is the integrator's.
+const CONSERVED: f64 = 1e-9;
+
 /// The energies, and the work and power of friction.
 pub(super) fn energy(runs: &[&Run], width: f64) -> Drawing {
     let change = |run: &Run| {
@@ -263,10 +377,55 @@ pub(super) fn energy(runs: &[&Run], width: f64) -> Drawing {
         .term("total", series(energies::TOTAL))
         .term("kinetic", series(energies::KINETIC));
     let potential = Terms::new(runs, "*E*", "J").term("potential", series(energies::POTENTIAL));
+    let largest = runs.iter().flat_map(|run| run.series(energies::KINETIC));
+    let (_, largest) = extremes(largest.map(|point| point.1.abs()));
     let work = Terms::new(runs, "Δ*E*", "J")
         .term("change of the total", change)
-        .term("work of friction", series(energies::FRICTION_WORK));
+        .term("work of friction", series(energies::FRICTION_WORK))
+        .rounding(CONSERVED * largest);
     let power =
         Terms::new(runs, "*P*", "W").term("power of friction", series(energies::FRICTION_POWER));
     terms(runs, vec![kinetic, potential, work, power]).draw(width)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A panel whose only curve goes through this range.
+    fn panel((low, high): (f64, f64)) -> Panel {
+        let mut panel = Panel::new("*φ\u{307}*", "rad/s");
+        let points = vec![(0.0, low), (1.0, high)];
+        panel.curve("φ\u{307}", points, Looks { runs: 1 }.motion(0));
+        panel
+    }
+
+    #[test]
+    fn an_axis_is_broken_only_between_ranges_that_are_apart() {
+        let arranged = |near, far| {
+            let panels = arranged(panel(near), panel(far));
+            let values = panels
+                .iter()
+                .map(|panel| (panel.range().0, panel.is_broken));
+            values.collect::<Vec<_>>()
+        };
+        assert_eq!(
+            arranged((1.0, 2.0), (900.0, 950.0)),
+            [(900.0, true), (1.0, false)]
+        );
+        assert_eq!(
+            arranged((1.0, 2.0), (-950.0, -900.0)),
+            [(1.0, true), (-950.0, false)]
+        );
+        assert_eq!(
+            arranged((1.0, 2.0), (-50.0, 50.0)),
+            [(1.0, false), (-50.0, false)]
+        );
+    }
+
+    #[test]
+    fn a_root_that_is_far_off_leaves_the_motion_its_axis() {
+        assert_eq!(around((1.0, 2.0)), (-3.0, 6.0));
+        assert_eq!(around((499.0, 500.0)), (-501.0, 1500.0));
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::decimate;
 use super::drawing::{Anchor, Drawing};
+use super::legend;
 use super::shape::{Bounds, Colour, Point, Shape, Stroke};
 use super::style::{self, FONT, LINE, RESOLUTION};
 use super::text::Text;
@@ -31,16 +32,23 @@ impl Quantity {
     /// The label of an axis whose numbers are to be multiplied by a power of ten.
     fn text(self, exponent: i32) -> Text {
         let Self { symbol, unit } = self;
-        let power = match exponent {
-            0 => String::new(),
-            _ => format!("10^{{{}}}", exponent.to_string().replace('-', "−")),
-        };
-        let in_brackets = match (power.is_empty(), unit.is_empty()) {
-            (true, true) => return Text::markup(symbol),
-            (false, false) => format!("{power} {unit}"),
-            _ => format!("{power}{unit}"),
-        };
-        Text::markup(&format!("{symbol} ({in_brackets})"))
+        match in_brackets(exponent, unit) {
+            empty if empty.is_empty() => Text::markup(symbol),
+            in_brackets => Text::markup(&format!("{symbol} ({in_brackets})")),
+        }
+    }
+}
+
+/// A power of ten and a unit, as markup; one is left out.
+pub(crate) fn in_brackets(exponent: i32, unit: &str) -> String {
+    let power = match exponent {
+        0 => return unit.to_owned(),
+        _ => format!("10^{{{}}}", exponent.to_string().replace('-', "−")),
+    };
+    if unit.is_empty() {
+        power
+    } else {
+        format!("{power} {unit}")
     }
 }
 
@@ -89,27 +97,44 @@ impl Frame {
         parts.map(|points| Shape::Line { points, stroke }).collect()
     }
 
-    /// The shape of a shaded region.
-    pub(crate) fn area(&self, band: &Band) -> Shape {
+    /// The shapes of a shaded region: one for each part whose ends are numbers.
+    pub(crate) fn areas(&self, band: &Band) -> Vec<Shape> {
         let Bounds { top, bottom, .. } = self.bounds;
-        let places = |points: &[Point]| {
-            let places = points.iter().map(|point| {
-                let (x, y) = self.place(*point);
+        let places = |ends: Vec<Point>| {
+            let places = ends.into_iter().map(|point| {
+                let (x, y) = self.place(point);
                 (x, y.clamp(top, bottom))
             });
             decimate::by_column(places, 1.0 / RESOLUTION).concat()
         };
-        let mut points = places(&band.lower);
-        points.extend(places(&band.upper).into_iter().rev());
-        Shape::Area {
-            points,
-            fill: band.fill,
-        }
+        let ends: Vec<_> = band
+            .lower
+            .iter()
+            .copied()
+            .zip(band.upper.iter().copied())
+            .collect();
+        let is_sound = |(lower, upper): &(Point, Point)| lower.1.is_finite() && upper.1.is_finite();
+        let parts = ends.chunk_by(|one, other| is_sound(one) == is_sound(other));
+        let parts = parts.filter(|part| part.first().is_some_and(is_sound));
+        let shape = |part: &[(Point, Point)]| {
+            let (lower, upper) = part.iter().copied().unzip();
+            let mut points = places(lower);
+            points.extend(places(upper).into_iter().rev());
+            Shape::Area {
+                points,
+                fill: band.fill,
+            }
+        };
+        parts.map(shape).collect()
     }
 
     /// A frame of equal sides whose axes have the same scale, around the middle of two ranges.
     pub(crate) fn square(bounds: Bounds, [across, upward]: [(f64, f64); 2]) -> Self {
+        let values = [across.0, across.1, upward.0, upward.1].into_iter();
+        let magnitude = values.map(f64::abs).fold(1e-6, f64::max);
         let half = (across.1 - across.0).max(upward.1 - upward.0) / 2.0;
+        // Numbers at ticks of a shorter range would have too many digits.
+        let half = half.max(1e-6 * magnitude);
         let scale = |(low, high): (f64, f64)| {
             let middle = f64::midpoint(low, high);
             let most = ticks_across(bounds.width()).min(ticks_up(bounds.height()));
@@ -161,9 +186,16 @@ impl Frame {
             ..
         } = self.bounds;
         let baseline = bottom + GAP + 0.66 * FONT;
+        let mut from = 0.0;
         for tick in self.x.ticks() {
             let x = self.place((tick.value, self.y.low)).0;
-            drawing.label(Text::plain(&tick.label), (x, baseline), Anchor::Middle);
+            let text = Text::plain(&tick.label);
+            let half = 0.5 * text.width * FONT;
+            // Numbers with many digits would run into one another, or out of the frame.
+            if x - half >= from && x + half <= right + ROOM_RIGHT {
+                drawing.label(text, (x, baseline), Anchor::Middle);
+                from = x + half + GAP;
+            }
         }
         let middle = f64::midpoint(left, right);
         let text = quantity.text(self.x.exponent);
@@ -184,6 +216,27 @@ impl Frame {
         drawing.upward_label(text, left - 2.0 * GAP - width - ink, (top, bottom));
     }
 
+    /// Marks where curves go furthest beyond the upper and the lower end of the upright axis.
+    pub(crate) fn draw_beyond(&self, drawing: &mut Drawing, curves: &[&[Point]]) {
+        let points = || curves.iter().copied().flatten();
+        let highest = points().max_by(|one, other| height(one).total_cmp(&height(other)));
+        let lowest = points().min_by(|one, other| depth(one).total_cmp(&depth(other)));
+        let is_above = |point: &&Point| point.1 > self.y.high;
+        let is_below = |point: &&Point| point.1 < self.y.low;
+        let Bounds { top, bottom, .. } = self.bounds;
+        let place = |point: &Point| self.place(*point).0;
+        let up = highest
+            .filter(is_above)
+            .map(|point| legend::mark((place(point), top), 1.0));
+        let down = lowest
+            .filter(is_below)
+            .map(|point| legend::mark((place(point), bottom), -1.0));
+        let marks: Vec<_> = up.into_iter().chain(down).collect();
+        if !marks.is_empty() {
+            drawing.group("beyond the axis", marks);
+        }
+    }
+
     /// Marks the upright axis as broken at its lower end.
     pub(crate) fn draw_break(&self, drawing: &mut Drawing) {
         let Bounds {
@@ -199,6 +252,24 @@ impl Frame {
         let ends = [bottom, bottom + BREAK];
         let marks = ends.map(|y| [left, right].map(|x| mark(x, y)));
         drawing.group("break of the axis", marks.concat());
+    }
+}
+
+/// The value of a point, for finding the greatest: what is not a number is least.
+fn height(point: &Point) -> f64 {
+    if point.1.is_finite() {
+        point.1
+    } else {
+        f64::NEG_INFINITY
+    }
+}
+
+/// The value of a point, for finding the least: what is not a number is greatest.
+fn depth(point: &Point) -> f64 {
+    if point.1.is_finite() {
+        point.1
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -232,15 +303,6 @@ pub(crate) fn ticks_across(length: f64) -> usize {
 /// The most numbers that an upright axis of this length has.
 pub(crate) fn ticks_up(length: f64) -> usize {
     (length / TICK_ROOM_UP) as usize
-}
-
-/// The least and the greatest of the numbers that are finite.
-pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        })
 }
 
 /// The distance from a frame up to the baseline of what stands above it, mm.

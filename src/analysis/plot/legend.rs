@@ -19,6 +19,10 @@ enum Sample {
     Area(Colour),
     /// A dot; whether it is filled.
     Dot(bool),
+    /// The marks of curves that go beyond their axis.
+    Marks,
+    /// Nothing: the text is a note.
+    None,
 }
 
 impl Entry {
@@ -46,6 +50,22 @@ impl Entry {
         }
     }
 
+    /// What the marks mean at places where curves go beyond their axis.
+    pub(crate) fn beyond() -> Self {
+        Self {
+            sample: Sample::Marks,
+            text: Text::plain("beyond the axis"),
+        }
+    }
+
+    /// A remark.
+    pub(crate) fn note(text: &str) -> Self {
+        Self {
+            sample: Sample::None,
+            text: Text::plain(text),
+        }
+    }
+
     /// The space between the sample and the text, mm.
     const AFTER_SAMPLE: f64 = 1.2;
 
@@ -53,13 +73,23 @@ impl Entry {
     const AFTER: f64 = 4.0;
 
     fn width(&self) -> f64 {
-        self.sample.width() + Self::AFTER_SAMPLE + self.text.width * FONT
+        self.indent() + self.text.width * FONT
+    }
+
+    /// The width of what stands before the text, mm.
+    fn indent(&self) -> f64 {
+        match self.sample {
+            Sample::None => 0.0,
+            sample => sample.width() + Self::AFTER_SAMPLE,
+        }
     }
 
     fn draw(&self, drawing: &mut Drawing, left: f64, baseline: f64) {
-        let shape = self.sample.shape(left, baseline - 0.24 * FONT);
-        drawing.group(&format!("key: {}", self.text.spoken), vec![shape]);
-        let start = left + self.sample.width() + Self::AFTER_SAMPLE;
+        let shapes = self.sample.shapes(left, baseline - 0.24 * FONT);
+        if !shapes.is_empty() {
+            drawing.group(&format!("key: {}", self.text.spoken), shapes);
+        }
+        let start = left + self.indent();
         drawing.label(self.text.clone(), (start, baseline), Anchor::Start);
     }
 }
@@ -70,17 +100,19 @@ impl Sample {
         match self {
             Self::Line(_) | Self::Area(_) => 6.5,
             Self::Dot(_) => 2.0 * DOT,
+            Self::Marks => 4.0 * MARK + 0.6,
+            Self::None => 0.0,
         }
     }
 
-    fn shape(self, left: f64, middle: f64) -> Shape {
+    fn shapes(self, left: f64, middle: f64) -> Vec<Shape> {
         let right = left + self.width();
         match self {
-            Self::Line(stroke) => Shape::Line {
+            Self::Line(stroke) => vec![Shape::Line {
                 points: vec![(left, middle), (right, middle)],
                 stroke,
-            },
-            Self::Area(fill) => Shape::Area {
+            }],
+            Self::Area(fill) => vec![Shape::Area {
                 points: Bounds {
                     left,
                     top: middle - 0.35 * FONT,
@@ -89,9 +121,26 @@ impl Sample {
                 }
                 .corners(),
                 fill,
-            },
-            Self::Dot(is_filled) => dot((left + DOT, middle), is_filled, style::BLACK),
+            }],
+            Self::Dot(is_filled) => vec![dot((left + DOT, middle), is_filled, style::BLACK)],
+            Self::Marks => vec![
+                mark((left + MARK, middle - MARK), 1.0),
+                mark((right - MARK, middle + MARK), -1.0),
+            ],
+            Self::None => Vec::new(),
         }
+    }
+}
+
+/// Half the width of a mark, and its height, mm.
+const MARK: f64 = 0.9;
+
+/// A triangle with its tip at a place, which points upwards for 1 and downwards for −1.
+pub(crate) fn mark((x, y): Point, upward: f64) -> Shape {
+    let base = y + upward * 2.0 * MARK;
+    Shape::Area {
+        points: vec![(x, y), (x + MARK, base), (x - MARK, base)],
+        fill: style::BLACK,
     }
 }
 

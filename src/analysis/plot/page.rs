@@ -1,8 +1,9 @@
 //! Pages: panels that share a horizontal axis, one below the other or in two columns, with legends above them.
 
 use super::drawing::Drawing;
-use super::frame::{self, Band, Frame, Quantity, extremes};
+use super::frame::{self, Band, Frame, Quantity};
 use super::legend::{self, Entry};
+use super::range::{self, extremes, union};
 use super::shape::{Bounds, Point, Stroke};
 use super::style::{LINE, MARGIN, TWO_COLUMNS};
 use super::ticks::Scale;
@@ -19,7 +20,10 @@ pub(crate) struct Curve {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Panel {
     pub(crate) quantity: Quantity,
+    /// Regions behind the curves, which may be larger than the panel.
     pub(crate) bands: Vec<Band>,
+    /// Regions in which curves move faster than can be drawn.
+    pub(crate) envelopes: Vec<Band>,
     /// The curves in the order of drawing.
     pub(crate) curves: Vec<Curve>,
     /// The legend above the panel.
@@ -28,8 +32,12 @@ pub(crate) struct Panel {
     pub(crate) height: f64,
     /// Whether the upright axis is broken and goes on in the next panel.
     pub(crate) is_broken: bool,
-    /// The greatest magnitude for which there is room: values beyond it may lie outside.
-    pub(crate) limit: f64,
+    /// Whether the quantity may grow beyond all bounds: brief spikes are then cut off and marked.
+    pub(crate) is_singular: bool,
+    /// The widest range for which there is room.
+    pub(crate) most: (f64, f64),
+    /// The magnitude below which values are rounding, and drawn as zero is.
+    pub(crate) rounding: f64,
 }
 
 impl Panel {
@@ -37,11 +45,14 @@ impl Panel {
         Self {
             quantity: Quantity { symbol, unit },
             bands: Vec::new(),
+            envelopes: Vec::new(),
             curves: Vec::new(),
             legend: Vec::new(),
             height: 1.0,
             is_broken: false,
-            limit: f64::INFINITY,
+            is_singular: false,
+            most: (f64::NEG_INFINITY, f64::INFINITY),
+            rounding: 0.0,
         }
     }
 
@@ -53,11 +64,47 @@ impl Panel {
         });
     }
 
+    /// Whether nothing is drawn.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.range() == range::NONE
+    }
+
+    /// All lines whose values count.
+    fn lines(&self) -> Vec<&[Point]> {
+        let curves = self.curves.iter().map(|curve| &curve.points);
+        let envelopes = self.envelopes.iter();
+        let envelopes = envelopes.flat_map(|band| [&band.lower, &band.upper]);
+        curves.chain(envelopes).map(Vec::as_slice).collect()
+    }
+
+    /// The range of values for which there is room.
+    pub(crate) fn range(&self) -> (f64, f64) {
+        let of = |line: &[Point]| {
+            if self.is_singular {
+                range::without_spikes(line)
+            } else {
+                extremes(line.iter().map(|point| point.1))
+            }
+        };
+        let lines = self.lines().into_iter().map(of);
+        let (low, high) = lines.fold(range::NONE, union);
+        if low.abs().max(high.abs()) < self.rounding {
+            return (0.0, 0.0);
+        }
+        (low.max(self.most.0), high.min(self.most.1))
+    }
+
+    /// Whether curves go beyond this range.
+    fn is_cut(&self) -> bool {
+        let (low, high) = self.range();
+        let values = self.lines().into_iter().flatten().map(|point| point.1);
+        let all = extremes(values);
+        self.is_singular && (all.0 < low || all.1 > high)
+    }
+
     /// The scale of the upright axis: the range of the curves and some air.
     fn scale(&self, usual_height: f64) -> Scale {
-        let values = self.curves.iter().flat_map(|curve| &curve.points);
-        let values = values.map(|point| point.1);
-        let (low, high) = extremes(values.filter(|value| value.abs() <= self.limit));
+        let (low, high) = self.range();
         let air = 0.06 * (high - low);
         let most = frame::ticks_up(self.height * usual_height);
         Scale::new(low - air, high + air, most)
@@ -101,7 +148,11 @@ impl Page {
     pub(crate) fn draw(&self, width: f64) -> Drawing {
         let columns = self.columns(width);
         let mut drawing = Drawing::new(width);
-        let mut top = legend::draw_at_top(&mut drawing, &self.legend);
+        let mut legend = self.legend.clone();
+        if self.panels.iter().any(Panel::is_cut) {
+            legend.push(Entry::beyond());
+        }
+        let mut top = legend::draw_at_top(&mut drawing, &legend);
         let frames = self.frames(width, columns, &mut top);
         for (index, frame) in frames.iter().enumerate() {
             self.draw_panel(&mut drawing, index, columns, frame);
@@ -134,9 +185,8 @@ impl Page {
         } else {
             std::slice::from_ref(panel)
         };
-        let curves = all.iter().flat_map(|panel| &panel.curves);
-        let (first, last) =
-            extremes(curves.flat_map(|curve| curve.points.iter().map(|point| point.0)));
+        let lines = all.iter().flat_map(Panel::lines);
+        let (first, last) = extremes(lines.flatten().map(|point| point.0));
         let first = if first < NEARLY_ZERO * last {
             first.min(0.0)
         } else {
@@ -215,13 +265,14 @@ impl Page {
 
     fn draw_panel(&self, drawing: &mut Drawing, index: usize, columns: usize, frame: &Frame) {
         let panel = &self.panels[index];
-        for band in &panel.bands {
-            drawing.group(&band.meaning, vec![frame.area(band)]);
+        for band in panel.bands.iter().chain(&panel.envelopes) {
+            drawing.group(&band.meaning, frame.areas(band));
         }
         for curve in &panel.curves {
             drawing.group(&curve.meaning, frame.line(&curve.points, curve.stroke));
         }
         frame.draw(drawing);
+        frame.draw_beyond(drawing, &panel.lines());
         if panel.is_broken {
             frame.draw_break(drawing);
         }

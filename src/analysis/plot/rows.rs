@@ -69,6 +69,20 @@ impl Rows {
         self.times.is_empty()
     }
 
+    /// The shortest time between two samples, s; infinite before [`Self::mark_gaps`].
+    pub(crate) fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// The longest time between two rows from between which rows were left out, s.
+    pub(crate) fn coarseness(&self) -> f64 {
+        if self.width > NARROWEST {
+            2.0 * self.width
+        } else {
+            0.0
+        }
+    }
+
     /// The points of a column.
     pub(crate) fn points(&self, column: usize) -> impl Iterator<Item = Point> {
         let values = self.columns[column].iter().copied();

@@ -132,6 +132,9 @@ impl Scale {
     }
 }
 
+/// Magnitudes below this are zero in SI units.
+const ZERO: f64 = 1e-12;
+
 /// The exponent of a positive number in scientific notation: its decimal logarithm, rounded down.
 fn decade(number: f64) -> i32 {
     let text = format!("{number:e}");
@@ -146,7 +149,8 @@ fn count(low: f64, high: f64, step: Step) -> f64 {
     (high / step).floor() - (low / step).ceil() + 1.0
 }
 
-/// A range that is long enough for numbers at ticks to differ.
+/// A range that is long enough for numbers at ticks to differ. A constant gets room on both sides so that these numbers
+/// are short: a tenth of its value, or one around zero.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     let magnitude = low.abs().max(high.abs());
     // Numbers that are not finite or beyond all use have no scale.
@@ -154,11 +158,15 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     if !is_sound {
         return (0.0, 1.0);
     }
-    let least = (magnitude * 1e-6).max(1e-12);
-    if high - low < least {
-        return (low - least, high + least);
+    if high - low >= (magnitude * 1e-6).max(ZERO) {
+        return (low, high);
     }
-    (low, high)
+    let room = if magnitude < ZERO {
+        1.0
+    } else {
+        0.1 * magnitude
+    };
+    (low - room, high + room)
 }
 
 #[cfg(test)]
@@ -189,6 +197,16 @@ mod tests {
         assert_eq!(scale.ticks().last().unwrap().label, "200");
         let scale = Scale::new(0.0, 25_000.0, 6);
         assert_eq!((scale.exponent, scale.ticks()[1].label.as_str()), (3, "5"));
+    }
+
+    #[test]
+    fn constants_have_short_numbers() {
+        assert_eq!(labels(0.0, 0.0, 5), ["−1.0", "−0.5", "0.0", "0.5", "1.0"]);
+        assert_eq!(labels(0.0, 1e-13, 5), labels(0.0, 0.0, 5));
+        assert_eq!(
+            labels(0.5, 0.5, 5),
+            ["0.46", "0.48", "0.50", "0.52", "0.54"]
+        );
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::archive::sink::SinkError;
 use crate::cli::interrupt::Interrupt;
 use crate::cli::output;
 use crate::cli::report::WrittenFile;
-use crate::cli::viewer::{Target, ViewerArguments};
+use crate::cli::viewer::{self, Target, ViewerArguments};
 use crate::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
 use crate::telemetry::Message;
 use crate::telemetry::side::Side;
@@ -99,14 +99,7 @@ impl Viewer {
     /// Shows the report too, and completes the file; tells of it.
     pub(super) fn finish(mut self, markdown: &str) -> Result<(Target, Option<WrittenFile>), Error> {
         self.sink.summarize(markdown);
-        output::warn_all(self.sink.finish().map_err(SinkError::from)?);
-        let written = match self.draft {
-            Some(draft) => {
-                let path = draft.path().to_owned();
-                Some(WrittenFile::new(&path, draft.publish()?))
-            }
-            None => None,
-        };
+        let written = viewer::complete(self.sink.finish(), self.draft)?;
         Ok((self.target, written))
     }
 }

@@ -2,13 +2,14 @@
 
 use super::arguments::RunArguments;
 use crate::archive::publish::Draft;
-use crate::archive::sink::{Sink, SinkError};
+use crate::archive::sink::Sink;
 use crate::cli::output;
 use crate::cli::report::WrittenFile;
+use crate::cli::viewer;
 use crate::rerun::{Destinations, Identity, Live, Playback, RerunSink};
 use crate::run::scenario::Scenario;
 use crate::telemetry::{Telemetry, Topic};
-use anyhow::{Context as _, Error};
+use anyhow::Error;
 use std::path::Path;
 
 /// Feeds Rerun, if the run asks for it.
@@ -44,25 +45,10 @@ impl RunViewer {
 
     /// Ends the stream; tells of the file, if there is one.
     pub(super) fn finish(self) -> Result<Option<WrittenFile>, Error> {
-        let Some(sink) = self.sink else {
-            return Ok(None);
-        };
-        let ended = sink.finish().map_err(SinkError::from);
-        let Some(draft) = self.draft else {
-            output::warn_all(ended?);
-            return Ok(None);
-        };
-        let path = draft.path().to_owned();
-        let context = || format!("{} is not written", path.display());
-        match ended {
-            Ok(warnings) => output::warn_all(warnings),
-            Err(error) => {
-                draft.discard();
-                return Err(error).with_context(context);
-            }
+        match self.sink {
+            Some(sink) => viewer::complete(sink.finish(), self.draft),
+            None => Ok(None),
         }
-        let bytes = draft.publish().with_context(context)?;
-        Ok(Some(WrittenFile::new(&path, bytes)))
     }
 }
 

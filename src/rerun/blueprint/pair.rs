@@ -1,12 +1,10 @@
 //! The layout for two runs that are compared: both tops on one table, and for each quantity both
 //! curves, their difference, and how the difference grows.
 
-use rerun::blueprint::components::Corner2D;
+use rerun::blueprint::components::{Corner2D, LinkAxis};
 use rerun::blueprint::datatypes::TextLogColumnKind;
 use rerun::components::Name;
 use rerun::external::re_log_types::LogMsg;
-use rerun::external::re_sdk_types::blueprint::archetypes as parts;
-use rerun::external::re_sdk_types::blueprint::components;
 
 use super::builder::{Child, Layout, column, row, tabs};
 use super::contrasts::{Contrast, FRICTION, MORE, MOTION};
@@ -144,12 +142,6 @@ fn curves(
     if contents.is_empty() {
         return None;
     }
-    let legend = match legend {
-        Some(corner) => parts::PlotLegend::new().with_corner(corner),
-        None => parts::PlotLegend::new().with_visible(false),
-    };
-    let view = time_series(layout, name, contents, &legend);
-    let linked = parts::TimeAxis::new().with_link(components::LinkAxis::LinkToGlobal);
-    layout.property(&view, "TimeAxis", &linked);
-    Some(view)
+    let link = LinkAxis::LinkToGlobal;
+    Some(time_series(layout, name, contents, legend, link))
 }

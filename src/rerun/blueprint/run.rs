@@ -1,6 +1,6 @@
 //! The layout for one run: the scene at the left with the events below, the charts that tell the story at the right.
 
-use rerun::blueprint::components::{ContainerKind, Corner2D};
+use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
 use rerun::blueprint::datatypes::TextLogColumnKind;
 use rerun::components::Name;
 use rerun::external::re_log_types::LogMsg;
@@ -128,8 +128,9 @@ fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
             }
             let name = format!("{} ({})", chart.name, chart.contents[0].unit());
             let contents: Vec<_> = chart.contents.iter().map(Plot::to_string).collect();
-            let legend = parts::PlotLegend::new().with_corner(chart.legend);
-            views.push(time_series(layout, &name, &contents, &legend));
+            let legend = Some(chart.legend);
+            let link = LinkAxis::Independent;
+            views.push(time_series(layout, &name, &contents, legend, link));
         }
         let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
             .with_grid_columns(2)

@@ -1,8 +1,8 @@
 //! Views and panels that both layouts are made of.
 
 use rerun::blueprint::components::{
-    BackgroundKind, Eye3DKind, LoopMode, PanelState, PlayState, TextLogColumn, TimelineColumn,
-    VisibleTimeRange,
+    BackgroundKind, Corner2D, Eye3DKind, LinkAxis, LoopMode, PanelState, PlayState, TextLogColumn,
+    TimelineColumn, VisibleTimeRange,
 };
 use rerun::blueprint::datatypes as blueprint_data;
 use rerun::components::Color;
@@ -37,27 +37,30 @@ pub(super) fn scene(
     let background =
         parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(0x1215_1BFF));
     let grid = parts::LineGrid3D::new().with_visible(false);
+    let surroundings = parts::SpatialInformation::update_fields()
+        .with_show_axes(false)
+        .with_show_bounding_box(false);
     layout.property(&view, "EyeControls3D", &camera);
     layout.property(&view, "Background", &background);
     layout.property(&view, "LineGrid3D", &grid);
+    layout.property(&view, "SpatialInformation", &surroundings);
     for run in runs {
         for trail in [TRAIL_ABOVE, TRAIL_BELOW] {
             let path = format!("ViewContents/overrides{}/visualizers", run.entity(trail));
-            layout.property(&view, &path, &parts::VisibleTimeRanges::new([past()]));
+            let past = until(TimeRangeBoundary::CursorRelative(TimeInt(0)));
+            layout.property(&view, &path, &past);
         }
     }
     view
 }
 
-/// The time from the beginning to the cursor.
-fn past() -> VisibleTimeRange {
-    VisibleTimeRange(datatypes::VisibleTimeRange {
+/// The time from the beginning to an end.
+fn until(end: TimeRangeBoundary) -> parts::VisibleTimeRanges {
+    let start = TimeRangeBoundary::Infinite;
+    parts::VisibleTimeRanges::new([VisibleTimeRange(datatypes::VisibleTimeRange {
         timeline: TIMELINE.into(),
-        range: TimeRange {
-            start: TimeRangeBoundary::Infinite,
-            end: TimeRangeBoundary::CursorRelative(TimeInt(0)),
-        },
-    })
+        range: TimeRange { start, end },
+    })])
 }
 
 /// A list of the events of these entities, with these columns beside the time.
@@ -83,15 +86,28 @@ pub(super) fn events(
     view
 }
 
-/// A chart of these entities.
+/// A chart of these entities over the whole time, with a legend in a corner or without one. Linked charts move their time
+/// axes together.
 pub(super) fn time_series(
     layout: &mut Layout,
     name: &str,
     contents: &[impl AsRef<str>],
-    legend: &parts::PlotLegend,
+    legend: Option<Corner2D>,
+    link: LinkAxis,
 ) -> Child {
     let view = layout.view("TimeSeries", name, "/", contents);
-    layout.property(&view, "PlotLegend", legend);
+    let shown = parts::PlotLegend::new().with_visible(legend.is_some());
+    let legend = match legend {
+        Some(corner) => shown.with_corner(corner),
+        None => shown,
+    };
+    layout.property(&view, "PlotLegend", &legend);
+    layout.property(&view, "TimeAxis", &parts::TimeAxis::new().with_link(link));
+    layout.property(
+        &view,
+        "VisibleTimeRanges",
+        &until(TimeRangeBoundary::Infinite),
+    );
     view
 }
 

@@ -4,7 +4,8 @@ use super::trace::{Direction, Trace};
 use crate::analysis::figures::looks::SURFACE;
 use crate::analysis::plot::decimate;
 use crate::analysis::plot::drawing::{Anchor, Drawing};
-use crate::analysis::plot::frame::extremes;
+use crate::analysis::plot::frame;
+use crate::analysis::plot::range::extremes;
 use crate::analysis::plot::shape::{Bounds, Point, Shape, Stroke};
 use crate::analysis::plot::style::{self, LINE, MARGIN, RESOLUTION};
 use crate::analysis::plot::text::Text;
@@ -33,6 +34,8 @@ const VERTICAL: (f64, f64) = (0.75, 0.36);
 pub(super) struct Sphere {
     /// Circles of equal θ (rad) and their labels; the last bounds the cap.
     circles: Vec<(f64, String)>,
+    /// The labels are to be multiplied by ten to this power.
+    exponent: i32,
 }
 
 /// The rotations that bring the eye to the x axis: about the vertical, and then down to the horizon.
@@ -61,12 +64,13 @@ fn steps(end: f64, count: u32) -> impl Iterator<Item = f64> {
 }
 
 impl Sphere {
-    pub(super) fn around(traces: &[Trace]) -> Self {
+    pub(super) fn around(traces: &[&Trace]) -> Self {
         let axes = traces.iter().flat_map(|trace| &trace.axes);
         let thetas = axes.map(|axis| atan2(hypot(axis.x, axis.y), axis.z));
         let (_, greatest) = extremes(thetas);
         let scale = Scale::new(0.0, greatest.max(1e-6), 6);
         Self {
+            exponent: scale.exponent,
             circles: scale
                 .ticks_beyond()
                 .into_iter()
@@ -139,7 +143,7 @@ impl Sphere {
     }
 
     /// Draws the cap and the paths of the axes into bounds.
-    pub(super) fn draw(&self, drawing: &mut Drawing, traces: &[Trace], bounds: Bounds) {
+    pub(super) fn draw(&self, drawing: &mut Drawing, traces: &[&Trace], bounds: Bounds) {
         let [across, up] = self.extent();
         let scale = (bounds.width() - 2.0 * MARGIN) / (across.1 - across.0);
         let scale = scale.min((bounds.height() - LINE) / (up.1 - up.0));
@@ -158,7 +162,7 @@ impl Sphere {
         }
         let dots = traces
             .iter()
-            .flat_map(|trace| trace.dots(|axis| view.place(axis)));
+            .flat_map(|trace| trace.dots(0, |axis| view.place(axis)));
         drawing.group("start and end", dots.collect());
         let place = (middle, top + height);
         drawing.label(self.caption(), place, Anchor::Middle);
@@ -207,7 +211,12 @@ impl Sphere {
         if labels.len() > 3 {
             labels.splice(2..labels.len() - 1, ["…"]);
         }
-        Text::markup(&format!("circles at *θ* = {} rad", labels.join(", ")))
+        let labels = labels.join(", ");
+        let unit = frame::in_brackets(self.exponent, "rad");
+        Text::markup(&match self.exponent {
+            0 => format!("circles at *θ* = {labels} rad"),
+            _ => format!("circles at *θ* = {labels} ({unit})"),
+        })
     }
 }
 

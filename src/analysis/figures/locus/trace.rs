@@ -1,10 +1,11 @@
 //! The path of a run's symmetry axis.
 
 use crate::analysis::figures::run::Run;
-use crate::analysis::plot::frame::extremes;
 use crate::analysis::plot::legend;
+use crate::analysis::plot::range::extremes;
 use crate::analysis::plot::rows::END;
 use crate::analysis::plot::shape::{Point, Shape, Stroke};
+use crate::analysis::plot::style;
 use crate::telemetry::fields::pose;
 use nalgebra::Vector3;
 
@@ -17,12 +18,12 @@ pub(super) struct Trace {
     times: Vec<f64>,
     pub(super) axes: Vec<Direction>,
     pub(super) stroke: Stroke,
-    /// Whether the path begins where the run began.
-    has_start: bool,
+    /// The place among all paths in the order of drawing.
+    pub(super) order: usize,
 }
 
 impl Trace {
-    pub(super) fn of(run: &Run, stroke: Stroke) -> Self {
+    pub(super) fn of(run: &Run) -> Self {
         let [x, y, z] = pose::AXIS
             .components()
             .map(|component| run.series(component));
@@ -33,33 +34,34 @@ impl Trace {
             axes: both
                 .map(|((x, y), z)| Vector3::new(x.1, y.1, z.1))
                 .collect(),
-            stroke,
-            has_start: true,
+            stroke: style::frame(),
+            order: 0,
         }
     }
 
-    /// The last part of the path, which is drawn magnified.
-    pub(super) fn end(&self) -> Self {
+    /// Where the last part of the path begins, which is drawn magnified.
+    pub(super) fn end(&self) -> usize {
         let (first, last) = extremes(self.times.iter().copied());
         let from = last - END * (last - first);
-        let skipped = self.times.partition_point(|time| *time < from);
-        Self {
-            name: self.name.clone(),
-            times: self.times[skipped..].to_vec(),
-            axes: self.axes[skipped..].to_vec(),
-            stroke: self.stroke,
-            has_start: false,
-        }
+        self.times.partition_point(|time| *time < from)
     }
 
-    pub(super) fn projected(&self) -> Vec<Point> {
-        self.axes.iter().map(|axis| (axis[0], axis[1])).collect()
+    /// The length of the path.
+    pub(super) fn length(&self) -> f64 {
+        let steps = self.axes.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+        steps.filter(|step| step.is_finite()).sum()
     }
 
-    /// The dots at the start and the end.
-    pub(super) fn dots(&self, place: impl Fn(&Direction) -> Point) -> Vec<Shape> {
+    /// The path as seen from above, from some point on.
+    pub(super) fn projected(&self, from: usize) -> Vec<Point> {
+        let axes = self.axes[from..].iter();
+        axes.map(|axis| (axis[0], axis[1])).collect()
+    }
+
+    /// The dots at the start and the end of the path from some point on.
+    pub(super) fn dots(&self, from: usize, place: impl Fn(&Direction) -> Point) -> Vec<Shape> {
         let dot = |axis, is_end| legend::dot(place(axis), is_end, self.stroke.colour);
-        let start = self.axes.first().filter(|_| self.has_start);
+        let start = self.axes.first().filter(|_| from == 0);
         let start = start.map(|axis| dot(axis, false));
         let end = self.axes.last().map(|axis| dot(axis, true));
         start.into_iter().chain(end).collect()

@@ -1,0 +1,91 @@
+//! How finely a run is sampled in comparison with what is to be seen of it.
+
+use crate::run::scenario::Scenario;
+use crate::run::simulation::{Record, Simulation};
+
+/// The samples in each nutation that show its envelope: the highest of them is lower than the peak by at most
+/// 1 − cos(π/20) of the amplitude, which in print is less than the width of a line.
+const PER_NUTATION: f64 = 20.0;
+
+/// Samples in a nutation from which figures are drawn as they are: a few less than simulations are sampled with, so that
+/// these count.
+pub(super) const ENOUGH: f64 = 0.9 * PER_NUTATION;
+
+/// The samples in a run that make its curves smooth.
+const PER_RUN: f64 = 500.0;
+
+/// How many times shorter than they are on average the nutations of a run may become before their samples become
+/// fewer. The time to sample is thus bounded by that to integrate, which needs about as many steps.
+const SHORTENING: f64 = 8.0;
+
+/// A time between samples, ns, that is longer than any run.
+const NEVER: u64 = i64::MAX.unsigned_abs();
+
+/// The run with samples that are close enough together to draw it: they are read off the dense output and don't change
+/// the motion.
+pub(super) fn finely_sampled(scenario: &Scenario) -> Scenario {
+    let period = scenario.sample_period_ns;
+    let wanted = period_ns(scenario).unwrap_or(period as f64);
+    // A divisor keeps the samples that the run has anyway.
+    let parts = (period as f64 / wanted).ceil().max(1.0) as u64;
+    sampled(scenario, (period / parts).max(1))
+}
+
+fn sampled(scenario: &Scenario, period_ns: u64) -> Scenario {
+    let mut sampled = scenario.clone();
+    sampled.sample_period_ns = period_ns;
+    sampled
+}
+
+/// The longest time between samples that shows everything, ns; none if the run can't be simulated.
+fn period_ns(scenario: &Scenario) -> Option<f64> {
+    let mut simulation = Simulation::new(&sampled(scenario, NEVER)).ok()?;
+    let (mut shortest, mut count) = (f64::INFINITY, 0.0);
+    for record in simulation.by_ref() {
+        if let Record::Nutation(cycle) = record.ok()? {
+            shortest = f64::min(shortest, cycle.period());
+            count += 1.0;
+        }
+    }
+    let duration = simulation.outcome().time;
+    let of_nutation = f64::max(shortest, duration / (SHORTENING * count)) / PER_NUTATION;
+    let period = f64::min(of_nutation, duration / PER_RUN);
+    (period > 0.0).then_some(1e9 * period)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::scenario::Preset;
+
+    fn scenario(preset: &str, changes: &[(&str, &str)]) -> Scenario {
+        let mut values = Preset::find(preset).unwrap().values().unwrap();
+        for (key, value) in changes {
+            values.set(key, value).unwrap();
+        }
+        Scenario::new(values).unwrap()
+    }
+
+    #[test]
+    fn samples_follow_the_fastest_nutation() {
+        let period = |preset: &str, changes: &[(&str, &str)]| {
+            finely_sampled(&scenario(preset, changes)).sample_period_ns
+        };
+        // Forty samples in each of the paper's nutations show it.
+        assert_eq!(period("paper", &[("stop.duration", "1")]), 1_000_000);
+        // At 3000 rad/s a nutation takes 2.46 ms.
+        let fast = [("initial.psi_dot", "3000"), ("stop.duration", "1")];
+        assert_eq!(period("paper", &fast), 111_111);
+        let short = period("paper", &[("stop.duration", "0.003")]);
+        assert!((5_900..=6_000).contains(&short), "{short}");
+    }
+
+    #[test]
+    fn a_run_without_nutation_stays_as_it_is() {
+        let falling = [("initial.psi_dot", "0"), ("stop.duration", "0.6")];
+        let scenario = scenario("paper", &falling);
+        let fine = finely_sampled(&scenario);
+        assert!(fine.sample_period_ns <= scenario.sample_period_ns);
+        assert!(fine.sample_period_ns > 100_000);
+    }
+}

@@ -1,0 +1,129 @@
+//! Ranges of values that axes show.
+
+use super::shape::Point;
+
+/// The number of parts into which the time of a curve is divided to find its spikes.
+const PARTS: usize = 256;
+
+/// Curves that are drawn of fewer parts have no spikes: one of the parts is too large a share of them.
+const LEAST_PARTS: usize = 40;
+
+/// A spike takes at most this share of the time above a curve, and below it.
+const BRIEF: f64 = 0.1;
+
+/// A spike leaves less than this share of the axis to the rest of the curve.
+const FLAT: f64 = 0.1;
+
+/// How far an axis goes beyond the rest of the curve where it cuts a spike off, as a share of the rest.
+const BEYOND: f64 = 0.5;
+
+/// The least and the greatest of the numbers that are finite.
+pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values
+        .filter(|value| value.is_finite())
+        .fold(NONE, |range, value| union(range, (value, value)))
+}
+
+/// The range of no values: any other contains it.
+pub(crate) const NONE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+
+/// The least range that contains two others.
+pub(crate) fn union(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
+    (one.0.min(other.0), one.1.max(other.1))
+}
+
+/// Whether two ranges have values in common.
+pub(crate) fn overlap(one: (f64, f64), other: (f64, f64)) -> bool {
+    one.0 <= other.1 && other.0 <= one.1
+}
+
+/// The range of a curve over time; where brief spikes would flatten all the rest, that of the rest and some room.
+pub(crate) fn without_spikes(points: &[Point]) -> (f64, f64) {
+    let all = extremes(points.iter().map(|point| point.1));
+    let [mut lows, mut highs] = parts(points);
+    if lows.len() < LEAST_PARTS {
+        return all;
+    }
+    lows.sort_unstable_by(f64::total_cmp);
+    highs.sort_unstable_by(|one, other| other.total_cmp(one));
+    let brief = (BRIEF * lows.len() as f64) as usize;
+    let (low, high) = (lows[brief], highs[brief]);
+    let rest = (high - low).max(0.0);
+    if rest >= FLAT * (all.1 - all.0) {
+        return all;
+    }
+    let room = BEYOND * rest;
+    (all.0.max(low - room), all.1.min(high + room))
+}
+
+/// The least and the greatest values of a curve in the parts of its time that have values.
+fn parts(points: &[Point]) -> [Vec<f64>; 2] {
+    let (first, last) = extremes(points.iter().map(|point| point.0));
+    let width = (last - first) / PARTS as f64;
+    let finite = points.iter().filter(|point| point.1.is_finite());
+    let finite: Vec<_> = finite.copied().collect();
+    let part = |point: &Point| ((point.0 - first) / width).floor();
+    let parts = finite.chunk_by(|a, b| part(a) == part(b));
+    let ranges = parts.map(|part| extremes(part.iter().map(|point| point.1)));
+    let (lows, highs) = ranges.unzip();
+    [lows, highs]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(value: impl Fn(f64) -> f64) -> Vec<Point> {
+        let times = (0..=10_000).map(|i| f64::from(i) * 1e-3);
+        times.map(|time| (time, value(time))).collect()
+    }
+
+    #[test]
+    fn a_spike_is_left_out_and_the_rest_fills_the_axis() {
+        let spike = |t: f64| {
+            t.cos()
+                + if (5.0..5.1).contains(&t) {
+                    -4000.0
+                } else {
+                    0.0
+                }
+        };
+        let (low, high) = without_spikes(&curve(spike));
+        assert!(
+            (-2.5..=-1.0).contains(&low) && (0.99..=1.0).contains(&high),
+            "{low} {high}"
+        );
+    }
+
+    #[test]
+    fn a_pole_is_left_out() {
+        let (low, high) = without_spikes(&curve(|t| 1.0 / (10.000_001 - t)));
+        assert!(low == 1.0 / 10.000_001 && high < 5.0, "{low} {high}");
+    }
+
+    #[test]
+    fn what_grows_steadily_is_shown_whole() {
+        for value in [
+            |t: f64| t,
+            |t: f64| t * t * t * t,
+            |t: f64| 1.0 / (10.5 - t),
+        ] {
+            let points = curve(value);
+            let all = extremes(points.iter().map(|point| point.1));
+            assert_eq!(without_spikes(&points), all);
+        }
+    }
+
+    #[test]
+    fn few_points_are_shown_all() {
+        let points = [(0.0, 1.0), (1.0, 1.0), (2.0, 1e6), (3.0, 1.0)];
+        assert_eq!(without_spikes(&points), (1.0, 1e6));
+        assert_eq!(without_spikes(&[]), NONE);
+    }
+
+    #[test]
+    fn ranges_overlap_where_they_touch() {
+        assert!(overlap((0.0, 1.0), (1.0, 2.0)) && overlap((0.0, 9.0), (1.0, 2.0)));
+        assert!(!overlap((0.0, 1.0), (1.5, 2.0)) && !overlap((0.0, 1.0), NONE));
+    }
+}
