@@ -57,9 +57,10 @@ impl Table {
                 .set_content_arrangement(ContentArrangement::Dynamic)
                 .set_width(u16::try_from(columns).unwrap_or(u16::MAX));
         }
+        let width = self.columns();
         let cells = |row: &[String]| {
             let cell = |at| harmless(row.get(at).map_or("", String::as_str)).into_owned();
-            (0..self.columns()).map(cell).collect::<Vec<_>>()
+            (0..width).map(cell).collect::<Vec<_>>()
         };
         if self.has_header() {
             layout

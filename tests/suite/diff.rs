@@ -1344,6 +1344,127 @@ fn signs_of_zero_and_bits_of_nan_are_told_for_their_field() {
 }
 
 #[test]
+fn messages_of_ros_2_are_compared() {
+    let report = compare(&foreign("ros2_a"), &foreign("ros2_b"), &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
+    let fields = report.signals.fields();
+    let differing = fields.filter(|(_, field)| field.beyond > 0);
+    let differing: Vec<_> = differing
+        .map(|(_, field)| (&*field.field, field.beyond, field.first_beyond.unwrap()))
+        .collect();
+    let expected = [
+        ("ticks", 25, 1.5),
+        ("name", 1, 0.66),
+        ("joints.1", 1, 1.0),
+        ("image", 1, 1.2),
+    ];
+    assert_eq!(differing, expected);
+    let found = channel(&report, "/robot");
+    assert_eq!((found.pairs, found.compared_bytes), (100, 0));
+}
+
+/// A file that is written again, in which a message is changed.
+fn with_other_bytes(from: &Path, to: &Path, change: impl Fn(&str, u64, &mut Vec<u8>)) -> Recording {
+    let bytes = fs::read(from).unwrap();
+    let whole = Recording::open(from).unwrap();
+    let file = std::io::BufWriter::new(fs::File::create(to).unwrap());
+    let mut writer = mcap::WriteOptions::new()
+        .library(whole.library())
+        .create(file)
+        .unwrap();
+    for (name, entries) in whole.all_metadata() {
+        let metadata = mcap::records::Metadata {
+            name: name.to_owned(),
+            metadata: entries.clone(),
+        };
+        writer.write_metadata(&metadata).unwrap();
+    }
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let mut message = message.unwrap();
+        let mut data = message.data.to_vec();
+        change(&message.channel.topic, message.log_time, &mut data);
+        message.data = data.into();
+        writer.write(&message).unwrap();
+    }
+    writer.finish().unwrap();
+    Recording::open(to).unwrap()
+}
+
+#[test]
+fn view_channels_count_if_nothing_else_differs() {
+    let directory = tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name);
+    let scenario = short(&[("stop.duration", "0.5")]);
+    let whole = recorded(&path("a.mcap"), &scenario, Encoding::Protobuf);
+    let same = with_other_bytes(&path("a.mcap"), &path("same.mcap"), |_, _, _| {});
+    let report = compare(&whole, &same, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Identical, "{:?}", report.summary);
+    let channels = report.signals.channels.len();
+    let turned = with_other_bytes(&path("a.mcap"), &path("b.mcap"), |topic, time, data| {
+        if topic == "/tf" && time == 200_000_000 {
+            *data.last_mut().unwrap() ^= 1;
+        }
+    });
+    let report = compare(&whole, &turned, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Different, "{:?}", report.summary);
+    assert_eq!(report.signals.channels.len(), channels + 1);
+    let found = channel(&report, "/tf").bytes.clone().unwrap();
+    assert_eq!((found.count, found.time), (1, 0.2));
+    // Of another run they follow.
+    let other = recorded(
+        &path("c.mcap"),
+        &short(&[("stop.duration", "0.5"), ("friction.k", "0.04")]),
+        Encoding::Protobuf,
+    );
+    let report = compare(&whole, &other, &quick()).unwrap();
+    assert_eq!(report.signals.channels.len(), channels);
+}
+
+/// A few kilobytes that become more than a gigabyte.
+#[test]
+fn what_grows_without_end_is_read_to_a_bound() {
+    let directory = tempdir().unwrap();
+    let with = |name: &str, last: u8| {
+        let path = directory.path().join(name);
+        let file = std::io::BufWriter::new(fs::File::create(&path).unwrap());
+        let mut writer = mcap::WriteOptions::new()
+            .chunk_size(Some(1))
+            .create(file)
+            .unwrap();
+        let nothing = std::collections::BTreeMap::new();
+        let channel_id = writer.add_channel(0, "/x", "zeros", &nothing).unwrap();
+        for log_time in 0..40 {
+            let header = mcap::records::MessageHeader {
+                channel_id,
+                sequence: 0,
+                log_time,
+                publish_time: 0,
+            };
+            let mut data = vec![0; 30_000_000];
+            data[0] = last;
+            writer.write_to_known_channel(&header, &data).unwrap();
+        }
+        writer.finish().unwrap();
+        Recording::open(&path).unwrap()
+    };
+    let a = with("a.mcap", 0);
+    assert!(a.size() < 200_000, "{}", a.size());
+    let report = compare(&a, &with("b.mcap", 1), &quick()).unwrap();
+    assert!(
+        report.a.losses[0].contains("1000 times as long"),
+        "{:?}",
+        report.a.losses
+    );
+    assert!(report.a.messages < 12, "{}", report.a.messages);
+    assert_eq!(report.verdict, Verdict::Different);
+    let report = compare(&a, &a, &quick()).unwrap();
+    assert_eq!(
+        (report.verdict, report.is_complete),
+        (Verdict::Identical, false)
+    );
+}
+
+#[test]
 fn a_topic_may_have_two_kinds_of_messages() {
     let directory = tempdir().unwrap();
     let path = |name: &str| directory.path().join(name);

@@ -625,6 +625,121 @@ fn integers_are_read_as_their_types_say() {
     }
 }
 
+fn cdr(name: &str, definition: &str) -> Result<PayloadDecoder, PayloadError> {
+    let schema = Schema {
+        name,
+        encoding: "ros2msg",
+        data: definition.as_bytes(),
+    };
+    PayloadDecoder::new("cdr", Some(schema))
+}
+
+/// Against what the Python package `mcap-ros2-support` wrote: `tests/data/foreign/write.py`.
+#[test]
+fn val_messages_of_ros_2_are_read() {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/foreign");
+    let recording = Recording::open(&directory.join("ros2_b.mcap")).unwrap();
+    let mut decoder = recording.channels()[0].payload_decoder().unwrap();
+    let mut reader = recording.reader(Selection::default());
+    let mut found = Vec::new();
+    for index in 0..=33 {
+        let message = reader.next_undecoded().unwrap();
+        found = values(&mut decoder, message.data);
+        assert_eq!(decoder.unsaid(message.data), None, "{index}");
+    }
+    let found: BTreeMap<_, _> = found.into_iter().collect();
+    let text = |text: &str| Value::Text(text.into());
+    for (path, value) in [
+        ("header.stamp.sec", Value::Integer(0)),
+        ("header.stamp.nanosec", Value::Integer(660_000_000)),
+        ("header.frame_id", text("base")),
+        ("on", Value::Bool(false)),
+        ("flags", Value::Integer(33)),
+        ("mode", Value::Integer(1)),
+        ("small", Value::Integer(-33)),
+        ("wide", Value::Real(-0.66)),
+        ("short_count", Value::Integer(65502)),
+        ("ticks", Value::Integer((1 << 60) + 33)),
+        ("huge", Value::Large(u64::MAX - 33)),
+        ("temperature", Value::Real(20.66015625)),
+        ("name", text("walkér")),
+        ("joints.0", Value::Real(0.7899922314973651)),
+        ("joints.1", Value::Real(0.0825)),
+        ("triple.1", Value::Integer(-33)),
+        ("words.0", text("a")),
+        ("words.1", Value::Absent),
+        ("contacts", Value::Empty),
+        ("feet.0.id", Value::Integer(-4)),
+        ("feet.1.force", Value::Real(0.66)),
+        ("image", Value::Bytes([0, 1, 2, 3, 4, 5, 6, 7, 8, 0].into())),
+        ("nothing", Value::Empty),
+        ("switches.0", Value::Bool(true)),
+        ("switches.1", Value::Bool(false)),
+    ] {
+        assert_eq!(found[path], value, "{path}");
+    }
+}
+
+#[test]
+fn hostile_messages_of_ros_2_cost_nothing() {
+    // More elements than there are bytes; a text that is too long; what is cut.
+    for (definition, body) in [
+        ("P[] list\n===\nMSG: a/P\nfloat64 x", &[0xff; 8][..]),
+        ("uint8[] list", &[0xff; 8]),
+        ("string s", &[0xff; 8]),
+        ("float64[4000000000] list", &[0; 16]),
+        ("E[] list\n===\nMSG: a/E\n", &[0xff, 0xff, 0xff, 0x7f, 0]),
+        ("float64 x", &[0; 7]),
+    ] {
+        let mut decoder = cdr("a/msg/M", definition).unwrap();
+        let data = [&[0, 1, 0, 0], body].concat();
+        let reason = reason(&mut decoder, data);
+        assert!(
+            reason.contains("ends within a field"),
+            "{definition}: {reason}"
+        );
+    }
+    let mut decoder = cdr("a/msg/M", "int32 x").unwrap();
+    assert!(reason(&mut decoder, [0, 7, 0, 0, 1, 0, 0, 0]).contains("CDR version 1"));
+    // The other order of bytes.
+    let found = values(&mut decoder, [0, 0, 0, 0, 0, 0, 1, 2]);
+    assert_eq!(found, [("x".to_owned(), Value::Integer(258))]);
+    // What stands behind the fields is not forgotten.
+    let longer = [0, 1, 0, 0, 1, 0, 0, 0, 9];
+    values(&mut decoder, longer);
+    assert_eq!(decoder.unsaid(&longer), Some(&[9][..]));
+    for (definition, part) in [
+        ("M m", "nested more than"),
+        (
+            "P p\n===\nMSG: a/P\nb/Q q\n===\nMSG: b/Q\na/P p",
+            "nested more than",
+        ),
+        ("Gone gone", "no message Gone"),
+        ("wstring s", "wstring"),
+        ("int32", "declares no field"),
+        ("int32[x] list", "no length"),
+    ] {
+        let reason = cdr("a/msg/M", definition).unwrap_err().to_string();
+        assert!(reason.contains(part), "{definition}: {reason}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_message_of_ros_2_makes_it_panic(
+        definition in "((bool|int8|uint16|float64|string|P|a/P|Q)(\\[(|2|<=3)\\])? [a-c](=1)?( 1)?\n|===\nMSG: a/[PQ]\n|#\n){0,12}",
+        data in prop::collection::vec(any::<u8>(), 0..80),
+    ) {
+        if let Ok(mut decoder) = cdr("a/msg/M", &definition) {
+            let data = [&[0, 1, 0, 0], data.as_slice()].concat();
+            let mut values = Vec::new();
+            if decoder.decode(&data, &mut values).is_ok() {
+                prop_assert_eq!(values.len(), decoder.fields().len());
+            }
+        }
+    }
+}
+
 #[test]
 fn a_schema_that_cannot_be_used_is_told() {
     let reason = |name: &str, data: Vec<u8>| protobuf_channel(name, data).unwrap_err().to_string();

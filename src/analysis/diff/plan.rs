@@ -26,7 +26,8 @@ pub(super) struct ComparisonPlan {
     /// Whether both runs are toprise's: then topics are those of the telemetry table, and all of a message counts.
     /// Files of others: their numbers are compared.
     pub(super) are_ours: bool,
-    /// The topics, by the numbers that messages have as channels.
+    /// The topics, by the numbers that messages have as topics. Of two runs of toprise those of the telemetry table come
+    /// first, in its order.
     pub(super) topics: Vec<String>,
     /// How to pair the messages of each topic; none for topics that are not compared.
     pub(super) rules: Vec<Option<Rule>>,
@@ -48,8 +49,6 @@ pub(super) struct ComparisonPlan {
     pub(super) is_same: bool,
     /// The levels of θ at which a top counts as risen or fallen.
     pub(super) levels: CommonLevels,
-    /// Topics of both that can't be compared.
-    pub(super) uncompared: Vec<String>,
     /// Topics that only A and only B has, but for those that are derived for viewers.
     pub(super) alone: [Vec<String>; 2],
 }
@@ -98,10 +97,13 @@ impl ComparisonPlan {
         let names =
             |topics: &[Topic]| -> Vec<String> { topics.iter().map(ToString::to_string).collect() };
         let all: Vec<Topic> = Topic::all().collect();
+        let bytes = Rule::asked(*align, options.max_dt);
+        let bytes = bytes.unwrap_or(Rule::SameTime { finer: None });
+        let others = found.others.iter().map(|_| Some(bytes.clone()));
         Ok(Self {
             are_ours: true,
-            rules: Topic::all().map(rule).collect(),
-            topics: names(&all),
+            rules: Topic::all().map(rule).chain(others).collect(),
+            topics: [names(&all), found.others.clone()].concat(),
             alignment: describe(*align, &of_samples, periods),
             is_by_index: *align == Align::Index,
             is_same: are_same(runs, clock),
@@ -109,13 +111,12 @@ impl ComparisonPlan {
             times: Vec::new(),
             map,
             read: if topics.is_empty() {
-                names(&all)
+                [names(&all), found.others].concat()
             } else {
                 [found.compared, names(&STORY)].concat()
             },
             disorder: [0; 2],
             levels: CommonLevels::of(runs),
-            uncompared: found.uncompared,
             alone: found.alone,
         })
     }
@@ -175,7 +176,6 @@ impl ComparisonPlan {
             topics,
             disorder: [disorder_a, disorder_b],
             levels: CommonLevels::default(),
-            uncompared: found.uncompared,
             alone: found.alone,
         })
     }

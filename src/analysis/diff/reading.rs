@@ -15,7 +15,7 @@ use super::plan::ComparisonPlan;
 use super::stream::{Batch, Parcel, read};
 use super::tolerance::{Tolerances, full_name};
 use super::topic::ComparedTopic;
-use super::topics::some_of;
+use super::topics::{is_view, some_of};
 use super::touch::Touches;
 use crate::analysis::course::Course;
 use crate::analysis::subject::{Ended, Subject};
@@ -89,7 +89,7 @@ pub(super) fn read_both(
     thread::scope(|scope| {
         let incoming = runs.map(|run| {
             let (out, incoming) = sync_channel(WAITING);
-            scope.spawn(move || read(run, plan.are_ours, &plan.read, &out));
+            scope.spawn(move || read(run, plan, &out));
             incoming
         });
         reading.take_all(&incoming)
@@ -223,10 +223,13 @@ impl<'p> Reading<'p> {
     fn take_message(&mut self, side: Side, mut message: Item) -> Result<(), DiffError> {
         let time_ns = message.time_ns;
         let run = &mut self.findings.runs[side.index()];
-        run.messages += 1;
-        let (first, last) = run.span.unwrap_or((time_ns, time_ns));
-        run.span = Some((first.min(time_ns), last.max(time_ns)));
-        if self.plan.are_ours {
+        // In a recording of toprise, messages of other channels tell nothing of the run.
+        if !self.plan.are_ours || message.rest.is_none() {
+            run.messages += 1;
+            let (first, last) = run.span.unwrap_or((time_ns, time_ns));
+            run.span = Some((first.min(time_ns), last.max(time_ns)));
+        }
+        if self.plan.are_ours && message.rest.is_none() {
             let seen = message.as_message();
             run.course.take(&seen);
             run.touches.take(&seen);
@@ -298,6 +301,9 @@ impl<'p> Reading<'p> {
         for run in &mut self.findings.runs {
             end_with_nutation(&mut run.course.cycles);
         }
+        if self.plan.are_ours {
+            self.leave_views();
+        }
         if !self.plan.are_ours {
             self.check_patterns()?;
         }
@@ -320,6 +326,21 @@ impl<'p> Reading<'p> {
             (None, _) => empty(Side::A, a),
             (_, None) => empty(Side::B, b),
         })
+    }
+}
+
+impl Reading<'_> {
+    /// Leaves what is derived for viewers out of the report, unless it differs although what it is derived from doesn't.
+    fn leave_views(&mut self) {
+        let table = Topic::all().count();
+        let (ours, others) = self.findings.topics.split_at_mut(table);
+        let is_same = ours.iter().flatten().all(ComparedTopic::is_same);
+        for (compared, topic) in others.iter_mut().zip(&self.plan.topics[table..]) {
+            let is_told = |compared: &ComparedTopic| is_same && !compared.is_same();
+            if is_view(topic) && !compared.as_ref().is_some_and(is_told) {
+                *compared = None;
+            }
+        }
     }
 }
 

@@ -19,6 +19,7 @@ use super::times::MessageTimes;
 use super::topics::some_of;
 use super::verdict::Verdict;
 use crate::analysis::course::CourseReport;
+use crate::analysis::phrase::date;
 use crate::analysis::subject::Subject;
 use crate::archive::format::{CONTENT_DIGEST, LIBRARY};
 use crate::archive::publish::is_same_file;
@@ -147,6 +148,21 @@ impl Report {
     }
 }
 
+impl Report {
+    /// A time of the report, s, for people: as UTC and as an offset from the start if clocks count from 1970.
+    #[must_use]
+    pub fn moment(&self, time: f64) -> String {
+        let clock = self.clock.as_ref();
+        match clock.filter(|clock| clock.origin.is_some()) {
+            Some(clock) => {
+                let ns = (clock.origin_ns as u64).saturating_add((time * 1e9).round() as u64);
+                format!("{} ({time} s from the start)", date(ns))
+            }
+            None => format!("{time} s"),
+        }
+    }
+}
+
 impl ComparedRun {
     fn new(subject: Subject<'_>, found: &RunFindings, is_ours: bool) -> Self {
         let mut run = Self {
@@ -186,12 +202,6 @@ fn notes(
     findings: &Findings,
 ) -> Vec<String> {
     let mut notes = Vec::new();
-    if !plan.uncompared.is_empty() {
-        notes.push(format!(
-            "Not compared, because toprise has no such channels: {}.",
-            plan.uncompared.join(", ")
-        ));
-    }
     if !plan.are_ours {
         notes.extend(unread([a, b], &plan.topics));
         notes.extend(disorder(plan));

@@ -1,8 +1,9 @@
 //! The messages of one run as they come: out of a file, or out of a simulation.
 
 use super::item::Item;
-use crate::analysis::subject::{Ended, Subject, Undecodable};
-use crate::archive::recording::{FileChannel, Recording, Selection};
+use super::plan::ComparisonPlan;
+use crate::analysis::subject::{Ended, Subject, Undecodable, read_any};
+use crate::archive::recording::{Any, FileChannel, Recording, Selection, Undecoded};
 use crate::telemetry::payload::{MAX_FIELDS, PayloadDecoder, Value};
 use crate::telemetry::{Topic, Topics};
 use std::collections::BTreeMap;
@@ -38,11 +39,12 @@ pub(super) enum Parcel {
     },
 }
 
-/// Reads these topics of a run to its end, or until nobody takes its batches any more.
+/// Reads the topics of a plan from a run to its end, or until nobody takes its batches any more.
 ///
-/// Messages of two runs of toprise (`are_ours`) are read as the telemetry table has them; else their fields, or their bytes
-/// where they can't be decoded.
-pub(super) fn read(run: Subject<'_>, are_ours: bool, topics: &[String], out: &SyncSender<Parcel>) {
+/// Messages of two runs of toprise are read as the telemetry table has them, those of their other channels as bytes. Of
+/// other files all fields are read, or the bytes where they can't be decoded.
+pub(super) fn read(run: Subject<'_>, plan: &ComparisonPlan, out: &SyncSender<Parcel>) {
+    let topics = &plan.read;
     let mut posting = Posting {
         out,
         batch: Batch::default(),
@@ -51,7 +53,18 @@ pub(super) fn read(run: Subject<'_>, are_ours: bool, topics: &[String], out: &Sy
     };
     let mut remarks = Vec::new();
     let ended = match run {
-        run if are_ours => run.read(&of_table(topics), &mut |message, bytes| {
+        Subject::Recording(recording) if plan.are_ours => {
+            let positions = plan.topics.iter().map(String::as_str).zip(0..);
+            let positions: BTreeMap<&str, usize> = positions.collect();
+            read_any(recording, topics.clone(), &mut |message, bytes| {
+                let item = match message {
+                    Any::Decoded(message) => Some(Item::from(&message)),
+                    Any::Other(other) => other_item(&other, &positions),
+                };
+                item.map_or(ControlFlow::Continue(()), |item| posting.push(item, bytes))
+            })
+        }
+        run if plan.are_ours => run.read(&of_table(topics), &mut |message, bytes| {
             posting.push(Item::from(message), bytes)
         }),
         Subject::Recording(recording) => {
@@ -85,6 +98,17 @@ pub(super) fn read(run: Subject<'_>, are_ours: bool, topics: &[String], out: &Sy
     };
     posting.send();
     let _ = out.send(Parcel::End { ended, remarks });
+}
+
+/// A message of a channel of a recording of toprise that is not of the table.
+fn other_item(message: &Undecoded<'_>, positions: &BTreeMap<&str, usize>) -> Option<Item> {
+    Some(Item {
+        topic: *positions.get(message.channel.topic.as_str())?,
+        sequence: message.sequence,
+        time_ns: message.log_time,
+        rest: Some(message.data.into()),
+        ..Item::default()
+    })
 }
 
 /// The topics of the table among these.

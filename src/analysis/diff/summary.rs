@@ -139,8 +139,9 @@ fn first_difference(report: &Report) -> String {
         format!("by at most {size}{ulp}")
     };
     format!(
-        "First {topic}.{} differs, at {time} s: {by}; {others}.",
-        field.field
+        "First {topic}.{} differs, at {}: {by}; {others}.",
+        field.field,
+        report.moment(time)
     )
 }
 

@@ -60,7 +60,7 @@ impl Times {
             .map(|channel| topic.get(channel.topic.as_str()).copied())
             .collect();
         let (mut latest, mut disorder) = (0, 0);
-        let mut reader = recording.reader(Selection::default());
+        let mut reader = recording.reader(Selection::default()).bounded();
         while let Some(message) = reader.next_undecoded() {
             let Some(topic) = topic[message.position] else {
                 continue;

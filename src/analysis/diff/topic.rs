@@ -136,6 +136,12 @@ impl ComparedTopic {
         });
     }
 
+    /// Whether both have the same messages, to the last bit.
+    pub(super) fn is_same(&self) -> bool {
+        let alone = self.lane.lonely.iter().map(|alone| alone.count);
+        self.tally.identical == self.tally.pairs && alone.sum::<u64>() == 0
+    }
+
     /// Whether any messages have been compared with each other.
     pub(super) fn has_pairs(&self) -> bool {
         self.tally.pairs > 0

@@ -3,6 +3,7 @@
 use super::error::DiffError;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::FileChannel;
+use crate::telemetry::views::view_channels;
 use std::collections::BTreeSet;
 
 /// Errors name no more topics or losses than this.
@@ -13,8 +14,8 @@ const NAMED: usize = 20;
 pub(super) struct Topics {
     /// Topics that are compared: both runs have them, and they were asked for.
     pub(super) compared: Vec<String>,
-    /// Topics of both that can't be compared, because the telemetry table doesn't have them.
-    pub(super) uncompared: Vec<String>,
+    /// Topics of both recordings of toprise that the telemetry table doesn't have: their bytes are compared.
+    pub(super) others: Vec<String>,
     /// Topics that only A and only B has, but for those that are derived for viewers.
     pub(super) alone: [Vec<String>; 2],
 }
@@ -35,11 +36,15 @@ impl Topics {
         }
         if wanted.is_empty() {
             let [more_a, more_b] = runs.map(|run| others(run, are_ours));
-            let uncompared = in_both(&more_a, &more_b);
-            let (in_a, in_b) = ([in_a, more_a].concat(), [in_b, more_b].concat());
+            let others = in_both(&more_a, &more_b);
+            let alone = |topics: Vec<String>, more: Vec<String>| {
+                let more = more.into_iter().filter(|topic| !is_view(topic));
+                topics.into_iter().chain(more).collect::<Vec<_>>()
+            };
+            let (in_a, in_b) = (alone(in_a, more_a), alone(in_b, more_b));
             return Ok(Self {
                 compared,
-                uncompared,
+                others,
                 alone: [only_in(&in_a, &in_b), only_in(&in_b, &in_a)],
             });
         }
@@ -52,7 +57,7 @@ impl Topics {
         compared.retain(|topic| wanted.contains(topic));
         Ok(Self {
             compared,
-            uncompared: Vec::new(),
+            others: Vec::new(),
             alone: [Vec::new(), Vec::new()],
         })
     }
@@ -82,15 +87,20 @@ fn comparable(run: Subject<'_>, are_ours: bool) -> Vec<String> {
     }
 }
 
-/// The topics of a recording of toprise that are neither of the table nor derived for viewers.
+/// The topics of a recording of toprise that are not of the table.
 fn others(run: Subject<'_>, are_ours: bool) -> Vec<String> {
     let Subject::Recording(recording) = run else {
         return Vec::new();
     };
-    let is_other =
-        |channel: &&FileChannel| are_ours && channel.table.is_none() && !channel.is_view();
+    let is_other = |channel: &&FileChannel| are_ours && channel.table.is_none();
     let others = recording.channels().iter().filter(is_other);
-    others.map(|channel| channel.topic.clone()).collect()
+    let others: BTreeSet<String> = others.map(|channel| channel.topic.clone()).collect();
+    others.into_iter().collect()
+}
+
+/// Whether the messages of a topic of toprise are derived from others, for viewers.
+pub(super) fn is_view(topic: &str) -> bool {
+    view_channels().iter().any(|view| view.topic == topic)
 }
 
 fn in_both(a: &[String], b: &[String]) -> Vec<String> {

@@ -51,7 +51,6 @@ impl Verdict {
         };
         let is_whole = is_cut == [false; 2]
             && !is_mapped
-            && plan.uncompared.is_empty()
             && !findings
                 .compared()
                 .any(|topic| topic.lane.rule.is_interpolated())

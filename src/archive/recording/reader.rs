@@ -61,6 +61,11 @@ pub enum Any<'a> {
 /// Sections that overlap in time are put in order together as long as they take no more bytes than this.
 const LARGEST_BATCH: usize = 1 << 26;
 
+/// What is analysed of a file is not longer than this, bytes, and so many times the file's size: real messages are
+/// compressed to a tenth or, if nothing changes in them, a hundredth.
+const LARGEST_CONTENT: u64 = 1 << 26;
+const LARGEST_GROWTH: u64 = 1000;
+
 /// Reads the messages of a recording from start to end.
 ///
 /// One chunk at a time is held in memory, or several where chunks overlap in time and the order matters. Parts of
@@ -83,6 +88,8 @@ pub struct Reader<'r> {
     row: Row,
     losses: Vec<Loss>,
     order: Option<Order>,
+    /// How many bytes of content may still be read; none if there is no bound.
+    left: Option<u64>,
     /// How much of the progress has been told, bytes.
     told: u64,
 }
@@ -138,6 +145,7 @@ impl<'r> Reader<'r> {
             row: Row::default(),
             losses: Vec::new(),
             order: None,
+            left: None,
             told: 0,
         }
     }
@@ -153,10 +161,19 @@ impl<'r> Reader<'r> {
     /// Chunks are sorted, and messages within them. A message that comes too late even so, or a second time, is
     /// left out and told by [`Reader::misplaced`]: the times of a channel never go back.
     pub(crate) fn in_order_of_time(mut self) -> Self {
+        self = self.bounded();
         if !self.are_sections_in_order() {
             self.batches = self.batches_by_time();
         }
         self.order = Some(Order::new(self.recording));
+        self
+    }
+
+    /// Reads no more of what is compressed than a thousand times the size of the file, and tells what is left as a loss: a
+    /// few kilobytes can become gigabytes of nothing.
+    pub(crate) fn bounded(mut self) -> Self {
+        let size = self.recording.size();
+        self.left = Some(LARGEST_CONTENT.saturating_add(size.saturating_mul(LARGEST_GROWTH)));
         self
     }
 
@@ -184,9 +201,11 @@ impl<'r> Reader<'r> {
         let mut buffers = Buffers::default();
         let mut found = Vec::new();
         let mut last = 0;
+        let mut left = self.left.unwrap_or(u64::MAX);
         for (index, section) in self.recording.layout.sections.iter().enumerate() {
-            let loaded = section.load(&self.recording.source, &mut buffers);
-            let span = loaded.ok().and_then(|()| span(&buffers.records));
+            let is_read = left > 0 && section.load(&self.recording.source, &mut buffers).is_ok();
+            let span = is_read.then(|| span(&buffers.records)).flatten();
+            left = left.saturating_sub(buffers.records.len() as u64);
             // What can't be read stays where it is.
             let (start, end) = span.unwrap_or((last, last));
             last = start;
@@ -375,8 +394,24 @@ impl<'r> Reader<'r> {
             {
                 continue;
             }
+            if self.left == Some(0) {
+                self.losses.push(Loss {
+                    offset: section.offset,
+                    length: recording.size() - section.offset,
+                    span: None,
+                    reason: format!(
+                        "what was read before is {LARGEST_GROWTH} times as long as the file"
+                    ),
+                });
+                self.read = self.batches.len();
+                return None;
+            }
             match section.load(&recording.source, &mut self.buffers) {
-                Ok(()) => self.take_section(section),
+                Ok(()) => {
+                    let length = self.buffers.records.len() as u64;
+                    self.left = self.left.map(|left| left.saturating_sub(length));
+                    self.take_section(section);
+                }
                 Err(error) => self.lose(section, error.to_string()),
             }
         }

@@ -1,11 +1,15 @@
 //! What the report says, section by section.
 
 use crate::analysis::diff::{
+use crate::analysis::diff::{
     Budget, ChannelDifference, ComparedRun, CourseReport, Deviation, EventKindDifference,
     EventMoment, FieldDifference, Growth, GrowthLaw, Happened, IntegratorError, KeyDifference,
-    Matrix, Parting, QuantityKind, Report, Residual, Signals, TextDifference, Verdict,
+    Matrix, MessageTimes, Parting, QuantityKind, Report, Residual, Signals, TextDifference,
+    Verdict,
 };
-use crate::analysis::phrase::{duration, quantity, signed_duration, significant, symbol};
+use crate::analysis::phrase::{
+    counts_from_1970, date, duration, quantity, signed_duration, significant, symbol,
+};
 use crate::archive::recording::Condition;
 use crate::cli::numbers;
 use crate::cli::page::{Page, Section, Tone};
@@ -40,7 +44,8 @@ pub(super) fn page(report: &Report, detail: Detail) -> Page {
     } else {
         format!("{title} as far as both can be read")
     };
-    let mut sections = vec![setup(report), happened(report), averaged(report)];
+    let mut sections = vec![setup(report), topics(report)];
+    sections.extend([happened(report), averaged(report)]);
     sections.extend([
         signals(report, detail),
         models(report),
@@ -72,7 +77,13 @@ fn runs(report: &Report) -> Table {
                 .map_or_else(|| run.name.clone(), |file| end_of(file, 50)),
             what.to_owned(),
             format!("{} messages", numbers::count(run.messages)),
-            format!("{:.3} s", run.last),
+            match (run.first_ns, run.last_ns) {
+                (Some(first), Some(last)) if counts_from_1970(first) => {
+                    let length = last.saturating_sub(first) as f64 / 1e9;
+                    format!("{} + {length:.3} s", date(first))
+                }
+                _ => format!("{:.3} s", run.last),
+            },
         ]
     };
     Table {
@@ -128,6 +139,54 @@ fn setup(report: &Report) -> Section {
             section.line(format!("{what}: {}", shortened(list)));
         }
     }
+    section
+}
+
+/// When the messages of each topic are, in files that toprise did not write.
+fn topics(report: &Report) -> Section {
+    let mut section = Section::new("Topics");
+    if report.verdict == Verdict::Identical {
+        return section;
+    }
+    let rate = |times: &Option<MessageTimes>| {
+        let rate = times.as_ref().and_then(|times| times.rate);
+        rate.map_or("–".to_owned(), |rate| {
+            format!("{} Hz", significant(rate, 4))
+        })
+    };
+    let gap = |times: &Option<MessageTimes>| {
+        let gap = times.as_ref().and_then(|times| times.longest_gap);
+        gap.map_or("–".to_owned(), duration)
+    };
+    let row = |channel: &ChannelDifference| {
+        let (a, b) = (&channel.times_a, &channel.times_b);
+        vec![
+            channel.topic.clone(),
+            numbers::count(channel.messages_a),
+            numbers::count(channel.messages_b),
+            numbers::count(channel.pairs),
+            rate(a),
+            rate(b),
+            gap(a),
+            gap(b),
+        ]
+    };
+    let channels = report.signals.channels.iter();
+    let foreign = channels.filter(|c| c.times_a.is_some() || c.times_b.is_some());
+    section.table(Table {
+        header: cells([
+            "",
+            "in A",
+            "in B",
+            "pairs",
+            "rate of A",
+            "of B",
+            "longest gap of A",
+            "of B",
+        ]),
+        rows: foreign.map(row).collect(),
+        left: 1,
+    });
     section
 }
 
@@ -439,10 +498,21 @@ fn readable(name: &str) -> String {
 
 fn signals(report: &Report, detail: Detail) -> Section {
     let found = &report.signals;
-    let note = format!(
+    let mut note = format!(
         "{:.3} s to {:.3} s: {}",
         found.from, found.to, found.alignment
     );
+    if let Some(clock) = &report.clock {
+        let origin = match &clock.origin {
+            Some(date) => format!("; times from {date} on"),
+            None => String::new(),
+        };
+        let offset = match clock.offset_ns {
+            0 => String::new(),
+            ns => format!("; B's clock is put forward by {} s", ns as f64 / 1e9),
+        };
+        note = note + &origin + &offset;
+    }
     let mut section = Section::new("Signals");
     if report.verdict == Verdict::Identical {
         return section;
@@ -675,7 +745,7 @@ fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
     }
     lines
         .into_iter()
-        .map(|(what, topics)| format!("{what} ({})", topics.join(", ")))
+        .map(|(what, topics)| format!("{what} ({})", shortened(&topics)))
         .collect()
 }
 

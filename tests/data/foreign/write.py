@@ -1,4 +1,4 @@
-"""Writes the MCAP files in this directory with other people's packages: mcap and mcap-protobuf-support.
+"""Writes the MCAP files in this directory with other people's packages: mcap, mcap-protobuf-support and mcap-ros2-support.
 
     eval "$(tests/readers/setup)"
     "$TOPRISE_READERS_PYTHON" tests/data/foreign/write.py
@@ -17,6 +17,7 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from grpc_tools import protoc
 from mcap.writer import CompressionType, Writer
 from mcap_protobuf.writer import Writer as ProtobufWriter
+from mcap_ros2.writer import Writer as Ros2Writer
 
 HERE = Path(__file__).resolve().parent
 # Small, so that there are several.
@@ -233,6 +234,96 @@ def write_protobuf(name, side, compression):
         writer.finish()
 
 
+ROS2 = """
+# Everything that there is.
+uint8 IDLE=0
+uint8 WALK = 1   # a constant
+string NAME="a # b"
+std_msgs/Header header
+bool on
+byte flags
+uint8 mode 1
+int8 small
+float64 wide
+uint16 short_count
+int64 ticks
+uint64 huge
+float32 temperature
+string<=20 name "none"
+float64[] joints
+int16[3] triple
+string[<=4] words
+Contact[] contacts
+foreign_msgs/Contact[2] feet
+uint8[] image
+std_msgs/Empty nothing
+bool[] switches
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+================================================================================
+MSG: foreign_msgs/Contact
+int32 id
+float64 force
+================================================================================
+MSG: std_msgs/Empty
+"""
+
+
+def ros2_robot(index, time, side):
+    is_b = side == "b"
+    contact = {"id": -4, "force": 30 + sin(9 * time)}
+    return {
+        "header": {
+            "stamp": {"sec": int(time), "nanosec": nanoseconds(time) % 10**9},
+            "frame_id": "base",
+        },
+        "on": index % 2 == 0,
+        "flags": index % 200,
+        "mode": int(index >= 10),
+        "small": -index,
+        "wide": -time,
+        "short_count": 65535 - index,
+        # Difference: larger by 1 in b from message 75 on, at 1.5 s: beyond what doubles tell apart.
+        "ticks": 2**60 + index + (1 if is_b and index >= 75 else 0),
+        "huge": 2**64 - 1 - index,
+        "temperature": single(20 + time),
+        # Difference: another name in message 33 of b, at 0.66 s.
+        "name": "walkér" if is_b and index == 33 else "walker",
+        # Difference: joints.1 is larger by 0.5 in message 50 of b, at 1 s.
+        "joints": [cos(time), time / 8 + (0.5 if is_b and index == 50 else 0.0)],
+        "triple": [index, -index, 7],
+        "words": ["a", "", "ccc"][: index % 4],
+        "contacts": [contact] * (index % 3),
+        "feet": [contact, {"id": 5, "force": time}],
+        # Difference: the last byte in message 60 of b, at 1.2 s.
+        "image": bytes(range(9)) + bytes([1 if is_b and index == 60 else 0]),
+        "nothing": {},
+        "switches": [True, False],
+    }
+
+
+def write_ros2(name, side, compression):
+    with open(HERE / name, "wb") as file:
+        writer = Ros2Writer(file, chunk_size=CHUNK, compression=compression)
+        schema = writer.register_msgdef("foreign_msgs/msg/Robot", ROS2)
+        for index, time in enumerate(times(50)):
+            writer.write_message(
+                "/robot",
+                schema,
+                ros2_robot(index, time, side),
+                log_time=nanoseconds(time),
+                publish_time=nanoseconds(time),
+                sequence=index,
+            )
+        writer.finish()
+
+
 def main():
     write_json("json_a.mcap", json_channels("a"), CompressionType.ZSTD)
     write_json("json_b.mcap", json_channels("b"), CompressionType.LZ4)
@@ -248,6 +339,8 @@ def main():
 
     write_protobuf("protobuf_a.mcap", "a", CompressionType.LZ4)
     write_protobuf("protobuf_b.mcap", "b", CompressionType.ZSTD)
+    write_ros2("ros2_a.mcap", "a", CompressionType.ZSTD)
+    write_ros2("ros2_b.mcap", "b", CompressionType.LZ4)
     # The numbers of protobuf_a: no difference.
     as_json = {
         "/robot": ({}, robots("a")),
