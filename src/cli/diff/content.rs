@@ -1,7 +1,6 @@
 //! What the report says, section by section.
 
 use crate::analysis::diff::{
-use crate::analysis::diff::{
     Budget, ChannelDifference, ComparedRun, CourseReport, Deviation, EventKindDifference,
     EventMoment, FieldDifference, Growth, GrowthLaw, Happened, IntegratorError, KeyDifference,
     Matrix, MessageTimes, Parting, QuantityKind, Report, Residual, Signals, TextDifference,
