@@ -166,8 +166,11 @@ enum Command {
     /// Four groups of checks: the file as MCAP, the messages by themselves, what they say about the motion, and
     /// whether the simulation gives them again, bit for bit.
     ///
+    /// Whatever a person or a viewer reads from a verified file follows from its scenario, but for what is listed as not
+    /// covered.
+    ///
     /// Exit codes: 0 verified, 1 failed, 2 unreadable, 3 all that is there is right, but something is
-    /// missing (a recording that was cut off or recovered).
+    /// missing (a recording that was interrupted, cut off or recovered).
     Verify(verify::VerifyArguments),
     /// Write a recording in another encoding; content, metadata and attachments stay the same.
     ///
@@ -259,6 +262,7 @@ fn told_usage(answer: &clap::Error) -> ExitCode {
 }
 
 fn dispatch(command: Command) -> Result<Done, Error> {
+    interrupt::handle()?;
     match command {
         Command::Run(arguments) => run::run(&arguments),
         #[cfg(feature = "rerun")]

@@ -8,7 +8,7 @@ use toprise::analysis::explain::explain;
 use toprise::analysis::figures::{FIGURES, Figure, Run};
 use toprise::analysis::verify::{Options, verify};
 use toprise::archive::convert::convert;
-use toprise::archive::publish::{Existing, partial_name};
+use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Condition, Overview, Recording, Selection};
 use toprise::archive::recover::recover;
 use toprise::archive::writer::Archived;
@@ -65,9 +65,7 @@ pub fn recording(data: &[u8], scratch: &Path) {
             Ok(archived) => check_written(&archived),
             Err(error) => told(&error),
         }
-        // Of what failed the partial file may be left.
         let _ = fs::remove_file(&output);
-        let _ = fs::remove_file(partial_name(&output));
     }
 }
 

@@ -5,6 +5,7 @@
 //! memory. The second time the scenario that is attached is simulated alongside.
 
 mod content;
+mod origin;
 mod physics;
 mod reproduction;
 
@@ -21,6 +22,10 @@ pub struct Report {
     pub condition: Condition,
     /// All checks, in order.
     pub checks: Vec<Check>,
+    /// The topics of toprise that it doesn't have.
+    pub without: Vec<String>,
+    /// What a reader of the file sees and no check covers: words, and what others have added.
+    pub not_covered: Vec<String>,
 }
 
 impl Report {
@@ -32,6 +37,8 @@ impl Report {
             Verdict::Failed
         } else if has(Verdict::Incomplete) {
             Verdict::Incomplete
+        } else if has(Verdict::Partial) {
+            Verdict::Partial
         } else {
             Verdict::Passed
         }
@@ -43,6 +50,7 @@ impl Report {
 #[must_use]
 pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -> Report {
     let mut checks = container_check::check(recording, progress);
+    let (mut without, mut not_covered) = (Vec::new(), Vec::new());
     if recording.condition() == Condition::Foreign {
         let finding = format!(
             "written by {:?}, not by toprise: its messages can't be judged (`toprise info` lists them)",
@@ -55,7 +63,13 @@ pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -
             finding,
         ));
     } else {
-        checks.extend(content::check(recording, options, progress));
+        let scenario = recording.scenario();
+        checks.extend(origin::check(recording, &scenario));
+        let scenario = scenario.ok();
+        let scenario = scenario.as_ref();
+        checks.extend(content::check(recording, scenario, options, progress));
+        without = origin::without(recording, scenario);
+        not_covered = origin::not_covered(recording, scenario);
     }
     let is_damaged = checks
         .iter()
@@ -67,5 +81,7 @@ pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -
             condition => condition,
         },
         checks,
+        without,
+        not_covered,
     }
 }

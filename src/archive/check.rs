@@ -9,6 +9,8 @@ use serde::Serialize;
 pub enum Verdict {
     /// All is as it must be.
     Passed,
+    /// All that is there is as it must be; some channels were not recorded.
+    Partial,
     /// All that is there is as it must be, but something isn't there.
     Incomplete,
     /// Something is wrong.
@@ -23,6 +25,7 @@ impl Verdict {
     pub fn name(self) -> &'static str {
         match self {
             Self::Passed => "passed",
+            Self::Partial => "partial",
             Self::Incomplete => "incomplete",
             Self::Failed => "failed",
             Self::Skipped => "skipped",

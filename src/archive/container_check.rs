@@ -1,17 +1,23 @@
 //! The file as an MCAP file: structure, checksums, indexes.
 
 use crate::archive::check::{Check, Group, Problems, Verdict};
+use crate::archive::container::channels::Channels;
 use crate::archive::container::layout::{read_footer, summary_checksum};
-use crate::archive::container::record::{HEAD, RecordSpan, head, is_known, parse};
+use crate::archive::container::record::{HEAD, RecordSpan, content_length, head, is_known, parse};
 use crate::archive::container::scan::{Found, Scanner};
-use crate::archive::container::section::{Buffers, InnerRecord, MessageRecord, Section, record_at};
+use crate::archive::container::section::{
+    Buffers, InnerRecord, MessageRecord, Packing, Section, record_at,
+};
 use crate::archive::container::source::Source;
 use crate::archive::format::{LOST, STOP_REASON};
 use crate::archive::recording::{Condition, Recording};
-use mcap::records::{MessageIndexEntry, Record, Statistics, op};
+use mcap::records::{AttachmentIndex, MessageIndexEntry, MetadataIndex, Record, Statistics, op};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::ops::Range;
+
+/// The length of the record that ends the data.
+const DATA_END: u64 = HEAD + 4;
 
 /// Whether nothing is wrong with a recording as an MCAP file.
 pub(crate) fn is_sound_container(recording: &Recording) -> bool {
@@ -49,6 +55,13 @@ struct Survey<'a> {
     /// Records that an index may point to: opcode and length by offset.
     places: BTreeMap<u64, (u8, u64)>,
     indexed: BTreeSet<u64>,
+    /// What the indexes of attachments and metadata have to say, by offset.
+    attachments: BTreeMap<u64, AttachmentIndex>,
+    metadata: BTreeMap<u64, MetadataIndex>,
+    /// Schemas and channels, wherever they are defined: everywhere alike.
+    channels: Channels,
+    /// Opcodes and ids of those that are defined before the end of the data, and behind it.
+    defined: [BTreeSet<(u8, u16)>; 2],
     counts: Counts,
     statistics: Option<Statistics>,
 }
@@ -57,6 +70,7 @@ struct Survey<'a> {
 struct ChunkSeen {
     length: u64,
     span: (u64, u64),
+    packing: Packing,
     messages: BTreeMap<u16, Vec<MessageIndexEntry>>,
     indexes: BTreeMap<u16, u64>,
     indexes_length: u64,
@@ -106,6 +120,10 @@ impl<'a> Survey<'a> {
             last_chunk: None,
             places: BTreeMap::new(),
             indexed: BTreeSet::new(),
+            attachments: BTreeMap::new(),
+            metadata: BTreeMap::new(),
+            channels: Channels::default(),
+            defined: Default::default(),
             counts: Counts::default(),
             statistics: None,
         }
@@ -159,10 +177,11 @@ impl<'a> Survey<'a> {
     }
 
     fn take(&mut self, place: &RecordSpan) -> io::Result<()> {
-        self.structure
-            .unless((place.opcode == op::HEADER) == (self.records == 1), || {
-                format!("the record at {} is out of place", place.offset)
-            });
+        let is_in_place = (place.opcode == op::HEADER) == (self.records == 1)
+            && (!self.is_ours() || self.is_in_place(place.opcode));
+        self.structure.unless(is_in_place, || {
+            format!("the record at {} is out of place", place.offset)
+        });
         match place.opcode {
             op::CHUNK => return self.take_chunk(place),
             // No index points to them by their places, and there may be many.
@@ -185,7 +204,16 @@ impl<'a> Survey<'a> {
         self.source.read(place.offset, place.length, &mut bytes)?;
         let body = bytes.get(HEAD as usize..).unwrap_or_default();
         match parse(place.opcode, body) {
-            Ok(record) => self.take_record(place, record, body),
+            Ok(record) => {
+                let is_read = content_length(&record).is_none_or(|length| length == body.len());
+                self.structure.unless(is_read || !self.is_ours(), || {
+                    format!(
+                        "the record at {} holds more than is read of it",
+                        place.offset
+                    )
+                });
+                self.take_record(place, record, body);
+            }
             Err(error) => self
                 .structure
                 .add(|| format!("the record at {} can't be read: {error}", place.offset)),
@@ -193,15 +221,53 @@ impl<'a> Survey<'a> {
         Ok(())
     }
 
+    /// Whether toprise wrote the file, by its own words.
+    fn is_ours(&self) -> bool {
+        self.recording.condition() != Condition::Foreign
+    }
+
+    /// Whether recordings of toprise have such a record here: all messages are in chunks, and what only says where
+    /// things are stands behind the end of the data.
+    fn is_in_place(&self, opcode: u8) -> bool {
+        let in_data = self.data_end.is_none_or(|_| opcode == op::DATA_END);
+        self.footer.is_none()
+            && match opcode {
+                op::SCHEMA | op::CHANNEL => true,
+                op::HEADER
+                | op::CHUNK
+                | op::MESSAGE_INDEX
+                | op::ATTACHMENT
+                | op::METADATA
+                | op::DATA_END => in_data,
+                op::STATISTICS
+                | op::CHUNK_INDEX
+                | op::ATTACHMENT_INDEX
+                | op::METADATA_INDEX
+                | op::SUMMARY_OFFSET
+                | op::FOOTER => !in_data,
+                _ => false,
+            }
+    }
+
+    /// Takes in a schema or a channel, wherever it is defined.
+    fn define(&mut self, record: Record<'_>) {
+        let (opcode, id) = match &record {
+            Record::Schema { header, .. } => (op::SCHEMA, header.id),
+            Record::Channel(channel) => (op::CHANNEL, channel.id),
+            _ => return,
+        };
+        match opcode {
+            op::SCHEMA => self.counts.schemas.insert(id),
+            _ => self.counts.channels.insert(id),
+        };
+        self.defined[usize::from(self.data_end.is_some())].insert((opcode, id));
+        self.channels.define(record);
+    }
+
     fn take_record(&mut self, place: &RecordSpan, record: Record<'_>, body: &[u8]) {
         let in_data = self.data_end.is_none();
         match record {
-            Record::Schema { header, .. } => {
-                self.counts.schemas.insert(header.id);
-            }
-            Record::Channel(channel) => {
-                self.counts.channels.insert(channel.id);
-            }
+            Record::Schema { .. } | Record::Channel(_) => self.define(record),
             Record::Message { .. } => {
                 let inner = InnerRecord {
                     opcode: op::MESSAGE,
@@ -215,8 +281,18 @@ impl<'a> Survey<'a> {
                 self.check_message_index(place, found.channel_id, &found.records);
             }
             Record::ChunkIndex(found) => self.check_chunk_index(&found),
-            Record::Attachment { crc, .. } => {
+            Record::Attachment { header, data, crc } => {
                 self.counts.attachments += 1;
+                let index = AttachmentIndex {
+                    offset: place.offset,
+                    length: place.length,
+                    log_time: header.log_time,
+                    create_time: header.create_time,
+                    data_size: data.len() as u64,
+                    name: header.name,
+                    media_type: header.media_type,
+                };
+                self.attachments.insert(place.offset, index);
                 let sum = crc32fast::hash(&body[..body.len().saturating_sub(4)]);
                 self.checksums.unless(crc == 0 || crc == sum, || {
                     format!(
@@ -226,19 +302,32 @@ impl<'a> Survey<'a> {
                 });
             }
             Record::AttachmentIndex(found) => {
-                self.check_pointer(op::ATTACHMENT, found.offset, found.length, "attachment");
+                let is_right = self.attachments.get(&found.offset) == Some(&found);
+                self.check_pointer(is_right, found.offset, "attachment");
             }
-            Record::Metadata(_) => self.counts.metadata += u32::from(in_data),
+            Record::Metadata(found) => {
+                self.counts.metadata += u32::from(in_data);
+                let index = MetadataIndex {
+                    offset: place.offset,
+                    length: place.length,
+                    name: found.name,
+                };
+                self.metadata.insert(place.offset, index);
+            }
             Record::MetadataIndex(found) => {
-                self.check_pointer(op::METADATA, found.offset, found.length, "metadata");
+                let is_right = self.metadata.get(&found.offset) == Some(&found);
+                self.check_pointer(is_right, found.offset, "metadata");
             }
-            Record::Statistics(found) => self.statistics = Some(found),
+            Record::Statistics(found) => {
+                let is_first = self.statistics.replace(found).is_none();
+                self.index
+                    .unless(is_first, || "it has statistics twice".to_owned());
+            }
             Record::DataEnd(found) => self.check_data(place, found.data_section_crc),
             Record::SummaryOffset(found) => {
-                let first = self.places.get(&found.group_start);
                 // Others write the offsets of empty groups too, which start where the next one does.
                 let right = found.group_length == 0
-                    || first.is_some_and(|(opcode, _)| *opcode == found.group_opcode);
+                    || self.is_group(found.group_opcode, found.group_start, found.group_length);
                 self.index.unless(right, || {
                     format!("the summary offset at {} leads nowhere", place.offset)
                 });
@@ -253,6 +342,7 @@ impl<'a> Survey<'a> {
         let mut seen = ChunkSeen {
             length: place.length,
             span: section.span.unwrap_or_default(),
+            packing: Packing::default(),
             messages: BTreeMap::new(),
             indexes: BTreeMap::new(),
             indexes_length: 0,
@@ -266,9 +356,15 @@ impl<'a> Survey<'a> {
             self.chunks.insert(place.offset, seen);
             return Ok(());
         }
+        seen.packing = self.buffers.packing().unwrap_or_default();
+        let records = std::mem::take(&mut self.buffers.records);
+        self.structure
+            .unless(!records.is_empty() || !self.is_ours(), || {
+                format!("the chunk at {} is empty", place.offset)
+            });
         let mut position = 0;
         let mut span = None;
-        while let Some(next) = record_at(&self.buffers.records, position) {
+        while let Some(next) = record_at(&records, position) {
             let (inner, end) = match next {
                 Ok(found) => found,
                 Err(reason) => {
@@ -296,11 +392,10 @@ impl<'a> Survey<'a> {
             } else {
                 let chunk = place.offset;
                 match parse(inner.opcode, inner.body) {
-                    Ok(Record::Schema { header, .. }) => {
-                        self.counts.schemas.insert(header.id);
-                    }
-                    Ok(Record::Channel(channel)) => {
-                        self.counts.channels.insert(channel.id);
+                    Ok(record @ (Record::Schema { .. } | Record::Channel(_)))
+                        if content_length(&record) == Some(inner.body.len()) || !self.is_ours() =>
+                    {
+                        self.define(record);
                     }
                     _ => self
                         .structure
@@ -309,6 +404,7 @@ impl<'a> Survey<'a> {
             }
             position = end;
         }
+        self.buffers.records = records;
         let span = span.unwrap_or((0, 0));
         self.index.unless(span == seen.span, || {
             format!(
@@ -357,9 +453,16 @@ impl<'a> Survey<'a> {
 
     fn check_chunk_index(&mut self, found: &mcap::records::ChunkIndex) {
         let at = found.chunk_start_offset;
-        self.indexed.insert(at);
+        let is_first = self.indexed.insert(at);
+        let packing = Packing {
+            compression: found.compression.clone(),
+            compressed: found.compressed_size,
+            uncompressed: found.uncompressed_size,
+        };
         let right = self.chunks.get(&at).is_some_and(|chunk| {
-            chunk.length == found.chunk_length
+            is_first
+                && chunk.packing == packing
+                && chunk.length == found.chunk_length
                 && chunk.span == (found.message_start_time, found.message_end_time)
                 && chunk.indexes == found.message_index_offsets
                 && chunk.indexes_length == found.message_index_length
@@ -368,11 +471,23 @@ impl<'a> Survey<'a> {
             .unless(right, || format!("the index of the chunk at {at} is wrong"));
     }
 
-    fn check_pointer(&mut self, opcode: u8, offset: u64, length: u64, what: &str) {
-        let right = self.places.get(&offset) == Some(&(opcode, length));
-        self.indexed.insert(offset);
-        self.index.unless(right, || {
-            format!("the {what} index leads to {offset}, where none is")
+    /// Whether all records of a kind stand between two places of the summary, and nothing else.
+    fn is_group(&self, opcode: u8, start: u64, length: u64) -> bool {
+        let is_of_kind = |(_, (found, _)): (&u64, &(u8, u64))| *found == opcode;
+        let end = start.saturating_add(length);
+        let before = self.places.range(..start).next_back();
+        self.places.contains_key(&start)
+            && self.places.contains_key(&end)
+            && self.places.range(start..end).all(is_of_kind)
+            && !before.is_some_and(is_of_kind)
+            && !self.places.get_key_value(&end).is_some_and(is_of_kind)
+    }
+
+    /// `is_right` tells whether an index says what stands at the place that it leads to.
+    fn check_pointer(&mut self, is_right: bool, offset: u64, what: &str) {
+        let is_first = self.indexed.insert(offset);
+        self.index.unless(is_right && is_first, || {
+            format!("the {what} index for {offset} is wrong: something else stands there, or it comes twice")
         });
     }
 
@@ -390,8 +505,7 @@ impl<'a> Survey<'a> {
 
     /// Recordings of toprise have a checksum where others may have none, which is a zero.
     fn demand_checksum(&mut self, crc: u32, what: &str) {
-        let is_ours = self.recording.condition() != Condition::Foreign;
-        self.checksums.unless(crc != 0 || !is_ours, || {
+        self.checksums.unless(crc != 0 || !self.is_ours(), || {
             format!("the {what} have no checksum")
         });
     }
@@ -420,9 +534,14 @@ impl<'a> Survey<'a> {
         let is_last = footer.end() + mcap::MAGIC.len() as u64 == self.source.length();
         self.structure
             .unless(is_last, || "something stands behind the footer".to_owned());
-        let points_well = [found.summary_start, found.summary_offset_start]
-            .iter()
-            .all(|at| *at == 0 || self.places.contains_key(at));
+        let is_offset = |at| {
+            self.places
+                .get(&at)
+                .is_some_and(|p| p.0 == op::SUMMARY_OFFSET)
+        };
+        let behind_data = self.data_end.map(|at| at + DATA_END);
+        let points_well = behind_data.is_none_or(|at| at == found.summary_start)
+            && (found.summary_offset_start == 0 || is_offset(found.summary_offset_start));
         self.index
             .unless(points_well, || "the footer leads nowhere".to_owned());
         self.check_completeness();
@@ -432,6 +551,11 @@ impl<'a> Survey<'a> {
     /// Whether everything is indexed, and counted.
     fn check_completeness(&mut self) {
         self.close_chunk();
+        let [in_data, in_summary] = &self.defined;
+        self.index
+            .unless(in_data == in_summary || !self.is_ours(), || {
+                "its summary repeats other schemas and channels than its data have".to_owned()
+            });
         for (at, chunk) in &self.chunks {
             let all = self.indexed.contains(at) && !chunk.is_unindexed;
             self.index
@@ -463,7 +587,8 @@ impl<'a> Survey<'a> {
     }
 
     fn checks(mut self) -> Vec<Check> {
-        for contradiction in &self.recording.layout.channels.contradictions {
+        let of_layout = &self.recording.layout.channels.contradictions;
+        for contradiction in of_layout.union(&self.channels.contradictions) {
             self.structure.add(|| contradiction.clone());
         }
         let group = Group::Container;
@@ -487,7 +612,7 @@ impl<'a> Survey<'a> {
             let found = "there is none at the end; those of the chunks are right".to_owned();
             Check::new(group, "index", Verdict::Incomplete, found)
         });
-        if self.recording.condition() != Condition::Foreign {
+        if self.is_ours() {
             checks.push(self.end_record());
         }
         checks

@@ -8,10 +8,12 @@
 //! made again: its draft is a hidden file that vanishes if it isn't published.
 
 use crate::archive::sink::SinkError;
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Seek as _, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile, PersistError, TempPath};
 
 /// What happens to a file that already has the name.
@@ -31,10 +33,35 @@ impl Existing {
     }
 }
 
+/// The hidden files that vanish if they are not published.
+static HIDDEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Removes all hidden drafts, and lets no new ones be made: the program is about to end without dropping them.
+pub fn abandon_drafts() {
+    let drafts = HIDDEN.lock().unwrap_or_else(PoisonError::into_inner);
+    for draft in drafts.iter() {
+        let _ = fs::remove_file(draft);
+    }
+    std::mem::forget(drafts);
+}
+
+/// An entry among the hidden files, as long as the file has that name.
+#[derive(Debug)]
+struct Hidden(PathBuf);
+
+impl Drop for Hidden {
+    fn drop(&mut self) {
+        let mut drafts = HIDDEN.lock().unwrap_or_else(PoisonError::into_inner);
+        drafts.remove(&self.0);
+    }
+}
+
 /// A file that is being written and takes its name when it is complete.
 #[derive(Debug)]
 pub struct Draft {
     file: NamedTempFile,
+    /// None for the draft of a run, which has a name that shows.
+    hidden: Option<Hidden>,
     path: PathBuf,
     existing: Existing,
     /// The name under which it stays if it is not published; none if it vanishes then.
@@ -52,8 +79,10 @@ impl Draft {
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
     pub fn new(path: &Path, existing: Existing) -> Result<Self, SinkError> {
         prepare(path, existing)?;
+        let (file, hidden) = hidden(path)?;
         Ok(Self {
-            file: hidden(path)?,
+            file,
+            hidden: Some(hidden),
             path: path.to_owned(),
             existing,
             partial: None,
@@ -72,12 +101,14 @@ impl Draft {
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
     pub fn of_run(path: &Path, existing: Existing, preface: &[u8]) -> Result<Self, SinkError> {
         prepare(path, existing)?;
-        let mut file = hidden(path)?;
+        let (mut file, hidden) = hidden(path)?;
         let written = file.write_all(preface);
         written.map_err(|error| io_error("write", path, error))?;
         let (file, partial) = name_partial(file, path, existing)?;
+        drop(hidden);
         let draft = Self {
             file,
+            hidden: None,
             path: path.to_owned(),
             existing,
             partial: Some(partial),
@@ -130,6 +161,7 @@ impl Draft {
         flushed.map_err(|error| io_error("write", self.working_name(), error))?;
         let Self {
             file,
+            hidden,
             path,
             existing,
             partial,
@@ -145,6 +177,7 @@ impl Draft {
             Existing::Replace => file.persist(&path),
             Existing::Keep => name_anew(file, &path),
         };
+        drop(hidden);
         if let Err(refused) = named {
             return Err(match (refused.error.kind(), &partial) {
                 (io::ErrorKind::AlreadyExists, Some(partial)) => exists(
@@ -224,15 +257,19 @@ fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
 }
 
 /// A new hidden file beside `path`.
-fn hidden(path: &Path) -> Result<NamedTempFile, SinkError> {
+fn hidden(path: &Path) -> Result<(NamedTempFile, Hidden), SinkError> {
     let mut prefix = OsString::from(".");
     prefix.push(path.file_name().unwrap_or_default());
     prefix.push(".");
     let mut builder = Builder::new();
     builder.prefix(&prefix).suffix(".tmp");
     // Files of `tempfile_in` could be read by their owner alone, even after they are published.
+    let mut drafts = HIDDEN.lock().unwrap_or_else(PoisonError::into_inner);
     let file = builder.make_in(directory_of(path), |name| File::create_new(name));
-    file.map_err(|error| io_error("create", path, error))
+    let file = file.map_err(|error| io_error("create", path, error))?;
+    drafts.insert(file.path().to_owned());
+    let hidden = Hidden(file.path().to_owned());
+    Ok((file, hidden))
 }
 
 /// Calls a file `NAME.partial`, or by the next free name if that is allowed.

@@ -1,29 +1,41 @@
 //! Ctrl-C, and what else asks the program to end.
 
+use crate::archive::publish::abandon_drafts;
 use anyhow::{Context as _, Error};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+
+/// The exit code of a command that ends at once: 128 and the number of SIGINT, as shells have it.
+const AT_ONCE: i32 = 130;
+
+/// Set where the command wants to end in order.
+static ORDERLY: OnceLock<Interrupt> = OnceLock::new();
 
 /// A flag that is set when the user asks for an end.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Watches for Ctrl-C: the first asks for an orderly end, the second ends the program at once.
-    pub(super) fn watch() -> Result<Self, Error> {
-        let asked = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&asked);
-        ctrlc::set_handler(move || {
-            if flag.swap(true, Ordering::SeqCst) {
-                std::process::exit(130);
-            }
-        })
-        .context("cannot watch for Ctrl-C")?;
-        Ok(Self(asked))
+    /// Watches for Ctrl-C and the like: the first asks for an orderly end, the second ends the program at once.
+    pub(super) fn watch() -> Self {
+        ORDERLY.get_or_init(Self::default).clone()
     }
 
     /// Whether the user has asked for an end.
     pub(super) fn is_asked(&self) -> bool {
         self.0.load(Ordering::SeqCst)
     }
+}
+
+/// From now on, Ctrl-C and the like end the program at once, without drafts of files being left, unless the command
+/// wants to end in order.
+pub(super) fn handle() -> Result<(), Error> {
+    ctrlc::set_handler(|| {
+        let first = |interrupt: &Interrupt| !interrupt.0.swap(true, Ordering::SeqCst);
+        if !ORDERLY.get().is_some_and(first) {
+            abandon_drafts();
+            std::process::exit(AT_ONCE);
+        }
+    })
+    .context("cannot watch for Ctrl-C")
 }

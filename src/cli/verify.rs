@@ -7,7 +7,7 @@ use super::page::{CROSS, Page, Section, TICK, Tone};
 use super::progress::Progress;
 use super::table::Table;
 use super::{output, report};
-use crate::analysis::verify::{Check, Options, Report, Verdict, verify as check};
+use crate::analysis::verify::{Check, Group, Options, Report, Verdict, verify as check};
 use crate::archive::recording::{Condition, Recording, RecordingError};
 use anyhow::Error;
 use clap::Args;
@@ -28,6 +28,10 @@ pub(super) struct VerifyArguments {
     /// Don't simulate the scenarios again: a quick check of container, messages and physics.
     #[arg(long)]
     no_reproduce: bool,
+
+    /// Show each check, also those of a group in which all is well.
+    #[arg(long)]
+    all: bool,
 
     #[command(flatten)]
     form: FormArguments,
@@ -52,6 +56,11 @@ struct VerifiedFile {
     /// All checks, in order; absent if it could not be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     checks: Option<Vec<Check>>,
+    /// Topics of toprise that it doesn't have.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    without: Vec<String>,
+    /// What a reader of the file sees and no check covers: words of its author, and what others have added.
+    not_covered: Vec<String>,
     /// Why it could not be read; absent if it could.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
@@ -63,6 +72,8 @@ struct VerifiedFile {
 enum FileVerdict {
     /// Everything is as it must be.
     Passed,
+    /// Everything is as it must be; some channels were not recorded, which `without` names.
+    Partial,
     /// All that is there is as it must be, but something isn't there.
     Incomplete,
     /// Something is wrong.
@@ -84,7 +95,7 @@ pub(super) fn verify(arguments: &VerifyArguments) -> Result<Done, Error> {
             .collect(),
     );
     let format = arguments.form.format();
-    report::print(&report, format, || report.page())?;
+    report::print(&report, format, || report.page(arguments.all))?;
     if format != Format::Json {
         for file in &report.0 {
             if let Some(error) = &file.error {
@@ -143,9 +154,10 @@ impl VerifyReport {
         }
     }
 
-    fn page(&self) -> Page {
+    fn page(&self, all: bool) -> Page {
+        let sections = self.0.iter().filter_map(|file| file.section(all));
         Page {
-            sections: self.0.iter().filter_map(VerifiedFile::section).collect(),
+            sections: sections.collect(),
             ..Page::default()
         }
     }
@@ -160,10 +172,13 @@ impl VerifiedFile {
                 verdict: match report.verdict() {
                     Verdict::Failed => FileVerdict::Failed,
                     Verdict::Incomplete => FileVerdict::Incomplete,
+                    Verdict::Partial => FileVerdict::Partial,
                     Verdict::Passed | Verdict::Skipped => FileVerdict::Passed,
                 },
                 state: Some(report.condition),
                 checks: Some(report.checks),
+                without: report.without,
+                not_covered: report.not_covered,
                 error: None,
             },
             Err(error) => Self {
@@ -171,54 +186,102 @@ impl VerifiedFile {
                 verdict: FileVerdict::Unreadable,
                 state: None,
                 checks: None,
+                without: Vec::new(),
+                not_covered: Vec::new(),
                 error: Some(error.to_string()),
             },
         }
     }
 
-    /// The checks for people; none if the file could not be read.
-    fn section(&self) -> Option<Section> {
+    /// The checks for people, each with its finding if `all` are to be shown; none if the file could not be read.
+    fn section(&self, all: bool) -> Option<Section> {
         let checks = self.checks.as_deref()?;
-        let failed = checks.iter().filter(|c| c.verdict == Verdict::Failed);
-        let (tone, conclusion) = match self.verdict {
-            FileVerdict::Failed => (
-                Tone::Bad,
-                format!(
-                    "FAILED, {} of {} checks",
-                    count(failed.count() as u64),
-                    count(checks.len() as u64)
-                ),
-            ),
-            FileVerdict::Incomplete => (
-                Tone::Weak,
-                format!(
-                    "{}: what is there is right, but it is not complete",
-                    self.state.map_or("", Condition::name)
-                ),
-            ),
-            FileVerdict::Passed | FileVerdict::Unreadable => (Tone::Good, "verified".to_owned()),
-        };
+        let (tone, conclusion) = self.conclusion(checks);
         let mut section = Section::new(format!("{}: {conclusion}", self.file));
         section.tone = tone;
-        let mut group = None;
-        let row = |check: &Check| {
-            let is_next = group.replace(check.group) != Some(check.group);
-            let heading = if is_next { check.group.name() } else { "" };
-            vec![
-                heading.to_owned(),
-                format!("{} {}", sign(check.verdict), check.name),
-                check.finding.clone(),
-            ]
-        };
-        section.table(Table::of_texts(checks.iter().map(row).collect()));
+        let mut rows = Vec::new();
+        for group in checks.chunk_by(|one, next| one.group == next.group) {
+            let told = if all { each(group) } else { in_short(group) };
+            let mut name = group[0].group.name();
+            for cells in told {
+                rows.push([&[std::mem::take(&mut name).to_owned()], &cells[..]].concat());
+            }
+        }
+        let mut label = "not covered";
+        for what in &self.not_covered {
+            rows.push(vec![std::mem::take(&mut label).to_owned(), what.clone()]);
+        }
+        section.table(Table::of_texts(rows));
         Some(section)
     }
+
+    fn conclusion(&self, checks: &[Check]) -> (Tone, String) {
+        let with = |verdict| checks.iter().filter(move |check| check.verdict == verdict);
+        let number = |checks: usize| count(checks as u64);
+        match self.verdict {
+            FileVerdict::Failed => {
+                let failed = with(Verdict::Failed).count();
+                let conclusion = format!(
+                    "FAILED, {} of {} checks",
+                    number(failed),
+                    number(checks.len())
+                );
+                (Tone::Bad, conclusion)
+            }
+            FileVerdict::Incomplete => {
+                let state = self.state.map_or("", Condition::name);
+                let conclusion = format!("{state}: what is there is right, but it is not complete");
+                (Tone::Weak, conclusion)
+            }
+            FileVerdict::Passed | FileVerdict::Partial | FileVerdict::Unreadable => {
+                let is_simulated = with(Verdict::Passed).any(|c| c.group == Group::Reproduction);
+                let mut conclusion = match is_simulated {
+                    true => "verified".to_owned(),
+                    false => "sound in itself, but not simulated again".to_owned(),
+                };
+                if !self.without.is_empty() {
+                    conclusion += &format!(", without {}", self.without.join(", "));
+                }
+                (Tone::Good, conclusion)
+            }
+        }
+    }
+}
+
+/// Each check of a group with its finding.
+fn each(group: &[Check]) -> Vec<Vec<String>> {
+    let cells = |check: &Check| {
+        let name = format!("{} {}", sign(check.verdict), check.name);
+        vec![name, check.finding.clone()]
+    };
+    group.iter().map(cells).collect()
+}
+
+/// The checks of a group that were passed by their names, and the others with their findings.
+fn in_short(group: &[Check]) -> Vec<Vec<String>> {
+    if let [only] = group {
+        return vec![vec![format!("{} {}", sign(only.verdict), only.finding)]];
+    }
+    let is_well = |check: &&Check| matches!(check.verdict, Verdict::Passed | Verdict::Skipped);
+    let mut lines = Vec::new();
+    for verdict in [Verdict::Passed, Verdict::Skipped] {
+        let found = group.iter().filter(|check| check.verdict == verdict);
+        let names: Vec<_> = found.map(|check| check.name).collect();
+        if !names.is_empty() {
+            lines.push(vec![format!("{} {}", sign(verdict), names.join(", "))]);
+        }
+    }
+    for check in group.iter().filter(|check| !is_well(check)) {
+        let (sign, name, finding) = (sign(check.verdict), check.name, &check.finding);
+        lines.push(vec![format!("{sign} {name}: {finding}")]);
+    }
+    lines
 }
 
 fn sign(verdict: Verdict) -> char {
     match verdict {
         Verdict::Passed => TICK,
-        Verdict::Incomplete => '…',
+        Verdict::Incomplete | Verdict::Partial => '…',
         Verdict::Failed => CROSS,
         Verdict::Skipped => '–',
     }

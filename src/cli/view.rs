@@ -157,7 +157,7 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
     for name in arguments.names() {
         refuse_input(arguments, &name)?;
     }
-    let interrupt = Interrupt::watch()?;
+    let interrupt = Interrupt::watch();
     let target = target(arguments)?;
     let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
     let mut shown = Vec::new();
@@ -313,7 +313,7 @@ fn warn(recording: &Recording, replayed: &Replayed) {
         ));
     }
     for loss in &replayed.losses {
-        output::warn(&format!("{path}: lost {loss}"));
+        output::warn(&format!("{path}: without {loss}"));
     }
     if let Some((error, count)) = &replayed.undecodable {
         output::warn(&format!(

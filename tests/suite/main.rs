@@ -18,6 +18,7 @@ mod documents;
 mod explain;
 mod figures;
 mod free_peg;
+mod forgeries;
 mod fuzz_corpus;
 mod golden;
 mod integrate;

@@ -252,6 +252,59 @@ fn whichever_of_several_files_of_one_name_is_published_last_stays_and_is_whole()
     assert_eq!(files(directory.path()), ["x.mcap"]);
 }
 
+/// Commands that write a file which can be made again leave no draft of it when they are asked to end.
+#[cfg(unix)]
+#[test]
+fn a_signal_leaves_no_drafts() {
+    let directory = tempdir().unwrap();
+    let scenario = scenario("paper", &[("stop.duration", "20")]);
+    let path = directory.path().join("a.mcap");
+    archive(
+        &path,
+        &scenario,
+        &["/top/state", "/top/pose"],
+        Form::default(),
+    )
+    .unwrap();
+    let whole = fs::read(&path).unwrap();
+    fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() - 9]).unwrap();
+    let commands: [&[&str]; 4] = [
+        &["convert", "a.mcap", "x.mcap", "--encoding", "protobuf"],
+        &["recover", "cut.mcap", "x.mcap"],
+        &["recover", "cut.mcap", "x.mcap", "--complete"],
+        &["diff", "a.mcap", "cut.mcap", "--mcap", "x.mcap"],
+    ];
+    for (arguments, signal) in commands.iter().zip(["-INT", "-TERM"].iter().cycle()) {
+        let mut command = Process::new(assert_cmd::cargo::cargo_bin("toprise"));
+        command.current_dir(directory.path()).args(*arguments);
+        let mut child = command
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        // As soon as there is a draft.
+        while !files(directory.path())
+            .iter()
+            .any(|name| name.ends_with(".tmp"))
+        {
+            assert_eq!(
+                child.try_wait().unwrap(),
+                None,
+                "{arguments:?} ended before it was asked to"
+            );
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        let id = child.id().to_string();
+        Process::new("kill").args([*signal, &id]).status().unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{arguments:?}");
+        assert_eq!(
+            files(directory.path()),
+            ["a.mcap", "cut.mcap"],
+            "{arguments:?}"
+        );
+    }
+}
+
 #[test]
 fn what_an_interrupted_run_left_is_never_touched() {
     let directory = tempdir().unwrap();

@@ -3,17 +3,14 @@
 use super::physics::Physics;
 use super::reproduction::Reproduction;
 use crate::archive::check::{Check, Group, Problems, Verdict};
-use crate::archive::format::{
-    CONTENT_DIGEST, COUNTS, LIBRARY_PREFIX, SAMPLE_PERIOD, SCENARIO_DIGEST, STEPS, VERSION,
-    run_entries,
-};
-use crate::archive::recording::{Any, Condition, NoScenario, Recording, Selection, Undecoded};
+use crate::archive::format::{CONTENT_DIGEST, COUNTS, SAMPLE_PERIOD, STEPS};
+use crate::archive::recording::{Condition, Recording, Selection, Undecoded};
 use crate::run::scenario::Scenario;
 use crate::telemetry::digest::ContentDigest;
-use crate::telemetry::encoding::Encoding;
+use crate::telemetry::encoding::Encoder;
 use crate::telemetry::views::{Views, view_channels};
 use crate::telemetry::{Message, channels};
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 /// What to check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,23 +26,27 @@ impl Default for Options {
 }
 
 /// Checks everything about the messages of a recording.
-pub(super) fn check(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -> Vec<Check> {
-    let scenario = recording.scenario();
-    let mut checks = vec![attached(recording, &scenario)];
-    let scenario = scenario.ok();
-    let mut content = Content::new(recording, scenario.as_ref());
+pub(super) fn check(
+    recording: &Recording,
+    scenario: Option<&Scenario>,
+    options: Options,
+    progress: &dyn Fn(u64),
+) -> Vec<Check> {
+    let mut checks = Vec::new();
+    let mut content = Content::new(recording, scenario);
     let steps = recording.end().and_then(|end| end.get(STEPS)?.parse().ok());
-    let mut physics = scenario.as_ref().map(|s| Physics::new(s, steps));
-    let mut reproduction = match &scenario {
+    let mut physics = scenario.map(|s| Physics::new(s, steps));
+    let mut reproduction = match scenario {
         Some(scenario) if options.reproduce => Some(Reproduction::new(recording, scenario)),
         _ => None,
     };
-    let mut views = scenario.as_ref().map(|s| ViewCheck::new(recording, s));
+    let mut views = scenario.map(|s| ViewCheck::new(recording, s));
     let mut reader = recording.reader(Selection::default());
-    while let Some(next) = reader.next_of_any() {
-        match next {
-            Ok(Any::Decoded(message)) => {
-                content.take(&message);
+    while let Some((raw, decoded)) = reader.next_both() {
+        content.take_raw(&raw);
+        match decoded {
+            Some(Ok(message)) => {
+                content.take(&message, &raw);
                 if let Some(physics) = &mut physics {
                     physics.take(&message);
                 }
@@ -56,12 +57,12 @@ pub(super) fn check(recording: &Recording, options: Options, progress: &dyn Fn(u
                     views.expect(&message);
                 }
             }
-            Ok(Any::Other(message)) => {
+            Some(Err(error)) => content.messages.add(|| error.to_string()),
+            None => {
                 if let Some(views) = &mut views {
-                    views.take(&message);
+                    views.take(&raw);
                 }
             }
-            Err(error) => content.messages.add(|| error.to_string()),
         }
         progress(reader.progress());
     }
@@ -90,46 +91,6 @@ pub(super) fn check(recording: &Recording, options: Options, progress: &dyn Fn(u
     checks
 }
 
-/// Whether the scenario is there and fits what the recording says of it.
-fn attached(recording: &Recording, scenario: &Result<Scenario, NoScenario>) -> Check {
-    let mut problems = Problems::default();
-    let mut finding = String::new();
-    match scenario {
-        Ok(scenario) => {
-            finding = format!("{}, digest {:.16}…", scenario.name(), scenario.digest());
-            let run = recording.run();
-            let noted = run.and_then(|run| run.get(SCENARIO_DIGEST));
-            problems.unless(noted == Some(&scenario.digest()), || match noted {
-                Some(noted) => format!("its digest is {}, not {noted}", scenario.digest()),
-                None => "the record toprise.run, which names its digest, is lost".to_owned(),
-            });
-            for (key, expected) in run_entries(scenario) {
-                let noted = run.and_then(|run| run.get(&key));
-                let is_right = run.is_none() || key == VERSION || noted == Some(&expected);
-                problems.unless(is_right, || match noted {
-                    Some(noted) => {
-                        format!("toprise.run says that {key} is {noted}, not {expected}")
-                    }
-                    None => format!("toprise.run doesn't say what {key} is"),
-                });
-            }
-            // A run that was cut off is as its simulation left it.
-            let version = recording.library().strip_prefix(LIBRARY_PREFIX);
-            let noted = run.and_then(|run| run.get(VERSION)).map(String::as_str);
-            let is_original = recording.condition() == Condition::Interrupted;
-            problems.unless(!is_original || run.is_none() || noted == version, || {
-                "toprise.run names another version than the header of the file".to_owned()
-            });
-        }
-        Err(error) if recording.recovery().is_some() => {
-            let finding = error.to_string();
-            return Check::new(Group::Telemetry, "scenario", Verdict::Incomplete, finding);
-        }
-        Err(error) => problems.add(|| error.to_string()),
-    }
-    Check::of(Group::Telemetry, "scenario", &problems, finding)
-}
-
 /// What is seen of the messages.
 struct Content {
     messages: Problems,
@@ -137,6 +98,9 @@ struct Content {
     sequence: Problems,
     counts: Vec<Count>,
     digest: ContentDigest,
+    /// Encodes the messages again; none if they don't all have the same encoding.
+    encoder: Option<Encoder>,
+    encoded: Vec<u8>,
     period_ns: Option<u64>,
     last_ns: u64,
     total: u64,
@@ -162,13 +126,32 @@ impl Content {
             sequence: Problems::default(),
             counts: vec![Count::default(); channels().len()],
             digest: ContentDigest::default(),
+            encoder: recording.encoding().map(Encoder::new),
+            encoded: Vec::new(),
             period_ns: noted.or_else(of_scenario),
             last_ns: 0,
             total: 0,
         }
     }
 
-    fn take(&mut self, message: &Message<'_>) {
+    /// Takes a message of any channel, as it stands in the file.
+    fn take_raw(&mut self, raw: &Undecoded<'_>) {
+        let place = || {
+            let (topic, seconds) = (&raw.channel.topic, raw.log_time as f64 / 1e9);
+            format!("{topic} message {} at {seconds} s", raw.sequence)
+        };
+        self.times.unless(self.last_ns <= raw.log_time, || {
+            format!("{}: it stands behind a later one", place())
+        });
+        self.last_ns = raw.log_time;
+        self.times.unless(raw.publish_time == raw.log_time, || {
+            let seconds = raw.publish_time as f64 / 1e9;
+            format!("{}: its publish time is {seconds} s", place())
+        });
+    }
+
+    /// Takes a decoded message of the table.
+    fn take(&mut self, message: &Message<'_>, raw: &Undecoded<'_>) {
         self.total += 1;
         self.digest.update(message);
         let info = &channels()[message.channel];
@@ -178,10 +161,14 @@ impl Content {
         self.messages.unless(finite, || {
             format!("{}: not all of its numbers are finite", place())
         });
-        self.times.unless(self.last_ns <= time, || {
-            format!("{}: it stands behind a later one", place())
-        });
-        self.last_ns = time;
+        if let Some(encoder) = &self.encoder {
+            self.encoded.clear();
+            encoder.encode(message, &mut self.encoded);
+            let is_it = raw.data == self.encoded;
+            self.messages.unless(is_it, || {
+                format!("{}: it is not written as toprise writes it", place())
+            });
+        }
         let count = &mut self.counts[message.channel];
         if info.is_sampled {
             let due = |period| u64::from(number).saturating_mul(period);
@@ -212,8 +199,6 @@ impl Content {
 
     fn checks(mut self, recording: &Recording, lost: usize) -> Vec<Check> {
         let group = Group::Telemetry;
-        let mut schemas = Problems::default();
-        self.check_schemas(recording, &mut schemas);
         let messages = format!("all {} are what their schemas say", self.total);
         let period = self.period_ns.map(|period| period as f64 / 1e9);
         let times = match period {
@@ -224,55 +209,12 @@ impl Content {
             None => format!("ordered, to {} s", self.last_ns as f64 / 1e9),
         };
         let mut checks = vec![
-            Check::of(
-                group,
-                "schemas",
-                &schemas,
-                "those of this version".to_owned(),
-            ),
             Check::of(group, "messages", &self.messages, messages),
             Check::of(group, "times", &self.times, times),
             self.sequence_check(recording, lost),
         ];
         checks.extend(self.end_checks(recording));
         checks
-    }
-
-    fn check_schemas(&self, recording: &Recording, problems: &mut Problems) {
-        for (topic, differences) in recording.differences() {
-            let mut parts = Vec::new();
-            if !differences.missing.is_empty() {
-                parts.push(format!("lacks {}", differences.missing.join(", ")));
-            }
-            if !differences.unknown.is_empty() {
-                parts.push(format!("has beside it {}", differences.unknown.join(", ")));
-            }
-            problems.add(|| format!("{topic} {}", parts.join(" and ")));
-        }
-        for channel in recording.channels() {
-            let (Some(info), Some(schema)) = (channel.info(), &channel.schema) else {
-                continue;
-            };
-            let Some(encoding) = Encoding::find(&channel.encoding) else {
-                problems.add(|| {
-                    let encoding = &channel.encoding;
-                    format!(
-                        "{} is encoded as {encoding:?}, not json or protobuf",
-                        channel.topic
-                    )
-                });
-                continue;
-            };
-            let is_ours = schema.name == info.schema
-                && schema.encoding == encoding.schema_encoding()
-                && schema.data == encoding.schema(info);
-            problems.unless(is_ours, || {
-                format!(
-                    "the schema of {} is not that of this version",
-                    channel.topic
-                )
-            });
-        }
     }
 
     fn sequence_check(&mut self, recording: &Recording, lost: usize) -> Check {
@@ -331,15 +273,24 @@ const VIEWS_AHEAD: usize = 1000;
 /// Whether the channels for viewers say the same as those of the table.
 struct ViewCheck {
     views: Views,
-    /// Views that must come: topic, sequence and bytes.
-    expected: VecDeque<(&'static str, u32, Vec<u8>)>,
+    /// The topics of views that have a channel.
+    recorded: BTreeSet<&'static str>,
+    /// Views that must come.
+    expected: VecDeque<ExpectedView>,
     problems: Problems,
     found: u64,
     /// Views that follow from no message that is there.
     unexpected: u64,
     /// Views that should be there.
     missing: u64,
-    is_recorded: bool,
+}
+
+/// A message of a view channel that follows from the data.
+struct ExpectedView {
+    topic: &'static str,
+    sequence: u32,
+    time_ns: u64,
+    data: Vec<u8>,
 }
 
 impl ViewCheck {
@@ -351,17 +302,30 @@ impl ViewCheck {
             found: 0,
             unexpected: 0,
             missing: 0,
-            is_recorded: recording.channels().iter().any(|channel| channel.is_view()),
+            recorded: view_channels()
+                .iter()
+                .map(|view| view.topic)
+                .filter(|topic| recording.channels().iter().any(|c| c.topic == *topic))
+                .collect(),
         }
     }
 
     fn expect(&mut self, message: &Message<'_>) {
-        if !self.is_recorded {
+        if self.recorded.is_empty() {
             return;
         }
-        let expected = &mut self.expected;
+        let (expected, recorded) = (&mut self.expected, &self.recorded);
         self.views.take(message, |channel, sequence, data| {
-            expected.push_back((view_channels()[channel].topic, sequence, data.to_vec()));
+            let topic = view_channels()[channel].topic;
+            if !recorded.contains(topic) {
+                return;
+            }
+            expected.push_back(ExpectedView {
+                topic,
+                sequence,
+                time_ns: message.time_ns,
+                data: data.to_vec(),
+            });
         });
         // Views stand right behind what they follow from: what is so far behind never comes.
         while self.expected.len() > VIEWS_AHEAD {
@@ -375,8 +339,8 @@ impl ViewCheck {
             return;
         }
         self.found += 1;
-        let is_it = |(topic, sequence, _): &(&str, u32, Vec<u8>)| {
-            *topic == message.channel.topic && *sequence == message.sequence
+        let is_it = |expected: &ExpectedView| {
+            expected.topic == message.channel.topic && expected.sequence == message.sequence
         };
         let Some(position) = self.expected.iter().position(is_it) else {
             self.unexpected += 1;
@@ -384,7 +348,9 @@ impl ViewCheck {
         };
         self.missing += position as u64;
         let expected = self.expected.drain(..=position).next_back();
-        let right = expected.is_some_and(|(_, _, data)| data == message.data);
+        let right = expected.is_some_and(|expected| {
+            expected.data == message.data && expected.time_ns == message.log_time
+        });
         self.problems.unless(right, || {
             let (topic, sequence) = (&message.channel.topic, message.sequence);
             format!("{topic} message {sequence} is not what follows from the data")
@@ -393,7 +359,7 @@ impl ViewCheck {
 
     fn check(mut self, is_all_there: bool) -> Check {
         let group = Group::Telemetry;
-        if !self.is_recorded {
+        if self.recorded.is_empty() {
             let finding = "there are none".to_owned();
             return Check::new(group, "views", Verdict::Skipped, finding);
         }

@@ -1,9 +1,9 @@
 //! Whether the simulation gives the recording again, bit for bit.
 
 use crate::archive::check::{Check, Group, Verdict};
-use crate::archive::format::{STOP_REASON, VERSION, end_entries};
+use crate::archive::format::{CONTENT_DIGEST, COUNTS, STOP_REASON, VERSION, end_entries};
 use crate::archive::memory::Owned;
-use crate::archive::recording::{Entries, Recording};
+use crate::archive::recording::{Condition, Entries, Recording};
 use crate::physics::math::ulp_distance;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{Simulation, StopReason};
@@ -21,7 +21,10 @@ pub(super) struct Reproduction {
     equal: u64,
     missing: u64,
     difference: Option<String>,
+    /// Whether the simulation could not go on.
+    has_failed: bool,
     end: Option<Entries>,
+    is_recovered: bool,
     version: Option<String>,
 }
 
@@ -36,7 +39,9 @@ impl Reproduction {
             equal: 0,
             missing: 0,
             difference: None,
+            has_failed: false,
             end: recording.end().cloned(),
+            is_recovered: recording.condition() == Condition::Recovered,
             version: version.filter(|v| *v != env!("CARGO_PKG_VERSION")).cloned(),
         }
     }
@@ -88,8 +93,15 @@ impl Reproduction {
         let Ok(simulation) = &mut self.simulation else {
             return false;
         };
-        let Some(Ok(record)) = simulation.next() else {
+        if self.has_failed {
             return false;
+        }
+        let record = match simulation.next() {
+            Some(Ok(record)) => record,
+            ended => {
+                self.has_failed = ended.is_some();
+                return false;
+            }
         };
         self.reached_ns = Some(record.time_ns());
         let ahead = &mut self.ahead;
@@ -98,6 +110,7 @@ impl Reproduction {
             Ok::<(), TelemetryError>(())
         });
         // What could not be logged ended the run that was recorded, too.
+        self.has_failed = logged.is_err();
         logged.is_ok()
     }
 
@@ -121,36 +134,43 @@ impl Reproduction {
         if let Some(difference) = &self.difference {
             return (Verdict::Failed, difference.clone());
         }
-        let equal = format!("all {} messages are equal, bit for bit", self.equal);
-        if is_all_there {
-            return match self.compare_ends() {
-                Ok(()) => (Verdict::Passed, equal),
-                Err(problem) => (Verdict::Failed, problem),
-            };
+        let missing = self.missing;
+        if is_all_there && missing > 0 {
+            let finding = format!("{missing} messages of the simulation are not recorded");
+            return (Verdict::Failed, finding);
         }
-        let finding = match self.missing {
+        let equal = format!("all {} messages are equal, bit for bit", self.equal);
+        let reason = self.end.as_ref().and_then(|end| end.get(STOP_REASON));
+        // The simulation would go on.
+        let is_interrupted = reason.is_some_and(|r| r == StopReason::Interrupted.name());
+        if (is_all_there || self.is_recovered)
+            && !is_interrupted
+            && let Err(problem) = self.compare_ends(is_all_there)
+        {
+            return (Verdict::Failed, problem);
+        }
+        if is_all_there && !is_interrupted {
+            return (Verdict::Passed, equal);
+        }
+        let finding = match missing {
             0 => format!("{equal}, as far as they go"),
             missing => format!("{equal}; {missing} are missing in between"),
         };
         (Verdict::Incomplete, finding)
     }
 
-    /// Compares the end of the run that was recorded with the simulation's.
-    fn compare_ends(&mut self) -> Result<(), String> {
-        if self.missing > 0 {
-            return Err(format!(
-                "{} messages of the simulation are not recorded",
-                self.missing
-            ));
-        }
-        let recorded = self.end.take().unwrap_or_default();
-        let reason = recorded.get(STOP_REASON).map_or("", String::as_str);
-        // A run that was broken off says so; the simulation would go on.
-        if reason == StopReason::Interrupted.name() || reason == StopReason::Failed.name() {
+    /// Compares the end of the run that was recorded with the simulation's. What a recovered recording counts is what
+    /// is left.
+    fn compare_ends(&mut self, is_all_there: bool) -> Result<(), String> {
+        let Some(recorded) = self.end.take() else {
             return Ok(());
+        };
+        while (self.ahead.is_empty() || !is_all_there) && self.simulate_one() {
+            if !is_all_there {
+                self.ahead.clear();
+            }
         }
-        while self.ahead.is_empty() && self.simulate_one() {}
-        if let Some(next) = self.ahead.front() {
+        if let Some(next) = self.ahead.front().filter(|_| is_all_there) {
             return Err(format!(
                 "the recording ends, but the simulation goes on with {} at {} s",
                 channels()[next.channel].topic,
@@ -160,15 +180,28 @@ impl Reproduction {
         let Ok(simulation) = &self.simulation else {
             return Ok(());
         };
-        for (key, simulated) in end_entries(&simulation.outcome()) {
-            let noted = recorded.get(&key).map_or("nothing", String::as_str);
-            if noted != simulated {
+        let mut outcome = simulation.outcome();
+        if self.has_failed {
+            outcome.stop = StopReason::Failed;
+        }
+        let simulated = end_entries(&outcome);
+        let is_count = |key: &String| COUNTS.iter().any(|(count, _)| count == key);
+        for (key, simulated) in &simulated {
+            let noted = recorded.get(key).map_or("nothing", String::as_str);
+            if noted != simulated && (is_all_there || !is_count(key)) {
                 return Err(format!(
                     "the end record says {key} = {noted}, the simulation {simulated}"
                 ));
             }
         }
-        Ok(())
+        let is_unknown = |key: &&String| !simulated.contains_key(*key) && *key != CONTENT_DIGEST;
+        match recorded.keys().find(is_unknown) {
+            Some(key) => Err(format!(
+                "the end record says {key} = {}, which means nothing",
+                recorded[key]
+            )),
+            None => Ok(()),
+        }
     }
 }
 

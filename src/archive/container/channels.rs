@@ -95,6 +95,21 @@ impl Channels {
         &self.list
     }
 
+    /// Schemas of which no channel has the like.
+    pub(crate) fn unused_schemas(&self) -> impl Iterator<Item = &FileSchema> {
+        let schemas = self.schemas.values();
+        let is_used = |schema: &Arc<FileSchema>| {
+            let mut used = self
+                .list
+                .iter()
+                .filter_map(|channel| channel.schema.as_ref());
+            used.any(|used| used == schema)
+        };
+        schemas
+            .filter(move |schema| !is_used(schema))
+            .map(Arc::as_ref)
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.list.is_empty()
     }

@@ -30,6 +30,8 @@ pub(crate) struct AttachmentSpan {
 pub(crate) struct Layout {
     /// What wrote the file, by its own words.
     pub(crate) library: String,
+    /// Which conventions it keeps, by its own words.
+    pub(crate) profile: String,
     pub(crate) sections: Vec<Section>,
     pub(crate) metadata: Vec<Metadata>,
     pub(crate) attachments: Vec<AttachmentSpan>,
@@ -136,7 +138,10 @@ impl Layout {
         source.read(place.offset, place.length, &mut bytes)?;
         let body = bytes.get(HEAD as usize..).unwrap_or_default();
         match parse(place.opcode, body) {
-            Ok(Record::Header(header)) => self.library = header.library,
+            Ok(Record::Header(header)) => {
+                self.library = header.library;
+                self.profile = header.profile;
+            }
             Ok(Record::Metadata(record)) => self.metadata.push(record),
             Ok(record) => self.channels.define(record),
             Err(_) => {}

@@ -3,6 +3,7 @@
 use super::source::Source;
 use mcap::records::{Record, op};
 use mcap::{McapError, McapResult};
+use std::collections::BTreeMap;
 use std::io;
 
 /// Length of a record's opcode and length field.
@@ -68,6 +69,37 @@ pub(super) fn is_exact(opcode: u8, body: &[u8]) -> bool {
         _ => None,
     };
     expected == Some(rest.len() as u64)
+}
+
+/// The length of a record's body that what is read of it takes. A longer body holds something that is not read: bytes
+/// behind the last field, or a key twice.
+pub(crate) fn content_length(record: &Record<'_>) -> Option<usize> {
+    let text = |text: &str| 4 + text.len();
+    let texts = |pairs: &BTreeMap<String, String>| {
+        let pairs = pairs.iter().map(|(key, value)| text(key) + text(value));
+        4 + pairs.sum::<usize>()
+    };
+    Some(match record {
+        Record::Header(header) => text(&header.profile) + text(&header.library),
+        Record::Schema { header, data } => {
+            2 + text(&header.name) + text(&header.encoding) + 4 + data.len()
+        }
+        Record::Channel(channel) => {
+            4 + text(&channel.topic) + text(&channel.message_encoding) + texts(&channel.metadata)
+        }
+        Record::MessageIndex(index) => 6 + 16 * index.records.len(),
+        Record::ChunkIndex(index) => {
+            60 + 10 * index.message_index_offsets.len() + text(&index.compression)
+        }
+        Record::AttachmentIndex(index) => 40 + text(&index.name) + text(&index.media_type),
+        Record::Metadata(metadata) => text(&metadata.name) + texts(&metadata.metadata),
+        Record::MetadataIndex(index) => 16 + text(&index.name),
+        Record::Statistics(statistics) => 46 + 10 * statistics.channel_message_counts.len(),
+        Record::SummaryOffset(_) => 17,
+        Record::DataEnd(_) => 4,
+        Record::Footer(_) => 20,
+        _ => return None,
+    })
 }
 
 /// A part of a record.

@@ -56,6 +56,26 @@ pub(crate) struct Buffers {
     zstd: Option<zstd::bulk::Decompressor<'static>>,
 }
 
+/// How a chunk is packed, as its index repeats it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Packing {
+    pub(crate) compression: String,
+    pub(crate) compressed: u64,
+    pub(crate) uncompressed: u64,
+}
+
+impl Buffers {
+    /// How the chunk that was loaded last is packed.
+    pub(crate) fn packing(&self) -> Option<Packing> {
+        let chunk = Chunk::parse(self.raw.get(HEAD as usize..)?)?;
+        Some(Packing {
+            compression: String::from_utf8_lossy(chunk.compression).into_owned(),
+            compressed: chunk.data.len() as u64,
+            uncompressed: chunk.size,
+        })
+    }
+}
+
 impl fmt::Debug for Buffers {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Buffers").finish_non_exhaustive()

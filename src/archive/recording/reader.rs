@@ -58,6 +58,9 @@ pub enum Any<'a> {
     Other(Undecoded<'a>),
 }
 
+/// A decoded message, or why it can't be decoded; none if its channel is not of the table.
+pub(crate) type Decoded<'a> = Option<Result<Message<'a>, MessageError>>;
+
 /// Sections that overlap in time are put in order together as long as they take no more bytes than this.
 const LARGEST_BATCH: usize = 1 << 26;
 
@@ -275,7 +278,23 @@ impl<'r> Reader<'r> {
         Some(self.decode(&at)?.map(Any::Decoded))
     }
 
+    /// The next message as it stands in the file, and decoded if its channel is of the table.
+    ///
+    /// After an error reading can go on: it is about one message.
+    pub(crate) fn next_both(&mut self) -> Option<(Undecoded<'_>, Decoded<'_>)> {
+        let at = self.advance()?;
+        let decoded = self.fill_row(&at);
+        let decoded = decoded.map(|filled| filled.map(|channel| self.message(&at, channel)));
+        Some((self.undecoded(&at), decoded))
+    }
+
     fn decode(&mut self, at: &At) -> Option<Result<Message<'_>, MessageError>> {
+        let filled = self.fill_row(at)?;
+        Some(filled.map(|channel| self.message(at, channel)))
+    }
+
+    /// Decodes a message into the row, and tells its channel of the table, if it has one.
+    fn fill_row(&mut self, at: &At) -> Option<Result<usize, MessageError>> {
         let Plan::Decode {
             channel,
             info,
@@ -289,29 +308,27 @@ impl<'r> Reader<'r> {
             Ok(decoder) => decoder.decode(raw.data, &mut self.row),
             Err(error) => Err(error.clone()),
         };
-        let decoded = decoded.and_then(|()| {
-            let stamp_ns = self.row.time_ns;
-            if stamp_ns == raw.log_time {
-                Ok(())
-            } else {
-                Err(DecodeError::Timestamp { stamp_ns })
-            }
-        });
+        let stamp_ns = self.row.time_ns;
         Some(match decoded {
-            Ok(()) => Ok(Message {
-                channel: *channel,
-                sequence: raw.sequence,
-                time_ns: raw.log_time,
-                numbers: &self.row.numbers,
-                texts: &self.row.texts,
-            }),
-            Err(reason) => Err(MessageError {
+            Ok(()) if stamp_ns == raw.log_time => Ok(*channel),
+            decoded => Err(MessageError {
                 topic: info.topic,
                 sequence: raw.sequence,
                 time_ns: raw.log_time,
-                reason,
+                reason: decoded.err().unwrap_or(DecodeError::Timestamp { stamp_ns }),
             }),
         })
+    }
+
+    /// The message in the row.
+    fn message(&self, at: &At, channel: usize) -> Message<'_> {
+        Message {
+            channel,
+            sequence: at.head.sequence,
+            time_ns: at.head.log_time,
+            numbers: &self.row.numbers,
+            texts: &self.row.texts,
+        }
     }
 
     fn undecoded(&self, at: &At) -> Undecoded<'_> {

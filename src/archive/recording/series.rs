@@ -19,6 +19,8 @@ pub struct Series {
     pub times_ns: Vec<u64>,
     /// Values.
     pub values: Vec<f64>,
+    /// What could not be read.
+    pub losses: Vec<Loss>,
 }
 
 /// Why there is no such series.
@@ -77,6 +79,7 @@ impl Recording {
             field,
             times_ns: columns.times_ns,
             values: columns.values.pop().unwrap_or_default(),
+            losses: columns.losses,
         })
     }
 

@@ -871,7 +871,7 @@ fn remarks(report: &Report) -> Section {
     let mut section = Section::new("Remarks");
     for (name, run) in [("A", &report.a), ("B", &report.b)] {
         for loss in run.losses.iter().take(SHOWN) {
-            section.line(format!("{name}: lost {loss}"));
+            section.line(format!("{name}: without {loss}"));
         }
         if run.losses.len() > SHOWN {
             section.line(format!("{name}: {} more losses", run.losses.len() - SHOWN));

@@ -1,0 +1,1422 @@
+//! What a forger may try who recomputes every checksum, index, count and digest: nothing that a person or a viewer reads
+//! gets past `verify` but the words of the scenario's author, and what is listed as not covered.
+
+use crate::support::{archive, scenario};
+use mcap::records::{Record as Parsed, op};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use toprise::analysis::verify::{Options, Report, Verdict, verify};
+use toprise::archive::recording::{Recording, Selection};
+use toprise::archive::writer::Form;
+use toprise::run::scenario::Scenario;
+use toprise::telemetry::digest::ContentDigest;
+use toprise::telemetry::encoding::Encoding;
+
+type Texts = Vec<(String, String)>;
+
+/// A record of an MCAP file, with everything that a forger can choose.
+#[derive(Clone, Debug)]
+enum Record {
+    Metadata(String, Texts),
+    Attachment(Attachment),
+    /// Id, name, encoding, data.
+    Schema(u16, String, String, Vec<u8>),
+    Channel(Channel),
+    Message(Message),
+    Chunk(Vec<Record>),
+    Other(u8, Vec<u8>),
+}
+
+#[derive(Clone, Debug)]
+struct Attachment {
+    log_time: u64,
+    create_time: u64,
+    name: String,
+    media_type: String,
+    data: Vec<u8>,
+}
+
+#[derive(Clone, Debug)]
+struct Channel {
+    id: u16,
+    schema: u16,
+    topic: String,
+    encoding: String,
+    metadata: Texts,
+}
+
+#[derive(Clone, Debug)]
+struct Message {
+    channel: u16,
+    sequence: u32,
+    log_time: u64,
+    publish_time: u64,
+    data: Vec<u8>,
+}
+
+/// A record as it is written: opcode and body.
+type Raw = (u8, Vec<u8>);
+
+/// A recording taken apart.
+#[derive(Clone)]
+struct Forgery {
+    profile: String,
+    library: String,
+    /// What stands before the end of the data.
+    records: Vec<Record>,
+    /// Changes what the summary repeats and indexes, before its offsets are computed.
+    summary: fn(&mut Vec<Raw>),
+    /// Changes the offsets of the summary.
+    offsets: fn(&mut Vec<Raw>),
+    /// Changes the records behind a chunk, which index it.
+    indexes: fn(&mut Vec<Raw>),
+    before_magic: Vec<u8>,
+    before_last_magic: Vec<u8>,
+    is_digest_right: bool,
+}
+
+fn text(text: &str) -> Vec<u8> {
+    [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat()
+}
+
+fn texts(pairs: &Texts) -> Vec<u8> {
+    let pairs: Vec<u8> = pairs
+        .iter()
+        .flat_map(|(key, value)| [text(key), text(value)].concat())
+        .collect();
+    [&(pairs.len() as u32).to_le_bytes()[..], &pairs].concat()
+}
+
+fn framed((opcode, body): &Raw) -> Vec<u8> {
+    [&[*opcode], &(body.len() as u64).to_le_bytes()[..], body].concat()
+}
+
+impl Record {
+    fn raw(&self) -> Raw {
+        match self {
+            Self::Metadata(name, entries) => (op::METADATA, [text(name), texts(entries)].concat()),
+            Self::Attachment(attachment) => {
+                let mut body = attachment.log_time.to_le_bytes().to_vec();
+                body.extend(attachment.create_time.to_le_bytes());
+                body.extend(text(&attachment.name));
+                body.extend(text(&attachment.media_type));
+                body.extend((attachment.data.len() as u64).to_le_bytes());
+                body.extend(&attachment.data);
+                body.extend(crc32fast::hash(&body).to_le_bytes());
+                (op::ATTACHMENT, body)
+            }
+            Self::Schema(id, name, encoding, data) => {
+                let mut body = id.to_le_bytes().to_vec();
+                body.extend([text(name), text(encoding)].concat());
+                body.extend((data.len() as u32).to_le_bytes());
+                body.extend(data);
+                (op::SCHEMA, body)
+            }
+            Self::Channel(channel) => {
+                let mut body = channel.id.to_le_bytes().to_vec();
+                body.extend(channel.schema.to_le_bytes());
+                body.extend([text(&channel.topic), text(&channel.encoding)].concat());
+                body.extend(texts(&channel.metadata));
+                (op::CHANNEL, body)
+            }
+            Self::Message(message) => {
+                let mut body = message.channel.to_le_bytes().to_vec();
+                body.extend(message.sequence.to_le_bytes());
+                body.extend(message.log_time.to_le_bytes());
+                body.extend(message.publish_time.to_le_bytes());
+                body.extend(&message.data);
+                (op::MESSAGE, body)
+            }
+            Self::Chunk(records) => {
+                let content: Vec<u8> = records.iter().flat_map(|r| framed(&r.raw())).collect();
+                let times = |record: &Record| match record {
+                    Self::Message(message) => Some(message.log_time),
+                    _ => None,
+                };
+                let first = records.iter().filter_map(times).min().unwrap_or(0);
+                let last = records.iter().filter_map(times).max().unwrap_or(0);
+                let mut body = [first.to_le_bytes(), last.to_le_bytes()].concat();
+                body.extend((content.len() as u64).to_le_bytes());
+                body.extend(crc32fast::hash(&content).to_le_bytes());
+                body.extend(text(""));
+                body.extend((content.len() as u64).to_le_bytes());
+                body.extend(content);
+                (op::CHUNK, body)
+            }
+            Self::Other(opcode, body) => (*opcode, body.clone()),
+        }
+    }
+}
+
+/// The file while it is written.
+#[derive(Default)]
+struct Writing {
+    bytes: Vec<u8>,
+    schemas: BTreeMap<u16, Raw>,
+    channels: BTreeMap<u16, Raw>,
+    indexes: Vec<Raw>,
+    counts: BTreeMap<u16, u64>,
+    span: Option<(u64, u64)>,
+    attachments: u32,
+    metadata: u32,
+    chunks: u32,
+}
+
+impl Writing {
+    fn add(&mut self, raw: &Raw) -> (u64, u64) {
+        let offset = self.bytes.len() as u64;
+        self.bytes.extend(framed(raw));
+        (offset, self.bytes.len() as u64 - offset)
+    }
+
+    fn data(&mut self, record: &Record, indexes: fn(&mut Vec<Raw>)) {
+        let raw = record.raw();
+        let (offset, length) = self.add(&raw);
+        let place = [offset.to_le_bytes(), length.to_le_bytes()].concat();
+        match record {
+            Record::Schema(..) | Record::Channel(_) | Record::Message(_) => self.define(record),
+            Record::Metadata(name, _) => {
+                self.metadata += 1;
+                let index = [place, text(name)].concat();
+                self.indexes.push((op::METADATA_INDEX, index));
+            }
+            Record::Attachment(attachment) => {
+                self.attachments += 1;
+                let mut index = place;
+                index.extend(attachment.log_time.to_le_bytes());
+                index.extend(attachment.create_time.to_le_bytes());
+                index.extend((attachment.data.len() as u64).to_le_bytes());
+                index.extend([text(&attachment.name), text(&attachment.media_type)].concat());
+                self.indexes.push((op::ATTACHMENT_INDEX, index));
+            }
+            Record::Chunk(records) => {
+                self.chunks += 1;
+                self.index_chunk(records, &raw, (offset, length), indexes);
+            }
+            Record::Other(..) => {}
+        }
+    }
+
+    fn define(&mut self, record: &Record) {
+        match record {
+            Record::Schema(id, ..) => {
+                self.schemas.entry(*id).or_insert_with(|| record.raw());
+            }
+            Record::Channel(channel) => {
+                let raw = record.raw();
+                self.channels.entry(channel.id).or_insert(raw);
+            }
+            Record::Message(message) => {
+                *self.counts.entry(message.channel).or_default() += 1;
+                let time = message.log_time;
+                let (first, last) = self.span.unwrap_or((time, time));
+                self.span = Some((first.min(time), last.max(time)));
+            }
+            _ => {}
+        }
+    }
+
+    fn index_chunk(
+        &mut self,
+        records: &[Record],
+        chunk: &Raw,
+        (offset, length): (u64, u64),
+        change: fn(&mut Vec<Raw>),
+    ) {
+        let mut entries: BTreeMap<u16, Vec<u8>> = BTreeMap::new();
+        let mut at = 0_u64;
+        for record in records {
+            self.define(record);
+            if let Record::Message(message) = record {
+                let entry = entries.entry(message.channel).or_default();
+                entry.extend(message.log_time.to_le_bytes());
+                entry.extend(at.to_le_bytes());
+            }
+            at += framed(&record.raw()).len() as u64;
+        }
+        let mut indexes: Vec<Raw> = entries
+            .iter()
+            .map(|(channel, entries)| {
+                let mut body = channel.to_le_bytes().to_vec();
+                body.extend((entries.len() as u32).to_le_bytes());
+                body.extend(entries);
+                (op::MESSAGE_INDEX, body)
+            })
+            .collect();
+        change(&mut indexes);
+        let mut offsets = Vec::new();
+        let start = self.bytes.len();
+        for index in &indexes {
+            offsets.extend(&index.1[..2]);
+            offsets.extend(self.add(index).0.to_le_bytes());
+        }
+        let mut body = chunk.1[..16].to_vec();
+        body.extend(offset.to_le_bytes());
+        body.extend(length.to_le_bytes());
+        body.extend((offsets.len() as u32).to_le_bytes());
+        body.extend(offsets);
+        body.extend(((self.bytes.len() - start) as u64).to_le_bytes());
+        body.extend(text(""));
+        body.extend(at.to_le_bytes());
+        body.extend(at.to_le_bytes());
+        self.indexes.push((op::CHUNK_INDEX, body));
+    }
+
+    fn statistics(&self) -> Raw {
+        let mut body = self.counts.values().sum::<u64>().to_le_bytes().to_vec();
+        body.extend((self.schemas.len() as u16).to_le_bytes());
+        body.extend((self.channels.len() as u32).to_le_bytes());
+        for count in [self.attachments, self.metadata, self.chunks] {
+            body.extend(count.to_le_bytes());
+        }
+        let (first, last) = self.span.unwrap_or((0, 0));
+        body.extend([first.to_le_bytes(), last.to_le_bytes()].concat());
+        body.extend((10 * self.counts.len() as u32).to_le_bytes());
+        for (channel, count) in &self.counts {
+            body.extend(channel.to_le_bytes());
+            body.extend(count.to_le_bytes());
+        }
+        (op::STATISTICS, body)
+    }
+
+    fn end(&mut self, forgery: &Forgery) {
+        let sum = crc32fast::hash(&self.bytes);
+        self.add(&(op::DATA_END, sum.to_le_bytes().to_vec()));
+        let mut summary: Vec<Raw> = self.schemas.values().cloned().collect();
+        summary.extend(self.channels.values().cloned());
+        summary.push(self.statistics());
+        summary.append(&mut self.indexes);
+        (forgery.summary)(&mut summary);
+        summary.sort_by_key(|(opcode, _)| *opcode);
+        let start = self.bytes.len();
+        let mut offsets: Vec<Raw> = Vec::new();
+        for group in summary.chunk_by(|one, next| one.0 == next.0) {
+            let from = self.bytes.len() as u64;
+            for raw in group {
+                self.add(raw);
+            }
+            let length = self.bytes.len() as u64 - from;
+            let mut body = vec![group[0].0];
+            body.extend([from.to_le_bytes(), length.to_le_bytes()].concat());
+            offsets.push((op::SUMMARY_OFFSET, body));
+        }
+        (forgery.offsets)(&mut offsets);
+        let offsets_start = self.bytes.len() as u64;
+        for offset in &offsets {
+            self.add(offset);
+        }
+        let mut footer = (start as u64).to_le_bytes().to_vec();
+        footer.extend(offsets_start.to_le_bytes());
+        let head = framed(&(op::FOOTER, [&footer[..], &[0; 4]].concat()));
+        let summed = [&self.bytes[start..], &head[..head.len() - 4]].concat();
+        footer.extend(crc32fast::hash(&summed).to_le_bytes());
+        self.add(&(op::FOOTER, footer));
+    }
+}
+
+impl Forgery {
+    /// Takes a recording apart.
+    fn of(bytes: &[u8]) -> Self {
+        let (mut profile, mut library) = (String::new(), String::new());
+        let mut records = Vec::new();
+        let mut chunk = Vec::new();
+        for record in mcap::read::ChunkFlattener::new(bytes).unwrap() {
+            match record.unwrap() {
+                Parsed::Header(header) => (profile, library) = (header.profile, header.library),
+                Parsed::Metadata(found) => {
+                    // Several chunks, so that there is something to mix up.
+                    let mut whole = std::mem::take(&mut chunk);
+                    while !whole.is_empty() {
+                        let rest = whole.split_off(whole.len().min(150));
+                        records.push(Record::Chunk(std::mem::replace(&mut whole, rest)));
+                    }
+                    let entries = found.metadata.into_iter().collect();
+                    records.push(Record::Metadata(found.name, entries));
+                }
+                Parsed::Attachment { header, data, .. } => {
+                    records.push(Record::Attachment(Attachment {
+                        log_time: header.log_time,
+                        create_time: header.create_time,
+                        name: header.name,
+                        media_type: header.media_type,
+                        data: data.into_owned(),
+                    }));
+                }
+                Parsed::Schema { header, data } => {
+                    let (name, encoding) = (header.name, header.encoding);
+                    let schema = Record::Schema(header.id, name, encoding, data.into_owned());
+                    chunk.push(schema);
+                }
+                Parsed::Channel(found) => chunk.push(Record::Channel(Channel {
+                    id: found.id,
+                    schema: found.schema_id,
+                    topic: found.topic,
+                    encoding: found.message_encoding,
+                    metadata: found.metadata.into_iter().collect(),
+                })),
+                Parsed::Message { header, data } => chunk.push(Record::Message(Message {
+                    channel: header.channel_id,
+                    sequence: header.sequence,
+                    log_time: header.log_time,
+                    publish_time: header.publish_time,
+                    data: data.into_owned(),
+                })),
+                Parsed::DataEnd(_) => break,
+                _ => {}
+            }
+        }
+        Self {
+            profile,
+            library,
+            records,
+            summary: |_| {},
+            offsets: |_| {},
+            indexes: |_| {},
+            before_magic: Vec::new(),
+            before_last_magic: Vec::new(),
+            is_digest_right: true,
+        }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let mut writing = Writing::default();
+        writing.bytes.extend(&self.before_magic);
+        writing.bytes.extend(mcap::MAGIC);
+        let header = [text(&self.profile), text(&self.library)].concat();
+        writing.add(&(op::HEADER, header));
+        for record in &self.records {
+            writing.data(record, self.indexes);
+        }
+        writing.end(self);
+        writing.bytes.extend(&self.before_last_magic);
+        writing.bytes.extend(mcap::MAGIC);
+        writing.bytes
+    }
+
+    /// Writes the file, with a content digest and counts that fit what is in it.
+    fn write(mut self, path: &Path) {
+        fs::write(path, self.bytes()).unwrap();
+        let Ok(recording) = Recording::open(path) else {
+            return;
+        };
+        let mut digest = ContentDigest::default();
+        let mut counts: BTreeMap<String, u64> = BTreeMap::new();
+        let mut reader = recording.reader(Selection::default());
+        while let Some(message) = reader.next() {
+            let Ok(message) = message else { continue };
+            digest.update(&message);
+            *counts.entry(message.topic().to_string()).or_default() += 1;
+        }
+        if !self.is_digest_right {
+            return;
+        }
+        for record in &mut self.records {
+            let Record::Metadata(name, entries) = record else {
+                continue;
+            };
+            for (key, value) in entries.iter_mut().filter(|_| name == "toprise.end") {
+                let topic = match key.as_str() {
+                    "content_digest" => {
+                        *value = digest.finish();
+                        continue;
+                    }
+                    "samples" => "/top/state",
+                    "events" => "/events",
+                    "nutations" => "/top/nutation",
+                    _ => continue,
+                };
+                if let Some(count) = counts.get(topic) {
+                    *value = count.to_string();
+                }
+            }
+        }
+        fs::write(path, self.bytes()).unwrap();
+    }
+
+    /// All records, also those in chunks.
+    fn each(&mut self, mut change: impl FnMut(&mut Record)) {
+        for record in &mut self.records {
+            match record {
+                Record::Chunk(inner) => inner.iter_mut().for_each(&mut change),
+                other => change(other),
+            }
+        }
+    }
+
+    /// Leaves out records, also in chunks.
+    fn drop(&mut self, is_it: impl Fn(&Record) -> bool) {
+        for record in &mut self.records {
+            if let Record::Chunk(inner) = record {
+                inner.retain(|record| !is_it(record));
+            }
+        }
+        self.records.retain(|record| !is_it(record));
+    }
+
+    fn entries(&mut self, record: &str) -> &mut Texts {
+        let found = self.records.iter_mut().find_map(|found| match found {
+            Record::Metadata(name, entries) if name == record => Some(entries),
+            _ => None,
+        });
+        found.unwrap()
+    }
+
+    /// Sets an entry of a metadata record.
+    fn set(&mut self, record: &str, key: &str, value: &str) {
+        let entries = self.entries(record);
+        entries.retain(|(found, _)| found != key);
+        entries.push((key.to_owned(), value.to_owned()));
+    }
+
+    /// The attachment with the scenario.
+    fn scenario(&mut self) -> &mut Attachment {
+        let found = self.records.iter_mut().find_map(|found| match found {
+            Record::Attachment(attachment) => Some(attachment),
+            _ => None,
+        });
+        found.unwrap()
+    }
+
+    fn edit_scenario(&mut self, from: &str, to: &str) {
+        let attachment = self.scenario();
+        let toml = String::from_utf8(std::mem::take(&mut attachment.data)).unwrap();
+        assert!(toml.contains(from), "{toml}");
+        attachment.data = toml.replacen(from, to, 1).into_bytes();
+    }
+
+    fn channel(&mut self, topic: &str, mut change: impl FnMut(&mut Channel)) {
+        let mut is_found = false;
+        self.each(|record| match record {
+            Record::Channel(channel) if channel.topic == topic => {
+                is_found = true;
+                change(channel);
+            }
+            _ => {}
+        });
+        assert!(is_found, "{topic}");
+    }
+
+    fn id(&mut self, topic: &str) -> (u16, u16) {
+        let mut ids = (0, 0);
+        self.channel(topic, |channel| ids = (channel.id, channel.schema));
+        ids
+    }
+
+    fn schema(&mut self, topic: &str, change: impl Fn(&mut String, &mut String, &mut Vec<u8>)) {
+        let (_, schema) = self.id(topic);
+        self.each(|record| match record {
+            Record::Schema(id, name, encoding, data) if *id == schema => {
+                change(name, encoding, data)
+            }
+            _ => {}
+        });
+    }
+
+    fn messages(&mut self, topic: &str, mut change: impl FnMut(&mut Message)) {
+        let (id, _) = self.id(topic);
+        self.each(|record| match record {
+            Record::Message(message) if message.channel == id => change(message),
+            _ => {}
+        });
+    }
+
+    /// Changes the text of the JSON message with a number.
+    fn edit(&mut self, topic: &str, number: u32, change: impl Fn(&str) -> String) {
+        self.messages(topic, |message| {
+            if message.sequence == number {
+                let text = String::from_utf8(std::mem::take(&mut message.data)).unwrap();
+                let changed = change(&text);
+                assert_ne!(text, changed);
+                message.data = changed.into_bytes();
+            }
+        });
+    }
+
+    /// The records of the first chunk, which begins with schemas and channels.
+    fn first_chunk(&mut self) -> &mut Vec<Record> {
+        let found = self.records.iter_mut().find_map(|found| match found {
+            Record::Chunk(records) => Some(records),
+            _ => None,
+        });
+        found.unwrap()
+    }
+
+    /// The records of the last chunk.
+    fn last_chunk(&mut self) -> &mut Vec<Record> {
+        let found = self.records.iter_mut().rev().find_map(|found| match found {
+            Record::Chunk(records) => Some(records),
+            _ => None,
+        });
+        found.unwrap()
+    }
+
+    fn metadata(&mut self, name: &str, entries: &[(&str, &str)]) {
+        let entries = entries.iter();
+        let entries = entries.map(|(key, value)| ((*key).to_owned(), (*value).to_owned()));
+        let record = Record::Metadata(name.to_owned(), entries.collect());
+        self.records.insert(1, record);
+    }
+}
+
+/// What becomes of a forgery.
+#[derive(Clone, Copy)]
+enum Expected {
+    /// A check fails, with a finding that contains this.
+    Refused(&'static str),
+    /// It is verified, and this is listed as not covered.
+    Listed(&'static str),
+    /// It is verified, without this topic.
+    Without(&'static str),
+    /// It is not called verified, but incomplete; this is listed as not covered.
+    Incomplete(&'static str),
+    /// It can't be opened.
+    Unreadable(&'static str),
+}
+use Expected::{Incomplete, Listed, Refused, Unreadable, Without};
+
+type Attempt = (&'static str, Expected, fn(&mut Forgery));
+
+/// What `verify` says, if anything, that is not expected.
+fn surprise(path: &Path, expected: Expected) -> Option<String> {
+    let recording = match (Recording::open(path), expected) {
+        (Err(error), Unreadable(told)) if error.to_string().contains(told) => return None,
+        (Err(error), _) => return Some(error.to_string()),
+        (Ok(_), Unreadable(_)) => return Some("it can be opened".to_owned()),
+        (Ok(recording), _) => recording,
+    };
+    let report = verify(&recording, Options::default(), &|_| {});
+    let failed: Vec<_> = report
+        .checks
+        .iter()
+        .filter(|check| check.verdict == Verdict::Failed)
+        .map(|check| format!("{}: {}", check.name, check.finding))
+        .collect();
+    let lists = |told: &str| report.not_covered.iter().any(|what| what.contains(told));
+    let verdict = report.verdict();
+    let is_expected = match expected {
+        Refused(told) => verdict == Verdict::Failed && failed.iter().any(|f| f.contains(told)),
+        Listed(told) => verdict == Verdict::Passed && lists(told),
+        Incomplete(told) => verdict == Verdict::Incomplete && lists(told),
+        Without(topic) => verdict == Verdict::Partial && report.without == [topic],
+        Unreadable(_) => false,
+    };
+    let Report {
+        without,
+        not_covered,
+        ..
+    } = report;
+    (!is_expected).then(|| format!("{verdict:?} {failed:#?} {without:?} {not_covered:?}"))
+}
+
+fn recorded(encoding: Encoding) -> Vec<u8> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let form = Form {
+        encoding,
+        views: true,
+    };
+    archive(&path, &short(), &[], form).unwrap();
+    fs::read(&path).unwrap()
+}
+
+fn short() -> Scenario {
+    scenario("paper", &[("stop.duration", "0.05")])
+}
+
+fn try_all(encoding: Encoding, attempts: &[Attempt]) {
+    let original = Forgery::of(&recorded(encoding));
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("forged.mcap");
+    let mut surprises = Vec::new();
+    for (name, expected, change) in attempts {
+        let mut forgery = original.clone();
+        change(&mut forgery);
+        forgery.write(&path);
+        if let Some(surprise) = surprise(&path, *expected) {
+            surprises.push(format!("{name}: {surprise}"));
+        }
+    }
+    assert!(surprises.is_empty(), "{}", surprises.join("\n"));
+}
+
+/// A view as it would be of another top: the last byte of its last number is another one.
+fn other_view(message: &mut Message) {
+    if let Some(byte) = message.data.last_mut() {
+        *byte ^= 1;
+    }
+}
+
+#[test]
+fn what_stands_beside_the_messages_follows_from_the_scenario_or_is_listed() {
+    try_all(
+        Encoding::Json,
+        &[
+            (
+                "written anew",
+                Listed("scenario's name and description"),
+                |_| {},
+            ),
+            // The record toprise.run.
+            ("another law", Refused("friction_law"), |f| {
+                f.set("toprise.run", "friction_law", "viscous");
+            }),
+            ("another formulation", Refused("formulation"), |f| {
+                f.set("toprise.run", "formulation", "body");
+            }),
+            ("another name", Refused("scenario is"), |f| {
+                f.set("toprise.run", "scenario", "best top ever");
+            }),
+            ("another epoch", Refused("epoch"), |f| {
+                f.set("toprise.run", "epoch", "1970-01-01");
+            }),
+            ("another period", Refused("sample_period"), |f| {
+                f.set("toprise.run", "sample_period_ns", "2000000");
+            }),
+            ("another digest", Refused("digest"), |f| {
+                f.set("toprise.run", "scenario_digest", "00");
+            }),
+            ("no version", Refused("version"), |f| {
+                f.set("toprise.run", "version", "by the author himself");
+            }),
+            (
+                "another version",
+                Listed("that toprise 0.0.9 simulated it"),
+                |f| {
+                    f.set("toprise.run", "version", "0.0.9");
+                },
+            ),
+            ("another key", Refused("measured_at"), |f| {
+                f.set("toprise.run", "measured_at", "MIT");
+            }),
+            ("a key is missing", Refused("friction_law"), |f| {
+                f.entries("toprise.run")
+                    .retain(|(key, _)| key != "friction_law");
+            }),
+            ("a key twice", Refused("holds more"), |f| {
+                let entry = ("friction_law".to_owned(), "viscous".to_owned());
+                f.entries("toprise.run").insert(0, entry);
+            }),
+            ("a second toprise.run", Refused("called toprise.run"), |f| {
+                f.metadata("toprise.run", &[("friction_law", "viscous")]);
+            }),
+            ("no toprise.run", Refused("toprise.run"), |f| {
+                f.drop(|r| matches!(r, Record::Metadata(name, _) if name == "toprise.run"));
+            }),
+            // The record toprise.end.
+            ("another end", Refused("stop_reason"), |f| {
+                f.set("toprise.end", "stop_reason", "risen");
+            }),
+            ("an end that failed", Refused("goes on"), |f| {
+                f.set("toprise.end", "stop_reason", "failed");
+                f.set("toprise.end", "stop_time", "0.03");
+                f.drop(|r| matches!(r, Record::Message(m) if m.log_time > 30_000_000));
+            }),
+            (
+                "an end that was interrupted",
+                Incomplete("interrupted"),
+                |f| {
+                    f.set("toprise.end", "stop_reason", "interrupted");
+                    f.drop(|r| matches!(r, Record::Message(m) if m.log_time > 30_000_000));
+                },
+            ),
+            ("another time of the end", Refused("stop_time"), |f| {
+                f.set("toprise.end", "stop_time", "0.051");
+            }),
+            ("other steps", Refused("steps_accepted"), |f| {
+                f.set("toprise.end", "steps_accepted", "7");
+            }),
+            ("other largest step", Refused("largest_step"), |f| {
+                f.set("toprise.end", "largest_step", "1.0");
+            }),
+            ("another key at the end", Refused("winner"), |f| {
+                f.set("toprise.end", "winner", "paper");
+            }),
+            ("another content digest", Refused("content digest"), |f| {
+                f.is_digest_right = false;
+                f.set("toprise.end", "content_digest", "00");
+            }),
+            (
+                "another count of samples",
+                Refused("messages on /top/state"),
+                |f| {
+                    f.is_digest_right = false;
+                    f.set("toprise.end", "samples", "52");
+                },
+            ),
+            ("a second toprise.end", Refused("called toprise.end"), |f| {
+                f.metadata("toprise.end", &[("stop_reason", "risen")]);
+            }),
+            ("a recovery", Incomplete("what was lost"), |f| {
+                f.metadata("toprise.recovery", &[("lost", "a dog ate it")]);
+            }),
+            (
+                "a second recovery",
+                Refused("called toprise.recovery"),
+                |f| {
+                    f.metadata("toprise.recovery", &[("lost", "a dog ate it")]);
+                    f.metadata("toprise.recovery", &[("lost", "nothing")]);
+                },
+            ),
+            (
+                "a recovery with another end",
+                Refused("steps_accepted"),
+                |f| {
+                    f.metadata("toprise.recovery", &[("lost", "a dog ate it")]);
+                    f.set("toprise.end", "steps_accepted", "7");
+                },
+            ),
+            // The scenario.
+            ("another scenario", Refused("simulated again"), |f| {
+                f.edit_scenario("\nk = 0.03", "\nk = 0.029");
+                let toml = String::from_utf8(f.scenario().data.clone()).unwrap();
+                let scenario = Scenario::from_toml(&toml).unwrap();
+                f.set("toprise.run", "scenario_digest", &scenario.digest());
+            }),
+            ("a second scenario", Refused("called scenario.toml"), |f| {
+                let mut second = f.scenario().clone();
+                second.data = b"name = \"another\"".to_vec();
+                f.records.insert(2, Record::Attachment(second));
+            }),
+            ("the scenario as another type", Refused("media type"), |f| {
+                f.scenario().media_type = "text/html".to_owned();
+            }),
+            ("the scenario made today", Refused("media type"), |f| {
+                f.scenario().create_time = 1_700_000_000_000_000_000;
+            }),
+            ("the scenario logged later", Refused("media type"), |f| {
+                f.scenario().log_time = 7;
+            }),
+            ("another description", Listed("name and description"), |f| {
+                f.edit_scenario(
+                    "description = \"",
+                    "description = \"Measured, not simulated. ",
+                );
+            }),
+            ("another comment", Listed("comments"), |f| {
+                f.edit_scenario("  # ", "  # as measured by the author, ");
+            }),
+            ("an attachment", Listed("the attachment notes.txt"), |f| {
+                let mut notes = f.scenario().clone();
+                notes.name = "notes.txt".to_owned();
+                f.records.insert(2, Record::Attachment(notes));
+            }),
+            ("metadata", Listed("the metadata laboratory"), |f| {
+                f.metadata("laboratory", &[("place", "MIT")]);
+            }),
+            // The header.
+            ("a profile", Refused("profile"), |f| {
+                f.profile = "ros2".to_owned()
+            }),
+            ("no version of toprise", Refused("no version"), |f| {
+                f.library = "toprise/best".to_owned();
+            }),
+            (
+                "another library",
+                Listed("that somebody wrote the file"),
+                |f| {
+                    f.library = "somebody".to_owned();
+                },
+            ),
+            (
+                "another version wrote it",
+                Listed("that toprise/9.9.9 wrote"),
+                |f| {
+                    f.library = "toprise/9.9.9".to_owned();
+                },
+            ),
+        ],
+    );
+}
+
+#[test]
+fn channels_and_schemas_are_those_of_toprise() {
+    try_all(
+        Encoding::Json,
+        &[
+            ("metadata of a channel", Refused("has metadata"), |f| {
+                f.channel("/top/state", |channel| {
+                    channel
+                        .metadata
+                        .push(("unit".to_owned(), "degrees".to_owned()));
+                });
+            }),
+            ("metadata of a view", Refused("has metadata"), |f| {
+                f.channel("/tf", |channel| {
+                    channel
+                        .metadata
+                        .push(("offered_qos_profiles".to_owned(), String::new()));
+                });
+            }),
+            ("swapped schemas of views", Refused("schema"), |f| {
+                let (tf, log) = (f.id("/tf").1, f.id("/log").1);
+                f.channel("/tf", |channel| channel.schema = log);
+                f.channel("/log", |channel| channel.schema = tf);
+            }),
+            ("swapped views", Refused("follows from the data"), |f| {
+                f.channel("/view/spin_rate", |channel| {
+                    channel.topic = "swap".to_owned()
+                });
+                f.channel("/view/precession_rate", |channel| {
+                    channel.topic = "/view/spin_rate".to_owned();
+                });
+                f.channel("swap", |channel| {
+                    channel.topic = "/view/precession_rate".to_owned();
+                });
+            }),
+            ("a view with another definition", Refused("schema"), |f| {
+                f.schema("/view/inclination", |_, _, data| {
+                    let text = String::from_utf8(std::mem::take(data)).unwrap();
+                    let swapped = text.replace("position", "swap");
+                    let swapped = swapped.replace("velocity", "position");
+                    *data = swapped.replace("swap", "velocity").into_bytes();
+                });
+            }),
+            (
+                "a view with another encoding",
+                Refused("/tf is encoded as"),
+                |f| {
+                    f.channel("/tf", |channel| channel.encoding = "ros1".to_owned());
+                },
+            ),
+            (
+                "a channel of others",
+                Refused("/speed is no channel"),
+                |f| {
+                    let schema = f.id("/top/state").1;
+                    f.first_chunk().push(Record::Channel(Channel {
+                        id: 99,
+                        schema,
+                        topic: "/speed".to_owned(),
+                        encoding: "json".to_owned(),
+                        metadata: Texts::new(),
+                    }));
+                },
+            ),
+            ("a view twice", Refused("two channels /tf"), |f| {
+                let schema = f.id("/tf").1;
+                f.first_chunk().push(Record::Channel(Channel {
+                    id: 99,
+                    schema,
+                    topic: "/tf".to_owned(),
+                    encoding: "cdr".to_owned(),
+                    metadata: Texts::new(),
+                }));
+            }),
+            (
+                "a channel twice",
+                Unreadable("two channels /top/state"),
+                |f| {
+                    let schema = f.id("/top/state").1;
+                    f.first_chunk().push(Record::Channel(Channel {
+                        id: 99,
+                        schema,
+                        topic: "/top/state".to_owned(),
+                        encoding: "json".to_owned(),
+                        metadata: Texts::new(),
+                    }));
+                },
+            ),
+            ("another name of a schema", Refused("schema"), |f| {
+                f.schema("/top/state", |name, _, _| {
+                    *name = "toprise.Speed".to_owned()
+                });
+            }),
+            ("another language of a schema", Refused("schema"), |f| {
+                f.schema("/top/state", |_, encoding, _| *encoding = "json".to_owned());
+            }),
+            ("another unit in a schema", Refused("schema"), |f| {
+                f.schema("/top/state", |_, _, data| {
+                    let text = String::from_utf8(std::mem::take(data)).unwrap();
+                    *data = text.replace("[rad]", "[degrees]").into_bytes();
+                });
+            }),
+            ("a channel without schema", Refused("schema"), |f| {
+                f.channel("/tf", |channel| channel.schema = 0);
+            }),
+            (
+                "a schema that nothing uses",
+                Refused("belongs to no channel"),
+                |f| {
+                    let (name, language) = ("toprise.Heat".to_owned(), "jsonschema".to_owned());
+                    let schema = Record::Schema(99, name, language, b"{}".to_vec());
+                    f.first_chunk().insert(0, schema);
+                },
+            ),
+            ("another encoding", Refused("not json or protobuf"), |f| {
+                f.channel("/top/state", |channel| channel.encoding = "cbor".to_owned());
+            }),
+            ("several encodings", Refused("encoded"), |f| {
+                f.channel("/top/state", |channel| {
+                    channel.encoding = "protobuf".to_owned()
+                });
+            }),
+            (
+                "other channels in the summary",
+                Refused("defined twice, differently"),
+                |f| {
+                    f.summary = |summary| {
+                        let is_channel = |raw: &&mut Raw| raw.0 == op::CHANNEL;
+                        let (_, body) = summary.iter_mut().find(is_channel).unwrap();
+                        let topic = body.len() - 4;
+                        let entry = texts(&vec![("unit".to_owned(), "degrees".to_owned())]);
+                        body.splice(topic.., entry);
+                    };
+                },
+            ),
+            (
+                "other schemas in the summary",
+                Refused("defined twice, differently"),
+                |f| {
+                    f.summary = |summary| {
+                        let is_schema = |raw: &&mut Raw| raw.0 == op::SCHEMA;
+                        let (_, body) = summary.iter_mut().find(is_schema).unwrap();
+                        *body.last_mut().unwrap() = b' ';
+                    };
+                },
+            ),
+            (
+                "a channel that the summary lacks",
+                Refused("summary"),
+                |f| {
+                    f.summary = |summary| {
+                        let at = summary.iter().position(|raw| raw.0 == op::CHANNEL);
+                        summary.remove(at.unwrap());
+                    };
+                },
+            ),
+            ("a channel in the summary alone", Refused("summary"), |f| {
+                f.summary = |summary| {
+                    let mut channel = summary
+                        .iter()
+                        .rfind(|raw| raw.0 == op::CHANNEL)
+                        .unwrap()
+                        .clone();
+                    channel.1[0] = 99;
+                    summary.push(channel);
+                };
+            }),
+            ("a channel that was dropped", Without("/top/energy"), |f| {
+                let (id, schema) = f.id("/top/energy");
+                f.drop(|record| match record {
+                    Record::Channel(channel) => channel.id == id,
+                    Record::Schema(found, ..) => *found == schema,
+                    Record::Message(message) => message.channel == id,
+                    _ => false,
+                });
+            }),
+            ("a view that was dropped", Without("/tf"), |f| {
+                let (id, schema) = f.id("/tf");
+                f.drop(|record| match record {
+                    Record::Channel(channel) => channel.id == id,
+                    Record::Schema(found, ..) => *found == schema,
+                    Record::Message(message) => message.channel == id,
+                    _ => false,
+                });
+            }),
+            (
+                "a channel whose messages were dropped",
+                Refused("not recorded"),
+                |f| {
+                    let (id, _) = f.id("/top/energy");
+                    f.drop(|r| matches!(r, Record::Message(message) if message.channel == id));
+                },
+            ),
+        ],
+    );
+}
+
+#[test]
+fn messages_are_those_of_the_simulation_byte_by_byte() {
+    try_all(
+        Encoding::Json,
+        &[
+            ("a publish time", Refused("publish time"), |f| {
+                f.messages("/top/state", |message| message.publish_time += 1);
+            }),
+            ("a publish time of a view", Refused("publish time"), |f| {
+                f.messages("/tf", |message| message.publish_time = 0);
+            }),
+            ("a time of a view", Refused("follows from the data"), |f| {
+                f.messages("/view/spin_rate", |message| {
+                    message.log_time += 1;
+                    message.publish_time += 1;
+                });
+            }),
+            ("a number", Refused("simulated again"), |f| {
+                f.edit("/top/state", 7, |text| {
+                    text.replacen("\"theta\":0.", "\"theta\":0.1", 1)
+                });
+            }),
+            ("a text", Refused("simulated again"), |f| {
+                f.edit("/events", 0, |text| text.replace("start", "risen"));
+            }),
+            (
+                "a number of a view",
+                Refused("follows from the data"),
+                |f| {
+                    f.messages("/view/slip_speed", other_view);
+                },
+            ),
+            (
+                "the words of a view",
+                Refused("follows from the data"),
+                |f| {
+                    f.messages("/robot_description", |message| {
+                        let at = message.data.windows(3).position(|bytes| bytes == b"top");
+                        message.data[at.unwrap()] = b'h';
+                    });
+                },
+            ),
+            ("spaces", Refused("not written as toprise writes it"), |f| {
+                f.edit("/top/state", 7, |text| text.replacen(':', ": ", 1));
+            }),
+            (
+                "more digits than count",
+                Refused("not written as toprise writes it"),
+                |f| {
+                    f.edit("/top/energy", 7, |text| {
+                        let at = text.find("\"potential\":").unwrap() + 12;
+                        let end = at + text[at..].find([',', '}']).unwrap();
+                        format!("{}0000000001{}", &text[..end], &text[end..])
+                    });
+                },
+            ),
+            ("a member twice", Refused("/top/state message 7"), |f| {
+                f.edit("/top/state", 7, |text| {
+                    text.replacen("\"theta\":", "\"theta\":1.5,\"theta\":", 1)
+                });
+            }),
+            ("another member", Refused("/top/state message 7"), |f| {
+                f.edit("/top/state", 7, |text| {
+                    text.replacen("\"theta\":", "\"heat\":1.5,\"theta\":", 1)
+                });
+            }),
+            (
+                "members in another order",
+                Refused("not written as toprise writes it"),
+                |f| {
+                    f.edit("/top/state", 7, |text| {
+                        let (stamp, rest) = text[1..text.len() - 1].split_once("},").unwrap();
+                        format!("{{{rest},{stamp}}}}}")
+                    });
+                },
+            ),
+            (
+                "escaped letters",
+                Refused("not written as toprise writes it"),
+                |f| {
+                    f.edit("/events", 0, |text| {
+                        text.replacen("start", "\\u0073tart", 1)
+                    });
+                },
+            ),
+            ("a sequence number", Refused("simulated again"), |f| {
+                let (id, _) = f.id("/events");
+                f.each(|record| match record {
+                    Record::Message(m) if m.channel == id && m.sequence > 0 => m.sequence += 1,
+                    _ => {}
+                });
+            }),
+            ("a sequence number of a view", Refused("follow"), |f| {
+                f.messages("/tf", |message| message.sequence += 1);
+            }),
+            ("messages dropped at the end", Refused("goes on"), |f| {
+                f.drop(|r| matches!(r, Record::Message(m) if m.log_time > 40_000_000));
+            }),
+            ("messages dropped in between", Refused("lacks"), |f| {
+                f.drop(|r| matches!(r, Record::Message(m) if m.log_time == 40_000_000));
+            }),
+            ("a message of a view dropped", Refused("are missing"), |f| {
+                let (id, _) = f.id("/tf");
+                f.drop(|r| matches!(r, Record::Message(m) if m.channel == id && m.log_time == 40_000_000));
+            }),
+            ("a message twice", Refused("twice"), |f| {
+                let chunk = f.last_chunk();
+                chunk.push(chunk.last().unwrap().clone());
+            }),
+            (
+                "a message out of order",
+                Refused("behind a later one"),
+                |f| {
+                    let chunk = f.last_chunk();
+                    let last = chunk.pop().unwrap();
+                    chunk.insert(0, last);
+                },
+            ),
+            ("a message of no channel", Refused("not defined"), |f| {
+                let chunk = f.last_chunk();
+                let Some(Record::Message(mut last)) = chunk.last().cloned() else {
+                    panic!("a chunk ends with a message");
+                };
+                last.channel = 99;
+                chunk.push(Record::Message(last));
+            }),
+        ],
+    );
+    try_all(
+        Encoding::Protobuf,
+        &[
+            (
+                "written anew",
+                Listed("scenario's name and description"),
+                |_| {},
+            ),
+            (
+                "a field twice",
+                Refused("not written as toprise writes it"),
+                |f| {
+                    f.messages("/top/energy", |message| {
+                        let last = message.data[message.data.len() - 9..].to_vec();
+                        message.data.extend(last);
+                    });
+                },
+            ),
+            ("an unknown field", Refused("/top/energy message"), |f| {
+                // Field 99, a varint.
+                f.messages("/top/energy", |message| {
+                    message.data.extend([0x98, 0x06, 1])
+                });
+            }),
+            ("a number", Refused("simulated again"), |f| {
+                f.messages("/top/energy", other_view);
+            }),
+            ("another unit in a schema", Refused("schema"), |f| {
+                f.schema("/top/energy", |_, _, data| {
+                    let at = data.windows(4).position(|bytes| bytes == b"kine");
+                    data[at.unwrap()] = b'K';
+                });
+            }),
+        ],
+    );
+}
+
+#[test]
+fn the_container_says_nothing_else_than_the_messages() {
+    try_all(
+        Encoding::Json,
+        &[
+            (
+                "a message outside of chunks",
+                Refused("out of place"),
+                |f| {
+                    let last = f.last_chunk().pop().unwrap();
+                    let at = f.records.len() - 1;
+                    f.records.insert(at, last);
+                },
+            ),
+            ("an unknown record", Refused("out of place"), |f| {
+                f.records.insert(1, Record::Other(0x80, b"by me".to_vec()));
+            }),
+            (
+                "an unknown record in a chunk",
+                Refused("a record that it can't"),
+                |f| {
+                    f.last_chunk().push(Record::Other(0x80, b"by me".to_vec()));
+                },
+            ),
+            (
+                "an unknown record in the summary",
+                Refused("out of place"),
+                |f| {
+                    f.summary = |summary| summary.push((0x80, b"by me".to_vec()));
+                },
+            ),
+            ("an empty chunk", Refused("is empty"), |f| {
+                f.records.insert(2, Record::Chunk(Vec::new()));
+            }),
+            ("bytes behind metadata", Refused("holds more"), |f| {
+                let mut raw = f.records[0].raw();
+                raw.1.extend(b"by me");
+                f.records[0] = Record::Other(raw.0, raw.1);
+            }),
+            (
+                "bytes behind a schema in a chunk",
+                Refused("a record that it can't"),
+                |f| {
+                    let first = &mut f.first_chunk()[0];
+                    let mut raw = first.raw();
+                    raw.1.extend(b"by me");
+                    *first = Record::Other(raw.0, raw.1);
+                },
+            ),
+            ("metadata in the summary", Refused("out of place"), |f| {
+                f.summary = |summary| {
+                    let record = Record::Metadata("by me".to_owned(), Texts::new());
+                    summary.push(record.raw());
+                };
+            }),
+            ("a second header", Refused("out of place"), |f| {
+                let header = [text("ros2"), text("toprise/0.1.0")].concat();
+                f.records.insert(1, Record::Other(op::HEADER, header));
+            }),
+            ("bytes before the magic", Unreadable("begin"), |f| {
+                f.before_magic = b"by me".to_vec();
+            }),
+            ("a record behind the footer", Refused("out of place"), |f| {
+                f.before_last_magic = framed(&(0x80, b"by me".to_vec()));
+            }),
+            ("a second footer", Refused("out of place"), |f| {
+                f.before_last_magic = framed(&(op::FOOTER, vec![0; 20]));
+            }),
+            ("bytes behind the footer", Refused("no record"), |f| {
+                f.before_last_magic = b"by me".to_vec();
+            }),
+            (
+                "a chunk indexed twice",
+                Refused("index of the chunk"),
+                |f| {
+                    f.summary = |summary| {
+                        let index = summary.iter().find(|raw| raw.0 == op::CHUNK_INDEX);
+                        summary.push(index.unwrap().clone());
+                    };
+                },
+            ),
+            ("a chunk not indexed", Refused("not wholly indexed"), |f| {
+                f.summary = |summary| {
+                    let at = summary.iter().position(|raw| raw.0 == op::CHUNK_INDEX);
+                    summary.remove(at.unwrap());
+                };
+            }),
+            ("another compression", Refused("index of the chunk"), |f| {
+                f.summary = |summary| {
+                    let index = summary.iter_mut().find(|raw| raw.0 == op::CHUNK_INDEX);
+                    let (_, body) = index.unwrap();
+                    let at = body.len() - 20;
+                    body.splice(at..at + 4, text("zstd"));
+                };
+            }),
+            (
+                "another size of a chunk",
+                Refused("index of the chunk"),
+                |f| {
+                    f.summary = |summary| {
+                        let index = summary.iter_mut().find(|raw| raw.0 == op::CHUNK_INDEX);
+                        *index.unwrap().1.last_mut().unwrap() = 1;
+                    };
+                },
+            ),
+            (
+                "other times of a chunk",
+                Refused("index of the chunk"),
+                |f| {
+                    f.summary = |summary| {
+                        let index = summary.iter_mut().find(|raw| raw.0 == op::CHUNK_INDEX);
+                        index.unwrap().1[8] ^= 1;
+                    };
+                },
+            ),
+            (
+                "another media type in the index",
+                Refused("attachment index"),
+                |f| {
+                    f.summary = |summary| {
+                        let index = summary.iter_mut().find(|raw| raw.0 == op::ATTACHMENT_INDEX);
+                        *index.unwrap().1.last_mut().unwrap() = b'x';
+                    };
+                },
+            ),
+            (
+                "another name in the index",
+                Refused("metadata index"),
+                |f| {
+                    f.summary = |summary| {
+                        let index = summary.iter_mut().find(|raw| raw.0 == op::METADATA_INDEX);
+                        *index.unwrap().1.last_mut().unwrap() = b'x';
+                    };
+                },
+            ),
+            ("an index twice", Refused("metadata index"), |f| {
+                f.summary = |summary| {
+                    let index = summary.iter().find(|raw| raw.0 == op::METADATA_INDEX);
+                    summary.push(index.unwrap().clone());
+                };
+            }),
+            ("an attachment not indexed", Refused("not indexed"), |f| {
+                f.summary = |summary| summary.retain(|raw| raw.0 != op::ATTACHMENT_INDEX);
+            }),
+            ("other statistics", Refused("statistics"), |f| {
+                f.summary = |summary| {
+                    let found = summary.iter_mut().find(|raw| raw.0 == op::STATISTICS);
+                    found.unwrap().1[0] ^= 1;
+                };
+            }),
+            ("other counts of channels", Refused("statistics"), |f| {
+                f.summary = |summary| {
+                    let found = summary.iter_mut().find(|raw| raw.0 == op::STATISTICS);
+                    *found.unwrap().1.last_mut().unwrap() = 1;
+                };
+            }),
+            (
+                "another end in the statistics",
+                Refused("statistics"),
+                |f| {
+                    f.summary = |summary| {
+                        let found = summary.iter_mut().find(|raw| raw.0 == op::STATISTICS);
+                        found.unwrap().1[34] ^= 1;
+                    };
+                },
+            ),
+            ("statistics twice", Refused("statistics"), |f| {
+                f.summary = |summary| {
+                    let found = summary.iter().find(|raw| raw.0 == op::STATISTICS);
+                    summary.push(found.unwrap().clone());
+                };
+            }),
+            ("no statistics", Refused("no statistics"), |f| {
+                f.summary = |summary| summary.retain(|raw| raw.0 != op::STATISTICS);
+            }),
+            (
+                "an offset that leads elsewhere",
+                Refused("summary offset"),
+                |f| {
+                    f.offsets = |offsets| offsets[0].1[1] ^= 1;
+                },
+            ),
+            (
+                "an offset to a part of its group",
+                Refused("summary offset"),
+                |f| {
+                    f.offsets = |offsets| {
+                        let length = u64::from_le_bytes(offsets[0].1[9..].try_into().unwrap());
+                        offsets[0].1[9..].copy_from_slice(&(length / 2).to_le_bytes());
+                    };
+                },
+            ),
+            (
+                "an index without some messages",
+                Refused("message index"),
+                |f| {
+                    f.indexes = |indexes| {
+                        let (_, body) = &mut indexes[0];
+                        let length = u32::from_le_bytes(body[2..6].try_into().unwrap()) - 16;
+                        body[2..6].copy_from_slice(&length.to_le_bytes());
+                        body.truncate(body.len() - 16);
+                    };
+                },
+            ),
+            (
+                "a channel without index",
+                Refused("not wholly indexed"),
+                |f| {
+                    f.indexes = |indexes| drop(indexes.remove(0));
+                },
+            ),
+            ("an index with other times", Refused("message index"), |f| {
+                f.indexes = |indexes| indexes[0].1[6] ^= 1;
+            }),
+        ],
+    );
+}
+
+#[test]
+fn a_run_without_the_end_of_its_simulation_is_not_verified() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("cut.mcap");
+    let mut forgery = Forgery::of(&recorded(Encoding::Json));
+    forgery.drop(|r| matches!(r, Record::Metadata(name, _) if name == "toprise.end"));
+    forgery.write(&path);
+    let recording = Recording::open(&path).unwrap();
+    let report = verify(&recording, Options::default(), &|_| {});
+    assert_eq!(report.verdict(), Verdict::Incomplete, "{report:#?}");
+}
