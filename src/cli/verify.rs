@@ -57,7 +57,6 @@ struct VerifiedFile {
     #[serde(skip_serializing_if = "Option::is_none")]
     checks: Option<Vec<Check>>,
     /// Topics of toprise that it doesn't have.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     without: Vec<String>,
     /// What a reader of the file sees and no check covers: words of its author, and what others have added.
     not_covered: Vec<String>,
@@ -209,7 +208,11 @@ impl VerifiedFile {
         }
         let mut label = "not covered";
         for what in &self.not_covered {
-            rows.push(vec![std::mem::take(&mut label).to_owned(), what.clone()]);
+            let mut row = vec![std::mem::take(&mut label).to_owned(), what.clone()];
+            if all {
+                row.insert(1, String::new());
+            }
+            rows.push(row);
         }
         section.table(Table::of_texts(rows));
         Some(section)
@@ -260,15 +263,19 @@ fn each(group: &[Check]) -> Vec<Vec<String>> {
 /// The checks of a group that were passed by their names, and the others with their findings.
 fn in_short(group: &[Check]) -> Vec<Vec<String>> {
     if let [only] = group {
-        return vec![vec![format!("{} {}", sign(only.verdict), only.finding)]];
+        let words = match only.verdict {
+            Verdict::Skipped => format!("{}: ", only.name),
+            _ => String::new(),
+        };
+        return vec![vec![format!("{} {words}{}", sign(only.verdict), only.finding)]];
     }
     let is_well = |check: &&Check| matches!(check.verdict, Verdict::Passed | Verdict::Skipped);
     let mut lines = Vec::new();
-    for verdict in [Verdict::Passed, Verdict::Skipped] {
+    for (verdict, words) in [(Verdict::Passed, ""), (Verdict::Skipped, "not judged: ")] {
         let found = group.iter().filter(|check| check.verdict == verdict);
         let names: Vec<_> = found.map(|check| check.name).collect();
         if !names.is_empty() {
-            lines.push(vec![format!("{} {}", sign(verdict), names.join(", "))]);
+            lines.push(vec![format!("{} {words}{}", sign(verdict), names.join(", "))]);
         }
     }
     for check in group.iter().filter(|check| !is_well(check)) {
