@@ -1,6 +1,7 @@
 //! Recordings that end early, simulated again to their end.
 
 use crate::analysis::verify::{Group, Options, Verdict, verify};
+use crate::archive::format::recorded_form;
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::Recording;
 use crate::archive::recover::RecoverError;
@@ -13,7 +14,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Simulates the scenario of `recording` again and writes the whole run to `path`, if what can be read of
-/// the recording is what the simulation gives. If its channels are lost, all topics and views are written, as JSON.
+/// the recording is what the simulation gives. Topics, views and encoding are those of the recording.
 ///
 /// `progress` is told how many more bytes have been compared, in the end twice the file's.
 ///
@@ -35,22 +36,35 @@ pub fn complete(
     if let Some(check) = different {
         return Err(RecoverError::Different(check.finding.clone()));
     }
-    let mut telemetry = Telemetry::with_topics(&match recording.topics() {
-        none if none.is_empty() => Topics::All,
-        topics => Topics::Only(topics),
-    });
-    // Without its channels nothing tells how the run was recorded.
-    let form = match recording.channels() {
-        [] => Form::default(),
-        channels => Form {
-            encoding: recording.encoding().unwrap_or(Encoding::Json),
-            views: channels.iter().any(|channel| channel.is_view()),
-        },
-    };
+    let (form, topics) = form(recording);
+    let mut telemetry = Telemetry::with_topics(&topics);
     let mut sink = McapSink::create_in(Draft::new(path, existing)?, &scenario, &telemetry, form)?;
     let mut simulation = Simulation::new(&scenario).map_err(RecordError::from)?;
     let mut sinks: [&mut dyn Sink; 1] = [&mut sink];
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
     let outcome = record(&mut simulation, &mut telemetry, &mut sinks, carry_on)?;
     Ok(sink.finish(&outcome)?)
+}
+
+/// How a run was recorded, as `toprise.run` says, or else its channels. If both are lost, as by default.
+fn form(recording: &Recording) -> (Form, Topics) {
+    if let Some((encoding, views, topics)) = recording.run().and_then(recorded_form) {
+        return (Form { encoding, views }, topics);
+    }
+    match recording.channels() {
+        [] => (Form::default(), Topics::All),
+        channels => {
+            let form = Form {
+                encoding: recording.encoding().unwrap_or(Encoding::Json),
+                views: channels.iter().any(|channel| channel.is_view()),
+            };
+            (form, Topics::Only(recording.topics()))
+        }
+    }
+}
+
+/// Whether it is known how a run was recorded.
+#[must_use]
+pub fn is_form_known(recording: &Recording) -> bool {
+    !recording.channels().is_empty() || recording.run().and_then(recorded_form).is_some()
 }

@@ -4,15 +4,16 @@ use crate::archive::container_check::is_sound_container;
 use crate::archive::convert::{Copier, attachments, metadata_but, raw, wanted};
 use crate::archive::format::{
     CONTENT_DIGEST, COUNTS, END_RECORD, LIBRARY, LIBRARY_PREFIX, LOST, ORIGINAL_CONTENT_DIGEST,
-    RECOVERY_RECORD, RUN_RECORD, SCENARIO_DIGEST, STOP_REASON, STOP_TIME, VERSION, run_entries,
+    RECOVERY_RECORD, RUN_RECORD, SCENARIO_DIGEST, STOP_REASON, STOP_TIME, VERSION, form_entries,
+    run_entries,
 };
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
 use crate::archive::sink::{RecordError, Sink, SinkError};
 use crate::archive::writer::{Archived, Ending, McapSink, Opening};
-use crate::telemetry::channels;
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
+use crate::telemetry::{Telemetry, Topics, channels};
 use std::ffi::OsStr;
 use std::path::Path;
 use thiserror::Error;
@@ -167,6 +168,11 @@ fn run_record(recording: &Recording) -> Option<Entries> {
     }
     if let Some(version) = recording.library().strip_prefix(LIBRARY_PREFIX) {
         entries.insert(VERSION.to_owned(), version.to_owned());
+    }
+    let views = recording.channels().iter().any(|channel| channel.is_view());
+    let telemetry = Telemetry::with_topics(&Topics::Only(recording.topics()));
+    if let Some(encoding) = recording.encoding() {
+        entries.extend(form_entries(encoding, views, telemetry.topics()));
     }
     Some(entries)
 }

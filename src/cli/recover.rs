@@ -7,7 +7,7 @@ use super::page::{Page, Section};
 use super::progress::Progress;
 use super::report;
 use super::table::Table;
-use crate::analysis::complete::complete;
+use crate::analysis::complete::{complete, is_form_known};
 use crate::analysis::salvage::salvage;
 use crate::archive::publish::Existing;
 use crate::archive::recording::Recording;
@@ -89,8 +89,7 @@ fn completed(arguments: &RecoverArguments, recording: &Recording) -> Result<Reco
     });
     progress.finish();
     let archived = completed?;
-    // Without its channels it isn't known how the run was recorded, so the file can be another one than it would have been.
-    let form_lost = recording.channels().is_empty().then(|| {
+    let form_lost = (!is_form_known(recording)).then(|| {
         "how the run was recorded: this is the whole run, simulated again, as JSON with all topics and views".to_owned()
     });
     Ok(RecoverReport {

@@ -267,7 +267,11 @@ fn in_short(group: &[Check]) -> Vec<Vec<String>> {
             Verdict::Skipped => format!("{}: ", only.name),
             _ => String::new(),
         };
-        return vec![vec![format!("{} {words}{}", sign(only.verdict), only.finding)]];
+        return vec![vec![format!(
+            "{} {words}{}",
+            sign(only.verdict),
+            only.finding
+        )]];
     }
     let is_well = |check: &&Check| matches!(check.verdict, Verdict::Passed | Verdict::Skipped);
     let mut lines = Vec::new();
@@ -275,7 +279,11 @@ fn in_short(group: &[Check]) -> Vec<Vec<String>> {
         let found = group.iter().filter(|check| check.verdict == verdict);
         let names: Vec<_> = found.map(|check| check.name).collect();
         if !names.is_empty() {
-            lines.push(vec![format!("{} {words}{}", sign(verdict), names.join(", "))]);
+            lines.push(vec![format!(
+                "{} {words}{}",
+                sign(verdict),
+                names.join(", ")
+            )]);
         }
     }
     for check in group.iter().filter(|check| !is_well(check)) {

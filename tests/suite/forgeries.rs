@@ -12,6 +12,7 @@ use toprise::archive::writer::Form;
 use toprise::run::scenario::Scenario;
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::views::view_channels;
 
 type Texts = Vec<(String, String)>;
 
@@ -453,7 +454,27 @@ impl Forgery {
             }
         }
         let is_empty = |record: &Record| matches!(record, Record::Chunk(inner) if inner.is_empty());
-        self.records.retain(|record| !is_it(record) && !is_empty(record));
+        self.records
+            .retain(|record| !is_it(record) && !is_empty(record));
+    }
+
+    /// Leaves out a channel, its schema and its messages.
+    fn leave_out(&mut self, topic: &str) {
+        let (id, schema) = self.id(topic);
+        self.drop(|record| match record {
+            Record::Channel(channel) => channel.id == id,
+            Record::Message(message) => message.channel == id,
+            _ => false,
+        });
+        let mut is_used = false;
+        self.each(|r| is_used |= matches!(r, Record::Channel(c) if c.schema == schema));
+        self.drop(|r| !is_used && matches!(r, Record::Schema(id, ..) if *id == schema));
+    }
+
+    fn leave_out_views(&mut self) {
+        for view in view_channels() {
+            self.leave_out(view.topic);
+        }
     }
 
     fn entries(&mut self, record: &str) -> &mut Texts {
@@ -570,12 +591,14 @@ enum Expected {
     Listed(&'static str),
     /// It is verified, without this topic.
     Without(&'static str),
+    /// It is incomplete, because this topic was recorded and is not there any more.
+    Dropped(&'static str),
     /// It is not called verified, but incomplete; this is listed as not covered.
     Incomplete(&'static str),
     /// It can't be opened.
     Unreadable(&'static str),
 }
-use Expected::{Incomplete, Listed, Refused, Unreadable, Without};
+use Expected::{Dropped, Incomplete, Listed, Refused, Unreadable, Without};
 
 type Attempt = (&'static str, Expected, fn(&mut Forgery));
 
@@ -601,6 +624,9 @@ fn surprise(path: &Path, expected: Expected) -> Option<String> {
         Listed(told) => verdict == Verdict::Passed && lists(told),
         Incomplete(told) => verdict == Verdict::Incomplete && lists(told),
         Without(topic) => verdict == Verdict::Partial && report.without == [topic],
+        Dropped(topic) => {
+            verdict == Verdict::Incomplete && report.without.iter().any(|found| found == topic)
+        }
         Unreadable(_) => false,
     };
     let Report {
@@ -998,23 +1024,50 @@ fn channels_and_schemas_are_those_of_toprise() {
                     summary.push(channel);
                 };
             }),
-            ("a channel that was dropped", Without("/top/energy"), |f| {
-                let (id, schema) = f.id("/top/energy");
-                f.drop(|record| match record {
-                    Record::Channel(channel) => channel.id == id,
-                    Record::Schema(found, ..) => *found == schema,
-                    Record::Message(message) => message.channel == id,
-                    _ => false,
-                });
+            ("a channel that was dropped", Dropped("/top/energy"), |f| {
+                f.leave_out("/top/energy")
             }),
-            ("a view that was dropped", Without("/tf"), |f| {
-                let (id, schema) = f.id("/tf");
-                f.drop(|record| match record {
-                    Record::Channel(channel) => channel.id == id,
-                    Record::Schema(found, ..) => *found == schema,
-                    Record::Message(message) => message.channel == id,
-                    _ => false,
-                });
+            (
+                "a channel that was dropped, as told",
+                Without("/top/energy"),
+                |f| {
+                    f.leave_out("/top/energy");
+                    let others = "/top/state,/top/pose,/top/torque,/top/acceleration,/top/contact,/top/momentum,\
+                              /top/precession,/top/nutation,/events";
+                    f.set("toprise.run", "topics", others);
+                },
+            ),
+            ("a view that was dropped", Dropped("/tf"), |f| {
+                f.leave_out("/tf")
+            }),
+            (
+                "views that were dropped",
+                Dropped("/view/spin_rate"),
+                Forgery::leave_out_views,
+            ),
+            ("no views, as told", Listed("words of its author"), |f| {
+                f.leave_out_views();
+                f.set("toprise.run", "views", "no");
+            }),
+            ("views that are not told", Refused("views is no"), |f| {
+                f.set("toprise.run", "views", "no");
+            }),
+            (
+                "topics that are not told",
+                Refused("topics is /events"),
+                |f| {
+                    f.set("toprise.run", "topics", "/events");
+                },
+            ),
+            (
+                "another encoding told",
+                Refused("encoding is protobuf"),
+                |f| {
+                    f.set("toprise.run", "encoding", "protobuf");
+                },
+            ),
+            ("an encoding that is none", Refused("encoding"), |f| {
+                f.set("toprise.run", "encoding", "by hand");
             }),
             (
                 "a channel whose messages were dropped",

@@ -3,15 +3,16 @@
 
 use crate::archive::check::{Check, Group, Problems, Verdict};
 use crate::archive::format::{
-    END_RECORD, LIBRARY_PREFIX, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT, SCENARIO_DIGEST,
-    STOP_REASON, VERSION, run_entries, scenario_attachment,
+    ENCODING, END_RECORD, Entries, LIBRARY_PREFIX, RECOVERY_RECORD, RUN_RECORD,
+    SCENARIO_ATTACHMENT, SCENARIO_DIGEST, STOP_REASON, TOPICS, VERSION, VIEWS, form_entries,
+    recorded_form, run_entries, scenario_attachment,
 };
 use crate::archive::recording::{Condition, FileChannel, FileSchema, NoScenario, Recording};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
-use crate::telemetry::Topic;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::views::{Views, view_channels};
+use crate::telemetry::{Telemetry, Topic, Topics};
 use std::collections::BTreeSet;
 
 /// The metadata records of toprise, each of which a file has once at most.
@@ -69,8 +70,21 @@ fn of_run_record(recording: &Recording, scenario: &Scenario, problems: &mut Prob
             None => format!("toprise.run doesn't say what {key} is"),
         });
     }
+    let form = expected_form(recording, run);
+    problems.unless(form.is_some(), || {
+        format!(
+            "toprise.run doesn't say what {ENCODING}, {VIEWS} and {TOPICS} are, or says it wrongly"
+        )
+    });
     for (key, noted) in run.iter().filter(|(key, _)| !expected.contains_key(*key)) {
-        problems.add(|| format!("toprise.run says that {key} is {noted}, which means nothing"));
+        let right = form.as_ref().and_then(|form| form.get(key));
+        problems.unless(right.is_none_or(|right| right == noted), || {
+            format!("toprise.run says that {key} is {noted}, which the file is not")
+        });
+        let is_of_form = [ENCODING, VIEWS, TOPICS].contains(&key.as_str());
+        problems.unless(is_of_form, || {
+            format!("toprise.run says that {key} is {noted}, which means nothing")
+        });
     }
     let noted = run.get(VERSION).map_or("", String::as_str);
     problems.unless(is_version(noted), || {
@@ -82,6 +96,19 @@ fn of_run_record(recording: &Recording, scenario: &Scenario, problems: &mut Prob
     problems.unless(!is_original || Some(noted) == version, || {
         "toprise.run names another version than the header of the file".to_owned()
     });
+}
+
+/// The form in which a run was recorded, as `toprise.run` has to say: what it says, as far as the channels agree. None
+/// if it says nothing that can be understood.
+fn expected_form(recording: &Recording, run: &Entries) -> Option<Entries> {
+    let (encoding, views, topics) = recorded_form(run)?;
+    let encoding = recording.encoding().unwrap_or(encoding);
+    let views = views || recording.channels().iter().any(FileChannel::is_view);
+    let is_recorded = |topic: &Topic| topics.include(topic) || recording.has(*topic);
+    let topics = Topics::Only(Topic::all().filter(is_recorded).collect());
+    // In the words of the writer, which calls all topics so.
+    let telemetry = Telemetry::with_topics(&topics);
+    Some(form_entries(encoding, views, telemetry.topics()))
 }
 
 /// Whether the attachment with the scenario is the only one, and described as such.
@@ -165,8 +192,18 @@ fn of_channels(recording: &Recording, scenario: Option<&Scenario>) -> Check {
     }
     let without = without(recording, scenario);
     if problems.count == 0 && !without.is_empty() {
-        let finding = format!("without {}", without.join(", "));
-        return Check::new(group, "channels", Verdict::Partial, finding);
+        let named = recording.run().and_then(recorded_form);
+        let is_recorded = |topic: &&String| match (&named, Topic::find(topic)) {
+            (Some((_, _, topics)), Some(topic)) => topics.include(&topic),
+            (named, _) => named.is_some(),
+        };
+        let dropped: Vec<_> = without.iter().filter(is_recorded).cloned().collect();
+        if dropped.is_empty() {
+            let finding = format!("without {}", without.join(", "));
+            return Check::new(group, "channels", Verdict::Partial, finding);
+        }
+        let finding = format!("{}: recorded, but not there any more", dropped.join(", "));
+        return Check::new(group, "channels", Verdict::Incomplete, finding);
     }
     let name = encoding.map_or("", Encoding::name);
     let finding = format!("all {}, as {name}", recording.channels().len());
@@ -174,7 +211,7 @@ fn of_channels(recording: &Recording, scenario: Option<&Scenario>) -> Check {
 }
 
 /// The topics of toprise that a recording doesn't have. Views belong together: a file has all that follow from its
-/// channels, or none.
+/// channels, or none if it was recorded without.
 pub(super) fn without(recording: &Recording, scenario: Option<&Scenario>) -> Vec<String> {
     if recording.channels().is_empty() {
         return Vec::new();
@@ -182,7 +219,9 @@ pub(super) fn without(recording: &Recording, scenario: Option<&Scenario>) -> Vec
     let topics = Topic::all().filter(|topic| !recording.has(*topic));
     let mut without: Vec<_> = topics.map(|topic| topic.to_string()).collect();
     let has = |topic: &str| recording.channels().iter().any(|c| c.topic == topic);
-    let has_views = recording.channels().iter().any(FileChannel::is_view);
+    let named = recording.run().and_then(recorded_form);
+    let has_views = named.is_some_and(|(_, views, _)| views)
+        || recording.channels().iter().any(FileChannel::is_view);
     if let Some(scenario) = scenario.filter(|_| has_views) {
         let views = Views::new(scenario, |topic| recording.has(topic));
         let views = view_channels()
