@@ -104,7 +104,8 @@ impl Layout {
                 let place = place.clone();
                 self.attachments.push(AttachmentSpan { name, place });
             }
-            op::DATA_END => self.data_end = Some(place.offset),
+            // A second one is damage: something else in the summary that has become one.
+            op::DATA_END => self.data_end = self.data_end.or(Some(place.offset)),
             op::FOOTER => self.footer = Some(place.clone()),
             op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => {
                 self.take_small(place, source)?;
