@@ -23,6 +23,7 @@ pub mod schema;
 pub mod side;
 pub mod table;
 mod topic;
+mod version;
 pub mod views;
 
 pub use self::channel::{ChannelInfo, Content, Leaf, Member, channels};
@@ -30,3 +31,4 @@ pub use self::logging::{Telemetry, TelemetryError};
 pub use self::message::{Message, Numbers};
 pub use self::quantity::Quantity;
 pub use self::topic::{Topic, Topics, UnknownTopic};
+pub use self::version::Version;

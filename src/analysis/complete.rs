@@ -27,6 +27,7 @@ pub fn complete(
     progress: &dyn Fn(u64),
 ) -> Result<Archived, RecoverError> {
     refuse_inputs(path, [recording.path()])?;
+    recording.refuse_newer()?;
     let scenario = recording.scenario()?;
     let report = verify(recording, Options { reproduce: true }, progress);
     let different = report

@@ -18,9 +18,6 @@ pub fn salvage(
     progress: &dyn Fn(u64),
 ) -> Result<Recovered, RecoverError> {
     let recovered = recover(recording, path, existing, progress)?;
-    if recovered.lost.is_some() {
-        return Ok(recovered);
-    }
     match contradiction(path) {
         None => Ok(recovered),
         Some(doubt) => recover_doubting(recording, path, Existing::Replace, Some(&doubt), &|_| {}),

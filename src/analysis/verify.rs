@@ -22,6 +22,8 @@ pub struct Report {
     pub condition: Condition,
     /// All checks, in order.
     pub checks: Vec<Check>,
+    /// The version of the telemetry that it holds; none if it isn't known.
+    pub telemetry: Option<u32>,
     /// The topics of toprise that it doesn't have.
     pub without: Vec<String>,
     /// What a reader of the file sees and no check covers: words, and what others have added.
@@ -51,6 +53,7 @@ impl Report {
 pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -> Report {
     let mut checks = container_check::check(recording, progress);
     let (mut without, mut not_covered) = (Vec::new(), Vec::new());
+    let mut telemetry = None;
     if recording.condition() == Condition::Foreign {
         let finding = format!(
             "written by {:?}, not by toprise: its messages can't be judged (`toprise info` lists them)",
@@ -64,10 +67,16 @@ pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -
         ));
     } else {
         let scenario = recording.scenario();
-        checks.extend(origin::check(recording, &scenario));
+        let Some(version) = recording.version() else {
+            return unknown(recording, checks);
+        };
+        checks.extend(origin::check(recording, &scenario, &version));
         let scenario = scenario.ok();
         let scenario = scenario.as_ref();
-        checks.extend(content::check(recording, scenario, options, progress));
+        checks.extend(content::check(
+            recording, scenario, &version, options, progress,
+        ));
+        telemetry = Some(version.number());
         without = origin::without(recording, scenario);
         not_covered = origin::not_covered(recording, scenario);
     }
@@ -81,7 +90,25 @@ pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -
             condition => condition,
         },
         checks,
+        telemetry,
         without,
         not_covered,
+    }
+}
+
+/// What can be said of a recording whose telemetry this program doesn't know.
+fn unknown(recording: &Recording, mut checks: Vec<Check>) -> Report {
+    let finding = match recording.refuse_newer() {
+        Err(newer) => newer.to_string(),
+        Ok(()) => "toprise.run names no version of the telemetry".to_owned(),
+    };
+    let check = Check::new(Group::Telemetry, "version", Verdict::Failed, finding);
+    checks.push(check);
+    Report {
+        condition: recording.condition(),
+        checks,
+        telemetry: None,
+        without: Vec::new(),
+        not_covered: Vec::new(),
     }
 }

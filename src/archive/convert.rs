@@ -5,12 +5,13 @@ use crate::archive::format::{
 };
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::recording::{
-    Any, Condition, Entries, FileChannel, MessageError, Recording, Selection, Undecoded,
+    Any, Condition, Entries, FileChannel, MessageError, Recording, RecordingError, Selection,
+    Undecoded,
 };
 use crate::archive::sink::{Sink as _, SinkError};
 use crate::archive::writer::{Archived, Ending, McapSink, Opening, RawChannel, RawMessage};
-use crate::telemetry::Topic;
 use crate::telemetry::encoding::Encoding;
+use crate::telemetry::{Topic, Version};
 use std::borrow::Cow;
 use std::path::Path;
 use thiserror::Error;
@@ -26,13 +27,27 @@ pub enum ConvertError {
         /// What can be done.
         advice: &'static str,
     },
-    /// The recording has other fields than this version, which would be lost.
-    #[error("it is from another version of toprise: {topic} differs in {}", fields.join(", "))]
+    /// The recording has other fields than the telemetry that it names: some would be lost.
+    #[error("its telemetry is none that this toprise knows: {topic} differs in {}", fields.join(", "))]
     Version {
         /// The first topic that differs.
         topic: String,
         /// The fields.
         fields: Vec<String>,
+    },
+    /// The recording is of a newer version.
+    #[error(transparent)]
+    Newer(#[from] RecordingError),
+    /// The content is not what the end record says.
+    #[error(
+        "its content is not what its end record says (digest {found}, not {expected}): messages are changed, missing \
+         or out of order, as toprise verify tells"
+    )]
+    Content {
+        /// The digest in the end record.
+        expected: String,
+        /// The digest of the content.
+        found: String,
     },
     /// An attachment is damaged.
     #[error("its attachment {name} is damaged: {reason}")]
@@ -68,25 +83,25 @@ pub fn convert(
     progress: &dyn Fn(u64),
 ) -> Result<Archived, ConvertError> {
     check_condition(recording)?;
-    let opening = opening(recording, encoding)?;
+    recording.refuse_newer()?;
+    let version = recording.version().unwrap_or_default();
+    check_fields(recording, &version)?;
+    let opening = opening(recording, version, encoding)?;
     let ending = ending(recording);
     let mut sink = McapSink::open(Draft::new(path, existing)?, &opening)?;
     copy(recording, &mut sink, progress)?;
-    Ok(sink.finish_with(ending)?)
+    sink.finish_with(ending).map_err(|error| match error {
+        SinkError::Digest {
+            expected, found, ..
+        } => ConvertError::Content { expected, found },
+        error => error.into(),
+    })
 }
 
 fn check_condition(recording: &Recording) -> Result<(), ConvertError> {
     let condition = recording.condition();
     let advice = match condition {
-        Condition::Whole | Condition::Recovered => {
-            return match recording.differences().into_iter().next() {
-                None => Ok(()),
-                Some((topic, fields)) => Err(ConvertError::Version {
-                    topic,
-                    fields: [fields.missing, fields.unknown].concat(),
-                }),
-            };
-        }
+        Condition::Whole | Condition::Recovered => return Ok(()),
         Condition::Foreign => "only recordings of toprise can be converted",
         Condition::Interrupted | Condition::Damaged => {
             "save what there is with toprise recover, and convert that"
@@ -95,8 +110,26 @@ fn check_condition(recording: &Recording) -> Result<(), ConvertError> {
     Err(ConvertError::Condition { condition, advice })
 }
 
+/// Refuses a recording that has other fields than its version of the telemetry.
+fn check_fields(recording: &Recording, version: &Version) -> Result<(), ConvertError> {
+    for (topic, fields) in recording.differences() {
+        let info = Topic::find(&topic).map(|topic| &version.channels()[topic.index()]);
+        let is_its = |path: &String| info.is_some_and(|i| i.leaves().any(|l| l.path == *path));
+        let missing = fields.missing.into_iter().filter(is_its);
+        let fields: Vec<_> = missing.chain(fields.unknown).collect();
+        if !fields.is_empty() {
+            return Err(ConvertError::Version { topic, fields });
+        }
+    }
+    Ok(())
+}
+
 /// Everything that comes before the messages.
-fn opening(recording: &Recording, encoding: Encoding) -> Result<Opening, ConvertError> {
+fn opening(
+    recording: &Recording,
+    version: Version,
+    encoding: Encoding,
+) -> Result<Opening, ConvertError> {
     let attachments = attachments(recording).collect::<Result<_, _>>()?;
     Ok(Opening {
         library: LIBRARY,
@@ -109,6 +142,7 @@ fn opening(recording: &Recording, encoding: Encoding) -> Result<Opening, Convert
             })
             .collect(),
         attachments,
+        version,
         encoding,
         wanted: wanted(recording),
         raw: raw(recording),

@@ -4,11 +4,13 @@ use crate::archive::container_check::is_sound_container;
 use crate::archive::convert::{Copier, attachments, metadata_but, raw, wanted};
 use crate::archive::format::{
     CONTENT_DIGEST, COUNTS, END_RECORD, LIBRARY, LIBRARY_PREFIX, LOST, ORIGINAL_CONTENT_DIGEST,
-    RECOVERY_RECORD, RUN_RECORD, SCENARIO_DIGEST, STOP_REASON, STOP_TIME, VERSION, form_entries,
-    run_entries,
+    RECOVERY_RECORD, RUN_RECORD, SCENARIO_DIGEST, STOP_REASON, STOP_TIME, TELEMETRY, VERSION,
+    form_entries, run_entries,
 };
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
-use crate::archive::recording::{Any, Condition, Entries, Loss, NoScenario, Recording, Selection};
+use crate::archive::recording::{
+    Any, Condition, Entries, Loss, NoScenario, Recording, RecordingError, Selection,
+};
 use crate::archive::sink::{RecordError, Sink, SinkError};
 use crate::archive::writer::{Archived, Ending, McapSink, Opening};
 use crate::telemetry::digest::ContentDigest;
@@ -47,6 +49,9 @@ pub enum RecoverError {
     /// The simulation or the writing failed.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// The recording is of a newer version.
+    #[error(transparent)]
+    Newer(#[from] RecordingError),
     /// The result can't be written.
     #[error(transparent)]
     Sink(#[from] SinkError),
@@ -107,6 +112,7 @@ pub fn recover_doubting(
             library: recording.library().to_owned(),
         });
     }
+    recording.refuse_newer()?;
     if !recording
         .channels()
         .iter()
@@ -148,6 +154,7 @@ fn opening(recording: &Recording) -> Opening {
         library: LIBRARY,
         metadata,
         attachments: attachments(recording).filter_map(Result::ok).collect(),
+        version: recording.version().unwrap_or_default(),
         encoding: recording.encoding().unwrap_or(Encoding::Json),
         wanted: wanted(recording),
         raw: raw(recording),
@@ -161,6 +168,7 @@ fn run_record(recording: &Recording) -> Option<Entries> {
         return noted;
     };
     let mut entries = run_entries(&scenario);
+    let version = recording.version().unwrap_or_default();
     if let Some(noted) = noted
         && noted.get(SCENARIO_DIGEST) == entries.get(SCENARIO_DIGEST)
     {
@@ -169,11 +177,17 @@ fn run_record(recording: &Recording) -> Option<Entries> {
     if let Some(version) = recording.library().strip_prefix(LIBRARY_PREFIX) {
         entries.insert(VERSION.to_owned(), version.to_owned());
     }
+    // The first version didn't say which it was, nor in which form it recorded.
+    if version.number() == 1 {
+        entries.remove(TELEMETRY);
+        return Some(entries);
+    }
     let views = recording.channels().iter().any(|channel| channel.is_view());
     let telemetry = Telemetry::with_topics(&Topics::Only(recording.topics()));
     if let Some(encoding) = recording.encoding() {
         entries.extend(form_entries(encoding, views, telemetry.topics()));
     }
+    entries.insert(TELEMETRY.to_owned(), version.number().to_string());
     Some(entries)
 }
 
@@ -198,18 +212,21 @@ fn salvage(
 ) -> Result<Saved, SinkError> {
     let copier = Copier::new(recording);
     let mut digest = ContentDigest::default();
+    let mut version = recording.version().unwrap_or_default();
     let mut counts = vec![0; channels().len()];
     let (mut undecodable, mut last_ns) = (0, 0);
     let mut reader = recording.reader(Selection::default()).in_order_of_time();
     while let Some(message) = reader.next_of_any() {
         match message {
-            // Another version's message lacks numbers that this one's have.
-            Ok(Any::Decoded(message)) if message.numbers.iter().any(|n| !n.is_finite()) => {
-                undecodable += 1;
-            }
             Ok(Any::Decoded(message)) => {
+                let narrowed = version.narrowed(&message);
+                // It lacks numbers that its version has.
+                if narrowed.numbers.iter().any(|n| !n.is_finite()) {
+                    undecodable += 1;
+                    continue;
+                }
                 sink.write(&message)?;
-                digest.update(&message);
+                digest.update(&narrowed);
                 counts[message.channel] += 1;
                 last_ns = message.time_ns;
             }

@@ -16,7 +16,7 @@ use crate::run::simulation::Outcome;
 use crate::telemetry::digest::{ContentDigest, append_content};
 use crate::telemetry::encoding::{Encoder, Encoding};
 use crate::telemetry::views::{Views, view_channels};
-use crate::telemetry::{Message, Telemetry, Topic, channels};
+use crate::telemetry::{Message, Telemetry, Topic, Version};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
@@ -62,6 +62,8 @@ pub struct Opening {
     pub metadata: Vec<(String, Entries)>,
     /// Attachments.
     pub attachments: Vec<Attachment<'static>>,
+    /// The version of the telemetry of the table's channels.
+    pub version: Version,
     /// The encoding of the table's channels.
     pub encoding: Encoding,
     /// Which of the table's channels there will be.
@@ -112,6 +114,7 @@ pub struct Ending {
 /// Writes an MCAP file.
 #[derive(Debug)]
 pub struct McapSink {
+    version: Version,
     encoder: Encoder,
     /// MCAP ids of the table's channels; 0 for those that are not logged.
     channel_ids: Vec<u16>,
@@ -246,7 +249,8 @@ impl McapSink {
             reason,
         })?;
         Ok(Self {
-            encoder: Encoder::new(opening.encoding),
+            encoder: Encoder::of(opening.encoding, opening.version.channels()),
+            version: opening.version.clone(),
             channel_ids: started.channel_ids,
             raw_ids: started.raw_ids,
             views: None,
@@ -321,8 +325,16 @@ fn push_raw(batch: &mut Batch, ids: &[u16], message: &RawMessage<'_>) {
 impl Sink for McapSink {
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
         let batch = &mut self.batch;
-        self.encoder.encode(message, &mut batch.data);
-        append_content(message, &mut batch.content);
+        let narrowed;
+        let recorded = match self.version.is_current() {
+            true => message,
+            false => {
+                narrowed = self.version.narrowed(message);
+                &narrowed
+            }
+        };
+        self.encoder.encode(recorded, &mut batch.data);
+        append_content(recorded, &mut batch.content);
         batch.messages.push(Entry {
             header: MessageHeader {
                 channel_id: self.channel_ids[message.channel],
@@ -526,6 +538,7 @@ fn opening_of_run(
         library: LIBRARY,
         metadata: vec![(RUN_RECORD.to_owned(), run)],
         attachments: vec![scenario_attachment(scenario.to_toml())],
+        version: Version::default(),
         encoding: form.encoding,
         wanted: Topic::all().map(wants).collect(),
         raw: views.as_ref().map_or_else(Vec::new, raw_views),
@@ -574,9 +587,10 @@ fn open_channels<W: Write + Seek>(
     for attachment in &opening.attachments {
         writer.attach(attachment)?;
     }
-    let mut channel_ids = Vec::with_capacity(channels().len());
+    let channels = opening.version.channels();
+    let mut channel_ids = Vec::with_capacity(channels.len());
     let encoding = opening.encoding;
-    for (channel, wanted) in channels().iter().zip(&opening.wanted) {
+    for (channel, wanted) in channels.iter().zip(&opening.wanted) {
         channel_ids.push(if *wanted {
             let schema = encoding.schema(channel);
             let schema = writer.add_schema(channel.schema, encoding.schema_encoding(), &schema)?;

@@ -11,6 +11,7 @@ use crate::analysis::complete::{complete, is_form_known};
 use crate::analysis::salvage::salvage;
 use crate::archive::publish::Existing;
 use crate::archive::recording::Recording;
+use crate::telemetry::table;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use schemars::JsonSchema;
@@ -91,6 +92,13 @@ fn completed(arguments: &RecoverArguments, recording: &Recording) -> Result<Reco
     let archived = completed?;
     let form_lost = (!is_form_known(recording)).then(|| {
         "how the run was recorded: this is the whole run, simulated again, as JSON with all topics and views".to_owned()
+    });
+    let former = recording.version().filter(|version| !version.is_current());
+    let form_lost = form_lost.or_else(|| {
+        let (number, this) = (former?.number(), table::VERSION);
+        Some(format!(
+            "telemetry {number}, in which it was recorded: this is the whole run, simulated again, as telemetry {this}"
+        ))
     });
     Ok(RecoverReport {
         file: archived.path.display().to_string(),

@@ -9,6 +9,7 @@ use super::table::Table;
 use super::{output, report};
 use crate::analysis::verify::{Check, Group, Options, Report, Verdict, verify as check};
 use crate::archive::recording::{Condition, Recording, RecordingError};
+use crate::telemetry::table;
 use anyhow::Error;
 use clap::Args;
 use schemars::JsonSchema;
@@ -56,6 +57,9 @@ struct VerifiedFile {
     /// All checks, in order; absent if it could not be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     checks: Option<Vec<Check>>,
+    /// The version of the telemetry that it holds; absent if that isn't known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    telemetry: Option<u32>,
     /// Topics of toprise that it doesn't have.
     without: Vec<String>,
     /// What a reader of the file sees and no check covers: words of its author, and what others have added.
@@ -118,8 +122,10 @@ fn check_all(files: &[PathBuf], options: Options) -> Vec<Answer> {
             let Some(file) = files.get(position) else {
                 break;
             };
-            let answer = Recording::open(file)
-                .map(|recording| check(&recording, options, &|bytes| progress.add(bytes)));
+            let answer = Recording::open(file).and_then(|recording| {
+                recording.refuse_newer()?;
+                Ok(check(&recording, options, &|bytes| progress.add(bytes)))
+            });
             if let Ok(mut slot) = answers[position].lock() {
                 *slot = Some(answer);
             }
@@ -176,6 +182,7 @@ impl VerifiedFile {
                 },
                 state: Some(report.condition),
                 checks: Some(report.checks),
+                telemetry: report.telemetry,
                 without: report.without,
                 not_covered: report.not_covered,
                 error: None,
@@ -185,6 +192,7 @@ impl VerifiedFile {
                 verdict: FileVerdict::Unreadable,
                 state: None,
                 checks: None,
+                telemetry: None,
                 without: Vec::new(),
                 not_covered: Vec::new(),
                 error: Some(error.to_string()),
@@ -242,6 +250,9 @@ impl VerifiedFile {
                     true => "verified".to_owned(),
                     false => "sound in itself, but not simulated again".to_owned(),
                 };
+                if let Some(former) = self.telemetry.filter(|number| *number < table::VERSION) {
+                    conclusion += &format!(", as telemetry {former}");
+                }
                 if !self.without.is_empty() {
                     conclusion += &format!(", without {}", self.without.join(", "));
                 }

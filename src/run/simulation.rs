@@ -48,6 +48,14 @@ impl Simulation {
         self
     }
 
+    /// Takes each stretch from one maximum of θ̇ to the next for a nutation, also those that take much longer, as a fall
+    /// does: so did the first version of the telemetry.
+    #[must_use]
+    pub fn with_all_cycles(mut self) -> Self {
+        self.run.take_all_cycles();
+        self
+    }
+
     /// What has happened up to the last record; final once the iterator has ended.
     ///
     /// Before the end, `stop` is [`StopReason::Interrupted`]: that is why a run ends that nobody

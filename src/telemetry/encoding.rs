@@ -1,6 +1,6 @@
 //! The encodings that messages of a recording can have, each way.
 
-use super::channel::ChannelInfo;
+use super::channel::{ChannelInfo, channels};
 pub use super::decoding::{DecodeError, FieldDifferences, Row};
 use super::json::{JsonDecoder, JsonEncoder};
 use super::message::Message;
@@ -69,9 +69,15 @@ impl Encoder {
     /// An encoder of this kind.
     #[must_use]
     pub fn new(encoding: Encoding) -> Self {
+        Self::of(encoding, channels())
+    }
+
+    /// An encoder of this kind for messages of these channels, as a version of the telemetry has them.
+    #[must_use]
+    pub fn of(encoding: Encoding, channels: &[ChannelInfo]) -> Self {
         match encoding {
-            Encoding::Json => Self::Json(JsonEncoder::default()),
-            Encoding::Protobuf => Self::Protobuf(ProtobufEncoder::default()),
+            Encoding::Json => Self::Json(JsonEncoder::new(channels)),
+            Encoding::Protobuf => Self::Protobuf(ProtobufEncoder::new(channels)),
         }
     }
 

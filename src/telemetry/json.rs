@@ -1,6 +1,6 @@
 //! Messages as JSON: `{"timestamp":{"sec":…,"nsec":…},"theta":…,…}`.
 
-use super::channel::{ChannelInfo, Content, channels};
+use super::channel::{ChannelInfo, Content};
 use super::decoding::{DecodeError, Object, Paths, Row, Target};
 use super::message::Message;
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
@@ -27,15 +27,14 @@ struct Template {
     end: Vec<u8>,
 }
 
-impl Default for JsonEncoder {
-    fn default() -> Self {
+impl JsonEncoder {
+    /// For messages of these channels, which are those of the table or of an earlier version of it.
+    pub(super) fn new(channels: &[ChannelInfo]) -> Self {
         Self {
-            templates: channels().iter().map(Template::new).collect(),
+            templates: channels.iter().map(Template::new).collect(),
         }
     }
-}
 
-impl JsonEncoder {
     /// Appends the message to `out`.
     pub fn encode(&self, message: &Message<'_>, out: &mut Vec<u8>) {
         let (sec, nsec) = seconds_and_nanoseconds(message.time_ns);

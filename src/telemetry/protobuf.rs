@@ -4,7 +4,7 @@
 //!
 //! All numbers are doubles and are written even when they are zero, so that the sign of a zero stays.
 
-use super::channel::{ChannelInfo, Content, Member, channels};
+use super::channel::{ChannelInfo, Content, Member};
 use super::decoding::{DecodeError, Object, Paths, Row, Target};
 use super::message::Message;
 use super::schema::described;
@@ -221,15 +221,14 @@ pub struct ProtobufEncoder {
 #[derive(Debug)]
 struct Template(Vec<(Vec<u8>, bool)>);
 
-impl Default for ProtobufEncoder {
-    fn default() -> Self {
+impl ProtobufEncoder {
+    /// For messages of these channels, which are those of the table or of an earlier version of it.
+    pub(super) fn new(channels: &[ChannelInfo]) -> Self {
         Self {
-            templates: channels().iter().map(Template::new).collect(),
+            templates: channels.iter().map(Template::new).collect(),
         }
     }
-}
 
-impl ProtobufEncoder {
     /// Appends the message to `out`.
     pub fn encode(&self, message: &Message<'_>, out: &mut Vec<u8>) {
         encode_timestamp(message.time_ns, out);

@@ -61,7 +61,7 @@ type Raw = (u8, Vec<u8>);
 
 /// A recording taken apart.
 #[derive(Clone)]
-struct Forgery {
+pub struct Forgery {
     profile: String,
     library: String,
     /// What stands before the end of the data.
@@ -318,7 +318,7 @@ impl Writing {
 
 impl Forgery {
     /// Takes a recording apart.
-    fn of(bytes: &[u8]) -> Self {
+    pub fn of(bytes: &[u8]) -> Self {
         let (mut profile, mut library) = (String::new(), String::new());
         let mut records = Vec::new();
         let mut chunk = Vec::new();
@@ -396,18 +396,19 @@ impl Forgery {
     }
 
     /// Writes the file, with a content digest and counts that fit what is in it.
-    fn write(mut self, path: &Path) {
+    pub fn write(mut self, path: &Path) {
         fs::write(path, self.bytes()).unwrap();
         let Ok(recording) = Recording::open(path) else {
             return;
         };
+        let mut version = recording.version().unwrap_or_default();
         let mut digest = ContentDigest::default();
         let topics = recording.topics().into_iter();
         let mut counts: BTreeMap<String, u64> = topics.map(|t| (t.to_string(), 0)).collect();
         let mut reader = recording.reader(Selection::default());
         while let Some(message) = reader.next() {
             let Ok(message) = message else { continue };
-            digest.update(&message);
+            digest.update(&version.narrowed(&message));
             *counts.entry(message.topic().to_string()).or_default() += 1;
         }
         if !self.is_digest_right {
@@ -486,7 +487,7 @@ impl Forgery {
     }
 
     /// Sets an entry of a metadata record.
-    fn set(&mut self, record: &str, key: &str, value: &str) {
+    pub fn set(&mut self, record: &str, key: &str, value: &str) {
         let entries = self.entries(record);
         entries.retain(|(found, _)| found != key);
         entries.push((key.to_owned(), value.to_owned()));
@@ -653,7 +654,12 @@ fn short() -> Scenario {
 }
 
 fn try_all(encoding: Encoding, attempts: &[Attempt]) {
-    let original = Forgery::of(&recorded(encoding));
+    try_with(&recorded(encoding), attempts);
+}
+
+/// Tries forgeries of a recording.
+fn try_with(recording: &[u8], attempts: &[Attempt]) {
+    let original = Forgery::of(recording);
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("forged.mcap");
     let mut surprises = Vec::new();
@@ -1461,6 +1467,78 @@ fn the_container_says_nothing_else_than_the_messages() {
                 f.indexes = |indexes| indexes[0].1[6] ^= 1;
             }),
         ],
+    );
+}
+
+#[test]
+fn to_claim_to_be_old_or_new_is_no_way_out() {
+    let path = "tests/data/0.1.0/protobuf.mcap";
+    let old = fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap();
+    try_with(
+        &old,
+        &[
+            (
+                "an old recording",
+                Listed("that toprise 0.1.0 simulated it"),
+                |_| {},
+            ),
+            ("a number", Refused("simulated again"), |f| {
+                f.messages("/top/energy", other_view);
+            }),
+            ("a number of a nutation", Refused("simulated again"), |f| {
+                f.messages("/top/nutation", other_view);
+            }),
+            ("a nutation more", Refused("no such message"), |f| {
+                let (id, _) = f.id("/top/nutation");
+                let chunk = f.last_chunk();
+                let is_it = |r: &&Record| matches!(r, Record::Message(m) if m.channel == id);
+                let Some(Record::Message(mut more)) = chunk.iter().rfind(is_it).cloned() else {
+                    panic!("there is no nutation");
+                };
+                more.sequence += 1;
+                let at = chunk.iter().rposition(|r| is_it(&r)).unwrap();
+                chunk.insert(at + 1, Record::Message(more));
+            }),
+            ("an event less", Refused("not recorded"), |f| {
+                let (id, _) = f.id("/events");
+                let last = |m: &Message| m.channel == id && m.sequence == 3;
+                f.drop(|r| matches!(r, Record::Message(m) if last(m)));
+            }),
+            ("another schema", Refused("telemetry 1"), |f| {
+                f.schema("/top/energy", |_, _, data| {
+                    let at = data.windows(4).position(|bytes| bytes == b"kine");
+                    data[at.unwrap()] = b'K';
+                });
+            }),
+            ("another end", Refused("steps_accepted"), |f| {
+                f.set("toprise.end", "steps_accepted", "7");
+            }),
+            ("a form that was not told", Refused("means nothing"), |f| {
+                f.set("toprise.run", "views", "yes");
+            }),
+            (
+                "the version of today",
+                Refused("not that of telemetry 2"),
+                |f| {
+                    f.set("toprise.run", "telemetry", "2");
+                },
+            ),
+            ("no version", Refused("no version of the telemetry"), |f| {
+                f.set("toprise.run", "telemetry", "best");
+            }),
+            ("a newer version", Refused("use a newer one"), |f| {
+                f.set("toprise.run", "telemetry", "1000");
+            }),
+        ],
+    );
+    try_all(
+        Encoding::Json,
+        &[("an old version", Refused("not that of telemetry 1"), |f| {
+            let of_form = ["telemetry", "encoding", "views", "topics"];
+            f.entries("toprise.run")
+                .retain(|(key, _)| !of_form.contains(&key.as_str()));
+            f.set("toprise.run", "version", "0.1.0");
+        })],
     );
 }
 

@@ -9,8 +9,8 @@ use toprise::archive::memory::{MemorySink, Owned};
 use toprise::archive::sink::{Sink, record};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::digest::ContentDigest;
+use toprise::telemetry::encoding::{Encoder, Encoding};
 use toprise::telemetry::fields::{EVENTS, STATE};
-use toprise::telemetry::json::JsonEncoder;
 use toprise::telemetry::protobuf::{proto_file, proto_file_name};
 use toprise::telemetry::schema::{file_name, json_schema};
 use toprise::telemetry::views::view_channels;
@@ -155,7 +155,7 @@ fn conforms(message: &Value, schema: &Value) -> bool {
 #[test]
 fn json_messages_carry_every_bit_and_fit_their_schema() {
     let sink = short_run(&[]);
-    let encoder = JsonEncoder::default();
+    let encoder = Encoder::new(Encoding::Json);
     let mut seen = vec![0; channels().len()];
     for message in &sink.messages {
         let channel = &channels()[message.channel];

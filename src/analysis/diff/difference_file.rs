@@ -10,7 +10,7 @@ use crate::archive::writer::{Archived, Ending, McapSink, Opening, RawChannel, Ra
 use crate::telemetry::encoding::{Encoder, Encoding};
 use crate::telemetry::fields::EVENTS;
 use crate::telemetry::side::Side;
-use crate::telemetry::{Message, Topic};
+use crate::telemetry::{Message, Topic, Version};
 use std::path::Path;
 
 /// Name of the metadata records at the start and at the end of a file of differences.
@@ -67,6 +67,7 @@ impl DifferenceFile {
                     Some(attachment)
                 })
                 .collect(),
+            version: Version::default(),
             encoding,
             wanted: vec![false; Topic::all().len()],
             raw,

@@ -9,7 +9,7 @@ use crate::run::scenario::Scenario;
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoder;
 use crate::telemetry::views::{Views, view_channels};
-use crate::telemetry::{Message, channels};
+use crate::telemetry::{Message, Version, channels};
 use std::collections::{BTreeSet, VecDeque};
 
 /// What to check.
@@ -29,15 +29,18 @@ impl Default for Options {
 pub(super) fn check(
     recording: &Recording,
     scenario: Option<&Scenario>,
+    version: &Version,
     options: Options,
     progress: &dyn Fn(u64),
 ) -> Vec<Check> {
     let mut checks = Vec::new();
-    let mut content = Content::new(recording, scenario);
+    let mut content = Content::new(recording, scenario, version.clone());
     let steps = recording.end().and_then(|end| end.get(STEPS)?.parse().ok());
     let mut physics = scenario.map(|s| Physics::new(s, steps));
     let mut reproduction = match scenario {
-        Some(scenario) if options.reproduce => Some(Reproduction::new(recording, scenario)),
+        Some(scenario) if options.reproduce => {
+            Some(Reproduction::new(recording, scenario, version.clone()))
+        }
         _ => None,
     };
     let mut views = scenario.map(|s| ViewCheck::new(recording, s));
@@ -98,6 +101,7 @@ struct Content {
     sequence: Problems,
     counts: Vec<Count>,
     digest: ContentDigest,
+    version: Version,
     /// Encodes the messages again; none if they don't all have the same encoding.
     encoder: Option<Encoder>,
     encoded: Vec<u8>,
@@ -116,7 +120,7 @@ struct Count {
 }
 
 impl Content {
-    fn new(recording: &Recording, scenario: Option<&Scenario>) -> Self {
+    fn new(recording: &Recording, scenario: Option<&Scenario>, version: Version) -> Self {
         let run = recording.run();
         let noted = run.and_then(|run| run.get(SAMPLE_PERIOD)?.parse().ok());
         let of_scenario = || scenario.map(|scenario| scenario.sample_period_ns);
@@ -126,7 +130,10 @@ impl Content {
             sequence: Problems::default(),
             counts: vec![Count::default(); channels().len()],
             digest: ContentDigest::default(),
-            encoder: recording.encoding().map(Encoder::new),
+            encoder: recording
+                .encoding()
+                .map(|encoding| Encoder::of(encoding, version.channels())),
+            version,
             encoded: Vec::new(),
             period_ns: noted.or_else(of_scenario),
             last_ns: 0,
@@ -153,6 +160,7 @@ impl Content {
     /// Takes a decoded message of the table.
     fn take(&mut self, message: &Message<'_>, raw: &Undecoded<'_>) {
         self.total += 1;
+        let message = &self.version.narrowed(message);
         self.digest.update(message);
         let info = &channels()[message.channel];
         let (topic, time, number) = (info.topic, message.time_ns, message.sequence);

@@ -4,32 +4,40 @@
 use crate::archive::check::{Check, Group, Problems, Verdict};
 use crate::archive::format::{
     ENCODING, END_RECORD, Entries, LIBRARY_PREFIX, RECOVERY_RECORD, RUN_RECORD,
-    SCENARIO_ATTACHMENT, SCENARIO_DIGEST, STOP_REASON, TOPICS, VERSION, VIEWS, form_entries,
-    recorded_form, run_entries, scenario_attachment,
+    SCENARIO_ATTACHMENT, SCENARIO_DIGEST, STOP_REASON, TELEMETRY, TOPICS, VERSION, VIEWS,
+    form_entries, recorded_form, run_entries, scenario_attachment,
 };
-use crate::archive::recording::{Condition, FileChannel, FileSchema, NoScenario, Recording};
+use crate::archive::recording::{Condition, FileChannel, NoScenario, Recording};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::views::{Views, view_channels};
-use crate::telemetry::{Telemetry, Topic, Topics};
+use crate::telemetry::{Telemetry, Topic, Topics, Version};
 use std::collections::BTreeSet;
 
 /// The metadata records of toprise, each of which a file has once at most.
 const OUR_RECORDS: [&str; 3] = [RUN_RECORD, END_RECORD, RECOVERY_RECORD];
 
 /// Checks what stands around the messages.
-pub(super) fn check(recording: &Recording, scenario: &Result<Scenario, NoScenario>) -> Vec<Check> {
+pub(super) fn check(
+    recording: &Recording,
+    scenario: &Result<Scenario, NoScenario>,
+    version: &Version,
+) -> Vec<Check> {
     vec![
-        of_scenario(recording, scenario),
+        of_scenario(recording, scenario, version),
         of_header(recording),
         of_channels(recording, scenario.as_ref().ok()),
-        of_schemas(recording),
+        of_schemas(recording, version),
     ]
 }
 
 /// Whether the scenario is there and fits what the recording says of it.
-fn of_scenario(recording: &Recording, scenario: &Result<Scenario, NoScenario>) -> Check {
+fn of_scenario(
+    recording: &Recording,
+    scenario: &Result<Scenario, NoScenario>,
+    version: &Version,
+) -> Check {
     let group = Group::Telemetry;
     let mut problems = Problems::default();
     for name in OUR_RECORDS {
@@ -40,7 +48,7 @@ fn of_scenario(recording: &Recording, scenario: &Result<Scenario, NoScenario>) -
     match scenario {
         Ok(scenario) => {
             finding = format!("{}, digest {:.16}…", scenario.name(), scenario.digest());
-            of_run_record(recording, scenario, &mut problems);
+            of_run_record(recording, scenario, version, &mut problems);
             of_attachment(recording, &mut problems);
         }
         Err(error) if recording.recovery().is_some() && problems.count == 0 => {
@@ -52,12 +60,24 @@ fn of_scenario(recording: &Recording, scenario: &Result<Scenario, NoScenario>) -
 }
 
 /// Whether `toprise.run` says what follows from the scenario.
-fn of_run_record(recording: &Recording, scenario: &Scenario, problems: &mut Problems) {
+fn of_run_record(
+    recording: &Recording,
+    scenario: &Scenario,
+    version: &Version,
+    problems: &mut Problems,
+) {
     let Some(run) = recording.run() else {
         problems.add(|| "the record toprise.run, which names its digest, is lost".to_owned());
         return;
     };
-    let expected = run_entries(scenario);
+    let mut expected = run_entries(scenario);
+    // The first version didn't say which it was, nor in which form it recorded.
+    let is_first = version.number() == 1;
+    if is_first {
+        expected.remove(TELEMETRY);
+    } else {
+        expected.insert(TELEMETRY.to_owned(), version.number().to_string());
+    }
     // What is said first is most telling: another digest is another scenario.
     let (digest, noted) = (&expected[SCENARIO_DIGEST], run.get(SCENARIO_DIGEST));
     problems.unless(noted.is_none_or(|noted| noted == digest), || {
@@ -70,8 +90,8 @@ fn of_run_record(recording: &Recording, scenario: &Scenario, problems: &mut Prob
             None => format!("toprise.run doesn't say what {key} is"),
         });
     }
-    let form = expected_form(recording, run);
-    problems.unless(form.is_some(), || {
+    let form = expected_form(recording, run).filter(|_| !is_first);
+    problems.unless(form.is_some() || is_first, || {
         format!(
             "toprise.run doesn't say what {ENCODING}, {VIEWS} and {TOPICS} are, or says it wrongly"
         )
@@ -82,7 +102,7 @@ fn of_run_record(recording: &Recording, scenario: &Scenario, problems: &mut Prob
             format!("toprise.run says that {key} is {noted}, which the file is not")
         });
         let is_of_form = [ENCODING, VIEWS, TOPICS].contains(&key.as_str());
-        problems.unless(is_of_form, || {
+        problems.unless(is_of_form && !is_first, || {
             format!("toprise.run says that {key} is {noted}, which means nothing")
         });
     }
@@ -234,55 +254,41 @@ pub(super) fn without(recording: &Recording, scenario: Option<&Scenario>) -> Vec
     without
 }
 
-/// Whether the channels have the schemas of this version, and no others are there.
-fn of_schemas(recording: &Recording) -> Check {
+/// Whether the channels have the schemas of the version of the telemetry, and no others are there.
+fn of_schemas(recording: &Recording, version: &Version) -> Check {
     let mut problems = Problems::default();
-    for (topic, differences) in recording.differences() {
-        let mut parts = Vec::new();
-        if !differences.missing.is_empty() {
-            parts.push(format!("lacks {}", differences.missing.join(", ")));
-        }
-        if !differences.unknown.is_empty() {
-            parts.push(format!("has beside it {}", differences.unknown.join(", ")));
-        }
-        problems.add(|| format!("{topic} {}", parts.join(" and ")));
-    }
+    let number = version.number();
     for channel in recording.channels() {
         let (topic, encoding) = (&channel.topic, &channel.encoding);
-        let Some(expected) = expected_schema(channel) else {
-            problems.add(|| format!("{topic} is encoded as {encoding:?}, not json or protobuf"));
-            continue;
-        };
-        let is_it = channel.schema.as_deref() == Some(&expected);
-        problems.unless(is_it, || {
-            format!("the schema of {topic} is not that of this version")
+        let is_known = channel.is_view() || Encoding::find(encoding).is_some();
+        problems.unless(is_known, || {
+            format!("{topic} is encoded as {encoding:?}, not json or protobuf")
+        });
+        let is_right = channel.is_of(version) && view_is_right(channel);
+        problems.unless(is_right, || {
+            format!("the schema of {topic} is not that of telemetry {number}")
         });
     }
     for schema in recording.layout.channels.unused_schemas() {
         problems.add(|| format!("the schema {:?} belongs to no channel", schema.name));
     }
-    let finding = "those of this version".to_owned();
+    let finding = format!("those of telemetry {number}");
     Check::of(Group::Telemetry, "schemas", &problems, finding)
 }
 
-/// The schema that a channel of toprise must have; none if its encoding is none of ours.
-fn expected_schema(channel: &FileChannel) -> Option<FileSchema> {
-    let view = view_channels()
-        .iter()
-        .find(|view| view.topic == channel.topic);
-    if let Some(view) = view {
-        return (channel.encoding == "cdr").then(|| FileSchema {
-            name: view.schema.to_owned(),
-            encoding: "ros2msg".to_owned(),
-            data: view.definition.as_bytes().to_vec(),
-        });
-    }
-    let (info, encoding) = (channel.info()?, Encoding::find(&channel.encoding)?);
-    Some(FileSchema {
-        name: info.schema.to_owned(),
-        encoding: encoding.schema_encoding().to_owned(),
-        data: encoding.schema(info),
-    })
+/// Whether a channel is described as the view that it is called, if it is called like one.
+fn view_is_right(channel: &FileChannel) -> bool {
+    let mut views = view_channels().iter();
+    let Some(view) = views.find(|view| view.topic == channel.topic) else {
+        return true;
+    };
+    let schema = channel.schema.as_deref();
+    channel.encoding == "cdr"
+        && schema.is_some_and(|schema| {
+            schema.name == view.schema
+                && schema.encoding == "ros2msg"
+                && schema.data == view.definition.as_bytes()
+        })
 }
 
 /// What a reader of the file sees and no check covers, in the words of its author or of others.

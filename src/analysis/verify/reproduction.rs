@@ -7,12 +7,14 @@ use crate::archive::recording::{Condition, Entries, Recording};
 use crate::physics::math::ulp_distance;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{Simulation, StopReason};
-use crate::telemetry::{Message, Telemetry, TelemetryError, Topics, channels};
+use crate::telemetry::{Message, Telemetry, TelemetryError, Topics, Version, channels};
 use std::collections::VecDeque;
 
 /// A simulation that runs alongside a recording.
 pub(super) struct Reproduction {
     simulation: Result<Simulation, String>,
+    /// The version of the telemetry that was recorded: only what it has is compared.
+    of: Version,
     telemetry: Telemetry,
     /// Messages that have been simulated and not been met.
     ahead: VecDeque<Owned>,
@@ -29,10 +31,15 @@ pub(super) struct Reproduction {
 }
 
 impl Reproduction {
-    pub(super) fn new(recording: &Recording, scenario: &Scenario) -> Self {
+    /// `version` is that of the recording's telemetry.
+    pub(super) fn new(recording: &Recording, scenario: &Scenario, of: Version) -> Self {
         let version = recording.run().and_then(|run| run.get(VERSION));
         Self {
-            simulation: Simulation::new(scenario).map_err(|error| error.to_string()),
+            simulation: match Simulation::new(scenario) {
+                Ok(simulation) if of.number() == 1 => Ok(simulation.with_all_cycles()),
+                simulation => simulation.map_err(|error| error.to_string()),
+            },
+            of,
             telemetry: Telemetry::with_topics(&Topics::Only(recording.topics())),
             ahead: VecDeque::new(),
             reached_ns: None,
@@ -57,7 +64,7 @@ impl Reproduction {
         });
         match found.and_then(|at| self.ahead.remove(at)) {
             Some(simulated) => {
-                self.difference = difference(recorded, &simulated);
+                self.difference = difference(recorded, &simulated, self.of.kept(recorded.channel));
                 self.equal += 1;
             }
             None => {
@@ -139,7 +146,11 @@ impl Reproduction {
             let finding = format!("{missing} messages of the simulation are not recorded");
             return (Verdict::Failed, finding);
         }
-        let equal = format!("all {} messages are equal, bit for bit", self.equal);
+        let mut equal = format!("all {} messages are equal, bit for bit", self.equal);
+        if !self.of.is_current() {
+            let number = self.of.number();
+            equal += &format!(", in all fields of telemetry {number}");
+        }
         let reason = self.end.as_ref().and_then(|end| end.get(STOP_REASON));
         // The simulation would go on.
         let is_interrupted = reason.is_some_and(|r| r == StopReason::Interrupted.name());
@@ -206,23 +217,20 @@ impl Reproduction {
 }
 
 /// The first difference between two messages, for people.
-fn difference(recorded: &Message<'_>, simulated: &Owned) -> Option<String> {
+fn difference(recorded: &Message<'_>, simulated: &Owned, kept: &[usize]) -> Option<String> {
     let info = &channels()[recorded.channel];
     if recorded.time_ns != simulated.time_ns {
         let time = simulated.time_ns as f64 / 1e9;
         return Some(format!("{}: simulated at {time} s", place(recorded)));
     }
-    for (leaf, (a, b)) in info
-        .numbers
-        .iter()
-        .zip(recorded.numbers.iter().zip(&simulated.numbers))
-    {
+    for at in kept {
+        let (a, b) = (&recorded.numbers[*at], &simulated.numbers[*at]);
         if a.to_bits() != b.to_bits() {
             return Some(format!(
                 "t = {} s {}.{}: recorded {a:?}, simulated {b:?}, {} ulp apart",
                 recorded.time_ns as f64 / 1e9,
                 info.topic,
-                leaf.path,
+                info.numbers[*at].path,
                 ulp_distance(*a, *b)
             ));
         }

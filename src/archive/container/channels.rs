@@ -1,9 +1,9 @@
 //! The channels of a file, and which of them are the table's.
 
-use crate::telemetry::encoding::{DecodeError, Decoder};
+use crate::telemetry::encoding::{DecodeError, Decoder, Encoding};
 use crate::telemetry::payload::{PayloadDecoder, PayloadError, Schema};
 use crate::telemetry::views::view_channels;
-use crate::telemetry::{ChannelInfo, Topic};
+use crate::telemetry::{ChannelInfo, Topic, Version};
 use mcap::records::Record;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -47,6 +47,20 @@ impl FileChannel {
     #[must_use]
     pub fn info(&self) -> Option<&'static ChannelInfo> {
         self.table.map(Topic::info)
+    }
+
+    /// Whether its schema is that of its topic in a version of the telemetry; other channels than the table's have none.
+    #[must_use]
+    pub fn is_of(&self, version: &Version) -> bool {
+        let Some((topic, encoding)) = self.table.zip(Encoding::find(&self.encoding)) else {
+            return self.table.is_none();
+        };
+        let info = &version.channels()[topic.index()];
+        self.schema.as_deref().is_some_and(|schema| {
+            schema.name == info.schema
+                && schema.encoding == encoding.schema_encoding()
+                && schema.data == encoding.schema(info)
+        })
     }
 
     /// Whether it is one of those that are there for viewers only.

@@ -8,11 +8,12 @@ use crate::archive::container::record::{HEAD, RecordSpan, parse};
 use crate::archive::container::source::Source;
 use crate::archive::error::{NoScenario, RecordingError};
 use crate::archive::format::{
-    END_RECORD, Entries, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT,
+    END_RECORD, Entries, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT, VERSION,
+    telemetry_version,
 };
 use crate::run::scenario::Scenario;
-use crate::telemetry::Topic;
 use crate::telemetry::encoding::{Encoding, FieldDifferences};
+use crate::telemetry::{Topic, Version, table};
 use mcap::records::Record;
 use std::path::{Path, PathBuf};
 
@@ -130,6 +131,40 @@ impl Recording {
     pub fn metadata(&self, name: &str) -> Option<&Entries> {
         let mut records = self.layout.metadata.iter();
         records.find(|r| r.name == name).map(|r| &r.metadata)
+    }
+
+    /// The version of the telemetry that it holds: as it says, or else the newest whose schemas its channels have. None
+    /// if this program doesn't know it.
+    #[must_use]
+    pub fn version(&self) -> Option<Version> {
+        if let Some(run) = self.run() {
+            return Version::find(telemetry_version(run)?);
+        }
+        let versions = (1..=table::VERSION).rev().filter_map(Version::find);
+        let has = |version: &Version| self.channels().iter().all(|c| c.is_of(version));
+        versions
+            .clone()
+            .find(has)
+            .or_else(|| versions.clone().next())
+    }
+
+    /// Refuses a recording of a version of the telemetry that is newer than this program.
+    ///
+    /// # Errors
+    /// [`RecordingError::Newer`].
+    pub fn refuse_newer(&self) -> Result<(), RecordingError> {
+        let run = self.run();
+        let telemetry = run.and_then(telemetry_version);
+        match telemetry.filter(|telemetry| *telemetry > table::VERSION) {
+            None => Ok(()),
+            Some(telemetry) => Err(RecordingError::Newer {
+                telemetry,
+                version: run
+                    .and_then(|run| run.get(VERSION))
+                    .cloned()
+                    .unwrap_or_default(),
+            }),
+        }
     }
 
     /// All metadata records: names and entries, in the order of the file.

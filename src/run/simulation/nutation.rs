@@ -59,6 +59,8 @@ pub(super) struct NutationTracker {
     /// Since the last maximum of θ̇, or since the motion began, which is no beginning of a cycle.
     open: OpenCycle,
     has_begun: bool,
+    /// Whether a cycle may last as long as it wants.
+    takes_all: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -130,7 +132,13 @@ impl NutationTracker {
             count: 0,
             open: OpenCycle::new(time, motion),
             has_begun: false,
+            takes_all: false,
         }
+    }
+
+    /// Takes each stretch from one maximum of θ̇ to the next for a cycle.
+    pub(super) fn take_all(&mut self) {
+        self.takes_all = true;
     }
 
     /// Forgets the open cycle: the motion goes on from here after a break.
@@ -145,7 +153,8 @@ impl NutationTracker {
         self.open.widen(motion);
         let extremes = [self.open.theta_min, self.open.theta_max];
         let period = self.top.nutation_period(&self.open.motion.tilt, extremes);
-        period.is_none_or(|period| time - self.open.start <= PERIOD_FACTOR * period)
+        self.takes_all
+            || period.is_none_or(|period| time - self.open.start <= PERIOD_FACTOR * period)
     }
 
     /// Notes rates that may be the least or greatest of the cycle.
@@ -163,7 +172,8 @@ impl NutationTracker {
         let mut open = std::mem::replace(&mut self.open, OpenCycle::new(time, motion));
         let has_begun = std::mem::replace(&mut self.has_begun, true);
         open.widen(&motion);
-        if !has_begun || !open.is_nutation(&self.top, time) {
+        let is_nutation = self.takes_all || open.is_nutation(&self.top, time);
+        if !has_begun || !is_nutation {
             return None;
         }
         let period = time - open.start;

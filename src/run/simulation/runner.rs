@@ -24,6 +24,9 @@ pub(super) trait RecordStream {
         carry_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<Record>, SimulationError>;
 
+    /// Takes each stretch from one maximum of θ̇ to the next for a nutation.
+    fn take_all_cycles(&mut self);
+
     /// What has happened so far.
     fn outcome(&self) -> Outcome;
 }
@@ -457,6 +460,10 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             }
         }
         Ok(None)
+    }
+
+    fn take_all_cycles(&mut self) {
+        self.nutation.take_all();
     }
 
     fn outcome(&self) -> Outcome {
