@@ -262,7 +262,7 @@ fn told_usage(answer: &clap::Error) -> ExitCode {
 }
 
 fn dispatch(command: Command) -> Result<Done, Error> {
-    interrupt::handle()?;
+    interrupt::handle();
     match command {
         Command::Run(arguments) => run::run(&arguments),
         #[cfg(feature = "rerun")]

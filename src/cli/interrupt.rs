@@ -17,8 +17,13 @@ pub(super) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
     /// Watches for Ctrl-C and the like: the first asks for an orderly end, the second ends the program at once.
-    pub(super) fn watch() -> Self {
-        ORDERLY.get_or_init(Self::default).clone()
+    pub(super) fn watch() -> Result<Self, Error> {
+        let interrupt = ORDERLY.get_or_init(Self::default).clone();
+        // It may be watched for already.
+        match ctrlc::set_handler(on_signal) {
+            Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(interrupt),
+            Err(error) => Err(error).context("cannot watch for Ctrl-C"),
+        }
     }
 
     /// Whether the user has asked for an end.
@@ -28,14 +33,15 @@ impl Interrupt {
 }
 
 /// From now on, Ctrl-C and the like end the program at once, without drafts of files being left, unless the command
-/// wants to end in order.
-pub(super) fn handle() -> Result<(), Error> {
-    ctrlc::set_handler(|| {
-        let first = |interrupt: &Interrupt| !interrupt.0.swap(true, Ordering::SeqCst);
-        if !ORDERLY.get().is_some_and(first) {
-            abandon_drafts();
-            std::process::exit(AT_ONCE);
-        }
-    })
-    .context("cannot watch for Ctrl-C")
+/// wants to end in order. Where some of them are ignored, as below `nohup`, all stays as it is.
+pub(super) fn handle() {
+    let _ = ctrlc::try_set_handler(on_signal);
+}
+
+fn on_signal() {
+    let first = |interrupt: &Interrupt| !interrupt.0.swap(true, Ordering::SeqCst);
+    if !ORDERLY.get().is_some_and(first) {
+        abandon_drafts();
+        std::process::exit(AT_ONCE);
+    }
 }

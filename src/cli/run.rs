@@ -29,7 +29,7 @@ use std::time::Instant;
 pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     let scenario = scenario(&arguments.scenario, &arguments.overrides)?;
     let telemetry = arguments.telemetry()?;
-    let interrupt = Interrupt::watch();
+    let interrupt = Interrupt::watch()?;
     #[cfg(feature = "rerun")]
     let target = arguments.viewer.target()?;
     let recorder = Recorder {

@@ -157,7 +157,7 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
     for name in arguments.names() {
         refuse_input(arguments, &name)?;
     }
-    let interrupt = Interrupt::watch();
+    let interrupt = Interrupt::watch()?;
     let target = target(arguments)?;
     let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
     let mut shown = Vec::new();

@@ -754,6 +754,15 @@ fn what_stands_beside_the_messages_follows_from_the_scenario_or_is_listed() {
                     f.drop(|r| matches!(r, Record::Message(m) if m.log_time > 30_000_000));
                 },
             ),
+            (
+                "another key at an interrupted end",
+                Refused("winner"),
+                |f| {
+                    f.set("toprise.end", "stop_reason", "interrupted");
+                    f.set("toprise.end", "winner", "paper");
+                    f.drop(|r| matches!(r, Record::Message(m) if m.log_time > 30_000_000));
+                },
+            ),
             ("another time of the end", Refused("stop_time"), |f| {
                 f.set("toprise.end", "stop_time", "0.051");
             }),

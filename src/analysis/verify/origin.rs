@@ -295,13 +295,20 @@ fn view_is_right(channel: &FileChannel) -> bool {
 pub(super) fn not_covered(recording: &Recording, scenario: Option<&Scenario>) -> Vec<String> {
     let mut found = Vec::new();
     found.extend(words(recording, scenario));
+    if scenario.is_none() {
+        found.push("what toprise.run says: the scenario is not there".to_owned());
+    }
     let this = env!("CARGO_PKG_VERSION");
-    let noted = recording.run().and_then(|run| run.get(VERSION));
-    if let Some(noted) = noted.filter(|noted| *noted != this) {
-        found.push(format!("that toprise {noted} simulated it: this is {this}"));
+    let simulated = recording.run().and_then(|run| run.get(VERSION));
+    let simulated = simulated.filter(|version| *version != this);
+    if let Some(version) = simulated {
+        found.push(format!(
+            "that toprise {version} simulated it: this is {this}"
+        ));
     }
     let library = recording.library();
-    if library.strip_prefix(LIBRARY_PREFIX) != Some(this) {
+    let written = library.strip_prefix(LIBRARY_PREFIX);
+    if written != Some(this) && written != simulated.map(String::as_str) {
         found.push(format!("that {library} wrote the file"));
     }
     let reason = recording.end().and_then(|end| end.get(STOP_REASON));

@@ -154,11 +154,14 @@ impl Reproduction {
         let reason = self.end.as_ref().and_then(|end| end.get(STOP_REASON));
         // The simulation would go on.
         let is_interrupted = reason.is_some_and(|r| r == StopReason::Interrupted.name());
-        if (is_all_there || self.is_recovered)
-            && !is_interrupted
-            && let Err(problem) = self.compare_ends(is_all_there)
-        {
-            return (Verdict::Failed, problem);
+        if is_all_there || self.is_recovered {
+            let compared = match is_interrupted {
+                true => self.refuse_unknown_ends(),
+                false => self.compare_ends(is_all_there),
+            };
+            if let Err(problem) = compared {
+                return (Verdict::Failed, problem);
+            }
         }
         if is_all_there && !is_interrupted {
             return (Verdict::Passed, equal);
@@ -173,9 +176,6 @@ impl Reproduction {
     /// Compares the end of the run that was recorded with the simulation's. What a recovered recording counts is what
     /// is left.
     fn compare_ends(&mut self, is_all_there: bool) -> Result<(), String> {
-        let Some(recorded) = self.end.take() else {
-            return Ok(());
-        };
         while (self.ahead.is_empty() || !is_all_there) && self.simulate_one() {
             if !is_all_there {
                 self.ahead.clear();
@@ -188,30 +188,38 @@ impl Reproduction {
                 next.time_ns as f64 / 1e9
             ));
         }
-        let Ok(simulation) = &self.simulation else {
+        let (Ok(simulation), Some(recorded)) = (&self.simulation, &self.end) else {
             return Ok(());
         };
         let mut outcome = simulation.outcome();
         if self.has_failed {
             outcome.stop = StopReason::Failed;
         }
-        let simulated = end_entries(&outcome);
         let is_count = |key: &String| COUNTS.iter().any(|(count, _)| count == key);
-        for (key, simulated) in &simulated {
-            let noted = recorded.get(key).map_or("nothing", String::as_str);
-            if noted != simulated && (is_all_there || !is_count(key)) {
+        for (key, simulated) in end_entries(&outcome) {
+            let noted = recorded.get(&key).map_or("nothing", String::as_str);
+            if noted != simulated && (is_all_there || !is_count(&key)) {
                 return Err(format!(
                     "the end record says {key} = {noted}, the simulation {simulated}"
                 ));
             }
         }
-        let is_unknown = |key: &&String| !simulated.contains_key(*key) && *key != CONTENT_DIGEST;
-        match recorded.keys().find(is_unknown) {
-            Some(key) => Err(format!(
-                "the end record says {key} = {}, which means nothing",
-                recorded[key]
-            )),
+        self.refuse_unknown_ends()
+    }
+
+    /// Refuses an end record that says something beside what those of a simulation say.
+    fn refuse_unknown_ends(&self) -> Result<(), String> {
+        let (Ok(simulation), Some(recorded)) = (&self.simulation, &self.end) else {
+            return Ok(());
+        };
+        let known = end_entries(&simulation.outcome());
+        let mut said = recorded.iter();
+        let unknown = said.find(|(key, _)| !known.contains_key(*key) && *key != CONTENT_DIGEST);
+        match unknown {
             None => Ok(()),
+            Some((key, value)) => Err(format!(
+                "the end record says {key} = {value}, which means nothing"
+            )),
         }
     }
 }

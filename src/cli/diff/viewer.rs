@@ -119,7 +119,7 @@ impl Observer for Viewer {
 /// Goes on serving, if that was asked for.
 pub(super) fn serve(target: Target) -> Result<(), Error> {
     if !matches!(target, Target::None | Target::Live(_)) {
-        target.serve_until(&Interrupt::watch());
+        target.serve_until(&Interrupt::watch()?);
     }
     Ok(())
 }
