@@ -917,7 +917,7 @@ fn channels_and_schemas_are_those_of_toprise() {
             }),
             (
                 "a view with another encoding",
-                Refused("/tf is encoded as"),
+                Refused("the schema of /tf"),
                 |f| {
                     f.channel("/tf", |channel| channel.encoding = "ros1".to_owned());
                 },
@@ -1499,14 +1499,20 @@ fn to_claim_to_be_old_or_new_is_no_way_out() {
             }),
             ("a nutation more", Refused("no such message"), |f| {
                 let (id, _) = f.id("/top/nutation");
-                let chunk = f.last_chunk();
-                let is_it = |r: &&Record| matches!(r, Record::Message(m) if m.channel == id);
-                let Some(Record::Message(mut more)) = chunk.iter().rfind(is_it).cloned() else {
-                    panic!("there is no nutation");
-                };
-                more.sequence += 1;
-                let at = chunk.iter().rposition(|r| is_it(&r)).unwrap();
-                chunk.insert(at + 1, Record::Message(more));
+                let is_it = |r: &Record| matches!(r, Record::Message(m) if m.channel == id);
+                for record in f.records.iter_mut().rev() {
+                    let Record::Chunk(chunk) = record else {
+                        continue;
+                    };
+                    let Some(at) = chunk.iter().rposition(is_it) else {
+                        continue;
+                    };
+                    let mut more = chunk[at].clone();
+                    if let Record::Message(message) = &mut more {
+                        message.sequence += 1;
+                    }
+                    return chunk.insert(at + 1, more);
+                }
             }),
             ("an event less", Refused("not recorded"), |f| {
                 let (id, _) = f.id("/events");
