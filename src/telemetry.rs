@@ -25,6 +25,7 @@ pub mod table;
 mod topic;
 mod version;
 pub mod views;
+mod wire;
 
 pub use self::channel::{ChannelInfo, Content, Leaf, Member, channels};
 pub use self::logging::{Telemetry, TelemetryError};

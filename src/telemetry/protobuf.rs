@@ -8,10 +8,9 @@ use super::channel::{ChannelInfo, Content, Member};
 use super::decoding::{DecodeError, Object, Paths, Row, Target};
 use super::message::Message;
 use super::schema::described;
+use super::wire::{Wire, take};
 use prost::Message as _;
-use prost::encoding::{
-    DecodeContext, WireType, decode_key, decode_varint, encode_key, encode_varint, skip_field,
-};
+use prost::encoding::{WireType, encode_key, encode_varint};
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 use std::fmt::Write as _;
@@ -44,7 +43,7 @@ pub fn proto_file(channel: &ChannelInfo) -> String {
     };
     line(&format!("message {} {{", message_name(channel)));
     let members = channel.members();
-    for (name, leaves) in nested_types(&members) {
+    for (name, leaves) in nested_types(channel, &members) {
         line(&format!("  message {name} {{"));
         for (index, leaf) in leaves.iter().enumerate() {
             line(&format!("    double {leaf} = {};", index + 1));
@@ -60,7 +59,7 @@ pub fn proto_file(channel: &ChannelInfo) -> String {
         let kind = match &member.content {
             Content::Text(_) => "string".to_owned(),
             Content::Number(_) => "double".to_owned(),
-            Content::Object(leaves) => nested_name(member.name, leaves),
+            Content::Object(leaves) => nested_name(channel, member.name, leaves),
         };
         line(&format!("  {kind} {} = {number};", member.name));
     }
@@ -82,7 +81,7 @@ fn comments(channel: &ChannelInfo, member: &Member<'_>) -> Vec<String> {
             let leaf = &channel.numbers[*index];
             vec![described(leaf.meaning, leaf)]
         }
-        Content::Object(leaves) if is_components(leaves) => {
+        Content::Object(leaves) if is_components(channel, leaves) => {
             let leaf = &channel.numbers[leaves[0].1];
             vec![described(leaf.meaning, leaf)]
         }
@@ -102,15 +101,16 @@ fn message_name(channel: &ChannelInfo) -> &str {
 }
 
 /// Whether these are the components of one quantity.
-fn is_components(leaves: &[(&str, usize)]) -> bool {
-    leaves.iter().all(|(name, _)| name.len() == 1)
+fn is_components(channel: &ChannelInfo, leaves: &[(&str, usize)]) -> bool {
+    let mut leaves = leaves.iter();
+    leaves.all(|(_, index)| channel.numbers[*index].is_component)
 }
 
 /// The name of the message type of an object.
-fn nested_name(member: &str, leaves: &[(&str, usize)]) -> String {
+fn nested_name(channel: &ChannelInfo, member: &str, leaves: &[(&str, usize)]) -> String {
     match leaves.len() {
-        3 if is_components(leaves) => "Vector3".to_owned(),
-        4 if is_components(leaves) => "Quaternion".to_owned(),
+        3 if is_components(channel, leaves) => "Vector3".to_owned(),
+        4 if is_components(channel, leaves) => "Quaternion".to_owned(),
         _ => member.split('_').map(capitalized).collect(),
     }
 }
@@ -122,11 +122,11 @@ fn capitalized(word: &str) -> String {
 }
 
 /// The message types nested in a channel's, each with the names of its fields.
-fn nested_types<'a>(members: &[Member<'a>]) -> Vec<(String, Vec<&'a str>)> {
+fn nested_types<'a>(channel: &ChannelInfo, members: &[Member<'a>]) -> Vec<(String, Vec<&'a str>)> {
     let mut types: Vec<(String, Vec<&str>)> = Vec::new();
     for member in members {
         if let Content::Object(leaves) = &member.content {
-            let name = nested_name(member.name, leaves);
+            let name = nested_name(channel, member.name, leaves);
             if types.iter().all(|(known, _)| *known != name) {
                 types.push((name, leaves.iter().map(|(leaf, _)| *leaf).collect()));
             }
@@ -138,7 +138,7 @@ fn nested_types<'a>(members: &[Member<'a>]) -> Vec<(String, Vec<&'a str>)> {
 fn file_descriptor(channel: &ChannelInfo) -> FileDescriptorProto {
     let members = channel.members();
     let name = message_name(channel);
-    let nested = nested_types(&members);
+    let nested = nested_types(channel, &members);
     let nested_type = nested.iter().map(|(name, leaves)| DescriptorProto {
         name: Some(name.clone()),
         field: leaves
@@ -155,7 +155,10 @@ fn file_descriptor(channel: &ChannelInfo) -> FileDescriptorProto {
             Content::Text(_) => field(member.name, number, Type::String, None),
             Content::Number(_) => field(member.name, number, Type::Double, None),
             Content::Object(leaves) => {
-                let kind = format!(".{PACKAGE}.{name}.{}", nested_name(member.name, leaves));
+                let kind = format!(
+                    ".{PACKAGE}.{name}.{}",
+                    nested_name(channel, member.name, leaves)
+                );
                 field(member.name, number, Type::Message, Some(kind))
             }
         });
@@ -437,39 +440,29 @@ impl Object<u32> {
     fn fill(&self, mut data: &[u8], row: &mut Row) -> Result<(), String> {
         let mut next = 0;
         while !data.is_empty() {
-            let (number, wire) = decode_key(&mut data).map_err(|e| e.to_string())?;
-            let target = self.find(number, &mut next);
-            match (target, wire) {
-                (Some(Target::Number(index)), WireType::SixtyFourBit) => {
-                    let bytes = data.split_first_chunk().ok_or("it ends within a number")?;
-                    row.numbers[*index] = f64::from_le_bytes(*bytes.0);
-                    data = bytes.1;
+            let (number, wire) = take(&mut data)?;
+            match (self.find(number, &mut next), wire) {
+                (Some(Target::Number(index)), Wire::Eight(bytes)) => {
+                    row.numbers[*index] = f64::from_le_bytes(bytes);
                 }
-                (Some(Target::Object(object)), WireType::LengthDelimited) => {
-                    object.fill(delimited(&mut data)?, row)?;
-                }
-                (Some(Target::Text(index)), WireType::LengthDelimited) => {
-                    let text = std::str::from_utf8(delimited(&mut data)?);
+                (Some(Target::Object(object)), Wire::Bytes(inner)) => object.fill(inner, row)?,
+                (Some(Target::Text(index)), Wire::Bytes(bytes)) => {
+                    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
                     row.texts[*index].clear();
-                    row.texts[*index].push_str(text.map_err(|e| e.to_string())?);
+                    row.texts[*index].push_str(text);
                 }
-                (Some(Target::Seconds), WireType::Varint) => {
-                    let seconds = decode_varint(&mut data).map_err(|e| e.to_string())?;
+                (Some(Target::Seconds), Wire::Varint(seconds)) => {
                     let time = seconds.checked_mul(1_000_000_000);
                     let time = time.and_then(|time| time.checked_add(row.time_ns));
                     row.time_ns = time.ok_or("its timestamp is out of range")?;
                 }
-                (Some(Target::Nanoseconds), WireType::Varint) => {
-                    let part = decode_varint(&mut data).map_err(|e| e.to_string())?;
+                (Some(Target::Nanoseconds), Wire::Varint(part)) => {
                     let time = row.time_ns.checked_add(part);
                     row.time_ns = time.ok_or("its timestamp is out of range")?;
                 }
                 (None, _) => return Err(format!("field {number} is not in its schema")),
-                (Some(Target::Skipped), _) => {
-                    skip_field(wire, number, &mut data, DecodeContext::default())
-                        .map_err(|e| e.to_string())?;
-                }
-                _ => return Err(format!("field {number} has wire type {wire:?}")),
+                (Some(Target::Skipped), wire) if !matches!(wire, Wire::End) => {}
+                _ => return Err(format!("field {number} is not written as its type demands")),
             }
         }
         Ok(())
@@ -482,15 +475,4 @@ impl Object<u32> {
         *next = position + 1;
         Some(&self.0[position].1)
     }
-}
-
-/// Takes a length and that many bytes off the front.
-fn delimited<'a>(data: &mut &'a [u8]) -> Result<&'a [u8], String> {
-    let length = decode_varint(data).map_err(|e| e.to_string())?;
-    let length = usize::try_from(length).map_err(|e| e.to_string())?;
-    let (front, rest) = data
-        .split_at_checked(length)
-        .ok_or("it ends within a field")?;
-    *data = rest;
-    Ok(front)
 }

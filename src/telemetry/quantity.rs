@@ -31,8 +31,10 @@ pub enum Quantity {
     ReferenceRate,
     /// A time.
     Time,
-    /// A count, a ratio or a yes or no.
+    /// A count or a ratio.
     Number,
+    /// A yes or no, as 1 or 0: between two samples it is what it was last.
+    Flag,
     /// A text.
     Text,
 }
@@ -53,7 +55,7 @@ impl Quantity {
             Self::Power => "W",
             Self::Momentum => "kg m²/s",
             Self::Time => "s",
-            Self::Direction | Self::Orientation | Self::Number | Self::Text => "",
+            Self::Direction | Self::Orientation | Self::Number | Self::Flag | Self::Text => "",
         }
     }
 }

@@ -212,7 +212,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
             number("normal_force", Force, "normal force of the table", |s| s.contact.normal_force),
             vector("contact_point", Length, WORLD, "the point of contact", |s| s.contact_point),
             number("slip_path", Length, "length of the path slipped since the start", |s| s.integrals.slip_path),
-            number("regime", Number, "1 slipping, 0 not slipping", |s| if s.contact.slip_speed > 0.0 { 1.0 } else { 0.0 }),
+            number("regime", Flag, "1 slipping, 0 not slipping", |s| if s.contact.slip_speed > 0.0 { 1.0 } else { 0.0 }),
             since(2, number("slip_work", Energy, "work of the friction force along the path slipped since the start", |s| s.integrals.slip_work)),
         ],
     },

@@ -253,6 +253,19 @@ fn fields_are_not_without_end() {
     assert_eq!(decoder.fields().len() as u64 + decoder.left_out(), 1000);
 }
 
+/// Megabytes that say nothing are read a few times, not for each message.
+#[test]
+fn a_channel_with_endless_fields_is_given_up() {
+    let mut decoder = json();
+    let mut values = Vec::new();
+    let long = format!("[{}0]", "0,".repeat(1 << 21));
+    let mut decodes = |text: &str| decoder.decode(text.as_bytes(), &mut values).is_ok();
+    let decoded: Vec<bool> = (0..4).map(|_| decodes(&long)).collect();
+    assert_eq!(decoded, [true, true, false, false]);
+    // What fits into its fields still is read.
+    assert!(decodes("[1,2,3]"));
+}
+
 /// Objects and lists of numbers, nulls and texts.
 fn nested() -> impl Strategy<Value = Json> {
     let leaf = prop_oneof![

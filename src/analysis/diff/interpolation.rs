@@ -3,7 +3,7 @@
 use super::item::Item;
 use super::time_map::Instant;
 use crate::analysis::course::curve::{hermite3, hermite5, lagrange};
-use crate::telemetry::{Leaf, Topic};
+use crate::telemetry::{Leaf, Quantity, Topic};
 
 /// How a field is interpolated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,6 +11,8 @@ pub(super) enum Method {
     /// On a straight line.
     #[default]
     Linear,
+    /// Not at all: it is what it was last.
+    Hold,
     /// On the cubic through the four nearest values.
     Cubic,
     /// By Hermite's cubic, with the field that is its derivative.
@@ -26,6 +28,7 @@ impl Method {
         let method = |leaf: &Leaf| match leaf.derivative.map(|at| (at, numbers[at].derivative)) {
             Some((first, Some(second))) => Self::Curvature(first, second),
             Some((first, None)) => Self::Slope(first),
+            None if leaf.quantity == Quantity::Flag => Self::Hold,
             None => Self::Cubic,
         };
         numbers.iter().map(method).collect()
@@ -36,6 +39,7 @@ impl Method {
     /// ratio of the products of distances (4 to 9/16).
     pub(super) fn exaggeration(self) -> f64 {
         match self {
+            Self::Hold => 1.0,
             Self::Linear => 4.0,
             Self::Cubic => 64.0 / 9.0,
             Self::Slope(_) => 16.0,
@@ -95,6 +99,7 @@ impl<'a> Stencil<'a> {
         let of = |row: &Item, field: usize| row.numbers.get(field).copied().unwrap_or(f64::NAN);
         let [x, y] = self.neighbours;
         match method {
+            Method::Hold => of(x, field),
             Method::Linear => of(x, field) + self.s * (of(y, field) - of(x, field)),
             Method::Cubic => {
                 let column = self.rows.iter().map(|row| of(row, field));
@@ -113,5 +118,32 @@ impl<'a> Stencil<'a> {
                 hermite5(x, y, self.h, self.s)
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_yes_or_no_is_held_and_all_else_interpolated() {
+        let mut held = Vec::new();
+        for topic in Topic::all().filter(|topic| topic.info().is_sampled) {
+            let methods = Method::of_channel(topic).into_iter();
+            for (leaf, method) in topic.info().numbers.iter().zip(methods) {
+                if method == Method::Hold {
+                    held.push(leaf.path.as_str());
+                }
+            }
+        }
+        assert_eq!(held, ["regime"]);
+        let row = |time_ns, number| Item {
+            time_ns,
+            numbers: vec![number],
+            ..Item::default()
+        };
+        let (left, right) = (row(0, 1.0), row(10, 0.0));
+        let stencil = Stencil::new([&left, &right], None, None, Instant::from(9));
+        assert_eq!(stencil.value(0, Method::Hold), 1.0);
     }
 }

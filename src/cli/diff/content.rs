@@ -671,6 +671,12 @@ fn is_by_itself(channel: &ChannelDifference) -> bool {
     !(channel.fields.is_empty() && channel.texts.is_some())
 }
 
+/// So many messages.
+fn messages(count: u64) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{} message{ending}", numbers::count(count))
+}
+
 /// Messages without a counterpart, topics with as many of them together.
 fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
     let mut lines: Vec<(String, Vec<String>)> = Vec::new();
@@ -702,9 +708,8 @@ fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
         }
         for (name, between) in [("A", channel.between_in_a), ("B", channel.between_in_b)] {
             if between > 0 {
-                let count = numbers::count(between);
                 add(
-                    format!("{name} has {count} messages in between"),
+                    format!("{name} has {} in between", messages(between)),
                     &channel.topic,
                 );
             }
@@ -715,7 +720,7 @@ fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
             };
             add(
                 format!(
-                    "{} messages differ byte by byte, first at {} s: from byte {} on ({} in A, {} in B)",
+                    "{} of the pairs differ byte by byte, first at {} s: from byte {} on ({} in A, {} in B)",
                     numbers::count(bytes.count),
                     bytes.time,
                     bytes.offset,

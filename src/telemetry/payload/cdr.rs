@@ -221,7 +221,7 @@ impl<'a> Reading<'a, '_> {
         if fields.is_empty() {
             // A message with nothing in it is written as a byte.
             self.take(1)?;
-            self.filling.put(node, place, Value::Empty);
+            self.filling.put(node, place, Value::Empty)?;
         }
         let mut next = 0;
         for field in fields {
@@ -244,12 +244,11 @@ impl<'a> Reading<'a, '_> {
         };
         if field.kind == Kind::Unsigned(1) {
             let bytes = self.take(count)?;
-            self.filling
-                .put(node, Some(place), Value::Bytes(bytes.into()));
-            return Ok(());
+            let bytes = Value::Bytes(bytes.into());
+            return self.filling.put(node, Some(place), bytes);
         }
         if count == 0 {
-            self.filling.put(node, Some(place), Value::Empty);
+            self.filling.put(node, Some(place), Value::Empty)?;
         }
         let mut next = 0;
         for position in 0..count {
@@ -286,8 +285,7 @@ impl<'a> Reading<'a, '_> {
                 }
             }
         };
-        self.filling.put(node, Some(place), value);
-        Ok(())
+        self.filling.put(node, Some(place), value)
     }
 
     fn length(&mut self) -> Result<usize, String> {

@@ -37,8 +37,9 @@ struct Value<'a, 'f> {
 }
 
 impl Value<'_, '_> {
-    fn put(self, value: Found) {
-        self.filling.put(self.node, self.place, value);
+    fn put<E: de::Error>(self, value: Found) -> Result<(), E> {
+        let put = self.filling.put(self.node, self.place, value);
+        put.map_err(E::custom)
     }
 
     /// Reads a member with `read`.
@@ -87,38 +88,32 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
         f.write_str("a value")
     }
 
-    fn visit_bool<E>(self, value: bool) -> Result<(), E> {
-        self.put(Found::Bool(value));
-        Ok(())
+    fn visit_bool<E: de::Error>(self, value: bool) -> Result<(), E> {
+        self.put(Found::Bool(value))
     }
 
-    fn visit_i64<E>(self, value: i64) -> Result<(), E> {
-        self.put(Found::Integer(value));
-        Ok(())
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<(), E> {
+        self.put(Found::Integer(value))
     }
 
-    fn visit_u64<E>(self, value: u64) -> Result<(), E> {
-        self.put(Found::integer(value.into()));
-        Ok(())
+    fn visit_u64<E: de::Error>(self, value: u64) -> Result<(), E> {
+        self.put(Found::integer(value.into()))
     }
 
-    fn visit_f64<E>(self, value: f64) -> Result<(), E> {
-        self.put(Found::Real(value));
-        Ok(())
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<(), E> {
+        self.put(Found::Real(value))
     }
 
-    fn visit_str<E>(self, text: &str) -> Result<(), E> {
-        self.put(Found::Text(text.into()));
-        Ok(())
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<(), E> {
+        self.put(Found::Text(text.into()))
     }
 
-    fn visit_unit<E>(self) -> Result<(), E> {
+    fn visit_unit<E: de::Error>(self) -> Result<(), E> {
         let value = match self.literals.next() {
             Some(number) => Found::Real(number),
             None => Found::Null,
         };
-        self.put(value);
-        Ok(())
+        self.put(value)
     }
 
     fn visit_seq<A: SeqAccess<'de>>(mut self, mut elements: A) -> Result<(), A::Error> {
@@ -128,7 +123,7 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
             let read = |value: Value<'_, '_>| elements.next_element_seed(value);
             if self.member(&segment, &mut next, read)?.is_none() {
                 if position == 0 {
-                    self.put(Found::Empty);
+                    return self.put(Found::Empty);
                 }
                 break;
             }
@@ -145,7 +140,7 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
             self.member(&segment, &mut next, |value| members.next_value_seed(value))?;
         }
         if is_empty {
-            self.put(Found::Empty);
+            return self.put(Found::Empty);
         }
         Ok(())
     }
@@ -176,7 +171,7 @@ impl<'de> Visitor<'de> for Name {
         Ok(Cow::Borrowed(name))
     }
 
-    fn visit_str<E>(self, name: &str) -> Result<Self::Value, E> {
+    fn visit_str<E: de::Error>(self, name: &str) -> Result<Self::Value, E> {
         Ok(Cow::Owned(name.to_owned()))
     }
 }

@@ -4,8 +4,8 @@
 
 use super::tree::{Filling, Node, Place, Segment, Tree, Zero};
 use super::value::Value;
+use crate::telemetry::wire::{Wire, take, take_array, varint};
 use prost::Message as _;
-use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorSet};
 use std::borrow::Cow;
@@ -53,19 +53,6 @@ struct Field {
 enum Kind {
     Scalar(Type),
     Message(usize),
-}
-
-/// What stands in a field, by the way it is written.
-#[derive(Clone, Copy, Debug)]
-enum Wire<'a> {
-    Varint(u64),
-    Eight([u8; 8]),
-    Four([u8; 4]),
-    Bytes(&'a [u8]),
-    /// With its end.
-    Group(&'a [u8]),
-    /// The end of a group.
-    End,
 }
 
 impl Types {
@@ -272,7 +259,7 @@ impl Reading<'_> {
         if self.filling.meet(node) {
             self.zero(of_type, node, place);
             if data.is_empty() && of_type.implicit == 0 && place.is_some() {
-                self.filling.put(node, place, Value::Empty);
+                self.filling.put(node, place, Value::Empty)?;
             }
         }
         let (mut next_field, mut next_member) = (0, 0);
@@ -425,8 +412,7 @@ impl Reading<'_> {
             }
             (Kind::Scalar(scalar), wire) => {
                 if let Some(value) = value(scalar, wire) {
-                    self.filling.put(node, Some(place), value);
-                    return Ok(());
+                    return self.filling.put(node, Some(place), value);
                 }
             }
             _ => {}
@@ -533,32 +519,6 @@ fn zigzag(bits: u64) -> i128 {
     }
 }
 
-/// Takes a field off the front: its number, and what stands in it.
-#[inline]
-fn take<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
-    let (number, wire) = decode_key(data).map_err(|error| error.to_string())?;
-    let wire = match wire {
-        WireType::Varint => varint(data)?,
-        WireType::SixtyFourBit => Wire::Eight(take_array(data)?),
-        WireType::ThirtyTwoBit => Wire::Four(take_array(data)?),
-        WireType::LengthDelimited => {
-            let length = decode_varint(data).map_err(|error| error.to_string())?;
-            let length = usize::try_from(length).map_err(|error| error.to_string())?;
-            let (bytes, rest) = data.split_at_checked(length).ok_or(CUT)?;
-            *data = rest;
-            Wire::Bytes(bytes)
-        }
-        WireType::StartGroup => {
-            let group = *data;
-            skip_field(wire, number, data, DecodeContext::default())
-                .map_err(|error| error.to_string())?;
-            Wire::Group(&group[..group.len() - data.len()])
-        }
-        WireType::EndGroup => Wire::End,
-    };
-    Ok((number, wire))
-}
-
 /// Takes an element off the front of a packed list.
 #[inline]
 fn take_packed(scalar: Type, data: &mut &[u8]) -> Result<Wire<'static>, String> {
@@ -567,17 +527,4 @@ fn take_packed(scalar: Type, data: &mut &[u8]) -> Result<Wire<'static>, String> 
         Wire::Four(_) => Wire::Four(take_array(data)?),
         _ => varint(data)?,
     })
-}
-
-fn varint(data: &mut &[u8]) -> Result<Wire<'static>, String> {
-    let bits = decode_varint(data).map_err(|error| error.to_string())?;
-    Ok(Wire::Varint(bits))
-}
-
-const CUT: &str = "it ends within a field";
-
-fn take_array<const N: usize>(data: &mut &[u8]) -> Result<[u8; N], String> {
-    let (array, rest) = data.split_first_chunk().ok_or(CUT)?;
-    *data = rest;
-    Ok(*array)
 }

@@ -7,6 +7,9 @@ use std::fmt;
 
 /// A channel has no more fields than this; others are left out.
 pub const MAX_FIELDS: usize = 4096;
+/// So many values of a channel's messages, one by one, are left out; then its messages are not decoded any more if they have
+/// such.
+const MOST_LEFT_OUT: u64 = 1 << 22;
 /// The paths of all fields may cost so much together: a byte costs one, and a part of a path what follows.
 const LARGEST_PATHS: usize = 1 << 19;
 /// Each part of a path can be a node of its own.
@@ -149,6 +152,8 @@ pub(super) struct Tree {
     /// Values of this message that are left out.
     missed: u64,
     left_out: u64,
+    /// How many values have been met that were left out.
+    met_in_vain: u64,
     /// Whether this message says something twice.
     repeats: bool,
     /// Parts of this message that its schema doesn't know.
@@ -267,9 +272,14 @@ impl<'a> Filling<'a> {
         node.slot
     }
 
-    /// Gives the field at a node its value.
+    /// Gives the field at a node its value, or says that too many have been left out.
     #[inline]
-    pub(super) fn put(&mut self, node: &mut Node, place: Option<&Place<'_>>, value: Value) {
+    pub(super) fn put(
+        &mut self,
+        node: &mut Node,
+        place: Option<&Place<'_>>,
+        value: Value,
+    ) -> Result<(), String> {
         match self.reserve(node, place) {
             Some(slot) => {
                 node.met_in = self.tree.messages;
@@ -277,8 +287,15 @@ impl<'a> Filling<'a> {
             }
             // The value was counted with the message in which it stands.
             None if node.implicit.is_some() => {}
-            None => self.miss(1),
+            None => {
+                self.miss(1);
+                self.tree.met_in_vain += 1;
+                if self.tree.met_in_vain > MOST_LEFT_OUT {
+                    return Err(format!("its channel has more than {MAX_FIELDS} fields"));
+                }
+            }
         }
+        Ok(())
     }
 
     /// Sets the implicit members to zero, and says how many there are.

@@ -1,0 +1,57 @@
+//! Protobuf's wire format: the fields of a message, one after the other.
+
+use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
+
+/// What stands in a field, by the way it is written.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Wire<'a> {
+    Varint(u64),
+    Eight([u8; 8]),
+    Four([u8; 4]),
+    Bytes(&'a [u8]),
+    /// With its end.
+    Group(&'a [u8]),
+    /// The end of a group.
+    End,
+}
+
+/// Takes a field off the front: its number, and what stands in it.
+#[inline]
+pub(super) fn take<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
+    let (number, wire) = decode_key(data).map_err(|error| error.to_string())?;
+    let wire = match wire {
+        WireType::Varint => varint(data)?,
+        WireType::SixtyFourBit => Wire::Eight(take_array(data)?),
+        WireType::ThirtyTwoBit => Wire::Four(take_array(data)?),
+        WireType::LengthDelimited => {
+            let length = decode_varint(data).map_err(|error| error.to_string())?;
+            let length = usize::try_from(length).map_err(|error| error.to_string())?;
+            let (bytes, rest) = data.split_at_checked(length).ok_or(CUT)?;
+            *data = rest;
+            Wire::Bytes(bytes)
+        }
+        WireType::StartGroup => {
+            let group = *data;
+            skip_field(wire, number, data, DecodeContext::default())
+                .map_err(|error| error.to_string())?;
+            Wire::Group(&group[..group.len() - data.len()])
+        }
+        WireType::EndGroup => Wire::End,
+    };
+    Ok((number, wire))
+}
+
+#[inline]
+pub(super) fn varint(data: &mut &[u8]) -> Result<Wire<'static>, String> {
+    let bits = decode_varint(data).map_err(|error| error.to_string())?;
+    Ok(Wire::Varint(bits))
+}
+
+const CUT: &str = "it ends within a field";
+
+#[inline]
+pub(super) fn take_array<const N: usize>(data: &mut &[u8]) -> Result<[u8; N], String> {
+    let (array, rest) = data.split_first_chunk().ok_or(CUT)?;
+    *data = rest;
+    Ok(*array)
+}
