@@ -108,6 +108,34 @@ fn exit_codes_tell_how_it_ended() {
 }
 
 #[test]
+fn what_agrees_in_parts_is_not_equal() {
+    let directory = tempdir().unwrap();
+    let [a, b] = ["ros2_a.mcap", "ros2_b.mcap"].map(foreign);
+    let (text, _) = ends(&directory, &["diff", &a, &a], 0);
+    assert!(text.contains("Identical"), "{text}");
+    let (text, _) = ends(&directory, &["diff", &a, &b], 1);
+    assert!(text.contains("walkér"), "{text}");
+    // One is interpolated at the times of the other.
+    let [a, b] = ["json_a.mcap", "json_b.mcap"].map(foreign);
+    let agreeing = ["diff", &a, &b, "--topics", "/odom", "--abs", "1.1e-4"];
+    let (text, _) = ends(&directory, &agreeing, 3);
+    assert!(text.contains("Agreeing"), "{text}");
+    let (text, _) = ends(
+        &directory,
+        &[&agreeing[..], &["--format", "junit"]].concat(),
+        3,
+    );
+    assert!(text.contains("failures=\"1\""), "{text}");
+    // There is a clock, which can be put forward.
+    let later = foreign("later.mcap");
+    let (_, error) = ends(&directory, &["diff", &a, &later], 2);
+    assert!(error.contains("--offset start"), "{error}");
+    ends(&directory, &["diff", &a, &later, "--offset", "start"], 0);
+    ends(&directory, &["diff", &a, &later, "--offset", "-1000s"], 0);
+    ends(&directory, &["diff", &a, &later, "--offset", "-999.99s"], 1);
+}
+
+#[test]
 fn bad_input_is_named() {
     let directory = tempdir().unwrap();
     record(&directory, "a.mcap", &[]);

@@ -14,6 +14,8 @@ use std::sync::mpsc::SyncSender;
 const BATCH: usize = 1024;
 /// Memory that the messages of a batch take, bytes: large messages make it shorter.
 const LARGEST_BATCH: usize = 1 << 20;
+/// Longer messages are not decoded: what they hold is no numbers, or more than are compared one by one.
+const LONGEST_DECODED: usize = 1 << 24;
 /// No more fields of a file than these are compared, in all topics together.
 const MOST_FIELDS: usize = 1 << 18;
 
@@ -270,7 +272,9 @@ impl Payloads {
             topic: self.topic,
             ..Item::default()
         };
-        let Some(decoder) = &mut self.decoder else {
+        let is_long = data.len() > LONGEST_DECODED;
+        let Some(decoder) = self.decoder.as_mut().filter(|_| !is_long) else {
+            self.wide += u64::from(self.decoder.is_some());
             item.rest = Some(data.into());
             return item;
         };
@@ -319,12 +323,15 @@ impl Payloads {
         let topic = &channel.topic;
         match (&self.malformed, self.wide) {
             (Some((first, count)), _) => Some(format!(
-                "{topic}: {count} messages are compared byte by byte, because they can't be decoded; the first is {first}"
+                "{topic}: {count} messages are compared byte by byte, because they can't be decoded; the first is \
+                 {first}"
             )),
             (None, 0) => None,
             (None, count) => Some(format!(
-                "{topic}: {count} messages are compared byte by byte too, because they have more than {MAX_FIELDS} \
-                 fields or say something twice (no more than {MOST_FIELDS} fields of a file are compared one by one)"
+                "{topic}: {count} messages are compared byte by byte, because they are longer than {} MiB, have more than \
+                 {MAX_FIELDS} fields or say something twice (no more than {MOST_FIELDS} fields of a file are compared one \
+                 by one)",
+                LONGEST_DECODED >> 20
             )),
         }
     }

@@ -62,9 +62,11 @@ fn name(run: &ComparedRun) -> &str {
 /// The verdict, and one test for each topic.
 fn tests(report: &Report) -> Vec<Test> {
     let is_different = report.verdict == Verdict::Different;
+    // What agrees only as far as it was compared is no success.
+    let is_same = matches!(report.verdict, Verdict::Identical | Verdict::Equal);
     let verdict = Test {
         name: "verdict".to_owned(),
-        failure: is_different.then(|| report.summary.join("\n")),
+        failure: (!is_same).then(|| report.summary.join("\n")),
     };
     let topics = report.signals.channels.iter().map(|channel| Test {
         name: channel.topic.clone(),
@@ -87,6 +89,12 @@ fn failure(channel: &ChannelDifference) -> Option<String> {
         lines.push(format!(
             "{} texts differ, first at {} s: {:?} in A, {:?} in B",
             texts.count, texts.time, texts.a, texts.b
+        ));
+    }
+    if let Some(bytes) = &channel.bytes {
+        lines.push(format!(
+            "{} pairs differ byte by byte, first at {} s from byte {} on",
+            bytes.count, bytes.time, bytes.offset
         ));
     }
     for (run, alone) in [
