@@ -3,9 +3,9 @@
 use crate::archive::container_check::is_sound_container;
 use crate::archive::convert::{Copier, attachments, metadata_but, raw, wanted};
 use crate::archive::format::{
-    CONTENT_DIGEST, COUNTS, END_RECORD, LIBRARY, LIBRARY_PREFIX, LOST, ORIGINAL_CONTENT_DIGEST,
-    RECOVERY_RECORD, RUN_RECORD, SCENARIO_DIGEST, STOP_REASON, STOP_TIME, TELEMETRY, VERSION,
-    form_entries, run_entries,
+    CONTENT_DIGEST, COUNTS, ENCODING, END_RECORD, LIBRARY, LIBRARY_PREFIX, LOST,
+    ORIGINAL_CONTENT_DIGEST, RECOVERY_RECORD, RUN_RECORD, SCENARIO_DIGEST, STOP_REASON, STOP_TIME,
+    TELEMETRY, VERSION, run_entries,
 };
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{
@@ -13,9 +13,9 @@ use crate::archive::recording::{
 };
 use crate::archive::sink::{RecordError, Sink, SinkError};
 use crate::archive::writer::{Archived, Ending, McapSink, Opening};
+use crate::telemetry::channels;
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::encoding::Encoding;
-use crate::telemetry::{Telemetry, Topics, channels};
 use std::ffi::OsStr;
 use std::path::Path;
 use thiserror::Error;
@@ -155,13 +155,14 @@ fn opening(recording: &Recording) -> Opening {
         metadata,
         attachments: attachments(recording).filter_map(Result::ok).collect(),
         version: recording.version().unwrap_or_default(),
-        encoding: recording.encoding().unwrap_or(Encoding::Json),
+        encoding: encoding(recording),
         wanted: wanted(recording),
         raw: raw(recording),
     }
 }
 
-/// The record of the run, written again from the scenario if it is lost or doesn't fit it.
+/// The record of the run, written again from the scenario if it is lost or doesn't fit it; what it says of the form is what
+/// is written.
 fn run_record(recording: &Recording) -> Option<Entries> {
     let noted = recording.run().cloned();
     let Ok(scenario) = recording.scenario() else {
@@ -169,26 +170,26 @@ fn run_record(recording: &Recording) -> Option<Entries> {
     };
     let mut entries = run_entries(&scenario);
     let version = recording.version().unwrap_or_default();
-    if let Some(noted) = noted
-        && noted.get(SCENARIO_DIGEST) == entries.get(SCENARIO_DIGEST)
-    {
-        return Some(noted);
-    }
-    if let Some(version) = recording.library().strip_prefix(LIBRARY_PREFIX) {
+    let digest = entries.get(SCENARIO_DIGEST);
+    if let Some(noted) = noted.filter(|noted| noted.get(SCENARIO_DIGEST) == digest) {
+        entries = noted;
+    } else if let Some(version) = recording.library().strip_prefix(LIBRARY_PREFIX) {
         entries.insert(VERSION.to_owned(), version.to_owned());
     }
     // The first version didn't say which it was, nor in which form it recorded.
     if version.number() == 1 {
         entries.remove(TELEMETRY);
-        return Some(entries);
+    } else {
+        entries.insert(TELEMETRY.to_owned(), version.number().to_string());
+        entries.extend(recording.form_entries().unwrap_or_default());
+        entries.insert(ENCODING.to_owned(), encoding(recording).name().to_owned());
     }
-    let views = recording.channels().iter().any(|channel| channel.is_view());
-    let telemetry = Telemetry::with_topics(&Topics::Only(recording.topics()));
-    if let Some(encoding) = recording.encoding() {
-        entries.extend(form_entries(encoding, views, telemetry.topics()));
-    }
-    entries.insert(TELEMETRY.to_owned(), version.number().to_string());
     Some(entries)
+}
+
+/// The encoding of what is saved.
+fn encoding(recording: &Recording) -> Encoding {
+    recording.encoding().unwrap_or(Encoding::Json)
 }
 
 /// What was found.

@@ -7,7 +7,7 @@ use super::page::{Page, Section};
 use super::progress::Progress;
 use super::report;
 use super::table::Table;
-use crate::analysis::complete::{complete, is_form_known};
+use crate::analysis::complete::complete;
 use crate::analysis::salvage::salvage;
 use crate::archive::publish::Existing;
 use crate::archive::recording::Recording;
@@ -90,7 +90,7 @@ fn completed(arguments: &RecoverArguments, recording: &Recording) -> Result<Reco
     });
     progress.finish();
     let archived = completed?;
-    let form_lost = (!is_form_known(recording)).then(|| {
+    let form_lost = recording.form().is_none().then(|| {
         "how the run was recorded: this is the whole run, simulated again, as JSON with all topics and views".to_owned()
     });
     let former = recording.version().filter(|version| !version.is_current());

@@ -11,6 +11,7 @@ use toprise::analysis::explain::explain;
 use toprise::analysis::figures::{Figure, Run};
 use toprise::analysis::salvage::salvage;
 use toprise::analysis::verify::{Group, Options, Verdict, verify};
+use toprise::archive::convert::convert;
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Condition, Overview, Recording};
 use toprise::archive::recover::{RecoverError, recover};
@@ -162,6 +163,30 @@ fn chunks_that_were_swapped_or_repeated_are_noticed() {
 }
 
 #[test]
+fn a_recording_out_of_order_is_not_converted_and_the_reason_is_told() {
+    let directory = tempfile::tempdir().unwrap();
+    let [path, target] = ["run.mcap", "target.mcap"].map(|name| directory.path().join(name));
+    let whole = recorded("0.5", &[], Form::default());
+    let chunks = chunks(&whole);
+    let (first, second) = (chunks[1].clone(), chunks[2].clone());
+    let parts = [
+        &whole[..first.start],
+        &whole[second.clone()],
+        &whole[first],
+        &whole[second.end..],
+    ];
+    fs::write(&path, parts.concat()).unwrap();
+    let recording = Recording::open(&path).unwrap();
+    let error = convert(&recording, &target, Existing::Keep, Encoding::Json, &|_| {}).unwrap_err();
+    let told = error.to_string();
+    assert!(
+        told.starts_with("its content is not what its end record says"),
+        "{told}"
+    );
+    assert!(!told.contains("target.mcap") && !target.exists(), "{told}");
+}
+
+#[test]
 fn messages_that_come_twice_are_left_out_and_told() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
@@ -227,6 +252,8 @@ fn the_rest_of_a_damaged_recording_is_saved_and_can_be_completed() {
     assert_eq!(overview.condition, Condition::Damaged);
     assert_eq!(overview.losses.len(), 1);
     assert_eq!(overview.losses[0].offset, hit.start as u64);
+    let theta = recording.series(state::THETA).unwrap();
+    assert_eq!(theta.losses, overview.losses);
 
     let saved = directory.path().join("saved.mcap");
     let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();

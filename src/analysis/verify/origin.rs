@@ -3,16 +3,16 @@
 
 use crate::archive::check::{Check, Group, Problems, Verdict};
 use crate::archive::format::{
-    ENCODING, END_RECORD, Entries, LIBRARY_PREFIX, RECOVERY_RECORD, RUN_RECORD,
-    SCENARIO_ATTACHMENT, SCENARIO_DIGEST, STOP_REASON, TELEMETRY, TOPICS, VERSION, VIEWS,
-    form_entries, recorded_form, run_entries, scenario_attachment,
+    ENCODING, END_RECORD, LIBRARY_PREFIX, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT,
+    SCENARIO_DIGEST, STOP_REASON, TELEMETRY, TOPICS, VERSION, VIEWS, recorded_form, run_entries,
+    scenario_attachment,
 };
 use crate::archive::recording::{Condition, FileChannel, NoScenario, Recording};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::views::{Views, view_channels};
-use crate::telemetry::{Telemetry, Topic, Topics, Version};
+use crate::telemetry::{Topic, Version};
 use std::collections::BTreeSet;
 
 /// The metadata records of toprise, each of which a file has once at most.
@@ -90,7 +90,8 @@ fn of_run_record(
             None => format!("toprise.run doesn't say what {key} is"),
         });
     }
-    let form = expected_form(recording, run).filter(|_| !is_first);
+    let form = recorded_form(run).and_then(|_| recording.form_entries());
+    let form = form.filter(|_| !is_first);
     problems.unless(form.is_some() || is_first, || {
         format!(
             "toprise.run doesn't say what {ENCODING}, {VIEWS} and {TOPICS} are, or says it wrongly"
@@ -116,19 +117,6 @@ fn of_run_record(
     problems.unless(!is_original || Some(noted) == version, || {
         "toprise.run names another version than the header of the file".to_owned()
     });
-}
-
-/// The form in which a run was recorded, as `toprise.run` has to say: what it says, as far as the channels agree. None
-/// if it says nothing that can be understood.
-fn expected_form(recording: &Recording, run: &Entries) -> Option<Entries> {
-    let (encoding, views, topics) = recorded_form(run)?;
-    let encoding = recording.encoding().unwrap_or(encoding);
-    let views = views || recording.channels().iter().any(FileChannel::is_view);
-    let is_recorded = |topic: &Topic| topics.include(topic) || recording.has(*topic);
-    let topics = Topics::Only(Topic::all().filter(is_recorded).collect());
-    // In the words of the writer, which calls all topics so.
-    let telemetry = Telemetry::with_topics(&topics);
-    Some(form_entries(encoding, views, telemetry.topics()))
 }
 
 /// Whether the attachment with the scenario is the only one, and described as such.

@@ -8,12 +8,12 @@ use crate::archive::container::record::{HEAD, RecordSpan, parse};
 use crate::archive::container::source::Source;
 use crate::archive::error::{NoScenario, RecordingError};
 use crate::archive::format::{
-    END_RECORD, Entries, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT, VERSION,
-    telemetry_version,
+    END_RECORD, Entries, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT, VERSION, form_entries,
+    recorded_form, telemetry_version,
 };
 use crate::run::scenario::Scenario;
 use crate::telemetry::encoding::{Encoding, FieldDifferences};
-use crate::telemetry::{Topic, Version, table};
+use crate::telemetry::{Telemetry, Topic, Topics, Version, table};
 use mcap::records::Record;
 use std::path::{Path, PathBuf};
 
@@ -146,6 +146,29 @@ impl Recording {
             .clone()
             .find(has)
             .or_else(|| versions.clone().next())
+    }
+
+    /// How it was recorded, as `toprise.run` says, or else its channels: the encoding, whether with views, and the topics.
+    /// None if both are lost.
+    #[must_use]
+    pub fn form(&self) -> Option<(Encoding, bool, Topics)> {
+        let named = self.run().and_then(recorded_form);
+        named.or_else(|| {
+            let views = self.channels().iter().any(FileChannel::is_view);
+            Some((self.encoding()?, views, Topics::Only(self.topics())))
+        })
+    }
+
+    /// What `toprise.run` has to say about the form, in the words of the writer: what it says, as far as the channels
+    /// agree.
+    pub(crate) fn form_entries(&self) -> Option<Entries> {
+        let (encoding, views, topics) = self.form()?;
+        let encoding = self.encoding().unwrap_or(encoding);
+        let views = views || self.channels().iter().any(FileChannel::is_view);
+        let is_recorded = |topic: &Topic| topics.include(topic) || self.has(*topic);
+        let topics = Topics::Only(Topic::all().filter(is_recorded).collect());
+        let telemetry = Telemetry::with_topics(&topics);
+        Some(form_entries(encoding, views, telemetry.topics()))
     }
 
     /// Refuses a recording of a version of the telemetry that is newer than this program.
