@@ -4,8 +4,8 @@ use crate::archive::container_check::is_sound_container;
 use crate::archive::convert::{Copier, attachments, metadata_but, raw, wanted};
 use crate::archive::format::{
     CONTENT_DIGEST, COUNTS, ENCODING, END_RECORD, LIBRARY, LIBRARY_PREFIX, LOST,
-    ORIGINAL_CONTENT_DIGEST, RECOVERY_RECORD, RUN_RECORD, SCENARIO_DIGEST, STOP_REASON, STOP_TIME,
-    TELEMETRY, VERSION, run_entries,
+    ORIGINAL_CONTENT_DIGEST, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT, SCENARIO_DIGEST,
+    STOP_REASON, STOP_TIME, TELEMETRY, VERSION, run_entries,
 };
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{
@@ -150,10 +150,16 @@ fn opening(recording: &Recording) -> Opening {
     let run = run_record(recording).map(|entries| (RUN_RECORD.to_owned(), entries));
     let others = metadata_but(recording, &[RUN_RECORD, END_RECORD, RECOVERY_RECORD]);
     let metadata = run.into_iter().chain(others).collect();
+    // The first scenario is the one that counts.
+    let mut has_scenario = false;
+    let is_wanted = |attachment: &mcap::Attachment<'_>| {
+        attachment.name != SCENARIO_ATTACHMENT || !std::mem::replace(&mut has_scenario, true)
+    };
+    let attachments = attachments(recording).filter_map(Result::ok);
     Opening {
         library: LIBRARY,
         metadata,
-        attachments: attachments(recording).filter_map(Result::ok).collect(),
+        attachments: attachments.filter(is_wanted).collect(),
         version: recording.version().unwrap_or_default(),
         encoding: encoding(recording),
         wanted: wanted(recording),
