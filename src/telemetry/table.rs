@@ -10,6 +10,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 /// 1. The first, whose recordings don't name it.
 /// 2. Nutation cycles are only those whose period is that of a nutation, and have the ranges of the rates. Integrals of
 ///    the terms of φ̈ and ψ̈, the work about each axis of the node frame and that of the friction force are recorded.
+///    Views tell the ranges of what nutates.
 pub const VERSION: u32 = 2;
 
 /// A channel whose messages are made from values of type `S`.

@@ -5,20 +5,28 @@
 //! motion, two arrows, plots, and the log of events. These channels follow from the messages of the table and are
 //! not part of the content digest.
 //!
+//! Behind what nutates stand its least and its greatest value in the last nutation. Viewers that draw the mean of all
+//! that shares a pixel, as Rerun does from 0.41 on, would show no nutation without these.
+//!
 //! There are as few as possible. Rerun makes one plot for each of the three arrays of a `JointState`
-//! and one for a `Float64MultiArray` with one element, which it names after its topic, and eight
-//! plots at most. `MagneticField` is the vector message that it draws as an arrow.
+//! and one for a `Float64MultiArray`, which it names after its topic, and eight plots at most. `MagneticField` is the vector message that it draws as an arrow.
 
 mod cdr;
+mod envelope;
 mod scales;
 mod urdf;
 
 use self::cdr::Cdr;
+use self::envelope::Envelope;
 use self::scales::Scales;
 use super::channel::channels;
-use super::fields::{CONTACT, EVENTS, POSE, STATE, TORQUE, contact, events, pose, state, torque};
+use super::fields::{
+    CONTACT, EVENTS, NUTATION, NumberField, POSE, STATE, TORQUE, contact, events, pose, state,
+    torque,
+};
 use super::message::Message;
 use super::proportions::Proportions;
+use super::table::VERSION;
 use super::topic::Topic;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
@@ -101,9 +109,12 @@ const VIEWS: &[ViewChannel] = &[
     view(Kind::Transforms, "/tf", TRANSFORMS, &[POSE],
         "frames `top` (body axes) and `contact` in `world`, m"),
     view(Kind::Inclination, "/view/inclination", JOINT, &[STATE, TORQUE],
-        "θ in rad, θ̇ in rad/s, and as effort the total torque about the line of nodes in N m"),
-    view(Kind::PrecessionRate, "/view/precession_rate", NUMBERS, &[STATE], "φ̇, rad/s"),
-    view(Kind::SpinRate, "/view/spin_rate", NUMBERS, &[STATE], "ψ̇, rad/s"),
+        "θ in rad and θ̇ in rad/s, each with its least and greatest value in the last nutation, \
+         and as effort the total torque about the line of nodes in N m"),
+    view(Kind::PrecessionRate, "/view/precession_rate", NUMBERS, &[STATE],
+        "φ̇, and its least and greatest value in the last nutation, rad/s"),
+    view(Kind::SpinRate, "/view/spin_rate", NUMBERS, &[STATE],
+        "ψ̇, and its least and greatest value in the last nutation, rad/s"),
     view(Kind::SlipSpeed, "/view/slip_speed", NUMBERS, &[CONTACT], "slip speed, m/s"),
     view(Kind::SlipVelocity, "/view/slip_velocity", FIELD, &[CONTACT],
         "arrow of the slip velocity in frame `contact`; the legend gives its scale"),
@@ -131,6 +142,8 @@ pub struct Views {
     description: Option<String>,
     /// Sequence number, θ and θ̇ of the last state.
     state: Option<(u32, [f64; 2])>,
+    /// The ranges in the last nutation; none in the first version of the telemetry.
+    envelope: Option<Envelope>,
     cdr: Cdr,
 }
 
@@ -138,6 +151,13 @@ impl Views {
     /// Prepares the views of a run of `scenario` that `wants` some topics of the table.
     #[must_use]
     pub fn new(scenario: &Scenario, wants: impl Fn(Topic) -> bool) -> Self {
+        Self::of_version(VERSION, scenario, wants)
+    }
+
+    /// Prepares the views as a version of the telemetry had them.
+    #[must_use]
+    pub fn of_version(telemetry: u32, scenario: &Scenario, wants: impl Fn(Topic) -> bool) -> Self {
+        let envelope = (telemetry > 1).then(|| Envelope::new(wants(NUTATION)));
         let top = scenario.model.top;
         let proportions = Proportions::new(&top);
         let scales = Scales::new(scenario, &proportions);
@@ -154,9 +174,10 @@ impl Views {
         let period = scenario.sample_period_ns.max(1);
         Self {
             sources: VIEWS.iter().map(source).collect(),
-            description: Some(urdf::urdf(&proportions, &scales)),
+            description: Some(urdf::urdf(&proportions, &scales, envelope.is_some())),
             stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
             state: None,
+            envelope,
             cdr: Cdr::default(),
             top,
             scales,
@@ -172,6 +193,9 @@ impl Views {
     /// Passes to `emit` the views that come with a message: index in [`view_channels`], sequence number and bytes.
     /// Their time is that of the message.
     pub fn take(&mut self, message: &Message<'_>, mut emit: impl FnMut(usize, u32, &[u8])) {
+        if let Some(envelope) = &mut self.envelope {
+            envelope.take(message);
+        }
         let is_due = message.sequence.is_multiple_of(self.stride);
         if channels()[message.channel].is_sampled && !is_due {
             return;
@@ -189,7 +213,7 @@ impl Views {
 
     /// Encodes the view of a message into `cdr`; false if the message has none.
     fn write(&mut self, kind: Kind, message: &Message<'_>) -> bool {
-        let cdr = &mut self.cdr;
+        let (cdr, envelope) = (&mut self.cdr, self.envelope.as_ref());
         let time = message.time_ns;
         cdr.begin();
         match kind {
@@ -217,14 +241,33 @@ impl Views {
                 else {
                     return false;
                 };
-                cdr.header(time, "").u32(1).string("theta");
-                cdr.sequence(&[theta])
-                    .sequence(&[theta_dot])
+                let (Some(theta), Some(theta_dot)) = (
+                    with_range(envelope, state::THETA, theta),
+                    with_range(envelope, state::THETA_DOT, theta_dot),
+                ) else {
+                    return false;
+                };
+                let names = ["theta", "least in nutation", "greatest in nutation"];
+                let names = &names[..theta.len()];
+                cdr.header(time, "").u32(names.len() as u32);
+                for name in names {
+                    cdr.string(name);
+                }
+                cdr.sequence(&theta)
+                    .sequence(&theta_dot)
                     .sequence(&[torque::TOTAL_NODE.x().of(message)]);
             }
-            Kind::PrecessionRate => plot(cdr, state::PHI_DOT.of(message)),
-            Kind::SpinRate => plot(cdr, state::PSI_DOT.of(message)),
-            Kind::SlipSpeed => plot(cdr, contact::SLIP_SPEED.of(message)),
+            Kind::PrecessionRate | Kind::SpinRate => {
+                let rate = match kind {
+                    Kind::PrecessionRate => state::PHI_DOT,
+                    _ => state::PSI_DOT,
+                };
+                let Some(values) = with_range(envelope, rate, rate.of(message)) else {
+                    return false;
+                };
+                plot(cdr, &values);
+            }
+            Kind::SlipSpeed => plot(cdr, &[contact::SLIP_SPEED.of(message)]),
             Kind::SlipVelocity => {
                 let slip = contact::SLIP_WORLD.of(message);
                 arrow(cdr.header(time, "contact"), slip, self.scales.slip);
@@ -249,9 +292,17 @@ impl Views {
     }
 }
 
-/// A `Float64MultiArray` with one element and no layout.
-fn plot(cdr: &mut Cdr, value: f64) {
-    cdr.u32(0).u32(0).sequence(&[value]);
+/// A value of a quantity that nutates, and its range in the last nutation; none where it can't be known.
+fn with_range(envelope: Option<&Envelope>, field: NumberField, value: f64) -> Option<Vec<f64>> {
+    match envelope {
+        Some(envelope) => Some(envelope.around(field, value)?.to_vec()),
+        None => Some(vec![value]),
+    }
+}
+
+/// A `Float64MultiArray` with these elements and no layout.
+fn plot(cdr: &mut Cdr, values: &[f64]) {
+    cdr.u32(0).u32(0).sequence(values);
 }
 
 /// The rest of a `MagneticField`: the vector, and no covariance.

@@ -10,8 +10,9 @@ use std::path::Path;
 use std::sync::LazyLock;
 use tempfile::tempdir;
 use toprise::archive::memory::Owned;
+use toprise::archive::sink::Sink;
 use toprise::physics::math::log10;
-use toprise::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
+use toprise::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback, RerunSink};
 use toprise::run::scenario::Scenario;
 use toprise::telemetry::side::Side;
 use toprise::telemetry::{Message, Topic, channels};
@@ -256,6 +257,62 @@ fn a_pair_holds_both_runs_and_their_difference() {
     assert!(logarithm.len() < difference.len());
     assert_eq!(difference[0], [0.0]);
     assert!(difference.last().unwrap()[0] != 0.0);
+}
+
+/// Asserts that what decides how curves look is not left to the defaults of viewers, which change.
+fn assert_curves_are_settled(content: &Content) {
+    let mut settled = BTreeMap::new();
+    for chunk in &content.data {
+        let entity = chunk.entity_path().to_string();
+        let has = |component: &'static str| chunk.components().contains_component(component.into());
+        let (is_settled, has_numbers) = settled.entry(entity).or_insert((false, false));
+        let is_line =
+            has("SeriesLines:aggregation_policy") && has("SeriesLines:interpolation_mode");
+        *is_settled |= chunk.is_static() && (is_line || has("SeriesPoints:markers"));
+        *has_numbers |= has("Scalars:scalars");
+    }
+    let curves = settled.iter().filter(|(_, (_, has_numbers))| *has_numbers);
+    assert!(curves.clone().count() > 20);
+    for (entity, (is_settled, _)) in curves {
+        assert!(is_settled, "{entity}");
+    }
+    let of_charts = |component: &'static str| {
+        let chunks = content.blueprint.iter();
+        chunks
+            .filter(|chunk| chunk.components().contains_component(component.into()))
+            .count()
+    };
+    let classes = content.blueprint.iter();
+    let classes = classes.flat_map(|chunk| texts(chunk, "ViewBlueprint:class_identifier"));
+    let charts = classes.filter(|class| class == "TimeSeries").count();
+    assert!(charts > 10, "{charts}");
+    for component in ["TimeAxis:link", "PlotLegend:visible"] {
+        assert_eq!(of_charts(component), charts, "{component}");
+    }
+    // The trails of the tops have ranges of their own.
+    assert!(of_charts("VisibleTimeRanges:ranges") > charts);
+}
+
+#[test]
+fn curves_look_alike_in_every_viewer() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("layout.rrd");
+    let topics = all_topics();
+    write(&path, (&PAPER, &topics), (&FULL, &topics));
+    assert_curves_are_settled(&Content::read(&path));
+    for is_alone in [true, false] {
+        let identity = Identity {
+            is_alone,
+            ..PAPER.identity(&topics)
+        };
+        let file = Some(File::create(&path).unwrap());
+        let mut sink = RerunSink::new(&identity, Destinations { file, live: None });
+        for message in PAPER.messages(&topics) {
+            sink.write(&message.as_message()).unwrap();
+        }
+        sink.finish().unwrap();
+        assert_curves_are_settled(&Content::read(&path));
+    }
 }
 
 #[test]

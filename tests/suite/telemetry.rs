@@ -10,10 +10,10 @@ use toprise::archive::sink::{Sink, record};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::encoding::{Encoder, Encoding};
-use toprise::telemetry::fields::{EVENTS, STATE};
+use toprise::telemetry::fields::{EVENTS, NUTATION, STATE, nutation};
 use toprise::telemetry::protobuf::{proto_file, proto_file_name};
 use toprise::telemetry::schema::{file_name, json_schema};
-use toprise::telemetry::views::view_channels;
+use toprise::telemetry::views::{Views, view_channels};
 use toprise::telemetry::{Telemetry, Topics, channels};
 
 fn root() -> &'static Path {
@@ -25,6 +25,46 @@ fn short_run(overrides: &[(&str, &str)]) -> MemorySink {
     all.extend_from_slice(overrides);
     let scenario = scenario("paper", &all);
     in_memory(&scenario).0
+}
+
+/// The numbers at the end of a message of the view of φ̇ for each nutation that came before it, from views of a version of
+/// the telemetry.
+fn precession_views(telemetry: u32, count: usize) -> Vec<(Option<[f64; 2]>, Vec<f64>)> {
+    let scenario = scenario("paper", &[("stop.duration", "0.3")]);
+    let messages = in_memory(&scenario).0.messages;
+    let mut views = Views::of_version(telemetry, &scenario, |_| true);
+    let (mut range, mut found) = (None, Vec::new());
+    for message in &messages {
+        let message = message.as_message();
+        if message.topic() == NUTATION {
+            range = Some(
+                [nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX].map(|field| field.of(&message)),
+            );
+        }
+        views.take(&message, |view, _, bytes| {
+            if view_channels()[view].topic == "/view/precession_rate" {
+                // A header of four bytes, an empty layout, the number of values and four bytes of room.
+                assert_eq!(bytes.len(), 4 + 16 + 8 * count);
+                let values = bytes[20..]
+                    .chunks(8)
+                    .map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap()));
+                found.push((range, values.collect()));
+            }
+        });
+    }
+    assert_eq!(found.len(), 31);
+    found
+}
+
+#[test]
+fn views_tell_the_range_in_the_last_nutation() {
+    for (range, values) in precession_views(2, 3) {
+        let value = values[0];
+        let [least, greatest] = range.unwrap_or([value; 2]);
+        assert_eq!(values, [value, least, greatest]);
+    }
+    // Those of the first version, which `verify` makes again, had values only.
+    precession_views(1, 1);
 }
 
 #[test]

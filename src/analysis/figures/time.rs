@@ -207,9 +207,16 @@ fn page(legend: Vec<Entry>, panels: Vec<Panel>) -> Page {
     }
 }
 
+/// A mean acceleration that is smaller than this part of gravity's is what its integration errs by.
+const NEGLIGIBLE: f64 = 1e-6;
+
 /// The terms of θ̈ and φ̈, averaged over nutations: why the top rises.
 pub(super) fn acceleration(runs: &[&Run], width: f64) -> Drawing {
     let mean = |field: NumberField| move |run: &Run| run.means(field);
+    let gravity = runs
+        .iter()
+        .flat_map(|run| run.means(terms_of::THETA_DDOT_GRAVITATIONAL));
+    let (_, gravity) = extremes(gravity.map(|point| point.1.abs()));
     let theta = Terms::new(runs, "mean *θ\u{308}*", "rad/s²")
         .term("gravitational", mean(terms_of::THETA_DDOT_GRAVITATIONAL))
         .term("gyroscopic", mean(terms_of::THETA_DDOT_GYROSCOPIC))
@@ -219,6 +226,7 @@ pub(super) fn acceleration(runs: &[&Run], width: f64) -> Drawing {
         .term("frictional", mean(terms_of::PHI_DDOT_FRICTIONAL))
         .term("gyroscopic", mean(terms_of::PHI_DDOT_GYROSCOPIC))
         .term("Coriolis", mean(terms_of::PHI_DDOT_CORIOLIS))
+        .rounding(NEGLIGIBLE * gravity)
         .singular();
     terms(runs, vec![theta, phi]).draw(width)
 }

@@ -99,7 +99,8 @@ impl Panel {
         let (low, high) = self.range();
         let values = self.lines().into_iter().flatten().map(|point| point.1);
         let all = extremes(values);
-        self.is_singular && (all.0 < low || all.1 > high)
+        let is_rounding = all.0.abs().max(all.1.abs()) < self.rounding;
+        self.is_singular && !is_rounding && (all.0 < low || all.1 > high)
     }
 
     /// The scale of the upright axis: the range of the curves and some air.

@@ -43,7 +43,7 @@ pub(super) fn check(
         }
         _ => None,
     };
-    let mut views = scenario.map(|s| ViewCheck::new(recording, s));
+    let mut views = scenario.map(|s| ViewCheck::new(recording, s, version));
     let mut reader = recording.reader(Selection::default());
     while let Some((raw, decoded)) = reader.next_both() {
         content.take_raw(&raw);
@@ -302,9 +302,10 @@ struct ExpectedView {
 }
 
 impl ViewCheck {
-    fn new(recording: &Recording, scenario: &Scenario) -> Self {
+    fn new(recording: &Recording, scenario: &Scenario, version: &Version) -> Self {
+        let has = |topic| recording.has(topic);
         Self {
-            views: Views::new(scenario, |topic| recording.has(topic)),
+            views: Views::of_version(version.number(), scenario, has),
             expected: VecDeque::new(),
             problems: Problems::default(),
             found: 0,

@@ -46,7 +46,7 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
         let runs = looks(identity, POSE);
         let contents = runs.iter().map(|run| run.entity("scene/**"));
         let contents: Vec<_> = contents.chain([format!("{STAGE}/**")]).collect();
-        rows.push(scene(layout, &name, &contents, &runs, &proportions));
+        rows.push(scene(layout, &name, &contents, &runs, &proportions, 1.0));
         shares.push(53.0);
     }
     rows.push(words(layout, identity));

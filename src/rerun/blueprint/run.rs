@@ -113,7 +113,16 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
     }
     let whole = ["$origin/**".to_owned()];
     let proportions = Proportions::new(&identity.geometry.top);
-    let scene = scene(layout, "The top", &whole, &[Look::Alone], &proportions);
+    // Beside the list of recordings the scene is narrower, and must still hold the names of all arrows.
+    let distance = if identity.is_alone { 1.0 } else { 1.2 };
+    let scene = scene(
+        layout,
+        "The top",
+        &whole,
+        &[Look::Alone],
+        &proportions,
+        distance,
+    );
     layout.contain(column(&[76.0, 24.0]), &[scene, words])
 }
 

@@ -19,20 +19,26 @@ use crate::telemetry::proportions::Proportions;
 /// The speed at which a viewer plays at first: a quarter of real time, for the spin is fast.
 const SPEED: f64 = 0.25;
 
-/// A view of the scene with these entities, among them the trails of the runs that look so.
+/// A view of the scene with these entities, among them the trails of the runs that look so, from some times the usual
+/// distance.
 pub(super) fn scene(
     layout: &mut Layout,
     name: &str,
     contents: &[String],
     runs: &[Look],
     proportions: &Proportions,
+    distance: f64,
 ) -> Child {
     let view = layout.view("3D", name, STAGE, contents);
     let in_heights = |coordinate: f64| (coordinate * proportions.tip) as f32;
+    let target = [0.0, 0.0, 0.55];
+    let position = [2.4, 3.05, 0.85].map(|coordinate| coordinate * distance);
+    let position = [position[0], position[1], position[2] + target[2]];
     let camera = parts::EyeControls3D::new()
         .with_kind(Eye3DKind::Orbital)
-        .with_position([2.4, 3.05, 1.4].map(in_heights))
-        .with_look_target([0.0, 0.0, 0.55].map(in_heights))
+        .with_position(position.map(in_heights))
+        .with_look_target(target.map(in_heights))
+        .with_spin_speed(0.0)
         .with_eye_up([0.0, 0.0, 1.0]);
     let background =
         parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(0x1215_1BFF));

@@ -22,9 +22,10 @@ const MATERIALS: [(&str, &str); 5] = [
 const LAYERS: u32 = 8;
 const DISC_LAYERS: u32 = 9;
 
-/// The description of a robot that is a top, with the link `top`.
-pub(super) fn urdf(proportions: &Proportions, scales: &Scales) -> String {
-    let mut text = format!("<robot name=\"toprise\"><!--\n{}-->\n", legend(scales));
+/// The description of a robot that is a top, with the link `top`. `has_ranges` says whether plots show ranges.
+pub(super) fn urdf(proportions: &Proportions, scales: &Scales, has_ranges: bool) -> String {
+    let legend = legend(scales, has_ranges);
+    let mut text = format!("<robot name=\"toprise\"><!--\n{legend}-->\n");
     for (name, color) in MATERIALS {
         // Writing to a String cannot fail.
         let _ = writeln!(
@@ -40,7 +41,7 @@ pub(super) fn urdf(proportions: &Proportions, scales: &Scales) -> String {
     text
 }
 
-fn legend(scales: &Scales) -> String {
+fn legend(scales: &Scales, has_ranges: bool) -> String {
     let mut text = "A heavy top rising by friction\nArrows:\n".to_owned();
     if let Some(scale) = scales.slip {
         let _ = writeln!(
@@ -52,9 +53,13 @@ fn legend(scales: &Scales) -> String {
     if let Some(scale) = scales.torque {
         let _ = writeln!(text, "- friction_torque, {:.0} cm for 1 mN m", 0.1 * scale);
     }
+    text.push_str(if has_ranges {
+        "Plots, [1] and [2]: least and greatest in the last nutation\n"
+    } else {
+        "Plots:\n"
+    });
     text.push_str(
-        "Plots:\n\
-         - inclination: position = angle theta to the vertical, rad;\n  \
+        "- inclination: position = angle theta to the vertical, rad;\n  \
          velocity, rad/s; effort = torque about the line of nodes, N m\n\
          - precession_rate: d phi/dt, rad/s\n\
          - slip_speed of the contact point, m/s\n\
