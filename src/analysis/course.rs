@@ -31,7 +31,7 @@ pub(crate) struct Event {
     /// Inclination θ, rad.
     pub(crate) theta: f64,
     /// φ̇ and ψ̇, rad/s.
-    rates: [f64; 2],
+    pub(crate) rates: [f64; 2],
 }
 
 /// What happened in a run, collected message by message.
@@ -48,6 +48,8 @@ pub(crate) struct Course {
     /// The last state, with its time (ns).
     tilt: Option<(u64, Tilt)>,
     work: NodeWork,
+    /// That work as the integrator summed it, where it is recorded.
+    work_node: Option<[f64; 3]>,
     energy: Option<[f64; 2]>,
     imbalance: f64,
     friction_work: Option<f64>,
@@ -119,6 +121,10 @@ impl Course {
         let first = self.energy.map_or(total - work, |energy| energy[0]);
         self.energy = Some([first, total]);
         self.friction_work = Some(work);
+        let of_axes = energy::FRICTION_WORK_NODE.of(message);
+        if of_axes.iter().all(|work| work.is_finite()) {
+            self.work_node = Some(of_axes.into());
+        }
         self.imbalance = self.imbalance.max((total - first - work).abs());
     }
 
@@ -126,6 +132,16 @@ impl Course {
         let mut ranges = self.ranges.take();
         // The integrator knew these exactly.
         ranges[THETA] = [nutation::THETA_MIN, nutation::THETA_MAX].map(|field| field.of(message));
+        let recorded = [
+            [nutation::THETA_DOT_MIN, nutation::THETA_DOT_MAX],
+            [nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX],
+            [nutation::PSI_DOT_MIN, nutation::PSI_DOT_MAX],
+        ];
+        let recorded = recorded.map(|range| range.map(|field| field.of(message)));
+        let is_recorded = recorded.iter().flatten().all(|value| value.is_finite());
+        if is_recorded {
+            ranges[THETA_DOT..].copy_from_slice(&recorded);
+        }
         let means = [
             nutation::THETA_MEAN,
             nutation::THETA_DOT_MEAN,
@@ -139,7 +155,7 @@ impl Course {
             means: means.map(|field| field.of(message)),
             ranges,
         });
-        self.has_just_closed = true;
+        self.has_just_closed = !is_recorded;
     }
 
     fn event(&mut self, message: &Message<'_>) {
@@ -201,7 +217,7 @@ impl Course {
             energy_first: self.energy.map(|energy| energy[0]),
             energy_last: self.energy.map(|energy| energy[1]),
             friction_work: self.friction_work,
-            friction_work_node: self.work.work(),
+            friction_work_node: self.work_node.or(self.work.work()),
             slip_path: self.slip_path,
             spin_rate_last: last
                 .map_or_else(|| self.rate_at(stop_time, |r| r.psi), |e| Some(e.rates[1])),

@@ -18,9 +18,12 @@
 //! ```
 
 mod facts;
+mod pieces;
 mod stages;
 mod story;
 mod tell;
+mod totals;
+mod why;
 
 pub use self::facts::ExplainError;
 pub use self::story::{Chapter, Story};

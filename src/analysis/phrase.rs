@@ -35,6 +35,21 @@ pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
     }
 }
 
+/// Two numbers, each with as many digits as it takes to see how they differ: four at least, twelve at most.
+#[must_use]
+pub(crate) fn pair(values: [f64; 2]) -> [String; 2] {
+    let difference = (values[1] - values[0]).abs();
+    values.map(|value| {
+        // Three digits of the difference.
+        let (mut digits, mut resolved) = (4, 10.0 * difference);
+        while digits < 12 && resolved <= value.abs() && resolved > 0.0 {
+            resolved *= 10.0;
+            digits += 1;
+        }
+        significant(value, digits)
+    })
+}
+
 /// The magnitude of a time, in the unit that fits.
 #[must_use]
 pub(crate) fn duration(seconds: f64) -> String {
@@ -145,6 +160,9 @@ mod tests {
         assert_eq!(duration(-0.011_554_6), "11.6 ms");
         assert_eq!(duration(3e-10), "0.300 ns");
         assert_eq!(duration(0.0), "0 s");
+        assert_eq!(pair([1.754, 1.7541]), ["1.754000", "1.754100"]);
+        assert_eq!(pair([0.5, 0.0216]), ["0.5000", "0.02160"]);
+        assert_eq!(pair([2.0, 2.0]), ["2.000", "2.000"]);
     }
 
     /// Against GNU date: `date -u -d @SECONDS +%FT%T`.

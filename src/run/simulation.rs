@@ -10,7 +10,7 @@ mod record;
 mod runner;
 mod sample;
 
-pub use event::{Event, EventKind, StopReason};
+pub use event::{Event, EventKind, StopReason, UPRIGHT};
 pub use nutation::NutationCycle;
 pub use record::{Outcome, Record, SimulationError};
 pub use sample::{Frames, Sample};

@@ -18,6 +18,8 @@ const RANGED: [(NumberField, NumberField); 4] = [
 /// The places of θ and θ̇ among them.
 pub(super) const THETA: usize = 0;
 pub(super) const THETA_DOT: usize = 1;
+/// The place of φ̇ among them.
+const PHI_DOT: usize = 2;
 
 /// A nutation cycle.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +36,11 @@ pub(crate) struct Cycle {
 impl Cycle {
     pub(crate) fn middle(&self) -> f64 {
         self.start + 0.5 * self.period
+    }
+
+    /// Least and greatest φ̇ in it, rad/s, where they are known.
+    pub(crate) fn precession_range(&self) -> Option<[f64; 2]> {
+        Some(self.ranges[PHI_DOT]).filter(|range| range.iter().all(|rate| rate.is_finite()))
     }
 
     /// Half the range of θ̇, rad/s: unlike that of θ, it is free of the drift.

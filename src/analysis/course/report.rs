@@ -23,7 +23,8 @@ pub struct CourseReport {
     /// Work of friction up to the last sample, J, as the integrator summed it.
     pub friction_work: Option<f64>,
     /// Work of friction about the line of nodes (on the nutation), the perpendicular n × e_N (on the precession) and
-    /// the symmetry axis (on the spin), J, integrated from the samples.
+    /// the symmetry axis (on the spin), J: as the integrator summed it, or in recordings of the first version of the telemetry
+    /// integrated from the samples.
     pub friction_work_node: Option<[f64; 3]>,
     /// Length of the path that the contact point slipped, m.
     pub slip_path: Option<f64>,

@@ -13,9 +13,9 @@ pub struct Story {
     pub chapters: Vec<Chapter>,
     /// What happened, in numbers.
     pub course: CourseReport,
-    /// Means over successive stages of the run, each with about the same number of nutations.
+    /// Means over successive stages of the run: those with nutations have about the same number of them.
     pub stages: Vec<StageReport>,
-    /// What changed the precession rate, in all; none if samples are missing.
+    /// What changed the precession rate, in all; none if that is not known.
     pub precession: Option<PrecessionReport>,
     /// What of the recording could not be read or was left out.
     pub losses: Vec<String>,
@@ -35,13 +35,15 @@ pub struct Chapter {
     pub table: Option<(Vec<String>, Vec<Vec<String>>)>,
 }
 
-/// Means over a stage of a run.
+/// Means over a stage of a run: over whole nutations, or over a motion without nutation.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StageReport {
     /// Start of the stage, s.
     pub from: f64,
     /// End of the stage, s.
     pub to: f64,
+    /// Number of nutations; 0 for a motion without nutation.
+    pub nutations: u64,
     /// Inclination θ, rad.
     pub theta: f64,
     /// Nutation rate θ̇, rad/s.
@@ -50,27 +52,36 @@ pub struct StageReport {
     pub theta_dot_demanded: Option<f64>,
     /// Precession rate φ̇, rad/s.
     pub phi_dot: f64,
-    /// Slow rate of regular precession, rad/s; none where there is no real one.
+    /// Slow rate of regular precession at these means, rad/s; none where there is no real one.
     pub slow_root: Option<f64>,
-    /// φ̇ less the slow rate, rad/s.
-    pub excess: Option<f64>,
+    /// Fast rate of regular precession at these means, rad/s; none where there is no real one.
+    pub fast_root: Option<f64>,
     /// Spin rate ψ̇, rad/s.
     pub psi_dot: f64,
-    /// The part of the time during which θ̈ was negative.
-    pub rising: f64,
 }
 
-/// The integrals of the terms of φ̈ and ψ̈ over a run, up to where the axis first comes near upright.
+/// What changed φ̇, and what friction changed ψ̇ by, from the first sample to the last or to where the axis first comes
+/// near upright or the contact point sticks.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PrecessionReport {
-    /// Gyroscopic term of φ̈, rad/s.
-    pub gyroscopic: f64,
-    /// Coriolis term of φ̈, rad/s.
-    pub coriolis: f64,
-    /// Frictional term of φ̈, rad/s.
+    /// Start of the integrals, s.
+    pub from: f64,
+    /// End of the integrals, s.
+    pub to: f64,
+    /// φ̇ at the start, rad/s.
+    pub first: f64,
+    /// φ̇ at the end, rad/s.
+    pub last: f64,
+    /// ∫ of the gyroscopic term of φ̈, rad/s; none in recordings of the first version of the telemetry.
+    pub gyroscopic: Option<f64>,
+    /// ∫ of the Coriolis term of φ̈, rad/s; none in recordings of the first version of the telemetry.
+    pub coriolis: Option<f64>,
+    /// ∫ of the frictional term of φ̈, rad/s.
     pub frictional: f64,
-    /// Frictional term of ψ̈, rad/s.
+    /// ψ̇ at the start, rad/s.
+    pub spin_first: f64,
+    /// ψ̇ at the end, rad/s.
+    pub spin_last: f64,
+    /// ∫ of the frictional term of ψ̈, rad/s.
     pub spin_frictional: f64,
-    /// When the axis first came near upright, s.
-    pub upright: Option<f64>,
 }

@@ -1,77 +1,81 @@
 //! Turns the facts of a run into sentences.
 
 use super::facts::Facts;
-use super::stages::{Stage, Total};
-use super::story::{Chapter, PrecessionReport, StageReport, Story};
-use crate::analysis::course::{CourseReport, Event};
-use crate::analysis::phrase::{duration, list, moment, quantity, significant};
+use super::stages::{Kind, Stage};
+use super::story::{Chapter, Story};
+use super::why;
+use crate::analysis::course::{CourseReport, Cycle, Event};
+use crate::analysis::phrase::{list, moment, pair, quantity, significant};
 use crate::physics::friction::Dissipation;
 use crate::physics::kinematics::Tilt;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, Simulation, StopReason};
+use crate::telemetry::fields::{CONTACT, MOMENTUM, NUTATION};
 use std::f64::consts::{PI, TAU};
 
-/// The number of stages that are told.
-const STAGES: usize = 6;
-/// The least change of the averaged θ that counts as one, rad.
-const STEADY: f64 = 1e-3;
-/// The greatest mean difference of φ̇ to the slow root, as a part of it, with which φ̇ keeps to the root.
-const NEAR: f64 = 0.05;
-/// The greatest mean difference of φ̇ to the slow root, as a part of it, that counts as none.
-const BALANCED: f64 = 1e-7;
 /// The duration for which the top is followed with the whole torque, as a multiple of the run's.
 const LONGER: f64 = 3.0;
-/// The greatest work, as a part of the energy, that counts as none.
-const NO_WORK: f64 = 1e-12;
-/// The greatest difference of two works, as a part of them, with which they count as equal.
-const SAME_WORK: f64 = 0.01;
 
 pub(super) fn tell(facts: &Facts) -> Story {
     let course = facts.course.report();
-    let stages: Vec<_> = facts.stages.in_stages(STAGES).iter().map(stage).collect();
-    let balance = balance(facts);
+    let precession = why::precession_report(facts);
+    // The rates of regular precession are those of a top whose peg is held.
+    let is_free = facts.scenario.model.support.is_free();
     let chapters = [
         beginning(&facts.scenario),
-        balance
+        axis(facts),
+        precession
             .as_ref()
-            .and_then(|balance| precession(facts, balance)),
-        motion(facts, &stages),
+            .and_then(|report| why::precession(facts, report)),
+        why::motion(facts).filter(|_| !is_free),
         energy(facts, &course),
         dropped(facts, &course),
         events(facts),
+        left_out(facts, precession.is_none()),
     ];
     Story {
         title: title(facts, &course),
         chapters: chapters.into_iter().flatten().collect(),
         course,
-        stages,
-        precession: balance,
+        stages: why::reports(facts),
+        precession,
         losses: facts.losses.clone(),
     }
 }
 
 fn title(facts: &Facts, course: &CourseReport) -> String {
     let name = facts.scenario.name();
-    let whole = facts.stages.whole();
-    let end = seconds(whole.to);
-    match (course.rise_time, course.stop_reason.as_deref()) {
-        (Some(time), _) => format!("{name}: the top rises in {}", moment(time)),
-        (None, Some(reason)) if reason == StopReason::Fallen.name() => {
-            let time = course.stop_time.unwrap_or(end);
-            format!("{name}: the top falls, at {}", moment(time))
+    let end = course.stop_time.unwrap_or(facts.last_time());
+    let mut verbs: Vec<String> = Vec::new();
+    for verb in facts.stages.iter().filter_map(|stage| stage.kind.verb()) {
+        if verbs.last().is_none_or(|last| last != verb) {
+            verbs.push(verb.to_owned());
         }
-        (None, _) if facts.is_cut => {
-            format!("{name}: what is there of the run, up to {}", moment(end))
-        }
-        (None, _) => format!("{name}: {} of a top's life", duration(end)),
     }
+    // A life of many turns is told below.
+    if verbs.len() > 6 {
+        verbs.drain(3..verbs.len() - 3);
+    }
+    let is_rise = verbs.len() == 1 && verbs[0] == "rises";
+    match course.rise_time {
+        Some(time) if is_rise => return format!("{name}: the top rises in {}", moment(time)),
+        _ => {}
+    }
+    let told = if verbs.is_empty() {
+        format!("{} of a top's life", moment(end))
+    } else {
+        format!("in {} the top {}", moment(end), list(&verbs))
+    };
+    if facts.is_cut {
+        return format!(
+            "{name}: what is there of the run, up to {}: {told}",
+            moment(facts.last_time())
+        );
+    }
+    format!("{name}: {told}")
 }
 
-fn seconds(time_ns: u64) -> f64 {
-    time_ns as f64 / 1e9
-}
-
-fn chapter(heading: &'static str, sentences: Vec<String>) -> Option<Chapter> {
+pub(super) fn chapter(heading: &'static str, sentences: Vec<String>) -> Option<Chapter> {
     let chapter = Chapter {
         heading,
         sentences,
@@ -112,231 +116,103 @@ fn beginning(scenario: &Scenario) -> Option<Chapter> {
     chapter("The top", sentences)
 }
 
-fn stage(stage: &Stage) -> StageReport {
-    let roots = stage.roots();
-    StageReport {
-        from: seconds(stage.from),
-        to: seconds(stage.to),
-        theta: stage.theta(),
-        theta_dot: stage.theta_dot(),
-        theta_dot_demanded: stage.cancelling(),
-        phi_dot: stage.phi_dot(),
-        slow_root: roots.map(|[slow, _]| slow),
-        excess: roots.map(|[_, excess]| excess),
-        psi_dot: stage.psi_dot(),
-        rising: stage.rising(),
+/// The chapter on what the axis did, stage by stage.
+fn axis(facts: &Facts) -> Option<Chapter> {
+    let mut stages: Vec<&Stage> = facts.stages.iter().collect();
+    stages.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let mut sentences: Vec<String> = stages.into_iter().filter_map(stage).collect();
+    if facts.pieces.path.is_empty() {
+        sentences.insert(0, no_nutation(facts)?);
     }
-}
-
-/// What changed the precession rate, in all.
-fn balance(facts: &Facts) -> Option<PrecessionReport> {
-    let stages = &facts.stages;
-    Some(PrecessionReport {
-        gyroscopic: stages.total(Total::PrecessionGyroscopic)?,
-        coriolis: stages.total(Total::PrecessionCoriolis)?,
-        frictional: stages.total(Total::PrecessionFrictional)?,
-        spin_frictional: stages.total(Total::SpinFrictional)?,
-        upright: stages.upright.map(seconds),
-    })
-}
-
-/// The chapter on what friction did to φ̇.
-fn precession(facts: &Facts, balance: &PrecessionReport) -> Option<Chapter> {
-    let whole = facts.stages.whole();
-    let &PrecessionReport {
-        gyroscopic,
-        coriolis,
-        frictional: friction,
-        spin_frictional: spin,
-        upright,
-    } = balance;
-    let mut sentences = Vec::new();
-    let span = match upright {
-        Some(time) => format!("until the axis came near upright, at {}", moment(time)),
-        None => format!(
-            "in {}",
-            duration(seconds(whole.to.saturating_sub(whole.from)))
-        ),
-    };
-    if friction == 0.0 {
-        sentences.push("There is no friction in the equation of the precession.".to_owned());
-    } else {
-        let verb = if friction > 0.0 {
-            "quickened"
-        } else {
-            "slowed"
-        };
-        sentences.push(format!(
-            "By itself, friction would have {verb} the precession by {} {span}: that is the integral of its term in φ̈. \
-             The other terms, above all the gyroscopic one, answered with {}, so that φ̇ changed by {} only. They can \
-             answer only while θ changes: pushed in the sense of its precession, a spinning top gives way at right \
-             angles.",
-            quantity(friction.abs(), 3, "rad/s"),
-            quantity(gyroscopic + coriolis, 4, "rad/s"),
-            quantity(friction + gyroscopic + coriolis, 3, "rad/s"),
-        ));
-    }
-    if spin != 0.0 {
-        sentences.push(format!(
-            "Friction's term in ψ̈ amounts to {}.",
-            quantity(spin, 3, "rad/s")
-        ));
-    }
-    chapter("What friction does to the precession", sentences)
-}
-
-/// The chapter on how φ̇ compared with the slow root, and what θ did.
-fn motion(facts: &Facts, stages: &[StageReport]) -> Option<Chapter> {
-    let mut sentences = roots(facts);
-    sentences.extend(course_of_theta(facts.scenario.rates.theta, stages));
-    if facts.stages.upright.is_none() {
-        sentences.extend(cancelling(&facts.stages.whole()));
-    }
+    let chapter = chapter("What the axis did", sentences)?;
     Some(Chapter {
-        heading: "Why the axis moves",
-        sentences,
-        table: Some((header(), stages.iter().map(row).collect())),
-        ..Chapter::default()
+        is_list: true,
+        ..chapter
     })
 }
 
-/// Tells what the averaged θ did.
-fn course_of_theta(start: f64, stages: &[StageReport]) -> Option<String> {
-    let (first, last) = (stages.first()?, stages.last()?);
-    let lowest = stages.iter().min_by(|x, y| x.theta.total_cmp(&y.theta))?;
-    let angle = |stage: &StageReport| quantity(stage.theta, 3, "rad");
-    let rate = |rate: f64| quantity(rate, 3, "rad/s");
-    let has_risen = first.theta - lowest.theta > STEADY;
-    if has_risen && last.theta - lowest.theta > STEADY {
-        return Some(format!(
-            "Averaged over nutations the axis first rose, from {} in the first part of the table to {} in that from {} on, \
-             and then sank again, to {} in the last.",
-            angle(first),
-            angle(lowest),
-            moment(lowest.from),
-            angle(last),
-        ));
-    }
-    if (last.theta - first.theta).abs() < STEADY {
-        let angle = quantity(first.theta, 4, "rad");
-        return Some(format!(
-            "The axis neither rose nor sank: averaged over nutations it stayed at θ = {angle}."
-        ));
-    }
-    let way = if has_risen { "rose" } else { "sank" };
-    let sign = |change: f64| if change < 0.0 { "negative" } else { "positive" };
-    let (begun, ended) = (first.theta_dot, last.theta_dot);
+/// Tells of a run that ends before a nutation does: a part of one has no mean.
+fn no_nutation(facts: &Facts) -> Option<String> {
+    let [(start, first), (end, last)] = facts.pieces.ends?;
+    let [least, greatest] = facts.pieces.range;
     Some(format!(
-        "Averaged over nutations the axis {way}, from {} in the first part of the table to {} in the last. θ̈ was {} on \
-         average at first, which brought θ̇ from {} to {}; then it was {} on average and θ̇ came to {}.",
-        angle(first),
-        angle(last),
-        sign(begun - start),
-        rate(start),
-        rate(begun),
-        sign(ended - begun),
-        rate(ended),
+        "From {} to {} the top completed no nutation, so there is no averaged motion: θ went from {} to {}, between {} \
+         and {}.",
+        moment(start),
+        moment(end),
+        significant(first, 4),
+        quantity(last, 4, "rad"),
+        significant(least, 4),
+        quantity(greatest, 4, "rad"),
     ))
 }
 
-/// Compares the θ̇ that friction demands with the θ̇ that there was.
-fn cancelling(whole: &Stage) -> Option<String> {
-    let demanded = whole.cancelling().filter(|rate| *rate != 0.0)?;
-    Some(format!(
-        "For the gyroscopic and Coriolis terms of φ̈ to cancel friction's, θ̇ has to be {} on average; it was {}.",
-        quantity(demanded, 4, "rad/s"),
-        quantity(whole.theta_dot(), 4, "rad/s"),
-    ))
-}
-
-/// Compares φ̇ with the rates of regular precession.
-fn roots(facts: &Facts) -> Vec<String> {
-    let whole = facts.stages.whole();
-    let (Some([slow, excess]), Some(fast)) = (whole.roots(), facts.stages.fast_root) else {
-        let why = if facts.stages.upright.is_some() {
-            "An upright top has no rates of regular precession."
-        } else {
-            "There was no real rate of regular precession: the top is too weak."
-        };
-        return vec![why.to_owned()];
-    };
-    let rule = if facts.stages.are_opposed {
-        "They lie on different sides of zero: between them θ̈ is positive and the axis sinks, outside of them it is \
-         negative and the axis rises."
+fn stage(stage: &Stage) -> Option<String> {
+    let Stage {
+        kind,
+        from,
+        to,
+        thetas,
+        least,
+        range,
+        is_mean,
+    } = *stage;
+    let span = format!("From {} to {}", moment(from), moment(to));
+    let averaged = if is_mean {
+        ", averaged over nutations,"
     } else {
-        "Between them θ̈ is negative and the axis rises; outside of them θ̈ is positive and it sinks."
+        ""
     };
-    let span = match facts.stages.upright {
-        Some(time_ns) => format!(
-            ", until the axis came near upright at {}",
-            moment(seconds(time_ns))
+    let [first, last] = pair(thetas);
+    Some(match kind {
+        Kind::Rises => {
+            format!("{span} the axis rose: θ{averaged} fell from {first} to {last} rad.")
+        }
+        Kind::Sinks => {
+            format!("{span} the axis sank: θ{averaged} grew from {first} to {last} rad.")
+        }
+        Kind::Falls => format!("{span} the top fell: θ grew from {first} to {last} rad."),
+        Kind::Stays => format!(
+            "{span} the axis neither rose nor sank: θ{averaged} stayed at {}, to {}.",
+            quantity(thetas[0], 6, "rad"),
+            quantity(range, 1, "rad"),
         ),
-        None => String::new(),
-    };
-    let mut sentences = vec![format!(
-        "At two rates a top precesses regularly, without nodding. The slow one was {} on average, the fast one at least \
-         {}{span}. {rule}",
-        quantity(slow, 4, "rad/s"),
-        quantity(fast, 3, "rad/s"),
-    )];
-    sentences.push(if excess.abs() > NEAR * slow.abs() {
-        let side = if excess > 0.0 { "above" } else { "below" };
-        let excess = quantity(excess.abs(), 3, "rad/s");
-        format!("On average φ̇ was {excess} {side} the slow rate.")
-    } else {
-        let how = if excess.abs() < BALANCED * slow.abs() {
-            "exactly".to_owned()
-        } else {
-            format!("to {}", quantity(excess.abs(), 2, "rad/s"))
-        };
-        format!(
-            "Averaged over nutations φ̇ kept to the slow rate, {how}: the axis moves as soon as φ̇ leaves it, and takes the \
-             slow rate along."
-        )
-    });
-    sentences.push(format!(
-        "At single instants the nodding hides this: φ̇ was above the slow rate for {} % of the time, and θ̈ negative for \
-         {} %.",
-        significant(100.0 * whole.above(), 3),
-        significant(100.0 * whole.rising(), 3),
-    ));
-    sentences
-}
-
-fn header() -> Vec<String> {
-    [
-        "time [s]",
-        "θ [rad]",
-        "θ̇ [rad/s]",
-        "θ̇ demanded",
-        "φ̇ [rad/s]",
-        "slow root",
-        "ψ̇ [rad/s]",
-    ]
-    .map(str::to_owned)
-    .to_vec()
-}
-
-fn row(stage: &StageReport) -> Vec<String> {
-    let known = |value: Option<f64>, digits| {
-        value.map_or("–".to_owned(), |value| significant(value, digits))
-    };
-    vec![
-        format!("{:.2} to {:.2}", stage.from, stage.to),
-        significant(stage.theta, 4),
-        significant(stage.theta_dot, 3),
-        known(stage.theta_dot_demanded, 3),
-        significant(stage.phi_dot, 5),
-        known(stage.slow_root, 5),
-        significant(stage.psi_dot, 5),
-    ]
+        Kind::Sleeps => format!(
+            "{span} the top slept: θ{averaged} stayed below 0.01 rad and was least, {}, at {}.",
+            quantity(least.0, 2, "rad"),
+            moment(least.1),
+        ),
+        Kind::Passes => format!(
+            "{span} the axis passed near upright: θ{averaged} came down to {}.",
+            quantity(least.0, 2, "rad"),
+        ),
+        Kind::Sticks => format!(
+            "{span} the contact point stuck, and the top turned as a whole, inclined by {}.",
+            quantity(thetas[0], 4, "rad"),
+        ),
+        Kind::Moment(kind) => {
+            let what = match kind {
+                EventKind::Risen => "had risen",
+                EventKind::Fallen => "had fallen",
+                EventKind::WeakTop => "had become too weak to stand upright by its spin",
+                EventKind::SlipStops => "stopped slipping",
+                EventKind::Rest => "came to rest",
+                _ => return None,
+            };
+            format!(
+                "At {} the top {what}, at θ = {}.",
+                moment(from),
+                quantity(thetas[0], 4, "rad")
+            )
+        }
+    })
 }
 
 fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
     let (first, last) = (course.energy_first?, course.energy_last?);
     let mut sentences = Vec::new();
     let change = last - first;
-    if facts.scenario.is_frictionless() || change == 0.0 {
+    if facts.scenario.is_frictionless() || change.abs() <= facts.floor(first) {
         sentences.push(format!(
             "The energy stayed at {}, to {}.",
             quantity(first, 6, "J"),
@@ -344,10 +220,11 @@ fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
         ));
     } else {
         let verb = if change < 0.0 { "fell" } else { "grew" };
+        let [begun, ended] = pair([first, last]);
         sentences.push(format!(
-            "The mechanical energy {verb} from {} to {}; what friction did accounts for all of it but {}.",
-            quantity(first, 4, "J"),
-            quantity(last, 4, "J"),
+            "The mechanical energy {verb} by {}, from {begun} to {ended} J; what friction did accounts for all of it but \
+             {}.",
+            quantity(change.abs(), 4, "J"),
             quantity(course.energy_imbalance?, 2, "J"),
         ));
         if let Some([nutation, precession, spin]) = course.friction_work_node {
@@ -363,12 +240,14 @@ fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
             ];
             let some = works
                 .into_iter()
-                .filter(|(work, _)| work.abs() > NO_WORK * first.abs());
+                .filter(|(work, _)| work.abs() > facts.floor(first));
             let some: Vec<String> = some.map(|(work, what)| told(work, what)).collect();
-            sentences.push(format!(
-                "About the axes of the node frame, friction {}.",
-                list(&some)
-            ));
+            if !some.is_empty() {
+                sentences.push(format!(
+                    "About the axes of the node frame, friction {}.",
+                    list(&some)
+                ));
+            }
         }
         if let Some(path) = course.slip_path {
             sentences.push(format!(
@@ -387,6 +266,8 @@ fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
 
 /// Tells what became of the angular momentum about the vertical.
 fn momentum(facts: &Facts, drift: f64) -> String {
+    // A relative change: of 1, as it were.
+    let floor = facts.floor(1.0).max(4.0 * f64::EPSILON);
     let friction = &facts.scenario.model.friction;
     let start = Tilt::from_rates(facts.scenario.angles.theta, facts.scenario.rates);
     if !drift.is_finite()
@@ -400,7 +281,7 @@ fn momentum(facts: &Facts, drift: f64) -> String {
     {
         return "There was no angular momentum about the vertical at first.".to_owned();
     }
-    if drift < 1e-6 {
+    if drift <= floor {
         return format!(
             "The angular momentum about the vertical stayed as it was, to {} of itself: no torque acts about the \
              vertical.",
@@ -438,10 +319,14 @@ fn dropped(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
         sentences.push("This model leaves out a part of the torque of friction.".to_owned());
     }
     // The work of other losses is not that of the force.
-    let of_force = facts.stages.total(Total::ContactWork);
+    let of_force = facts.pieces.totals.slip_work;
     let of_force = of_force.filter(|_| !facts.scenario.model.friction.has_losses());
-    if let (Some(force), Some(work)) = (of_force, course.friction_work) {
-        let is_same = (work - force).abs() <= SAME_WORK * force.abs();
+    let floor = facts.floor(course.energy_first.unwrap_or(0.0));
+    if let (Some(force), Some(work)) = (of_force, course.friction_work)
+        && force.abs().max(work.abs()) > floor
+    {
+        // The integrator sums both along the same motion.
+        let is_same = (work - force).abs() <= floor;
         if is_same {
             sentences.push(format!(
                 "What acts is still a torque of a force at the point of contact: its work, {}, is that of the force \
@@ -468,7 +353,7 @@ fn dropped(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
 
 /// How the top ends when nothing is left out, if that happens within a few times the duration of the run.
 fn with_all_parts(facts: &Facts) -> Option<String> {
-    let longest = LONGER * seconds(facts.stages.whole().to);
+    let longest = LONGER * facts.last_time();
     let planned = facts.scenario.stop.duration.unwrap_or(f64::INFINITY);
     let whole = facts.scenario.with([
         ("friction.dissipation", "full".into()),
@@ -495,6 +380,24 @@ fn with_all_parts(facts: &Facts) -> Option<String> {
     })
 }
 
+/// Whether an event of looping tells of a cusp: in its nutation φ̇ goes past zero by no more than the errors of the
+/// integrator.
+fn is_cusp(facts: &Facts, event: &Event) -> bool {
+    let is_looping = [EventKind::LoopingBegins, EventKind::LoopingEnds]
+        .iter()
+        .any(|kind| kind.name() == event.name);
+    let cycles = &facts.course.cycles;
+    let later = cycles.partition_point(|cycle| cycle.start <= event.time);
+    let range = later
+        .checked_sub(1)
+        .and_then(|index| cycles.get(index))
+        .and_then(Cycle::precession_range);
+    is_looping
+        && range.is_some_and(|[least, greatest]| {
+            least.abs().min(greatest.abs()) <= facts.floor(least.abs().max(greatest.abs()))
+        })
+}
+
 /// The chapter on the events: the first of each kind, and how many more there were.
 fn events(facts: &Facts) -> Option<Chapter> {
     let mut kinds: Vec<(&Event, u64, f64)> = Vec::new();
@@ -503,6 +406,7 @@ fn events(facts: &Facts) -> Option<Chapter> {
         .events
         .iter()
         .filter(|event| !EventKind::find(&event.name).is_some_and(EventKind::is_of_nutation))
+        .filter(|event| !is_cusp(facts, event))
     {
         match kinds
             .iter_mut()
@@ -518,9 +422,57 @@ fn events(facts: &Facts) -> Option<Chapter> {
             1 => format!(" Once more at {}.", moment(last)),
             _ => format!(" So {more} times more, until {}.", moment(last)),
         };
-        format!("{}  {}{again}", moment(event.time), event.description)
+        let description = if event.name == EventKind::Fallen.name() {
+            // The event's own words take it for granted that the spin has fallen.
+            format!(
+                "The top has fallen to {} rad, spinning at {}.",
+                significant(event.theta, 5),
+                quantity(event.rates[1], 4, "rad/s")
+            )
+        } else {
+            event.description.clone()
+        };
+        format!("{}  {description}{again}", moment(event.time))
     };
     let chapter = chapter("What happened", kinds.into_iter().map(told).collect())?;
+    Some(Chapter {
+        is_list: true,
+        ..chapter
+    })
+}
+
+/// What can't be told of this run, and why.
+fn left_out(facts: &Facts, lacks_precession: bool) -> Option<Chapter> {
+    let mut sentences = Vec::new();
+    let totals = &facts.pieces.totals;
+    if lacks_precession {
+        let why = if totals.first.is_none() {
+            "precession and spin could not be told apart from the start on".to_owned()
+        } else if facts.pieces.samples < 2 {
+            "there are fewer than two samples".to_owned()
+        } else {
+            "this recording of an older version doesn't hold the integrals of the terms, and samples are missing in \
+             between or not finite"
+                .to_owned()
+        };
+        sentences.push(format!("What friction does to the precession: {why}."));
+    }
+    if facts.scenario.model.support.is_free() {
+        sentences.push(
+            "Why the axis moves: the rates of regular precession are known for a held peg only."
+                .to_owned(),
+        );
+    }
+    for (topic, what) in [
+        (MOMENTUM, "How the angular momenta incline the axis"),
+        (NUTATION, "The averaged motion"),
+        (CONTACT, "The path that the contact point slipped"),
+    ] {
+        if !facts.topics.contains(&topic) {
+            sentences.push(format!("{what}: {topic} is not recorded."));
+        }
+    }
+    let chapter = chapter("What can't be told", sentences)?;
     Some(Chapter {
         is_list: true,
         ..chapter

@@ -20,6 +20,17 @@ impl<const N: usize> Dense<N> {
         std::array::from_fn(|i| self.component(i, s))
     }
 
+    /// The first `count` components of the state at `t0 + s h`, the same bits as those of [`Dense::at`]; 0 for the others.
+    #[must_use]
+    #[inline]
+    pub fn first_at(&self, count: usize, s: f64) -> [f64; N] {
+        let mut state = [0.0; N];
+        for (i, component) in state.iter_mut().enumerate().take(count) {
+            *component = self.component(i, s);
+        }
+        state
+    }
+
     /// Component `i` of the state at `t0 + s h`, with `s` in [0, 1]: cheaper than [`Dense::at`], and the
     /// same bits.
     ///

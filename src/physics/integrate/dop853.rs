@@ -310,10 +310,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     fn dense_error(&mut self, step: &Step<N>, dense: &Dense<N>) -> f64 {
         let (t, h) = (step.t + CHECKED_AT * step.h, step.h);
         let slope = dense.slope(CHECKED_AT);
-        let state = std::array::from_fn(|i| match i < S::CONTROLLED {
-            true => dense.component(i, CHECKED_AT),
-            false => step.y[i],
-        });
+        let state = dense.first_at(S::CONTROLLED, CHECKED_AT);
         let dy = self.system.derivative(t, &state);
         self.statistics.checks += 1;
         let mut squared = 0.0;

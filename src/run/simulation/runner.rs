@@ -184,7 +184,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// All zeros of the watched functions in a step, in the order of time.
     fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, Meaning, Slope)> {
-        let motions = KNOTS.map(|s| self.motion(dense, s));
+        let motions = KNOTS.map(|s| self.motion_alone(dense, s));
         let mut watches = std::mem::take(&mut self.watches);
         let mut found: Vec<Crossing> = Vec::new();
         let mut all = Vec::new();
@@ -199,7 +199,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             tracker.scan(
                 &KNOTS,
                 &values,
-                |s| self.value(*meaning, &self.motion(dense, s)),
+                |s| self.value(*meaning, &self.motion_alone(dense, s)),
                 &mut found,
             );
             all.extend(found.drain(..).map(|c| (c.s, *meaning, c.slope)));
@@ -341,6 +341,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             let limit = to_nanoseconds(duration);
             self.pending.retain(|record| record.time_ns() <= limit);
         }
+    }
+
+    /// The motion without the integrals over it, which are 0: what events are looked for in.
+    #[inline]
+    fn motion_alone(&self, dense: &Dense<N>, s: f64) -> Motion {
+        let state = dense.first_at(F::CONTROLLED, s);
+        self.integrator.system().motion(&state, self.reference)
     }
 
     #[inline]
