@@ -295,8 +295,10 @@ pub(super) fn not_covered(recording: &Recording, scenario: Option<&Scenario>) ->
         ));
     }
     let library = recording.library();
-    let written = library.strip_prefix(LIBRARY_PREFIX);
-    if written != Some(this) && written != simulated.map(String::as_str) {
+    let is_told = library
+        .strip_prefix(LIBRARY_PREFIX)
+        .is_some_and(|version| version == this || simulated.is_some_and(|told| told == version));
+    if !is_told {
         found.push(format!("that {library} wrote the file"));
     }
     let reason = recording.end().and_then(|end| end.get(STOP_REASON));
