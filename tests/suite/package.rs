@@ -5,8 +5,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Registries accept 10 MB, compressed; what people download is to be far below that.
-const LARGEST: u64 = 2_000_000;
+/// Bytes before compression. Registries accept 10 MB of compressed ones; the sources compress to a quarter, so that people
+/// download less than a megabyte.
+const LARGEST: u64 = 4_000_000;
 
 #[test]
 fn the_package_has_all_that_is_needed_and_is_small() {
