@@ -126,6 +126,11 @@ pub fn compare_observed<'a>(
     observer: &mut dyn Observer,
 ) -> Result<Report, DiffError> {
     let runs = [a.into(), b.into()];
+    for (run, name) in runs.into_iter().zip(["A", "B"]) {
+        if run.is_of_free_peg() {
+            return Err(DiffError::FreePeg { run: name });
+        }
+    }
     let plan = ComparisonPlan::new(runs, options)?;
     let findings = read_both(runs, &plan, &options.tolerances, observer)?;
     let floor = match findings.common_end() {

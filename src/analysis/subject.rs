@@ -51,6 +51,13 @@ impl Subject<'_> {
         }
     }
 
+    /// Whether it is a run of a top whose peg is free.
+    #[must_use]
+    pub fn is_of_free_peg(self) -> bool {
+        self.scenario()
+            .is_some_and(|scenario| scenario.model.support.is_free())
+    }
+
     /// The scenario, if there is one that this version can read.
     #[must_use]
     pub fn scenario(self) -> Option<Scenario> {
@@ -76,7 +83,7 @@ impl Subject<'_> {
     #[must_use]
     pub fn topics(self) -> Vec<Topic> {
         match self {
-            Self::Scenario(_) => Topic::all().collect(),
+            Self::Scenario(scenario) => Topic::all_with(scenario.model.support).collect(),
             Self::Recording(recording) => recording.topics(),
         }
     }
@@ -85,7 +92,9 @@ impl Subject<'_> {
     #[must_use]
     pub fn has_topic(self, topic: Topic) -> bool {
         match self {
-            Self::Scenario(_) => true,
+            Self::Scenario(scenario) => {
+                Topic::all_with(scenario.model.support).any(|own| own == topic)
+            }
             Self::Recording(recording) => recording.has(topic),
         }
     }

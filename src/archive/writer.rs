@@ -530,10 +530,18 @@ fn opening_of_run(
     telemetry: &Telemetry,
     form: Form,
 ) -> (Opening, Option<Views>) {
-    let wants = |topic| telemetry.wants(topic);
+    let support = scenario.model.support;
+    let topics: Vec<_> = Topic::all_with(support)
+        .filter(|topic| telemetry.wants(*topic))
+        .collect();
+    let wants = |topic| topics.contains(&topic);
     let views = form.views.then(|| Views::new(scenario, wants));
     let mut run = run_entries(scenario);
-    run.extend(form_entries(form.encoding, form.views, telemetry.topics()));
+    run.extend(form_entries(
+        form.encoding,
+        form.views,
+        &telemetry.topics(support),
+    ));
     let opening = Opening {
         library: LIBRARY,
         metadata: vec![(RUN_RECORD.to_owned(), run)],

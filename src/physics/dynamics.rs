@@ -35,6 +35,6 @@ pub use formulation::{Entry, Formulation, Guard, Passage};
 pub use free::FreeRotation;
 pub use impact::Impact;
 pub use integrals::{INTEGRALS, Integrals, TERMS_SINE, TermIntegrals};
-pub use model::{Model, Torques};
+pub use model::Model;
 pub use motion::{Dissipated, Motion, Peg, Start};
 pub use support::{Phase, Support};

@@ -210,6 +210,8 @@ impl Top {
     #[must_use]
     pub fn strength_ratio(&self, tilt: &Tilt) -> f64 {
         let a = self.axial_moment * tilt.axial_rate() / self.transverse_moment;
-        a.abs() / (4.0 * self.gravity_moment() / self.transverse_moment).sqrt()
+        // Of a tippe top: turned over, its centre of mass is above that of its sphere.
+        let moment = self.gravity_moment().abs();
+        a.abs() / (4.0 * moment / self.transverse_moment).sqrt()
     }
 }

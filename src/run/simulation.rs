@@ -5,17 +5,19 @@
 //! its steps.
 
 mod event;
+mod free;
 mod nutation;
 mod record;
 mod runner;
 mod sample;
 
 pub use event::{Event, EventKind, StopReason, UPRIGHT};
+pub use free::{FreeSample, Landing};
 pub use nutation::NutationCycle;
 pub use record::{Outcome, Record, SimulationError};
 pub use sample::{Frames, Sample};
 
-use crate::physics::dynamics::{BodyRotation, EulerAngles};
+use crate::physics::dynamics::{BodyRotation, EulerAngles, FreeRotation};
 use crate::run::scenario::{FormulationKind, Scenario};
 use runner::{RecordStream, Runner};
 
@@ -33,6 +35,9 @@ impl Simulation {
     pub fn new(scenario: &Scenario) -> Result<Self, SimulationError> {
         Ok(Self {
             run: match scenario.formulation {
+                _ if scenario.model.support.is_free() => {
+                    Box::new(Runner::<FreeRotation, _>::new(scenario)?)
+                }
                 FormulationKind::Euler => Box::new(Runner::<EulerAngles, _>::new(scenario)?),
                 FormulationKind::Body => Box::new(Runner::<BodyRotation, _>::new(scenario)?),
             },

@@ -1,7 +1,7 @@
 //! The channels as sinks and readers see them: the table without the functions that fill it.
 
 use super::quantity::Quantity;
-use super::table::{Channel, EVENTS, Field, NUTATION, SAMPLES, Source};
+use super::table::{Channel, EVENTS, Field, IMPACTS, NUTATION, SAMPLES, Source};
 use std::sync::OnceLock;
 
 /// A channel: a stream of messages with the same fields.
@@ -21,6 +21,8 @@ pub struct ChannelInfo {
     pub is_sampled: bool,
     /// Whether some samples have no message on this channel.
     pub is_optional: bool,
+    /// Whether only the recordings of tops with a free peg have it.
+    pub is_of_free_peg: bool,
 }
 
 /// One number or text of a message.
@@ -116,7 +118,11 @@ pub fn channels() -> &'static [ChannelInfo] {
     static CHANNELS: OnceLock<Vec<ChannelInfo>> = OnceLock::new();
     CHANNELS.get_or_init(|| {
         let samples = SAMPLES.iter().map(|channel| info(channel, true));
-        let others = [info(&NUTATION, false), info(&EVENTS, false)];
+        let others = [
+            info(&NUTATION, false),
+            info(&EVENTS, false),
+            info(&IMPACTS, false),
+        ];
         samples.chain(others).collect()
     })
 }
@@ -142,6 +148,7 @@ fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
         numbers,
         is_sampled,
         is_optional: channel.present.is_some(),
+        is_of_free_peg: channel.is_of_free_peg,
     }
 }
 

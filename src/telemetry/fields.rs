@@ -21,7 +21,10 @@
 
 use super::channel::Leaf;
 use super::message::{Message, Numbers};
-use super::table::{Channel, EVENTS as EVENT_TABLE, NUTATION as NUTATION_TABLE, SAMPLES, Source};
+use super::table::{
+    Channel, EVENTS as EVENT_TABLE, IMPACTS as IMPACT_TABLE, NUTATION as NUTATION_TABLE, SAMPLES,
+    Source,
+};
 use super::topic::Topic;
 use nalgebra::{Quaternion, Vector3};
 use std::fmt;
@@ -307,7 +310,7 @@ struct Found {
 /// The topic with this name.
 const fn topic(name: &str) -> Topic {
     let mut index = 0;
-    while index <= SAMPLES.len() + 1 {
+    while index <= SAMPLES.len() + 2 {
         let topic = Topic::at(index);
         if is_called(name, topic.name()) {
             return topic;
@@ -324,8 +327,10 @@ const fn find(topic: Topic, handle: &str) -> Found {
         find_in(&SAMPLES[index], handle)
     } else if index == SAMPLES.len() {
         find_in(&NUTATION_TABLE, handle)
-    } else {
+    } else if index == SAMPLES.len() + 1 {
         find_in(&EVENT_TABLE, handle)
+    } else {
+        find_in(&IMPACT_TABLE, handle)
     };
     match found {
         Some(found) => found,
@@ -482,6 +487,17 @@ handles!(PRECESSION, precession = "/top/precession" {
     number -> NumberField: SLOW_ROOT FAST_ROOT EXCESS STRENGTH_RATIO;
 });
 
+handles!(CENTER_OF_MASS, center_of_mass = "/top/center_of_mass" {
+    vector -> VectorField: POSITION VELOCITY ACCELERATION ANGULAR_MOMENTUM;
+});
+
+handles!(FREE_PEG, free_peg = "/top/free_peg" {
+    number -> NumberField:
+        GAP JELLETT ROUTH TRANSLATIONAL LOST_SLIDING LOST_LOSSES LOST_RESTITUTION LOST_IMPACT_FRICTION
+        DRIVEN_THETA_DDOT DRIVEN_PHI_DDOT DRIVEN_PSI_DDOT;
+    vector -> VectorField: VELOCITY;
+});
+
 handles!(NUTATION, nutation = "/top/nutation" {
     number -> NumberField:
         CYCLE START PERIOD THETA_MIN THETA_MAX THETA_MEAN THETA_DOT_MEAN PHI_DOT_MEAN PSI_DOT_MEAN
@@ -491,6 +507,11 @@ handles!(NUTATION, nutation = "/top/nutation" {
 handles!(EVENTS, events = "/events" {
     text -> TextField: NAME DESCRIPTION;
     number -> NumberField: TIME PHI THETA PSI PHI_DOT THETA_DOT PSI_DOT;
+});
+
+handles!(IMPACTS, impacts = "/top/impact" {
+    number -> NumberField: TIME BOUNCE STAYS RESTITUTION LOST_RESTITUTION LOST_FRICTION;
+    vector -> VectorField: POINT IMPULSE BEFORE AFTER;
 });
 
 #[cfg(test)]
@@ -510,8 +531,11 @@ mod tests {
             (ENERGY, energy::places()),
             (MOMENTUM, momentum::places()),
             (PRECESSION, precession::places()),
+            (CENTER_OF_MASS, center_of_mass::places()),
+            (FREE_PEG, free_peg::places()),
             (NUTATION, nutation::places()),
             (EVENTS, events::places()),
+            (IMPACTS, impacts::places()),
         ];
         assert_eq!(all.len(), channels().len());
         for ((index, info), (topic, mut places)) in channels().iter().enumerate().zip(all) {

@@ -2,8 +2,9 @@
 
 use super::channel::channels;
 use super::message::Message;
-use super::table::{Channel, EVENTS, NUTATION, SAMPLES, Source};
+use super::table::{Channel, EVENTS, IMPACTS, NUTATION, SAMPLES, Source};
 use super::topic::{Topic, Topics};
+use crate::physics::dynamics::Support;
 use crate::run::simulation::Record;
 use thiserror::Error;
 
@@ -27,7 +28,6 @@ pub enum TelemetryError {
 /// Turns the records of a run into messages.
 #[derive(Debug)]
 pub struct Telemetry {
-    topics: Topics,
     wanted: Vec<bool>,
     numbers: Vec<f64>,
     texts: Vec<String>,
@@ -37,7 +37,6 @@ impl Default for Telemetry {
     /// Makes messages of all topics.
     fn default() -> Self {
         Self {
-            topics: Topics::All,
             wanted: vec![true; channels().len()],
             numbers: Vec::new(),
             texts: Vec::new(),
@@ -50,21 +49,23 @@ impl Telemetry {
     #[must_use]
     pub fn with_topics(topics: &Topics) -> Self {
         let wanted: Vec<_> = Topic::all().map(|topic| topics.include(&topic)).collect();
-        let chosen = Topic::all().filter(|topic| wanted[topic.index()]).collect();
         Self {
-            topics: match wanted.iter().all(|is_wanted| *is_wanted) {
-                true => Topics::All,
-                false => Topics::Only(chosen),
-            },
             wanted,
             ..Self::default()
         }
     }
 
-    /// The topics whose messages are made, in table order.
+    /// The topics of which a run with this support has messages, in table order.
     #[must_use]
-    pub fn topics(&self) -> &Topics {
-        &self.topics
+    pub fn topics(&self, support: Support) -> Topics {
+        if Topic::all_with(support).all(|topic| self.wants(topic)) {
+            return Topics::All;
+        }
+        Topics::Only(
+            Topic::all_with(support)
+                .filter(|topic| self.wants(*topic))
+                .collect(),
+        )
     }
 
     /// Whether messages of this topic are made.
@@ -97,6 +98,10 @@ impl Telemetry {
             Record::Event(event) => {
                 let at = (SAMPLES.len() + 1, event.index, event.time_ns);
                 self.message(&EVENTS, at, event.as_ref(), &mut emit)
+            }
+            Record::Impact(landing) => {
+                let at = (SAMPLES.len() + 2, landing.index, landing.time_ns);
+                self.message(&IMPACTS, at, landing.as_ref(), &mut emit)
             }
         }
     }

@@ -27,6 +27,12 @@ pub enum Quantity {
     Power,
     /// An angular momentum.
     Momentum,
+    /// An acceleration along a line.
+    LinearAcceleration,
+    /// An impulse.
+    Impulse,
+    /// Jellett's integral: an angular momentum times a length.
+    Jellett,
     /// A rate that the motion is compared with, as that of regular precession.
     ReferenceRate,
     /// A time.
@@ -54,6 +60,9 @@ impl Quantity {
             Self::Energy => "J",
             Self::Power => "W",
             Self::Momentum => "kg m²/s",
+            Self::LinearAcceleration => "m/s²",
+            Self::Impulse => "N s",
+            Self::Jellett => "kg m³/s",
             Self::Time => "s",
             Self::Direction | Self::Orientation | Self::Number | Self::Flag | Self::Text => "",
         }

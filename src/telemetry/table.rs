@@ -1,7 +1,7 @@
 //! The table of channels: the one place that says what is logged.
 
 use super::quantity::Quantity::{self, *};
-use crate::run::simulation::{Event, NutationCycle, Sample};
+use crate::run::simulation::{Event, FreeSample, Landing, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// The version of the telemetry: of what is recorded, and how it is computed. Whoever changes a channel, or what its
@@ -22,6 +22,8 @@ pub struct Channel<S: 'static> {
     pub schema: &'static str,
     /// What the channel carries.
     pub meaning: &'static str,
+    /// Whether only the recordings of tops with a free peg have it.
+    pub is_of_free_peg: bool,
     /// Tells whether a value makes a message; without it every value does.
     pub present: Option<fn(&S) -> bool>,
     /// Its fields.
@@ -140,6 +142,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/state", schema: "toprise.State",
         meaning: "Euler angles (z-x-z), their rates and accelerations",
+        is_of_free_peg: false,
         present: None,
         fields: &[
             with_derivative("phi_dot", number("phi", Angle, "precession angle φ, about the vertical, unwrapped", |s| s.angles.phi)),
@@ -148,14 +151,15 @@ pub const SAMPLES: &[Channel<Sample>] = &[
             with_derivative("phi_ddot", number("phi_dot", Rate, "precession rate φ̇", |s| s.tilt.rates.phi)),
             with_derivative("theta_ddot", number("theta_dot", Rate, "nutation rate θ̇", |s| s.tilt.rates.theta)),
             with_derivative("psi_ddot", number("psi_dot", Rate, "spin rate ψ̇", |s| s.tilt.rates.psi)),
-            number("phi_ddot", Acceleration, "precession acceleration φ̈", |s| s.accelerations.total().phi),
-            number("theta_ddot", Acceleration, "nutation acceleration θ̈", |s| s.accelerations.total().theta),
-            number("psi_ddot", Acceleration, "spin acceleration ψ̈", |s| s.accelerations.total().psi),
+            number("phi_ddot", Acceleration, "precession acceleration φ̈", |s| s.euler_accelerations.phi),
+            number("theta_ddot", Acceleration, "nutation acceleration θ̈", |s| s.euler_accelerations.theta),
+            number("psi_ddot", Acceleration, "spin acceleration ψ̈", |s| s.euler_accelerations.psi),
         ],
     },
     Channel {
         topic: "/top/pose", schema: "toprise.Pose",
         meaning: "orientation, symmetry axis, angular velocity and position",
+        is_of_free_peg: false,
         present: None,
         fields: &[
             Field { name: "orientation", quantity: Orientation, frame: "", plot: "orientation", derivative: None, since: 1,
@@ -170,6 +174,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/torque", schema: "toprise.Torque",
         meaning: "torques about the centre of the peg",
+        is_of_free_peg: false,
         present: None,
         fields: &[
             vector("gravity_body", Torque, BODY, "torque of gravity", |s| s.gravity_torque.body),
@@ -183,6 +188,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/acceleration", schema: "toprise.Acceleration",
         meaning: "the terms of the equations of motion: why the top rises at this instant, and what they have added up to",
+        is_of_free_peg: false,
         present: None,
         fields: &[
             together("theta_ddot", number("theta_ddot.gyroscopic", Acceleration, "−(I_z/I_x) φ̇ sin θ (ψ̇ + φ̇ cos θ)", |s| s.accelerations.gyroscopic.theta)),
@@ -204,6 +210,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/contact", schema: "toprise.Contact",
         meaning: "slip and forces at the point of contact",
+        is_of_free_peg: false,
         present: None,
         fields: &[
             vector("slip_body", Velocity, BODY, "slip velocity of the contact point over the table", |s| s.slip_body),
@@ -213,13 +220,14 @@ pub const SAMPLES: &[Channel<Sample>] = &[
             number("normal_force", Force, "normal force of the table", |s| s.contact.normal_force),
             vector("contact_point", Length, WORLD, "the point of contact", |s| s.contact_point),
             number("slip_path", Length, "length of the path slipped since the start", |s| s.integrals.slip_path),
-            number("regime", Flag, "1 slipping, 0 not slipping", |s| if s.contact.slip_speed > 0.0 { 1.0 } else { 0.0 }),
+            number("regime", Flag, "1 slipping, 0 not slipping", Sample::regime),
             since(2, number("slip_work", Energy, "work of the friction force along the path slipped since the start", |s| s.integrals.slip_work)),
         ],
     },
     Channel {
         topic: "/top/energy", schema: "toprise.Energy",
         meaning: "energies and what friction takes",
+        is_of_free_peg: false,
         present: None,
         fields: &[
             together("mechanical", number("kinetic", Energy, "kinetic energy", |s| s.kinetic_energy)),
@@ -233,6 +241,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/momentum", schema: "toprise.Momentum",
         meaning: "angular momentum about the centre of the peg",
+        is_of_free_peg: false,
         present: None,
         fields: &[
             together("components", number("vertical", Momentum, "about the vertical", |s| s.vertical_momentum)),
@@ -243,12 +252,45 @@ pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/precession", schema: "toprise.Precession",
         meaning: "regular precession at this inclination and spin rate; no message where its rates are not real",
+        is_of_free_peg: false,
         present: Some(|s| s.precession_roots.is_some()),
         fields: &[
             number("slow_root", ReferenceRate, "slow rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.slow)),
             number("fast_root", ReferenceRate, "fast rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.fast)),
             number("excess", ReferenceRate, "φ̇ less the slow rate", |s| s.precession_roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow)),
             number("strength_ratio", Number, "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.strength_ratio),
+        ],
+    },
+    Channel {
+        topic: "/top/center_of_mass", schema: "toprise.CenterOfMass",
+        meaning: "the centre of mass of a top with a free peg",
+        is_of_free_peg: true,
+        present: Some(|s| s.free.is_some()),
+        fields: &[
+            vector("position", Length, WORLD, "position", |s| of_free(s, |f| f.center)),
+            vector("velocity", Velocity, WORLD, "velocity", |s| of_free(s, |f| f.center_velocity)),
+            vector("acceleration", LinearAcceleration, WORLD, "acceleration", |s| of_free(s, |f| f.center_acceleration)),
+            vector("angular_momentum", Momentum, WORLD, "angular momentum about it", |s| of_free(s, |f| f.central_momentum)),
+        ],
+    },
+    Channel {
+        topic: "/top/free_peg", schema: "toprise.FreePeg",
+        meaning: "what a free peg does on the table and above it",
+        is_of_free_peg: true,
+        present: Some(|s| s.free.is_some()),
+        fields: &[
+            number("gap", Length, "height of the peg above the table", |s| number_of_free(s, |f| f.gap)),
+            vector("velocity", Velocity, WORLD, "velocity of the peg's centre", |s| of_free(s, |f| f.peg_velocity)),
+            number("jellett", Jellett, "Jellett's integral l L_n + R L_z′ about the centre of mass, which no force at the point of contact changes", |s| number_of_free(s, |f| f.jellett)),
+            number("routh", Momentum, "Routh's integral, constant while a peg rolls without losses", |s| number_of_free(s, |f| f.routh)),
+            number("translational", Energy, "kinetic energy of the centre of mass; the rest is that of the rotation about it", |s| number_of_free(s, |f| f.translational_energy)),
+            together("lost", number("lost.sliding", Energy, "energy that friction has taken along the path slipped since the start", |s| -s.integrals.slip_work)),
+            together("lost", number("lost.losses", Energy, "energy that rolling resistance, drilling and air have taken since the start", |s| number_of_free(s, |f| f.dissipated.losses))),
+            together("lost", number("lost.restitution", Energy, "energy lost by compression and restitution in impacts since the start", |s| number_of_free(s, |f| f.dissipated.impact_normal))),
+            together("lost", number("lost.impact_friction", Energy, "energy lost by friction in impacts since the start", |s| number_of_free(s, |f| f.dissipated.impact_friction))),
+            together("driven", number("driven.theta_ddot", Acceleration, "what the acceleration of the peg adds to the terms of θ̈", |s| number_of_free(s, |f| f.driven.theta))),
+            together("driven", number("driven.phi_ddot", Acceleration, "what the acceleration of the peg adds to the terms of φ̈", |s| number_of_free(s, |f| f.driven.phi))),
+            together("driven", number("driven.psi_ddot", Acceleration, "what the acceleration of the peg adds to the terms of ψ̈", |s| number_of_free(s, |f| f.driven.psi))),
         ],
     },
 ];
@@ -258,6 +300,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
 pub const NUTATION: Channel<NutationCycle> = Channel {
     topic: "/top/nutation", schema: "toprise.Nutation",
     meaning: "each nutation, from one maximum of θ̇ to the next: the averaged motion",
+    is_of_free_peg: false,
     present: None,
     fields: &[
         number("cycle", Number, "number of the cycle, from 0", |c| f64::from(c.index)),
@@ -284,6 +327,7 @@ pub const NUTATION: Channel<NutationCycle> = Channel {
 pub const EVENTS: Channel<Event> = Channel {
     topic: "/events", schema: "toprise.Event",
     meaning: "what happened, and the state at that moment",
+    is_of_free_peg: false,
     present: None,
     fields: &[
         text("name", "kind of event", |e| e.kind.name()),
@@ -297,3 +341,35 @@ pub const EVENTS: Channel<Event> = Channel {
         number("psi_dot", Rate, "spin rate ψ̇", |e| e.motion.tilt.rates.psi),
     ],
 };
+
+/// The channel with a message for each impact of a free peg.
+#[rustfmt::skip]
+pub const IMPACTS: Channel<Landing> = Channel {
+    topic: "/top/impact", schema: "toprise.Impact",
+    meaning: "each impact of a free peg on the table",
+    is_of_free_peg: true,
+    present: None,
+    fields: &[
+        number("time", Time, "when, more exactly than the timestamp", |i| i.time),
+        number("bounce", Number, "impacts since the peg left the table, or since the start, this one counted", |i| f64::from(i.bounce)),
+        number("stays", Number, "1 if the peg stays on the table, 0 if it bounces", |i| f64::from(u8::from(i.stays))),
+        vector("point", Length, WORLD, "the point of contact", |i| i.point),
+        vector("impulse", Impulse, WORLD, "impulse of the table", |i| i.impulse),
+        vector("before", Velocity, WORLD, "velocity of the contact point before: its horizontal part is the slip", |i| i.before),
+        vector("after", Velocity, WORLD, "velocity of the contact point after", |i| i.after),
+        number("restitution", Number, "coefficient of restitution that acted", |i| i.restitution),
+        together("lost", number("lost.restitution", Energy, "energy lost by compression and restitution", |i| i.normal_loss)),
+        together("lost", number("lost.friction", Energy, "energy lost by friction", |i| i.friction_loss)),
+    ],
+};
+
+/// A vector that only a free peg has.
+fn of_free(sample: &Sample, get: fn(&FreeSample) -> Vector3<f64>) -> Vector3<f64> {
+    let nothing = Vector3::repeat(f64::NAN);
+    sample.free.as_ref().map_or(nothing, get)
+}
+
+/// A number that only a free peg has.
+fn number_of_free(sample: &Sample, get: fn(&FreeSample) -> f64) -> f64 {
+    sample.free.as_ref().map_or(f64::NAN, get)
+}

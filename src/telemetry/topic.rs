@@ -1,7 +1,8 @@
 //! Topics: names of the table's channels.
 
 use super::channel::{ChannelInfo, channels};
-use super::table::{EVENTS, NUTATION, SAMPLES};
+use super::table::{EVENTS, IMPACTS, NUTATION, SAMPLES};
+use crate::physics::dynamics::Support;
 use std::fmt;
 use thiserror::Error;
 
@@ -36,11 +37,18 @@ impl Topic {
     #[must_use]
     pub const fn name(self) -> &'static str {
         const AFTER_SAMPLES: usize = SAMPLES.len();
+        const LAST_BUT_ONE: usize = AFTER_SAMPLES + 1;
         match self.0 {
             AFTER_SAMPLES => NUTATION.topic,
+            LAST_BUT_ONE => EVENTS.topic,
             index if index < AFTER_SAMPLES => SAMPLES[index].topic,
-            _ => EVENTS.topic,
+            _ => IMPACTS.topic,
         }
+    }
+
+    /// The topics that runs with this support have, in table order.
+    pub fn all_with(support: Support) -> impl Iterator<Item = Self> {
+        Self::all().filter(move |topic| support.is_free() || !topic.info().is_of_free_peg)
     }
 
     /// The channel.

@@ -1,6 +1,6 @@
 //! Tops whose peg is free: `val_*` compare with motions and impacts computed by others (`tests/data/free_peg.json`).
 
-use crate::support::{assert_near, scenario};
+use crate::support::{Run, assert_near, scenario};
 use nalgebra::Vector3;
 use serde_json::Value;
 use toprise::physics::dynamics::{
@@ -8,6 +8,8 @@ use toprise::physics::dynamics::{
 };
 use toprise::physics::friction::{Dissipation, Friction, FrictionLaw, Losses, Smoothing};
 use toprise::physics::kinematics::{Euler, lean_to_world};
+use toprise::run::scenario::Scenario;
+use toprise::run::simulation::{EventKind, Sample, StopReason};
 
 fn reference() -> Value {
     serde_json::from_str(include_str!("../data/free_peg.json")).unwrap()
@@ -113,5 +115,338 @@ fn val_impacts_are_those_computed_by_others() {
             assert_near(&format!("{command}: {key}"), actual, expected, 1e-12);
         }
         assert_eq!(hit.is_held, truth["sticks"].as_bool().unwrap(), "{command}");
+    }
+}
+
+/// The scenario of a reference run, up to a time that is a whole number of seconds.
+fn scenario_of(command: &str, end: f64) -> Scenario {
+    let mut keys: Vec<(&str, String)> = [
+        ("formulation", "body"),
+        ("support.kind", "free"),
+        ("friction.dissipation", "full"),
+        ("stop.on_stick", "continue"),
+        ("sampling.period", "1.0"),
+        ("integrator.relative_tolerance", "1e-13"),
+        ("integrator.absolute_tolerance", "1e-13"),
+        ("initial.center_x", "0.0"),
+        ("initial.center_y", "0.0"),
+    ]
+    .map(|(key, value)| (key, value.to_owned()))
+    .into();
+    let mut put = |key, value: f64| keys.push((key, format!("{value:?}")));
+    put("stop.duration", end);
+    let of = |key: &str, default: f64| number(command, key).unwrap_or(default);
+    let (mass, radius, l) = (of("M", 0.110), of("R", 0.007), of("l", 0.020));
+    let central = number(command, "I1_350").map_or(4.12e-5, |i| i / 350.0 * mass * radius * radius);
+    put("gravity", of("g", 9.81));
+    put("top.mass", mass);
+    put("top.peg_radius", radius);
+    put("top.center_distance", l);
+    put("top.transverse_moment", central + mass * l * l);
+    put("top.axial_moment", of("C", 7.25e-5));
+    let (theta, psi_dot) = (of("theta", 0.5), of("psidot", 170.0));
+    put("initial.theta", theta);
+    put("initial.phi_dot", of("phidot", 1.75));
+    put("initial.psi_dot", psi_dot);
+    put("support.restitution", of("e", 0.0));
+    match given(command, "law") {
+        Some("viscous") => {
+            put("friction.k", of("kv", 0.0));
+            put("friction.viscous_speed", 1.0);
+        }
+        Some("sqrt") => {
+            put("friction.k", of("mu", 0.0));
+            put("friction.smoothing_speed", of("veps", 0.0));
+        }
+        _ => put("friction.k", of("mu", 0.0)),
+    }
+    if let Some(height) = number(command, "gap") {
+        put("initial.height", height);
+    }
+    if let Some(arm) = number(command, "delta") {
+        put("rolling.arm", arm);
+    }
+    match given(command, "start") {
+        // At φ = 0 the contact point of a peg at rest slips along the line of nodes, x, with R ψ̇ sin θ.
+        Some("roll") => put("initial.peg_x_dot", -radius * psi_dot * libm::sin(theta)),
+        Some("vG") => {
+            put("initial.center_x_dot", 0.0);
+            put("initial.center_y_dot", 0.0);
+        }
+        _ => {}
+    }
+    let law = match given(command, "law") {
+        Some("viscous") => "viscous",
+        Some("sqrt") => "coulomb-sqrt",
+        _ => "coulomb",
+    };
+    keys.push(("friction.law", law.to_owned()));
+    let stops = given(command, "stop_theta").is_some();
+    for key in ["stop.theta_risen", "stop.theta_fallen"] {
+        if !stops || key == "stop.theta_fallen" {
+            keys.push((key, String::new()));
+        }
+    }
+    let keys: Vec<_> = keys
+        .iter()
+        .map(|(key, value)| (*key, value.as_str()))
+        .collect();
+    scenario("paper", &keys)
+}
+
+/// The bounds on errors are 1e-9 of what they are errors of, and 1e-7 after the first impact: rates are compared with the
+/// spin, velocities with 1 m/s, lengths with 1 m.
+fn compare(sample: &Sample, truth: &Value, model: &Model, has_hopped: bool) {
+    let part = if has_hopped { 1e-7 } else { 1e-9 };
+    let free = sample.free.unwrap();
+    let spin = digits(truth, "psidot").unwrap().abs().max(100.0);
+    let above_table = model.top.weight() * model.top.peg_radius;
+    let lost = free.dissipated;
+    for (key, actual, size) in [
+        ("theta", sample.angles.theta, 1.0),
+        ("thetadot", sample.tilt.rates.theta, spin),
+        (
+            "phidot",
+            sample.tilt.rates.phi,
+            spin / sample.tilt.sin.min(1.0),
+        ),
+        (
+            "psidot",
+            sample.tilt.rates.psi,
+            spin / sample.tilt.sin.min(1.0),
+        ),
+        ("xC", sample.peg_position.x, 1.0),
+        ("yC", sample.peg_position.y, 1.0),
+        ("vCx", free.peg_velocity.x, 1.0),
+        ("vCy", free.peg_velocity.y, 1.0),
+        ("slip_x", sample.slip_world.x, 1.0),
+        ("slip_y", sample.slip_world.y, 1.0),
+        (
+            "N_over_Mg",
+            sample.contact.normal_force / model.top.weight(),
+            100.0,
+        ),
+        ("E", sample.energy() + above_table, 1.0),
+        ("J", free.jellett, 1e-3),
+        ("Ln", free.central_momentum.dot(&sample.axis), 0.1),
+        ("Lzp", free.central_momentum.z, 0.1),
+        ("routh", free.routh, 0.1),
+        ("W_slide", -sample.integrals.slip_work, 1.0),
+        ("W_rolling", lost.losses, 1.0),
+        ("W_impact_normal", lost.impact_normal, 1.0),
+        ("W_impact_friction", lost.impact_friction, 1.0),
+        ("slide_path", sample.integrals.slip_path, 10.0),
+    ] {
+        if let Some(expected) = digits(truth, key) {
+            let what = format!("{key} at {} s", sample.time_ns as f64 / 1e9);
+            assert_near(&what, actual, expected, part * size);
+        }
+    }
+}
+
+/// Times in the order of the list.
+fn times(list: &Value) -> Vec<f64> {
+    let list = list.as_array().unwrap().iter();
+    list.map(|time| time.as_str().unwrap().parse().unwrap())
+        .collect()
+}
+
+fn compare_times(what: &str, found: &[f64], expected: &[f64], first_impact: f64) {
+    assert_eq!(found.len(), expected.len(), "{what}");
+    for (found, expected) in found.iter().zip(expected) {
+        let part = if *expected > first_impact { 1e-7 } else { 1e-9 };
+        assert_near(what, *found, *expected, part * expected.max(0.1));
+    }
+}
+
+/// Runs a scenario of the reference and compares everything that it tells of that run.
+fn validate(name: &str) {
+    let reference = reference();
+    let truth = &reference["runs"][name];
+    let is_over = truth["summary"]["stop"] == "risen";
+    let samples = truth["samples"].as_array().unwrap();
+    let end = if is_over { 60.0 } else { 25.0 };
+    let command = truth["command"].as_str().unwrap();
+    let scenario = scenario_of(command, end);
+    let run = Run::of(&scenario);
+    let first_impact = run.impacts.first().map_or(f64::INFINITY, |hit| hit.time);
+    if let Some(all) = truth.get("all_liftoffs_and_impacts") {
+        let liftoffs: Vec<_> = run.events_of(EventKind::LiftOff).map(|e| e.time).collect();
+        compare_times(
+            "lift-off",
+            &liftoffs,
+            &times(&all["liftoff_t"]),
+            first_impact,
+        );
+        let impacts: Vec<_> = run.impacts.iter().map(|hit| hit.time).collect();
+        compare_times("impact", &impacts, &times(&all["impact_t"]), first_impact);
+    } else {
+        assert_eq!(run.impacts.len(), 0);
+    }
+    let rolls: Vec<_> = run
+        .events_of(EventKind::RollBegins)
+        .map(|e| e.time)
+        .collect();
+    let events = truth["events"].as_array().unwrap().iter();
+    let expected: Vec<_> = events
+        .filter(|event| event["event"] == "slide_to_roll")
+        .map(|event| digits(event, "t").unwrap())
+        .collect();
+    if given(command, "start") != Some("roll") {
+        compare_times("roll", &rolls, &expected, first_impact);
+    }
+    let mut compared = 0;
+    for sample in samples {
+        let time = digits(sample, "t").unwrap();
+        if time > run.outcome.time || time != time.floor() {
+            continue;
+        }
+        compare(run.at(time), sample, &scenario.model, time > first_impact);
+        compared += 1;
+    }
+    assert!(compared >= 8, "{name}: only {compared} samples");
+    let first = run.samples.first().unwrap();
+    for sample in &run.samples {
+        let change = sample.energy() - first.energy();
+        assert_near(
+            "energy balance",
+            change,
+            sample.integrals.friction_work,
+            5e-13,
+        );
+        let jellett = [sample, first].map(|sample| sample.free.unwrap().jellett);
+        if scenario.model.friction.losses.is_none() {
+            assert_near("Jellett", jellett[0], jellett[1], 1e-15);
+        }
+    }
+}
+
+#[test]
+fn val_little_friction_ends_in_rolling() {
+    validate("coulomb mu=0.01 e=0");
+    validate("coulomb mu=0.0005 e=0");
+}
+
+#[test]
+fn val_the_papers_top_hops_fifty_times() {
+    validate("coulomb mu=0.03 e=0");
+    validate("coulomb-sqrt mu=0.03 v_eps=0.007 e=0");
+}
+
+#[test]
+fn val_much_friction_soon_rolls() {
+    validate("coulomb mu=0.05 e=0");
+    validate("coulomb mu=0.1 e=0");
+    validate("coulomb mu=0.3 e=0.5");
+}
+
+#[test]
+fn val_a_dropped_top_bounces() {
+    validate("drop 5 mm mu=0.1 e=0.5");
+}
+
+#[test]
+fn val_viscous_friction_lets_the_top_rise() {
+    validate("viscous k/v0=0.06 e=0");
+}
+
+#[test]
+fn val_tippe_tops_turn_over_or_hang() {
+    validate("tippe viscous 0.3 n0=80");
+    validate("tippe coulomb mu=0.3 n0=80");
+}
+
+#[test]
+fn val_rolling_tops() {
+    validate("rolling start mu=0.1 phidot=6 e=0");
+    let name = "rolling start mu=0.3 delta=2.1e-4 e=0";
+    validate(name);
+    let truth = &reference()["runs"][name];
+    let run = Run::of(&scenario_of(truth["command"].as_str().unwrap(), 60.0));
+    assert_eq!(run.outcome.stop, StopReason::Risen);
+    let risen = digits(&truth["events"][1], "t").unwrap();
+    assert_near("risen", run.outcome.time, risen, 1e-9 * risen);
+}
+
+#[test]
+fn what_a_support_does_not_allow_is_refused() {
+    let free = [("formulation", "body"), ("support.kind", "free")];
+    let refused = |changes: &[(&str, &str)]| {
+        let mut values = toprise::run::scenario::Preset::find("full-coulomb")
+            .unwrap()
+            .values()
+            .unwrap();
+        for (key, value) in changes {
+            values.set(key, value).unwrap();
+        }
+        Scenario::new(values).expect_err("accepted").to_string()
+    };
+    for (changes, told) in [
+        (
+            vec![("top.center_distance", "-0.005")],
+            "support.kind = \"free\"",
+        ),
+        (vec![("support.restitution", "0.5")], "support.kind"),
+        (
+            vec![("support.kind", "fixed"), ("initial.height", "0.1")],
+            "no meaning",
+        ),
+        (vec![("support.kind", "free")], "formulation"),
+        (
+            [
+                &free[..],
+                &[("friction.dissipation", "without-nutation-part")],
+            ]
+            .concat(),
+            "friction.dissipation",
+        ),
+        (
+            [
+                &free[..],
+                &[("initial.peg_x", "0"), ("initial.center_y", "0")],
+            ]
+            .concat(),
+            "initial.center_y is given too",
+        ),
+        (
+            [&free[..], &[("stop.duration", "")]].concat(),
+            "stop.duration",
+        ),
+        (
+            [&free[..], &[("top.center_distance", "-0.01")]].concat(),
+            "inside its sphere",
+        ),
+        (
+            [&free[..], &[("top.center_distance", "-0.005")]].concat(),
+            "turns over",
+        ),
+    ] {
+        let error = refused(&changes);
+        assert!(error.contains(told), "{changes:?}: {error}");
+    }
+}
+
+#[test]
+fn saying_that_the_peg_is_fixed_changes_nothing() {
+    let silent = scenario("paper", &[]);
+    let told = scenario("paper", &[("support.kind", "fixed")]);
+    assert_eq!(told, silent);
+    assert_eq!(told.digest(), silent.digest());
+}
+
+#[test]
+fn trains_of_bounces_end_whatever_the_restitution() {
+    for e in ["0.0", "0.3", "0.9", "0.99"] {
+        let run = Run::of(&scenario(
+            "drop",
+            &[("support.restitution", e), ("stop.duration", "0.5")],
+        ));
+        let mut last = 0.0;
+        for hit in &run.impacts {
+            assert!(hit.time > last, "{e}: {} after {last}", hit.time);
+            assert!(hit.normal_loss >= 0.0 && hit.friction_loss >= 0.0, "{e}");
+            last = hit.time;
+        }
+        assert!(!run.impacts.is_empty());
     }
 }

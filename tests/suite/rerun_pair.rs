@@ -15,7 +15,7 @@ use toprise::physics::math::log10;
 use toprise::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback, RerunSink};
 use toprise::run::scenario::Scenario;
 use toprise::telemetry::side::Side;
-use toprise::telemetry::{Message, Topic, channels};
+use toprise::telemetry::{ChannelInfo, Message, Topic, channels};
 
 const DURATION: (&str, &str) = ("stop.duration", "0.3");
 
@@ -54,7 +54,7 @@ static PAPER: LazyLock<Run> = LazyLock::new(|| Run::of("paper"));
 static FULL: LazyLock<Run> = LazyLock::new(|| Run::of("full-coulomb"));
 
 fn all_topics() -> Vec<Topic> {
-    Topic::all().collect()
+    Topic::all_with(toprise::physics::dynamics::Support::FixedPeg).collect()
 }
 
 /// The differences of the messages that both runs have.
@@ -222,7 +222,8 @@ fn a_pair_holds_both_runs_and_their_difference() {
     let content = Content::read(&path);
     assert_nothing_is_empty(&content);
     let rows = content.rows();
-    for channel in channels().iter().filter(|channel| channel.is_sampled) {
+    let is_compared = |channel: &&ChannelInfo| channel.is_sampled && !channel.is_of_free_peg;
+    for channel in channels().iter().filter(is_compared) {
         for leaf in &channel.numbers {
             let entity = format!("{}/{}", channel.topic, leaf.plot);
             let count = rows[&format!("/a{entity}")];

@@ -8,7 +8,7 @@ use toprise::archive::sink::{Sink, SinkError, record};
 use toprise::archive::writer::{Archived, Form, McapSink};
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{
-    Event, EventKind, NutationCycle, Outcome, Record, Sample, Simulation,
+    Event, EventKind, Landing, NutationCycle, Outcome, Record, Sample, Simulation,
 };
 use toprise::telemetry::{Telemetry, Topics};
 
@@ -26,6 +26,7 @@ pub struct Run {
     pub samples: Vec<Sample>,
     pub events: Vec<Event>,
     pub cycles: Vec<NutationCycle>,
+    pub impacts: Vec<Landing>,
     pub outcome: Outcome,
 }
 
@@ -33,17 +34,20 @@ impl Run {
     pub fn of(scenario: &Scenario) -> Self {
         let mut simulation = Simulation::new(scenario).unwrap();
         let (mut samples, mut events, mut cycles) = (Vec::new(), Vec::new(), Vec::new());
+        let mut impacts = Vec::new();
         for record in simulation.by_ref() {
             match record.unwrap() {
                 Record::Sample(sample) => samples.push(*sample),
                 Record::Event(event) => events.push(*event),
                 Record::Nutation(cycle) => cycles.push(*cycle),
+                Record::Impact(landing) => impacts.push(*landing),
             }
         }
         Self {
             samples,
             events,
             cycles,
+            impacts,
             outcome: simulation.outcome(),
         }
     }

@@ -194,10 +194,11 @@ fn conforms(message: &Value, schema: &Value) -> bool {
 
 #[test]
 fn json_messages_carry_every_bit_and_fit_their_schema() {
-    let sink = short_run(&[]);
+    let fixed = short_run(&[]);
+    let free = in_memory(&scenario("drop", &[("stop.duration", "0.2")])).0;
     let encoder = Encoder::new(Encoding::Json);
     let mut seen = vec![0; channels().len()];
-    for message in &sink.messages {
+    for message in fixed.messages.iter().chain(&free.messages) {
         let channel = &channels()[message.channel];
         let mut bytes = Vec::new();
         encoder.encode(&message.as_message(), &mut bytes);

@@ -30,6 +30,12 @@ pub enum ExplainError {
         /// The channel.
         missing: Topic,
     },
+    /// The peg is free.
+    #[error(
+        "the peg of this top is free (support.kind = \"free\"): explain only knows the story of a fixed peg yet; verify, \
+         info, figures and view take it"
+    )]
+    FreePeg,
     /// The run is empty.
     #[error("it has fewer than two samples")]
     Empty,
@@ -95,6 +101,9 @@ pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
             .scenario()
             .map_err(|error| ExplainError::NoScenario(error.to_string()))?,
     };
+    if scenario.model.support.is_free() {
+        return Err(ExplainError::FreePeg);
+    }
     let mut course = Course::default();
     let mut pieces = Pieces::new(scenario.model.top);
     let ended = subject.read(&Topics::All, &mut |message, _| {

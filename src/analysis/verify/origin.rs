@@ -8,6 +8,7 @@ use crate::archive::format::{
     scenario_attachment,
 };
 use crate::archive::recording::{Condition, FileChannel, NoScenario, Recording};
+use crate::physics::dynamics::Support;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
 use crate::telemetry::encoding::Encoding;
@@ -185,6 +186,13 @@ fn of_channels(recording: &Recording, scenario: Option<&Scenario>) -> Check {
         problems.unless(channel.table.is_some() || channel.is_view(), || {
             format!("{topic} is no channel of toprise")
         });
+        let is_own = match (scenario, channel.table) {
+            (Some(scenario), Some(table)) => {
+                scenario.model.support.is_free() || !table.info().is_of_free_peg
+            }
+            _ => true,
+        };
+        problems.unless(is_own, || format!("{topic} is a channel of free pegs"));
     }
     let encoding = recording.encoding();
     problems.unless(encoding.is_some() || recording.topics().is_empty(), || {
@@ -224,7 +232,8 @@ pub(super) fn without(recording: &Recording, scenario: Option<&Scenario>) -> Vec
     if recording.channels().is_empty() {
         return Vec::new();
     }
-    let topics = Topic::all().filter(|topic| !recording.has(*topic));
+    let support = scenario.map_or(Support::FixedPeg, |scenario| scenario.model.support);
+    let topics = Topic::all_with(support).filter(|topic| !recording.has(*topic));
     let mut without: Vec<_> = topics.map(|topic| topic.to_string()).collect();
     let has = |topic: &str| recording.channels().iter().any(|c| c.topic == topic);
     let named = recording.run().and_then(recorded_form);

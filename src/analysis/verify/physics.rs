@@ -16,8 +16,8 @@ use crate::physics::math;
 use crate::physics::top::Top;
 use crate::run::scenario::{FormulationKind, Scenario};
 use crate::telemetry::fields::{
-    NumberField, VectorField, acceleration, contact, energy, momentum, pose, precession, state,
-    torque,
+    NumberField, VectorField, acceleration, center_of_mass, contact, energy, free_peg, impacts,
+    momentum, pose, precession, state, torque,
 };
 use crate::telemetry::{Message, Numbers, Topic, channels};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -82,6 +82,12 @@ struct History {
     momentum: f64,
     /// Largest angular velocity so far, summed likewise, rad/s.
     rates: f64,
+    /// Jellett's integral when it was first recorded, kg m³/s.
+    jellett: f64,
+    /// Routh's integral where the peg last began to roll, kg m²/s; NaN where it doesn't.
+    routh: f64,
+    /// Angular momentum about the centre of mass and velocity of it where the last flight began; NaN on the table.
+    flight: (Vector3<f64>, Vector3<f64>),
 }
 
 impl Physics {
@@ -199,6 +205,9 @@ impl History {
             fastest: (top.gravity_moment().abs() / top.transverse_moment).sqrt(),
             momentum: 0.0,
             rates: 0.0,
+            jellett: f64::NAN,
+            routh: f64::NAN,
+            flight: (Vector3::repeat(f64::NAN), Vector3::repeat(f64::NAN)),
         };
         let momentum = top.angular_momentum_node(&tilt).norm();
         history.widen(&tilt.rates, tilt.omega_lean.norm(), momentum);
@@ -216,6 +225,8 @@ impl History {
         remember(&mut self.work, energy::FRICTION_WORK);
         remember(&mut self.vertical, momentum::VERTICAL);
         remember(&mut self.axial, momentum::AXIAL);
+        remember(&mut self.jellett, free_peg::JELLETT);
+        self.take_phase(now);
         let rates = Euler {
             phi: state::PHI_DOT.of(now),
             theta: state::THETA_DOT.of(now),
@@ -223,6 +234,24 @@ impl History {
         };
         let omega = pose::OMEGA_WORLD.of(now).norm();
         self.widen(&rates, omega, momentum::WORLD.of(now).norm());
+    }
+
+    /// Takes what stays as it is as long as a phase lasts. A phase that lasts from one instant to the next may be two,
+    /// of which only the table tells: then an impact lies between, which forgets it.
+    fn take_phase(&mut self, now: &Instant<'_>) {
+        let regime = contact::REGIME.of(now);
+        let has_landed = impacts::TIME.of(now).is_finite();
+        if regime != 0.0 || has_landed {
+            self.routh = f64::NAN;
+        } else if self.routh.is_nan() {
+            self.routh = free_peg::ROUTH.of(now);
+        }
+        if regime != 2.0 || has_landed {
+            self.flight = (Vector3::repeat(f64::NAN), Vector3::repeat(f64::NAN));
+        } else if self.flight.0.x.is_nan() {
+            let momentum = center_of_mass::ANGULAR_MOMENTUM.of(now);
+            self.flight = (momentum, center_of_mass::VELOCITY.of(now));
+        }
     }
 
     /// Takes the sizes of an instant. What is not a number, because it is not recorded, is left out by `f64::max`.
@@ -267,6 +296,15 @@ impl History {
         self.tolerances_used(now) * error
     }
 
+    /// The error of a force at the contact that the integrator may have made up to an instant, N: a force is made of the
+    /// weight and of centrifugal ones, which are quadratic in the rates.
+    fn force_error(&self, now: &Instant<'_>) -> f64 {
+        let arm = self.top.center_distance.abs() + self.top.peg_radius;
+        let size = self.top.weight() + self.top.mass * arm * self.rates * self.rates;
+        let relative = self.relative() + self.tolerances.absolute;
+        8.0 * self.tolerances_used(now) * relative * size
+    }
+
     /// The error of the energy that the integrator may have made up to an instant, J.
     ///
     /// Likewise: ∂T/∂n = (1/I_z − 1/I_x)(L·n) L is at most 3 |ω| |L|, and n moves by twice what the quaternion does; in
@@ -276,7 +314,7 @@ impl History {
             FormulationKind::Euler => self.momentum,
             FormulationKind::Body => self.rates,
         };
-        let size = 7.0 * self.momentum * self.rates + 4.0 * self.top.gravity_moment();
+        let size = 7.0 * self.momentum * self.rates + 4.0 * self.top.gravity_moment().abs();
         let absolute = self.tolerances.absolute;
         self.tolerances_used(now) * ((self.relative() + absolute) * size + absolute * unit)
     }
@@ -312,6 +350,9 @@ fn law(
 
 /// All laws that hold in a scenario.
 fn laws(scenario: &Scenario) -> Vec<Law> {
+    if scenario.model.support.is_free() {
+        return laws_of_free_peg(scenario);
+    }
     let friction = scenario.model.friction;
     let mut laws = vec![
         orientation(),
@@ -547,7 +588,7 @@ fn energies_and_momenta() -> Law {
 
 /// The slow root solves (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0. The rounding of cos θ is one of 1, not of itself.
 fn regular_precession(scenario: &Scenario) -> Law {
-    let top = scenario.model.top;
+    let top = scenario.model.nutating_top();
     law("regular precession", "of the terms", move |now, _| {
         let root = precession::SLOW_ROOT.of(now);
         let cos = math::cos(state::THETA.of(now));
@@ -584,5 +625,229 @@ fn energy_balance() -> Law {
         let allowed = 2.0 * history.energy_error(now);
         let work = energy::FRICTION_WORK.of(now) - history.work;
         ((change - work).abs(), allowed)
+    })
+}
+
+/// The laws that hold for a top whose peg is free.
+fn laws_of_free_peg(scenario: &Scenario) -> Vec<Law> {
+    let friction = scenario.model.friction;
+    let mut laws = vec![
+        orientation(),
+        slip_of_free_peg(scenario),
+        sum_of_torques(),
+        sum_of_driven_accelerations(),
+        energies_of_free_peg(),
+        regular_precession(scenario),
+        bound_of_free_force(scenario),
+        torque_of_friction(scenario),
+        energy_balance(),
+        losses_add_up(),
+        newton(scenario),
+        contact_of_free_peg(scenario),
+        impacts_lose(),
+    ];
+    let has_couples = friction.has_losses();
+    let has_air = friction
+        .losses
+        .is_some_and(|losses| losses.air != Air::default());
+    if !has_couples {
+        laws.push(jellett(scenario));
+        laws.push(routh(scenario));
+    }
+    if !has_air {
+        laws.push(free_flight());
+    }
+    laws
+}
+
+/// The contact point slips at v + ω × r with the velocity v of the peg's centre and r = −R z′; not at all where it
+/// doesn't slip.
+fn slip_of_free_peg(scenario: &Scenario) -> Law {
+    let radius = scenario.model.top.peg_radius;
+    law("slip velocity", "m/s", move |now, _| {
+        let (omega, peg) = (pose::OMEGA_WORLD.of(now), free_peg::VELOCITY.of(now));
+        let slip = contact::SLIP_WORLD.of(now);
+        let expected = Vector3::new(peg.x - radius * omega.y, peg.y + radius * omega.x, 0.0);
+        let of_speed = (slip.norm() - contact::SLIP_SPEED.of(now)).abs();
+        let size = radius * omega.norm() + peg.norm();
+        (
+            (expected - slip).norm() + of_speed,
+            32.0 * EPS * turns(now) * size,
+        )
+    })
+}
+
+/// The accelerations are the sums of their terms and of what the acceleration of the peg adds, of which rounding is that
+/// of the largest term.
+fn sum_of_driven_accelerations() -> Law {
+    use acceleration::*;
+    law("sum of accelerations", "of the terms", |now, _| {
+        let error = |total: NumberField, terms: &[NumberField]| {
+            let terms = terms.iter().map(|term| term.of(now));
+            let (sum, size) = terms.fold((0.0, 0.0), |(s, a), t| (s + t, a + t.abs()));
+            (sum - total.of(now)).abs() / f64::max(size + total.of(now).abs(), f64::MIN_POSITIVE)
+        };
+        let theta = [
+            THETA_DDOT_GYROSCOPIC,
+            THETA_DDOT_CENTRIFUGAL,
+            THETA_DDOT_GRAVITATIONAL,
+            THETA_DDOT_FRICTIONAL,
+            free_peg::DRIVEN_THETA_DDOT,
+        ];
+        let phi = [
+            PHI_DDOT_GYROSCOPIC,
+            PHI_DDOT_CORIOLIS,
+            PHI_DDOT_FRICTIONAL,
+            free_peg::DRIVEN_PHI_DDOT,
+        ];
+        let psi = [
+            PSI_DDOT_GYROSCOPIC,
+            PSI_DDOT_CORIOLIS,
+            PSI_DDOT_FRICTIONAL,
+            free_peg::DRIVEN_PSI_DDOT,
+        ];
+        let errors = error(state::THETA_DDOT, &theta)
+            + error(state::PHI_DDOT, &phi)
+            + error(state::PSI_DDOT, &psi);
+        (errors, 32.0 * EPS)
+    })
+}
+
+/// Kinetic and potential energy add up; the kinetic is that of the centre of mass and of the rotation about it.
+fn energies_of_free_peg() -> Law {
+    law("energies and momenta", "of their size", |now, _| {
+        let (kinetic, potential) = (energy::KINETIC.of(now), energy::POTENTIAL.of(now));
+        let translational = free_peg::TRANSLATIONAL.of(now);
+        let momentum = center_of_mass::ANGULAR_MOMENTUM.of(now);
+        let omega = pose::OMEGA_WORLD.of(now);
+        let of_size = |error: f64, size: f64| error.abs() / size.max(f64::MIN_POSITIVE);
+        let size = kinetic.abs() + potential.abs();
+        let sum = of_size(kinetic + potential - energy::TOTAL.of(now), size);
+        let rotational = 0.5 * momentum.dot(&omega);
+        let size = momentum.norm() * omega.norm() + translational;
+        let of_rates = of_size(kinetic - translational - rotational, size);
+        (sum + of_rates, 64.0 * EPS * turns(now))
+    })
+}
+
+/// The friction force is no larger than the law's, and doesn't push along the slip. Where rolling ends, the force is the
+/// largest there is, up to the error of the integrator; where it began, the slip is too slow to have a direction.
+fn bound_of_free_force(scenario: &Scenario) -> Law {
+    let friction_law = scenario.model.friction.law;
+    law("bound of the force", "N", move |now, history| {
+        let force = contact::FRICTION_FORCE.of(now);
+        let (slip, normal) = (contact::SLIP_WORLD.of(now), contact::NORMAL_FORCE.of(now));
+        let bound = friction_law.bound(contact::SLIP_SPEED.of(now), normal.abs());
+        // Not `f64::max`, which would make nothing of what is not recorded.
+        let positive = |error: f64| if error <= 0.0 { 0.0 } else { error };
+        let along = force.dot(&slip) / slip.norm().max(DEPARTING);
+        let along = if slip.norm() < DEPARTING { 0.0 } else { along };
+        let error = positive(force.norm() - bound) + positive(along);
+        (error, history.force_error(now) + 32.0 * EPS * bound)
+    })
+}
+
+/// What slips more slowly after it was at rest has no direction yet, m/s.
+const DEPARTING: f64 = 1e-9;
+
+/// The work of friction is what the sliding, the losses and the impacts took.
+fn losses_add_up() -> Law {
+    law("losses", "J", |now, history| {
+        let lost = free_peg::LOST_SLIDING.of(now)
+            + free_peg::LOST_LOSSES.of(now)
+            + free_peg::LOST_RESTITUTION.of(now)
+            + free_peg::LOST_IMPACT_FRICTION.of(now);
+        let work = energy::FRICTION_WORK.of(now);
+        // Each step and each impact rounds the sums once.
+        let roundings = 8.0 + history.tolerances_used(now);
+        ((work + lost).abs(), roundings * EPS * lost.abs())
+    })
+}
+
+/// The centre of mass accelerates by the forces of table and gravity.
+fn newton(scenario: &Scenario) -> Law {
+    let top = scenario.model.top;
+    law(
+        "acceleration of the centre of mass",
+        "m/s²",
+        move |now, _| {
+            let normal = contact::NORMAL_FORCE.of(now);
+            let force = contact::FRICTION_FORCE.of(now) + Vector3::new(0.0, 0.0, normal);
+            let expected = force / top.mass - Vector3::new(0.0, 0.0, top.gravity);
+            let error = center_of_mass::ACCELERATION.of(now) - expected;
+            let size = force.norm() / top.mass + top.gravity;
+            (error.norm(), 32.0 * EPS * turns(now) * size)
+        },
+    )
+}
+
+/// The table only pushes, where there is no gap; the peg is never below it.
+fn contact_of_free_peg(scenario: &Scenario) -> Law {
+    let radius = scenario.model.top.peg_radius;
+    law("contact with the table", "N", move |now, history| {
+        let (normal, gap) = (contact::NORMAL_FORCE.of(now), free_peg::GAP.of(now));
+        let pulls = if normal < 0.0 { -normal } else { 0.0 };
+        let below = if gap < 0.0 { -gap / radius } else { 0.0 };
+        let apart = if gap * normal == 0.0 {
+            0.0
+        } else {
+            normal.abs()
+        };
+        // A gap in flight is that of the dense output, which errs by what a state may.
+        let weight = history.top.weight();
+        let allowed = history.force_error(now);
+        (pulls + apart + below * weight, allowed)
+    })
+}
+
+/// No impact gives energy, and the table only pushes.
+fn impacts_lose() -> Law {
+    law("impacts lose energy", "J", |now, _| {
+        let normal = impacts::LOST_RESTITUTION.of(now);
+        let friction = impacts::LOST_FRICTION.of(now);
+        let gained = |lost: f64| if lost < 0.0 { -lost } else { 0.0 * lost };
+        let impulse = impacts::IMPULSE.of(now);
+        let pulls = if impulse.z < 0.0 { f64::INFINITY } else { 0.0 };
+        let size =
+            impulse.norm() * (impacts::BEFORE.of(now).norm() + impacts::AFTER.of(now).norm());
+        (gained(normal) + gained(friction) + pulls, 1e3 * EPS * size)
+    })
+}
+
+/// Jellett's integral stays what it was through sliding, rolling, flight and impacts.
+fn jellett(scenario: &Scenario) -> Law {
+    let top = scenario.model.top;
+    law("Jellett's integral", "kg m³/s", move |now, history| {
+        let error = (free_peg::JELLETT.of(now) - history.jellett).abs();
+        let lever = top.peg_radius + top.center_distance.abs();
+        (error, lever * history.momentum_error(now))
+    })
+}
+
+/// Routh's integral stays what it was as long as the peg rolls. It is at most so many times the angular momentum as the
+/// root of its moments is larger than the axial one.
+fn routh(scenario: &Scenario) -> Law {
+    let top = scenario.model.top;
+    let lever = top.peg_radius + top.center_distance.abs();
+    let whole = top.central_moment() + top.axial_moment + top.mass * lever * lever;
+    let factor = whole / top.axial_moment;
+    law(
+        "Routh's integral while rolling",
+        "kg m²/s",
+        move |now, history| {
+            let error = (free_peg::ROUTH.of(now) - history.routh).abs();
+            (error, 2.0 * factor * history.momentum_error(now))
+        },
+    )
+}
+
+/// In flight nothing changes the angular momentum about the centre of mass, nor its horizontal velocity.
+fn free_flight() -> Law {
+    law("free flight", "kg m²/s", |now, history| {
+        let (momentum, velocity) = &history.flight;
+        let turned = (center_of_mass::ANGULAR_MOMENTUM.of(now) - momentum).norm();
+        let pushed = center_of_mass::VELOCITY.of(now) - velocity;
+        let pushed = history.top.mass * pushed.xy().norm() * history.top.peg_radius;
+        (turned + pushed, history.momentum_error(now))
     })
 }

@@ -60,7 +60,7 @@ pub(super) fn identity(
     telemetry: &Telemetry,
 ) -> Identity {
     let stem = mcap.file_stem().unwrap_or_default();
-    let topics = Topic::all().filter(|topic| telemetry.wants(*topic));
+    let topics = Topic::all_with(scenario.model.support).filter(|topic| telemetry.wants(*topic));
     let playback = if arguments.realtime.is_some() {
         Playback::Following
     } else {

@@ -43,7 +43,7 @@ impl Accelerations {
 
 /// The terms of inertia in the Euler accelerations of a top; none upright.
 #[inline(always)]
-pub(super) fn inertial_terms(top: &Top, tilt: &Tilt) -> Accelerations {
+fn inertial_terms(top: &Top, tilt: &Tilt) -> Accelerations {
     if tilt.is_upright() {
         return Accelerations::default();
     }
@@ -80,16 +80,12 @@ pub(super) fn inertial_terms_with_gravity(top: &Top, tilt: &Tilt) -> Acceleratio
     terms
 }
 
-/// The terms of inertia and friction in the Euler accelerations of a top whose moments of inertia are about its centre of
-/// mass, with the torque of friction about it (node frame, N m).
+/// The terms of inertia in the Euler accelerations of a top, and those of a torque (node frame, N m) about the same point
+/// as its moments of inertia.
 #[inline(always)]
-pub(super) fn accelerations_about(
-    central: &Top,
-    friction: &Vector3<f64>,
-    tilt: &Tilt,
-) -> Accelerations {
+pub(super) fn accelerations_about(top: &Top, torque: &Vector3<f64>, tilt: &Tilt) -> Accelerations {
     Accelerations {
-        frictional: central.euler_accelerations(friction, tilt),
-        ..inertial_terms(central, tilt)
+        frictional: top.euler_accelerations(torque, tilt),
+        ..inertial_terms(top, tilt)
     }
 }

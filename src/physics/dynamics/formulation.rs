@@ -36,6 +36,10 @@ pub enum Passage {
     Holds,
     /// The contact point slips again.
     SlipResumes,
+    /// The peg of a free top begins to roll.
+    Rolls,
+    /// The peg of a free top no longer rolls, but slides.
+    RollEnds,
     /// The peg leaves the table.
     LiftsOff,
     /// The peg hits the table and bounces.
@@ -70,6 +74,10 @@ pub struct Entry<F, const N: usize> {
 /// A choice of variables for the equations of motion, with `N` numbers as state, of which the last
 /// [`INTEGRALS`](super::INTEGRALS) are the running integrals.
 pub trait Formulation<const N: usize>: System<N> + Copy {
+    /// The part of the tolerances by which a step may err. The nutation of a top with a free peg grows by itself, and
+    /// errors with it.
+    const ERROR_SHARE: f64 = 1.0;
+
     /// The equations, the state and what happens where the motion starts. Only if `may_hold` friction can hold the peg of
     /// a top that turns as a whole from the start.
     fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Passage>);

@@ -18,7 +18,6 @@ use super::support::{Phase, Support};
 use crate::physics::integrate::{IntegrateError, System};
 use crate::physics::kinematics::{Euler, Tilt, euler_angles, lean_to_world, world_from_body};
 use crate::physics::math::{atan2, hypot};
-use crate::physics::top::Top;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 /// A peg whose mobility (see [`Guard::Mobility`]) has fallen to this jams. The table's force has then grown to a million
@@ -46,7 +45,6 @@ pub struct FreeRotation {
     /// The direction, in the lean frame, in which a contact point begins to slip that was at rest.
     departure: Option<Vector3<f64>>,
     inertia: Inertia,
-    central: Top,
     sliding_guards: &'static [Guard],
 }
 
@@ -121,17 +119,18 @@ impl FreeRotation {
     /// What the running integrals grow by per second, where the losses have this power, W.
     #[inline(always)]
     fn integrands(&self, parts: &Parts, reaction: &Reaction, losses: f64) -> Integrals {
-        let Parts {
-            lean, tilt, arm, ..
-        } = parts;
+        let Parts { lean, tilt, .. } = parts;
+        let top = &self.model.top;
         let (mut slip_path, mut slip_work) = (0.0, 0.0);
         if self.phase == Phase::Sliding {
             let slip = parts.contact_velocity();
             slip_path = hypot(slip.x, slip.y);
             slip_work = reaction.friction.force.dot(&slip);
         }
+        // About the peg's centre, as for a fixed peg.
+        let to_contact = Vector3::new(0.0, 0.0, -top.peg_radius);
         let friction =
-            arm.cross(&reaction.friction.force) + reaction.friction.couple + reaction.air;
+            to_contact.cross(&reaction.friction.force) + reaction.friction.couple + reaction.air;
         let torque = tilt.lean_to_node(&friction);
         Integrals {
             friction_work: slip_work + losses,
@@ -139,7 +138,7 @@ impl FreeRotation {
             theta: atan2(lean.sin, lean.cos),
             work_node: torque.component_mul(&tilt.omega_node()),
             slip_work,
-            terms: TermIntegrals::of(&accelerations_about(&self.central, &torque, tilt), tilt),
+            terms: TermIntegrals::of(&accelerations_about(top, &torque, tilt), tilt),
         }
     }
 
@@ -342,6 +341,8 @@ impl System<SIZE> for FreeRotation {
 }
 
 impl Formulation<SIZE> for FreeRotation {
+    const ERROR_SHARE: f64 = 0.1;
+
     fn start(model: &Model, start: &Start, _may_hold: bool) -> (Self, State, Option<Passage>) {
         let Start {
             angles,
@@ -369,7 +370,6 @@ impl Formulation<SIZE> for FreeRotation {
             phase: Phase::Flying,
             departure: None,
             inertia: Inertia::of(top),
-            central,
             sliding_guards: sliding_guards(model),
         };
         if peg_position.z > top.peg_radius || peg_velocity.z != 0.0 {
@@ -378,7 +378,7 @@ impl Formulation<SIZE> for FreeRotation {
         let slip = flying.parts(&state).contact_velocity();
         let at_rest = hypot(slip.x, slip.y) <= NO_SLIP;
         let formulation = flying.on_table(&state, at_rest);
-        let passage = (formulation.phase == Phase::Holding).then_some(Passage::Holds);
+        let passage = (formulation.phase == Phase::Holding).then_some(Passage::Rolls);
         (formulation, state, passage)
     }
 
@@ -472,7 +472,7 @@ impl Formulation<SIZE> for FreeRotation {
                 (state, delay) = self.rested(y);
                 let next = self.on_table(&state, true);
                 let passage = match next.phase {
-                    Phase::Holding => Passage::Holds,
+                    Phase::Holding => Passage::Rolls,
                     Phase::Sliding => Passage::SlipStops,
                     Phase::Flying => Passage::LiftsOff,
                 };
@@ -482,7 +482,7 @@ impl Formulation<SIZE> for FreeRotation {
                 let next = self.departing(&state);
                 let passage = match next.phase {
                     Phase::Flying => Passage::LiftsOff,
-                    Phase::Sliding | Phase::Holding => Passage::SlipResumes,
+                    Phase::Sliding | Phase::Holding => Passage::RollEnds,
                 };
                 (next, passage)
             }

@@ -9,9 +9,9 @@ use super::accelerations::{Accelerations, accelerations_about, inertial_terms_wi
 use super::integrals::{Integrals, TermIntegrals};
 use super::motion::Motion;
 use super::reaction::{FreeBody, Inertia};
-use super::support::Support;
+use super::support::{Phase, Support};
 use crate::physics::friction::{Contact, Friction, Grip};
-use crate::physics::kinematics::Tilt;
+use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
 use nalgebra::Vector3;
 
@@ -26,18 +26,6 @@ pub struct Model {
     pub support: Support,
 }
 
-/// The torques on a top in the lean frame, N m, about the point to which its support refers them: the centre of the peg
-/// if that is fixed, the centre of mass if it is free.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Torques {
-    /// Of gravity.
-    pub gravity: Vector3<f64>,
-    /// Of the normal force.
-    pub normal: Vector3<f64>,
-    /// Of friction, the losses with it.
-    pub friction: Vector3<f64>,
-}
-
 impl Model {
     /// The contact in a motion.
     #[must_use]
@@ -45,7 +33,10 @@ impl Model {
         if !self.support.is_free() {
             return self.contact(&motion.tilt);
         }
-        let slip = motion.slip_velocity(&self.top);
+        let slip = match motion.phase {
+            Phase::Holding => Vector3::zeros(),
+            Phase::Sliding | Phase::Flying => motion.slip_velocity(&self.top),
+        };
         let body = self.free_body(motion);
         let reaction = body.reaction(motion.phase, &motion.law_slip(&slip));
         let losses = reaction.friction.couple + reaction.air;
@@ -63,40 +54,83 @@ impl Model {
         FreeBody::new(&self.top, &self.friction, &inertia, motion.tilt)
     }
 
-    /// The torques in a motion with this contact.
+    /// The Euler accelerations in a motion with this contact, rad/s².
+    ///
+    /// The terms of [`Model::accelerations`] are those of a top whose peg's centre stays in place. A free peg adds the
+    /// torque of its own acceleration; the whole is computed about the centre of mass, where there is none.
     #[must_use]
-    pub fn torques(&self, contact: &Contact, motion: &Motion) -> Torques {
+    pub fn euler_accelerations(&self, contact: &Contact, motion: &Motion) -> Euler {
+        let tilt = &motion.tilt;
         if !self.support.is_free() {
-            return Torques {
-                gravity: self.top.gravity_torque(&motion.tilt),
-                normal: Vector3::zeros(),
-                friction: self.friction_torque(contact, &motion.tilt),
-            };
+            return self.accelerations(contact, tilt).total();
         }
-        let arm = self.free_body(motion).arm;
-        Torques {
-            gravity: Vector3::zeros(),
-            normal: arm.cross(&Vector3::new(0.0, 0.0, contact.normal_force)),
-            friction: arm.cross(&contact.force) + contact.losses.unwrap_or_default(),
+        let central = self.top.about_center();
+        let force = contact.force + Vector3::new(0.0, 0.0, contact.normal_force);
+        let losses = contact.losses.unwrap_or_default();
+        let torque = self.free_body(motion).arm.cross(&force) + losses;
+        accelerations_about(&central, &tilt.lean_to_node(&torque), tilt).total()
+    }
+
+    /// Angular momentum about the centre of the peg in the node frame, kg m²/s.
+    #[must_use]
+    pub fn momentum_node(&self, motion: &Motion) -> Vector3<f64> {
+        if !self.support.is_free() {
+            return self.top.angular_momentum_node(&motion.tilt);
+        }
+        let center = self.top.center_distance * motion.tilt.axis();
+        let velocity = motion.center_velocity_lean(&self.top);
+        let momentum = self.central_momentum_lean(motion) + self.top.mass * center.cross(&velocity);
+        motion.tilt.lean_to_node(&momentum)
+    }
+
+    /// Power of friction, W.
+    #[must_use]
+    pub fn friction_power(&self, contact: &Contact, tilt: &Tilt) -> f64 {
+        if !self.support.is_free() {
+            return self.friction_torque(contact, tilt).dot(&tilt.omega_lean);
+        }
+        let losses = contact.losses.unwrap_or_default();
+        contact.force.dot(&contact.slip) + losses.dot(&tilt.omega_lean)
+    }
+
+    /// Angular momentum about the centre of mass in the lean frame, kg m²/s.
+    #[must_use]
+    pub fn central_momentum_lean(&self, motion: &Motion) -> Vector3<f64> {
+        let momentum = self.top.about_center().angular_momentum_node(&motion.tilt);
+        motion.tilt.node_to_lean(&momentum)
+    }
+
+    /// The top with the moments of inertia about the point about which it nutates: the centre of a fixed peg, or the
+    /// centre of mass.
+    #[must_use]
+    pub fn nutating_top(&self) -> Top {
+        if self.support.is_free() {
+            self.top.about_center()
+        } else {
+            self.top
         }
     }
 
-    /// The Euler accelerations in a motion with this contact, term by term. Of a top with a free peg the gravitational
-    /// term is that of the table's normal force, which turns it about its centre of mass.
+    /// Jellett's integral `l L_n + R L_z′` about the centre of mass, kg m³/s: no force at the point of contact changes
+    /// it (J. H. Jellett, A Treatise on the Theory of Friction, 1872).
     #[must_use]
-    pub fn accelerations_in(&self, contact: &Contact, motion: &Motion) -> Accelerations {
-        let tilt = &motion.tilt;
-        if !self.support.is_free() {
-            return self.accelerations(contact, tilt);
-        }
-        let torques = self.torques(contact, motion);
-        let central = self.top.about_center();
-        let friction = tilt.lean_to_node(&torques.friction);
-        let mut terms = accelerations_about(&central, &friction, tilt);
-        if !tilt.is_upright() {
-            terms.gravitational.theta = torques.normal.y / central.transverse_moment;
-        }
-        terms
+    pub fn jellett(&self, motion: &Motion) -> f64 {
+        let momentum = self.central_momentum_lean(motion);
+        let axial = momentum.dot(&motion.tilt.axis());
+        self.top.center_distance * axial + self.top.peg_radius * momentum.z
+    }
+
+    /// Routh's integral of a top that rolls, kg m²/s: `L_n/I_z · √(A I_z + M I_z (l + R cos θ)² + M A R² sin² θ)`
+    /// with the transverse moment `A` about the centre of mass.
+    #[must_use]
+    pub fn routh(&self, motion: &Motion) -> f64 {
+        let (top, tilt) = (&self.top, &motion.tilt);
+        let (central, axial) = (top.central_moment(), top.axial_moment);
+        let reach = top.center_distance + top.peg_radius * tilt.cos;
+        let lean = top.peg_radius * tilt.sin;
+        let moments =
+            central * axial + top.mass * axial * reach * reach + top.mass * central * lean * lean;
+        tilt.axial_rate() * moments.sqrt()
     }
 
     /// Kinetic energy in a motion, J.
@@ -110,14 +144,16 @@ impl Model {
             + 0.5 * self.top.mass * velocity.norm_squared()
     }
 
-    /// Potential energy in a motion, J: zero at the height of the peg's centre if that is fixed, on the table if it is
-    /// free.
+    /// Potential energy in a motion, J: zero at the height of the centre of a peg that stands on the table.
     #[must_use]
     pub fn potential_energy(&self, motion: &Motion) -> f64 {
         let above_peg = self.top.potential_energy(&motion.tilt);
         match self.support {
             Support::FixedPeg => above_peg,
-            Support::FreePeg { .. } => above_peg + self.top.weight() * motion.peg.position.z,
+            Support::FreePeg { .. } => {
+                let gap = motion.peg.position.z - self.top.peg_radius;
+                above_peg + self.top.weight() * gap
+            }
         }
     }
 

@@ -7,8 +7,10 @@ use super::model::model;
 use super::values::{Values, nanoseconds};
 use super::words::{FormulationKind, OnStick};
 use crate::physics::dynamics::{Model, Start};
+use crate::physics::friction::Dissipation;
 use crate::physics::integrate::Tolerances;
-use crate::physics::kinematics::{Euler, Tilt};
+use crate::physics::kinematics::{Euler, Tilt, lean_to_world};
+use crate::physics::math::hypot;
 use nalgebra::Vector3;
 use sha2::{Digest as _, Sha256};
 use std::f64::consts::PI;
@@ -55,6 +57,10 @@ impl Scenario {
     pub fn new(mut values: Values) -> Result<Self, ScenarioError> {
         values.put("format", FORMAT)?;
         values.check_presence()?;
+        // The same run must have the same digest.
+        if values.get("support.kind") == Some(&Value::Text("fixed".to_owned())) {
+            values.remove("support.kind");
+        }
         let scenario = Self {
             formulation: values.choice("formulation")?,
             model: model(&values)?,
@@ -88,6 +94,7 @@ impl Scenario {
             values,
         };
         scenario.check_body()?;
+        scenario.check_support()?;
         scenario.check_start()?;
         scenario.check_end()?;
         Ok(scenario)
@@ -203,19 +210,124 @@ impl Scenario {
     /// What the motion starts from.
     #[must_use]
     pub fn start(&self) -> Start {
+        let number = |path: &str| self.values.optional_number(path);
+        let top = &self.model.top;
+        let tilt = Tilt::from_rates(self.angles.theta, self.rates);
+        let world = |lean: &Vector3<f64>| lean_to_world(lean, self.angles.phi);
+        // From the peg's centre to the centre of mass, and how fast that grows.
+        let reach = top.center_distance * world(&tilt.axis());
+        let growth = top.center_distance * world(&tilt.omega_lean.cross(&tilt.axis()));
+        let of_peg = |peg: &str, center: &str, offset: f64| {
+            number(center).map_or_else(|| number(peg).unwrap_or_default(), |at| at - offset)
+        };
         Start {
             angles: self.angles,
             rates: self.rates,
-            peg_position: Vector3::new(0.0, 0.0, self.model.top.peg_radius),
-            peg_velocity: Vector3::zeros(),
+            peg_position: Vector3::new(
+                of_peg("initial.peg_x", "initial.center_x", reach.x),
+                of_peg("initial.peg_y", "initial.center_y", reach.y),
+                top.peg_radius + number("initial.height").unwrap_or_default(),
+            ),
+            peg_velocity: Vector3::new(
+                of_peg("initial.peg_x_dot", "initial.center_x_dot", growth.x),
+                of_peg("initial.peg_y_dot", "initial.center_y_dot", growth.y),
+                number("initial.peg_z_dot").unwrap_or_default(),
+            ),
         }
     }
 
-    /// Slip speed of the contact point at the start, m/s.
+    /// Slip speed of the contact point at the start, m/s; of a top that is dropped, that of its lowest point.
     #[must_use]
     pub fn slip_speed_at_start(&self) -> f64 {
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
-        self.model.contact(&tilt).slip_speed
+        if !self.model.support.is_free() {
+            return self.model.contact(&tilt).slip_speed;
+        }
+        let rolling = lean_to_world(
+            &tilt.slip_velocity(self.model.top.peg_radius),
+            self.angles.phi,
+        );
+        let slip = self.start().peg_velocity + rolling;
+        hypot(slip.x, slip.y)
+    }
+
+    /// What only one kind of support allows.
+    fn check_support(&self) -> Result<(), ScenarioError> {
+        let distance = self.model.top.center_distance;
+        let conflict = |key: &'static str, reason: &str| {
+            let value = self.values.get(key);
+            Err(ScenarioError::Conflict {
+                key,
+                value: value.map_or_else(String::new, ToString::to_string),
+                reason: reason.to_owned(),
+            })
+        };
+        if !self.model.support.is_free() {
+            return if distance > 0.0 {
+                Ok(())
+            } else {
+                Err(ScenarioError::OutOfRange {
+                    key: "top.center_distance",
+                    value: distance.to_string(),
+                    allowed:
+                        "a finite number > 0; negative with support.kind = \"free\" for a tippe top"
+                            .to_owned(),
+                })
+            };
+        }
+        if distance == 0.0 || distance <= -self.model.top.peg_radius {
+            return conflict(
+                "top.center_distance",
+                "must not be 0, and above −top.peg_radius: the centre of mass of a tippe top is inside its sphere",
+            );
+        }
+        if self.formulation == FormulationKind::Euler {
+            return conflict(
+                "formulation",
+                "support.kind = \"free\" needs formulation = \"body\"",
+            );
+        }
+        if self.model.friction.dissipation != Dissipation::Full {
+            return conflict(
+                "friction.dissipation",
+                "support.kind = \"free\" needs \"full\": what drops a part of friction is about the fixed peg",
+            );
+        }
+        for (of_peg, of_center) in [
+            (
+                ["initial.peg_x", "initial.peg_y"],
+                ["initial.center_x", "initial.center_y"],
+            ),
+            (
+                ["initial.peg_x_dot", "initial.peg_y_dot"],
+                ["initial.center_x_dot", "initial.center_y_dot"],
+            ),
+        ] {
+            let given = |keys: [&'static str; 2]| {
+                keys.into_iter().find(|key| self.values.get(key).is_some())
+            };
+            if let (Some(key), Some(other)) = (given(of_peg), given(of_center)) {
+                let reason = format!("{other} is given too; give one of peg and centre of mass");
+                return conflict(key, &reason);
+            }
+        }
+        if self.stop.duration.is_none() {
+            return conflict(
+                "support.kind",
+                "a free top may roll for ever; set stop.duration",
+            );
+        }
+        if distance < 0.0 {
+            for key in ["stop.theta_risen", "stop.theta_fallen"] {
+                if self.values.get(key).is_some() {
+                    return conflict(
+                        key,
+                        "a tippe top (top.center_distance < 0) neither rises nor falls but turns over; use stop.duration",
+                    );
+                }
+            }
+        }
+        Ok(())
     }
 
     fn check_body(&self) -> Result<(), ScenarioError> {
@@ -312,7 +424,7 @@ impl Scenario {
             duration,
             on_stick,
         } = self.stop;
-        if on_stick == OnStick::Continue {
+        if on_stick == OnStick::Continue && !self.model.support.is_free() {
             self.check_sticking()?;
         }
         let Some(duration) = duration else {

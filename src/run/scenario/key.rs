@@ -76,6 +76,8 @@ pub enum Presence {
     With(&'static str, &'static [&'static str]),
     /// Exactly when this other key is there.
     Beside(&'static str),
+    /// Only when another key has this value; may be left out then too.
+    OptionalWith(&'static str, &'static str),
 }
 
 /// One row of the table.

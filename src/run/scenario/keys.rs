@@ -2,8 +2,10 @@
 
 use super::key::Key;
 use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Positive, Text};
-use super::key::Presence::{self, Beside, Optional, Required, With};
-use super::words::{ACTING_LAWS, DISSIPATIONS, FORMULATIONS, ON_STICK, SLIDING_LAWS, SlidingLaw};
+use super::key::Presence::{self, Beside, Optional, OptionalWith, Required, With};
+use super::words::{
+    ACTING_LAWS, DISSIPATIONS, FORMULATIONS, ON_STICK, SLIDING_LAWS, SUPPORTS, SlidingLaw,
+};
 use std::f64::consts::PI;
 
 const fn key(
@@ -34,6 +36,9 @@ const VISCOUS: &[&str] = &[SlidingLaw::Viscous.word()];
 const STRIBECK: &[&str] = &[SlidingLaw::Stribeck.word()];
 const CONTENSOU: &[&str] = &[SlidingLaw::Contensou.word()];
 
+/// What only a free peg has.
+const FREE: Presence = OptionalWith("support.kind", "free");
+
 /// The scenario format that this version writes and reads.
 pub const FORMAT: &str = "toprise-1";
 
@@ -50,8 +55,8 @@ pub const KEYS: &[Key] = &[
     key("top.transverse_moment", "kg m²", Positive, Required,
         "transverse moment of inertia I_x about the peg's centre"),
     key("top.axial_moment", "kg m²", Positive, Required, "axial moment of inertia I_z"),
-    key("top.center_distance", "m", Positive, Required,
-        "distance l from the peg's centre to the centre of mass"),
+    key("top.center_distance", "m", Any, Required,
+        "distance l from the peg's centre to the centre of mass; negative, for a tippe top, where the support is free"),
     key("top.peg_radius", "m", Positive, Required, "radius R of the spherical peg"),
     key("initial.phi", "rad", Any, Required, "precession angle φ"),
     key("initial.theta", "rad", Between(0.0, PI), Required, "nutation angle (inclination) θ"),
@@ -59,6 +64,20 @@ pub const KEYS: &[Key] = &[
     key("initial.phi_dot", "rad/s", Between(-1e6, 1e6), Required, "precession rate φ̇"),
     key("initial.theta_dot", "rad/s", Between(-1e6, 1e6), Required, "nutation rate θ̇"),
     key("initial.psi_dot", "rad/s", Between(-1e6, 1e6), Required, "spin rate ψ̇"),
+    key("initial.height", "m", Between(0.0, 1e3), FREE, "height of the peg above the table; 0 if left out"),
+    key("initial.peg_x", "m", Between(-1e6, 1e6), FREE, "position of the peg's centre; 0 if left out"),
+    key("initial.peg_y", "m", Between(-1e6, 1e6), FREE, "position of the peg's centre; 0 if left out"),
+    key("initial.peg_x_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the peg's centre; 0 if left out"),
+    key("initial.peg_y_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the peg's centre; 0 if left out"),
+    key("initial.peg_z_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the peg's centre, upward; 0 if left out"),
+    key("initial.center_x", "m", Between(-1e6, 1e6), FREE, "position of the centre of mass, instead of the peg's"),
+    key("initial.center_y", "m", Between(-1e6, 1e6), FREE, "position of the centre of mass, instead of the peg's"),
+    key("initial.center_x_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the centre of mass, instead of the peg's"),
+    key("initial.center_y_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the centre of mass, instead of the peg's"),
+    key("support.kind", "", Choice(SUPPORTS), Optional,
+        "whether the peg's centre is fixed or the peg free to move on the table; \"fixed\" if left out"),
+    key("support.restitution", "", Between(0.0, 1.0), FREE,
+        "coefficient of restitution e of impacts (Stronge's); 0 if left out"),
     key("friction.law", "", Choice(SLIDING_LAWS), Required, "law of friction at the contact"),
     key("friction.k", "", Between(0.0, 100.0), With("friction.law", ACTING_LAWS),
         "coefficient of friction k"),

@@ -2,7 +2,7 @@
 
 use super::error::ScenarioError;
 use super::values::Values;
-use super::words::SlidingLaw;
+use super::words::{SlidingLaw, SupportKind};
 use crate::physics::dynamics::{Model, Support};
 use crate::physics::friction::{
     Air, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing,
@@ -14,7 +14,18 @@ pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
     Ok(Model {
         top: top(values)?,
         friction: friction(values)?,
-        support: Support::FixedPeg,
+        support: support(values)?,
+    })
+}
+
+fn support(values: &Values) -> Result<Support, ScenarioError> {
+    Ok(match values.optional_choice("support.kind")? {
+        None | Some(SupportKind::Fixed) => Support::FixedPeg,
+        Some(SupportKind::Free) => Support::FreePeg {
+            restitution: values
+                .optional_number("support.restitution")
+                .unwrap_or_default(),
+        },
     })
 }
 

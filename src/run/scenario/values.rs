@@ -71,6 +71,11 @@ impl Values {
         Ok(())
     }
 
+    /// Removes a key that says what would hold without it.
+    pub(super) fn remove(&mut self, path: &str) {
+        self.0.remove(path);
+    }
+
     /// The value of a key.
     #[must_use]
     pub fn get(&self, path: &str) -> Option<&Value> {
@@ -139,7 +144,20 @@ impl Values {
                     let key = if there { other } else { key.path };
                     return Err(ScenarioError::MissingKey { key });
                 }
-                Presence::Required | Presence::Optional | Presence::Beside(_) => {}
+                Presence::OptionalWith(other, word) if there => {
+                    let value = self.text(other)?;
+                    if value != word {
+                        return Err(ScenarioError::Inapplicable {
+                            key: key.path,
+                            other,
+                            value: value.to_owned(),
+                        });
+                    }
+                }
+                Presence::Required
+                | Presence::Optional
+                | Presence::Beside(_)
+                | Presence::OptionalWith(..) => {}
             }
         }
         Ok(())

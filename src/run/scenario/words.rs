@@ -41,6 +41,17 @@ impl Choice for OnStick {
         &[("stop", Self::Stop), ("continue", Self::Continue)];
 }
 
+/// How the table holds the peg: `support.kind`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SupportKind {
+    Fixed,
+    Free,
+}
+
+impl Choice for SupportKind {
+    const WORDS: &'static [(&'static str, Self)] = &[("fixed", Self::Fixed), ("free", Self::Free)];
+}
+
 impl Choice for Dissipation {
     const WORDS: &'static [(&'static str, Self)] = &[
         ("full", Self::Full),
@@ -89,6 +100,7 @@ impl Choice for SlidingLaw {
 pub(super) const FORMULATIONS: &[&str] =
     &words::<FormulationKind, { FormulationKind::WORDS.len() }>();
 pub(super) const ON_STICK: &[&str] = &words::<OnStick, { OnStick::WORDS.len() }>();
+pub(super) const SUPPORTS: &[&str] = &words::<SupportKind, { SupportKind::WORDS.len() }>();
 pub(super) const DISSIPATIONS: &[&str] = &words::<Dissipation, { Dissipation::WORDS.len() }>();
 pub(super) const SLIDING_LAWS: &[&str] = &words::<SlidingLaw, { SlidingLaw::WORDS.len() }>();
 /// The laws of sliding that give a force: all but `none`.

@@ -56,6 +56,18 @@ pub enum EventKind {
     Rest,
     /// The Euler angles have become singular: sin θ is nearly 0.
     Singular,
+    /// The peg leaves the table.
+    LiftOff,
+    /// The peg is on the table again, after one impact or several.
+    Landing,
+    /// The peg begins to roll.
+    RollBegins,
+    /// The peg rolls no longer.
+    RollEnds,
+    /// The peg jams: no force of the table keeps it out of it.
+    Jam,
+    /// The top turns about the vertical only; rolling resistance holds it.
+    Pivot,
 }
 
 /// A nutation minimum below this angle counts as a passage through upright, rad.
@@ -63,7 +75,7 @@ pub const UPRIGHT: f64 = 0.01;
 
 impl EventKind {
     /// All kinds.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 21] = [
         Self::Start,
         Self::Risen,
         Self::Fallen,
@@ -79,6 +91,12 @@ impl EventKind {
         Self::SlipResumes,
         Self::Rest,
         Self::Singular,
+        Self::LiftOff,
+        Self::Landing,
+        Self::RollBegins,
+        Self::RollEnds,
+        Self::Jam,
+        Self::Pivot,
     ];
 
     /// The kind with this name in recordings; none for a name of another version.
@@ -121,6 +139,12 @@ impl EventKind {
             Self::SlipResumes => "slip_resumes",
             Self::Rest => "rest",
             Self::Singular => "singular",
+            Self::LiftOff => "lift_off",
+            Self::Landing => "landing",
+            Self::RollBegins => "roll_begins",
+            Self::RollEnds => "roll_ends",
+            Self::Jam => "jam",
+            Self::Pivot => "pivot",
         }
     }
 
@@ -168,6 +192,14 @@ impl EventKind {
             Self::Singular => {
                 format!("The Euler angles are singular here, {theta:.2e} rad from the vertical.")
             }
+            Self::LiftOff => format!("The peg leaves the table, at {theta:.4} rad."),
+            Self::Landing => format!("The peg is on the table again, at {theta:.4} rad."),
+            Self::RollBegins => format!("The peg begins to roll, at {theta:.4} rad."),
+            Self::RollEnds => format!("The peg no longer rolls, at {theta:.4} rad."),
+            Self::Jam => format!("The peg jams, at {theta:.4} rad."),
+            Self::Pivot => format!(
+                "The top turns about the vertical only, inclined by {theta:.4} rad; rolling resistance holds it."
+            ),
         }
     }
 }
@@ -188,6 +220,10 @@ pub enum StopReason {
     Rest,
     /// The Euler angles became singular; the `body` formulation goes on there.
     Singular,
+    /// The free peg jammed: no force of the table keeps it out of it.
+    Jam,
+    /// The top with a free peg turns about the vertical only, held by rolling resistance.
+    Pivot,
     /// Nothing in the scenario ended the run: it was broken off.
     Interrupted,
     /// The integrator could not go on.
@@ -205,6 +241,8 @@ impl StopReason {
             Self::SlipStopped => "slip_stopped",
             Self::Rest => "rest",
             Self::Singular => "singular",
+            Self::Jam => "jam",
+            Self::Pivot => "pivot",
             Self::Interrupted => "interrupted",
             Self::Failed => "failed",
         }
@@ -224,6 +262,8 @@ impl StopReason {
             Self::Singular => {
                 "the Euler angles became singular upright (formulation = \"body\" goes on)"
             }
+            Self::Jam => "the peg jams: no force of the table keeps it out of it",
+            Self::Pivot => "the top turns about the vertical only, held by rolling resistance",
             Self::Interrupted => "interrupted",
             Self::Failed => "the motion could not be integrated further",
         }

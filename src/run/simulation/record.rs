@@ -1,6 +1,7 @@
 //! What a simulation hands out: records, the error that ends it, and how it ended.
 
 use super::event::{Event, StopReason};
+use super::free::Landing;
 use super::nutation::NutationCycle;
 use super::sample::Sample;
 use crate::physics::dynamics::Motion;
@@ -16,6 +17,8 @@ pub enum Record {
     Event(Box<Event>),
     /// A nutation cycle that has just ended.
     Nutation(Box<NutationCycle>),
+    /// An impact of a free peg.
+    Impact(Box<Landing>),
 }
 
 impl Record {
@@ -26,6 +29,7 @@ impl Record {
             Self::Sample(sample) => sample.time_ns,
             Self::Event(event) => event.time_ns,
             Self::Nutation(cycle) => cycle.time_ns,
+            Self::Impact(impact) => impact.time_ns,
         }
     }
 }
@@ -66,6 +70,8 @@ pub struct Outcome {
     pub events: u64,
     /// Number of whole nutation cycles.
     pub nutations: u64,
+    /// Number of impacts of a free peg.
+    pub impacts: u64,
     /// What the integration cost.
     pub statistics: Statistics,
 }

@@ -1,12 +1,13 @@
 //! The loop: step, look for events, hand out records in the order of their times.
 
 use super::event::{Event, EventKind, StopReason, UPRIGHT};
+use super::free::Landing;
 use super::nutation::{NutationCycle, NutationTracker};
 use super::record::{Outcome, Record, SimulationError};
 use super::sample::Sample;
 use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Passage, Phase};
 use crate::physics::integrate::{
-    Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope, zero,
+    Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope, Tolerances, zero,
 };
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{OnStick, Scenario, Stop};
@@ -33,9 +34,9 @@ pub(super) trait RecordStream {
 
 /// A run has stalled if this many steps advance it by less than [`STALLED_TIME`]: a torque that jumps changes its
 /// sign with each of them.
-const STALLED_STEPS: u32 = 1_000_000;
+const STALLED_STEPS: u32 = 200_000;
 /// The time that a run which has not stalled takes at least for [`STALLED_STEPS`], s.
-const STALLED_TIME: f64 = 0.05;
+const STALLED_TIME: f64 = 0.01;
 
 /// A run in one formulation.
 pub(super) struct Runner<F, const N: usize> {
@@ -53,6 +54,10 @@ pub(super) struct Runner<F, const N: usize> {
     events: u32,
     /// Nutation cycles that have been handed out.
     cycles: u32,
+    /// Impacts that have been handed out.
+    impacts: u32,
+    /// Impacts since the peg was last on the table.
+    bounces: u32,
     /// Steps since it was last checked that the run advances, and the time of that check, s.
     since_check: (u32, f64),
     energy_at_start: f64,
@@ -105,14 +110,18 @@ enum Meaning {
 
 enum Pending {
     Event(EventKind, f64, Motion),
+    /// The peg is on the table again, after this many impacts.
+    Landing(u32, f64, Motion),
     Nutation(NutationCycle),
+    Impact(Landing),
 }
 
 impl Pending {
     fn time_ns(&self) -> u64 {
         match self {
-            Self::Event(_, time, _) => to_nanoseconds(*time),
+            Self::Event(_, time, _) | Self::Landing(_, time, _) => to_nanoseconds(*time),
             Self::Nutation(cycle) => cycle.time_ns,
+            Self::Impact(landing) => landing.time_ns,
         }
     }
 }
@@ -123,12 +132,16 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let (formulation, state, passage) = F::start(&scenario.model, &scenario.start(), may_hold);
         let motion = formulation.motion(&state, scenario.angles);
         let mut pending = VecDeque::from([Pending::Event(EventKind::Start, 0.0, motion)]);
-        pending.extend(passage.map(|passage| Pending::Event(kind_of(&passage), 0.0, motion)));
+        let kind = passage.and_then(|passage| kind_of(&passage));
+        pending.extend(kind.map(|kind| Pending::Event(kind, 0.0, motion)));
+        if motion.phase == Phase::Holding && scenario.model.support.is_free() {
+            pending.push_back(Pending::Event(EventKind::RollBegins, 0.0, motion));
+        }
         let integrator = Dop853::new(
             formulation,
             0.0,
             state,
-            scenario.tolerances,
+            shared(scenario.tolerances, F::ERROR_SHARE),
             Direction::Forward,
         )?;
         let sense = if motion.tilt.axial_rate() < 0.0 {
@@ -145,13 +158,15 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             watches: watches(&settings, integrator.system()),
             integrator,
             settings,
-            nutation: NutationTracker::new(scenario.model.top, 0.0, motion),
+            nutation: NutationTracker::new(scenario.model.nutating_top(), 0.0, motion),
             dense: None,
             reference: scenario.angles,
             pending,
             next_sample: 0,
             events: 0,
             cycles: 0,
+            impacts: 0,
+            bounces: 0,
             since_check: (0, 0.0),
             energy_at_start: scenario.model.energy(&motion),
             end: None,
@@ -219,7 +234,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             // Found without a tracker.
             Meaning::Envelope => f64::NAN,
             Meaning::Precession => self.settings.sense * tilt.rates.phi * tilt.sin * tilt.sin,
-            Meaning::Strength => self.model().top.strength_ratio(tilt) - 1.0,
+            Meaning::Strength => self.model().nutating_top().strength_ratio(tilt) - 1.0,
             Meaning::Risen(limit) | Meaning::Fallen(limit) => motion.angles.theta - limit,
             Meaning::Guard(guard) => self.integrator.system().guard(guard, motion),
             Meaning::Turning => self.settings.sense * tilt.omega_lean.z,
@@ -228,7 +243,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     fn accelerations(&self, motion: &Motion) -> Euler {
         let contact = self.model().contact_in(motion);
-        self.model().accelerations_in(&contact, motion).total()
+        self.model().euler_accelerations(&contact, motion)
     }
 
     /// Turns a zero of a watched function into what it means.
@@ -302,17 +317,56 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             self.end = Some((time, End::Stop(StopReason::SlipStopped)));
             return Ok(());
         }
-        let system = self.integrator.system();
+        let system = *self.integrator.system();
         let entry = system.enter(guard, state, self.reference)?;
-        let kind = kind_of(&entry.passage);
-        self.pending
-            .push_back(Pending::Event(kind, time, entry.motion));
-        let end = match entry.passage {
-            Passage::BecomesSingular => End::Stop(StopReason::Singular),
-            _ => End::Enter(entry),
+        let at = time + entry.delay;
+        self.tell(&entry, system.phase(), at);
+        let stop = match entry.passage {
+            Passage::BecomesSingular => Some(StopReason::Singular),
+            Passage::Jams => Some(StopReason::Jam),
+            Passage::Pivots => Some(StopReason::Pivot),
+            _ if entry.formulation.phase() == Phase::Holding
+                && self.settings.stop.on_stick == OnStick::Stop =>
+            {
+                Some(StopReason::SlipStopped)
+            }
+            _ => None,
         };
-        self.end = Some((time + entry.delay, end));
+        self.end = Some((at, stop.map_or(End::Enter(entry), End::Stop)));
         Ok(())
+    }
+
+    /// Notes what happens where a phase begins.
+    fn tell(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
+        let motion = entry.motion;
+        let event = |kind| Pending::Event(kind, time, motion);
+        self.pending.extend(kind_of(&entry.passage).map(event));
+        if !self.model().support.is_free() {
+            return;
+        }
+        let after = entry.formulation.phase();
+        if before == Phase::Holding && after != Phase::Holding {
+            self.pending.push_back(event(EventKind::RollEnds));
+        }
+        if before != Phase::Flying && after == Phase::Flying {
+            self.pending.push_back(event(EventKind::LiftOff));
+        }
+        if let Passage::Bounces(hit) | Passage::Lands(hit) = &entry.passage {
+            self.bounces += 1;
+            let landing = Landing {
+                bounce: self.bounces,
+                ..Landing::new(hit, &motion, time, to_nanoseconds(time))
+            };
+            self.pending.push_back(Pending::Impact(landing));
+        }
+        if before == Phase::Flying && after != Phase::Flying {
+            let bounces = std::mem::take(&mut self.bounces);
+            self.pending
+                .push_back(Pending::Landing(bounces, time, motion));
+        }
+        if before != Phase::Holding && after == Phase::Holding {
+            self.pending.push_back(event(EventKind::RollBegins));
+        }
     }
 
     /// Gives up where steps have become so short that the run would never end.
@@ -388,20 +442,38 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Record::Sample(Box::new(sample))
     }
 
+    fn event(&mut self, kind: EventKind, time: f64, motion: Motion, sentence: String) -> Record {
+        let event = Event {
+            kind,
+            time,
+            time_ns: to_nanoseconds(time),
+            index: self.events,
+            motion,
+            description: sentence,
+        };
+        self.events += 1;
+        self.last = (time, motion);
+        Record::Event(Box::new(event))
+    }
+
     fn hand_out(&mut self, pending: Pending) -> Record {
         match pending {
             Pending::Event(kind, time, motion) => {
-                let event = Event {
-                    kind,
-                    time,
-                    time_ns: to_nanoseconds(time),
-                    index: self.events,
-                    motion,
-                    description: kind.describe(&motion),
+                self.event(kind, time, motion, kind.describe(&motion))
+            }
+            Pending::Landing(bounces, time, motion) => {
+                let described = EventKind::Landing.describe(&motion);
+                let counted = match bounces {
+                    1 => "1 impact".to_owned(),
+                    bounces => format!("{bounces} impacts"),
                 };
-                self.events += 1;
-                self.last = (time, motion);
-                Record::Event(Box::new(event))
+                let sentence = format!("{} After {counted}.", described);
+                self.event(EventKind::Landing, time, motion, sentence)
+            }
+            Pending::Impact(landing) => {
+                let index = self.impacts;
+                self.impacts += 1;
+                Record::Impact(Box::new(Landing { index, ..landing }))
             }
             Pending::Nutation(cycle) => {
                 self.cycles += 1;
@@ -419,9 +491,15 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.integrator
             .restart(system, time, entry.state, Direction::Forward)?;
         self.integrator.limit_next_step(entry.first_step);
-        self.watches = watches(&self.settings, &system);
+        let before = std::mem::replace(&mut self.watches, watches(&self.settings, &system));
         let motion = system.motion(&entry.state, self.reference);
-        self.nutation.interrupt(time, motion);
+        if self.model().support.is_free() {
+            // Nutation goes on; what an impact changes at once has changed since the last step.
+            self.nutation.rates(&motion);
+            keep_signs(&before, &mut self.watches);
+        } else {
+            self.nutation.interrupt(time, motion);
+        }
         self.end = None;
         Ok(())
     }
@@ -484,6 +562,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             samples: u64::from(self.next_sample),
             events: u64::from(self.events),
             nutations: u64::from(self.cycles),
+            impacts: u64::from(self.impacts),
             statistics: *self.integrator.statistics(),
         }
     }
@@ -524,14 +603,52 @@ fn envelope<const K: usize>(
     }
 }
 
-/// The event that a passage is.
-fn kind_of(passage: &Passage) -> EventKind {
+/// The event that a passage is; none where the phases tell it.
+fn kind_of(passage: &Passage) -> Option<EventKind> {
     match passage {
-        Passage::Holds => EventKind::Stick,
-        Passage::SlipStops => EventKind::SlipStops,
-        Passage::SlipResumes => EventKind::SlipResumes,
-        Passage::BecomesSingular => EventKind::Singular,
-        _ => EventKind::Rest,
+        Passage::Holds => Some(EventKind::Stick),
+        Passage::SlipStops => Some(EventKind::SlipStops),
+        Passage::SlipResumes => Some(EventKind::SlipResumes),
+        Passage::BecomesSingular => Some(EventKind::Singular),
+        Passage::Jams => Some(EventKind::Jam),
+        Passage::Pivots => Some(EventKind::Pivot),
+        Passage::Rolls
+        | Passage::RollEnds
+        | Passage::LiftsOff
+        | Passage::Bounces(_)
+        | Passage::Lands(_) => None,
+    }
+}
+
+/// The part of the tolerances by which a step may err. A relative one below 1e-14 would be less than the rounding.
+fn shared(tolerances: Tolerances, share: f64) -> Tolerances {
+    let Tolerances { relative, absolute } = tolerances;
+    Tolerances {
+        relative: (share * relative).max(relative.min(1e-14)),
+        absolute: share * absolute,
+    }
+}
+
+/// Lets watches go on with the signs that those of the phase before have seen.
+fn keep_signs(before: &[Watch], now: &mut [Watch]) {
+    for watch in now {
+        let known = before.iter().find(|known| {
+            known.meaning == watch.meaning && !matches!(watch.meaning, Meaning::Guard(_))
+        });
+        if let Some(known) = known {
+            watch.tracker = known.tracker;
+        }
+    }
+}
+
+/// What follows the sign of a guard. Those of a free peg are positive when their phase begins, but for the slip, which
+/// begins at zero. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
+fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
+    match guard {
+        Guard::Gap => SignTracker::with_sign(true, 1e-16),
+        Guard::Slip => SignTracker::default(),
+        _ if is_free => SignTracker::with_sign(true, 0.0),
+        _ => SignTracker::default(),
     }
 }
 
@@ -545,11 +662,13 @@ fn watches<F: Formulation<N>, const N: usize>(
         meaning,
         tracker: SignTracker::with_floor(floor),
     };
-    let guards = formulation
-        .guards()
-        .iter()
-        .map(|guard| watch(Meaning::Guard(*guard), 0.0));
-    if formulation.phase() == Phase::Holding {
+    let model = formulation.model();
+    let is_free = model.support.is_free();
+    let guards = formulation.guards().iter().map(|guard| Watch {
+        meaning: Meaning::Guard(*guard),
+        tracker: guard_tracker(*guard, is_free),
+    });
+    if formulation.phase() == Phase::Holding && !is_free {
         let mut watches = vec![watch(Meaning::Strength, 0.0)];
         watches.extend(guards);
         watches.push(watch(Meaning::Turning, 0.0));
@@ -559,9 +678,13 @@ fn watches<F: Formulation<N>, const N: usize>(
         watch(Meaning::Nutation, NUTATION_FLOOR.0),
         watch(Meaning::NutationRate, NUTATION_FLOOR.1),
         watch(Meaning::Precession, 0.0),
-        watch(Meaning::Strength, 0.0),
-        watch(Meaning::Fallen(stop.theta_fallen.unwrap_or(FRAC_PI_2)), 0.0),
     ];
+    // A tippe top has no upright position to be too weak for, and turns over where another falls.
+    if model.top.center_distance > 0.0 {
+        let fallen = stop.theta_fallen.unwrap_or(FRAC_PI_2);
+        watches.push(watch(Meaning::Strength, 0.0));
+        watches.push(watch(Meaning::Fallen(fallen), 0.0));
+    }
     watches.extend(
         stop.theta_risen
             .map(|limit| watch(Meaning::Risen(limit), 0.0)),

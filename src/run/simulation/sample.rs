@@ -1,6 +1,7 @@
 //! Everything that there is to know about the motion at one instant.
 
-use crate::physics::dynamics::{Accelerations, Integrals, Model, Motion, Torques};
+use super::free::FreeSample;
+use crate::physics::dynamics::{Accelerations, Integrals, Model, Motion, Phase};
 use crate::physics::friction::Contact;
 use crate::physics::kinematics::{Euler, Tilt, lean_to_world, node_to_body};
 use crate::physics::top::PrecessionRoots;
@@ -26,8 +27,10 @@ pub struct Sample {
     pub angles: Euler,
     /// Inclination and angular velocity.
     pub tilt: Tilt,
-    /// Euler accelerations term by term, rad/s².
+    /// Terms of the Euler accelerations of a top whose peg's centre does not accelerate, rad/s².
     pub accelerations: Accelerations,
+    /// The Euler accelerations, rad/s²: their sum, and with a free peg what its acceleration adds.
+    pub euler_accelerations: Euler,
     /// Orientation: turns body components into world components.
     pub world_from_body: UnitQuaternion<f64>,
     /// Direction of the symmetry axis, world.
@@ -58,7 +61,7 @@ pub struct Sample {
     pub kinetic_energy: f64,
     /// Potential energy, J; zero at the height of the peg's centre.
     pub potential_energy: f64,
-    /// Power of the friction torque, W.
+    /// Power of friction, W.
     pub friction_power: f64,
     /// Integrals since the start.
     pub integrals: Integrals,
@@ -72,6 +75,8 @@ pub struct Sample {
     pub precession_roots: Option<PrecessionRoots>,
     /// Above 1 a strong top, below 1 a weak one: see [`crate::physics::top::Top::strength_ratio`].
     pub strength_ratio: f64,
+    /// What there is to know of a free peg.
+    pub free: Option<FreeSample>,
 }
 
 impl Sample {
@@ -91,9 +96,8 @@ impl Sample {
         } = *motion;
         let top = &model.top;
         let contact = model.contact_in(motion);
-        let Torques {
-            gravity, friction, ..
-        } = model.torques(&contact, motion);
+        let friction = model.friction_torque(&contact, &tilt);
+        let gravity = top.gravity_torque(&tilt);
         let frames = |lean: &Vector3<f64>| {
             let node = tilt.lean_to_node(lean);
             Frames {
@@ -102,15 +106,18 @@ impl Sample {
             }
         };
         let world = |lean: &Vector3<f64>| lean_to_world(lean, angles.phi);
-        let momentum_node = top.angular_momentum_node(&tilt);
+        let momentum_node = model.momentum_node(motion);
         let momentum_lean = tilt.node_to_lean(&momentum_node);
+        let free = FreeSample::new(model, motion, &contact);
+        let precessing = model.nutating_top();
         let peg_position = motion.peg.position;
         Self {
             index,
             time_ns,
             angles,
             tilt,
-            accelerations: model.accelerations_in(&contact, motion),
+            accelerations: model.accelerations(&contact, &tilt),
+            euler_accelerations: model.euler_accelerations(&contact, motion),
             world_from_body,
             axis: world(&Vector3::new(tilt.sin, 0.0, tilt.cos)),
             omega_body: frames(&tilt.omega_lean).body,
@@ -126,13 +133,25 @@ impl Sample {
             contact_point: peg_position - Vector3::new(0.0, 0.0, top.peg_radius),
             kinetic_energy: model.kinetic_energy(motion),
             potential_energy: model.potential_energy(motion),
-            friction_power: friction.dot(&tilt.omega_lean),
+            friction_power: model.friction_power(&contact, &tilt),
             integrals,
             vertical_momentum: momentum_lean.z,
             axial_momentum: momentum_node.z,
             momentum_world: world(&momentum_lean),
-            precession_roots: top.precession_roots(&tilt),
-            strength_ratio: top.strength_ratio(&tilt),
+            precession_roots: precessing.precession_roots(&tilt),
+            strength_ratio: precessing.strength_ratio(&tilt),
+            free,
+        }
+    }
+
+    /// What the contact point does: 1 slips, 0 does not, 2 is in the air.
+    #[must_use]
+    pub fn regime(&self) -> f64 {
+        match self.free.map(|free| free.phase) {
+            Some(Phase::Flying) => 2.0,
+            Some(Phase::Holding) => 0.0,
+            Some(Phase::Sliding) | None if self.contact.slip_speed > 0.0 => 1.0,
+            Some(Phase::Sliding) | None => 0.0,
         }
     }
 
