@@ -11,6 +11,7 @@ use crate::archive::format::{
     END_RECORD, Entries, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT, VERSION, form_entries,
     recorded_form, telemetry_version,
 };
+use crate::physics::dynamics::Support;
 use crate::run::scenario::Scenario;
 use crate::telemetry::encoding::{Encoding, FieldDifferences};
 use crate::telemetry::{Telemetry, Topic, Topics, Version, table};
@@ -168,7 +169,23 @@ impl Recording {
         let is_recorded = |topic: &Topic| topics.include(topic) || self.has(*topic);
         let topics = Topics::Only(Topic::all().filter(is_recorded).collect());
         let telemetry = Telemetry::with_topics(&topics);
-        Some(form_entries(encoding, views, telemetry.topics()))
+        let topics = telemetry.topics(self.support());
+        Some(form_entries(encoding, views, &topics))
+    }
+
+    /// How the table held the peg: what the scenario says, or else the channels.
+    fn support(&self) -> Support {
+        let is_of_free_peg = |channel: &FileChannel| {
+            let info = channel.info();
+            info.is_some_and(|info| info.is_of_free_peg)
+        };
+        match self.scenario() {
+            Ok(scenario) => scenario.model.support,
+            Err(_) if self.channels().iter().any(is_of_free_peg) => {
+                Support::FreePeg { restitution: 0.0 }
+            }
+            Err(_) => Support::FixedPeg,
+        }
     }
 
     /// Refuses a recording of a version of the telemetry that is newer than this program.
