@@ -34,9 +34,9 @@ pub(super) trait RecordStream {
 
 /// A run has stalled if this many steps advance it by less than [`STALLED_TIME`]: a torque that jumps changes its
 /// sign with each of them.
-const STALLED_STEPS: u32 = 200_000;
+const STALLED_STEPS: u32 = 1_000_000;
 /// The time that a run which has not stalled takes at least for [`STALLED_STEPS`], s.
-const STALLED_TIME: f64 = 0.01;
+const STALLED_TIME: f64 = 0.05;
 
 /// A run in one formulation.
 pub(super) struct Runner<F, const N: usize> {
