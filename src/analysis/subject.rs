@@ -136,7 +136,7 @@ fn read(
 }
 
 /// Passes the messages of topics of a recording, whatever they are, to `take` as [`Subject::read`] does.
-pub(crate) fn read_any(
+fn read_any(
     recording: &Recording,
     topics: Vec<String>,
     take: &mut dyn FnMut(Any<'_>, u64) -> ControlFlow<()>,

@@ -1,6 +1,7 @@
 //! Messages of any channel, whoever wrote it, field by field.
 
 mod cdr;
+mod digits;
 mod json;
 mod literals;
 mod protobuf;
@@ -48,8 +49,9 @@ pub struct Schema<'a> {
 /// ROS 2's `cdr` through definitions in `ros2msg`.
 ///
 /// A field is named by its path: `pose.position.x`, `ranges.0`. In JSON each number, text, boolean and null has one, and
-/// each list or object with nothing in it. Of two with the same path, as in `{"a.b":1,"a":{"b":2}}`, the last
-/// counts. Integers that fit into no 64 bits become the nearest double. `NaN` and `Infinity`, which JSON doesn't have
+/// each list or object with nothing in it. In a name, a backslash stands before dots, quotes and backslashes, and before
+/// one that is an integer, which would read as the position of an element; the empty name is `""`. Numbers with more
+/// digits than their type holds become the nearest double, and are told by [`PayloadDecoder::unsaid`]. `NaN` and `Infinity`, which JSON doesn't have
 /// but Python writes, are read. A JSON message that is nothing but a number has a field with an empty name.
 ///
 /// In `cdr` a list of `uint8`, `byte` or `char` is one field of bytes.
@@ -135,10 +137,17 @@ impl PayloadDecoder {
             Format::Protobuf(types) => ("protobuf", types.fill(data, root, filling)),
             Format::Cdr(types) => ("cdr", types.fill(data, root, filling)),
         };
+        if encoding == "json" && filled.is_ok() {
+            for number in digits::lost(data) {
+                self.tree.keep_unknown(number);
+                self.tree.keep_unknown(b",");
+            }
+        }
         filled.map_err(|reason| PayloadError::Malformed { encoding, reason })
     }
 
-    /// What the last message, which is given again, says beyond its values: the fields that its schema doesn't know, or
+    /// What the last message, which is given again, says beyond its values: the fields that its schema doesn't know and
+    /// the numbers with more digits than a value holds, or
     /// all of it where there are too many fields or something is said twice. Nothing if the values say it all.
     #[must_use]
     pub fn unsaid<'a>(&'a self, message: &'a [u8]) -> Option<&'a [u8]> {

@@ -423,11 +423,16 @@ fn a_run_is_identical_to_itself_in_any_encoding_and_on_the_fly() {
         compare(&scenario, &protobuf, &quick()),
         compare(&scenario, &scenario, &Options::default()),
     ];
-    for report in reports.map(Result::unwrap) {
+    let opening = ["The same values", "Identical, bit for bit"];
+    for (report, is_rewritten) in reports
+        .map(Result::unwrap)
+        .iter()
+        .zip([true, false, false, false])
+    {
         assert_eq!(report.verdict, Verdict::Identical);
         assert!(report.is_complete);
         assert!(
-            report.summary[0].starts_with("Identical, bit for bit"),
+            report.summary[0].starts_with(opening[usize::from(!is_rewritten)]),
             "{:?}",
             report.summary
         );
@@ -1126,6 +1131,15 @@ fn what_is_no_double_is_compared_too() {
         (r#"{"x":9007199254740993}"#, r#"{"x":"9007199254740993"}"#),
         (r#""RUN""#, r#""ERR""#),
         (r#"{"x":NaN}"#, r#"{"x":null}"#),
+        (
+            r#"{"x":18446744073709551616}"#,
+            r#"{"x":18446744073709551617}"#,
+        ),
+        (r#"{"x":0.1}"#, r#"{"x":0.1000000000000000000000001}"#),
+        (r#"{"x":{}}"#, r#"{"x":[]}"#),
+        (r#"{"x":{"p.q":1}}"#, r#"{"x":{"p":{"q":1}}}"#),
+        (r#"{"x":{"0":1}}"#, r#"{"x":[1]}"#),
+        (r#"{"n":1e308}"#, r#"{"n":-1e308}"#),
     ] {
         let found = other_in_50(one, other);
         assert_eq!(
@@ -1153,6 +1167,111 @@ fn what_is_no_double_is_compared_too() {
     let report = report.unwrap();
     let n = field(&report, "/x", "n");
     assert_eq!((n.beyond, n.largest, n.first_beyond), (1, -1.0, Some(0.99)));
+}
+
+#[test]
+fn what_differs_beside_equal_values_is_told() {
+    let directory = tempdir().unwrap();
+    let file = |name: &str, encoding: &str, messages: &[Raw<'_>]| {
+        file_of(&directory, name, encoding, messages)
+    };
+    let text = |text: &'static str| hundred(0, move |_| text.to_owned());
+    let a = file("a.mcap", "json", &text(r#"{"x":1}"#));
+    let summary = |a: &Recording, b: &Recording| {
+        let report = compare(a, b, &quick()).unwrap();
+        (report.verdict, report.summary[0].clone())
+    };
+    let spaced = file("spaced.mcap", "json", &text(r#"{"x": 1}"#));
+    assert_eq!(
+        summary(&a, &spaced),
+        (
+            Verdict::Identical,
+            "The same values: 100 messages in 1 topic. What differs beside them: the bytes of 100 messages."
+                .to_owned()
+        )
+    );
+    // Another message first moves the sequence numbers.
+    let mut more = text(r#"{"x":1}"#);
+    more.insert(0, ("/y", 0, b"1".to_vec()));
+    let mut last = text(r#"{"x":1}"#);
+    last.push(("/y", 0, b"1".to_vec()));
+    let [first, last] =
+        [("f.mcap", more), ("l.mcap", last)].map(|(name, of)| file(name, "json", &of));
+    let (_, told) = summary(&first, &last);
+    assert!(
+        told.ends_with("the sequence numbers of 101 messages."),
+        "{told}"
+    );
+    // Equal bytes of other encodings are not equal.
+    let [x, y] = ["msgpack", "cbor"].map(|encoding| file(encoding, encoding, &text("1")));
+    assert_eq!(summary(&x, &y).0, Verdict::Different);
+    // More than a double holds.
+    let [x, y] = [("x", r#"{"n":1e308}"#), ("y", r#"{"n":-1e308}"#)]
+        .map(|(name, one)| file(name, "json", &text(one)));
+    let (_, told) = summary(&x, &y);
+    assert!(
+        told.contains("by more than 1.80e308") || told.contains("by more than 1.8e308"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_file_that_was_not_closed_is_not_whole() {
+    let directory = tempdir().unwrap();
+    let a = file_of(
+        &directory,
+        "a.mcap",
+        "json",
+        &hundred(0, |_| r#"{"x":1}"#.to_owned()),
+    );
+    let bytes = fs::read(a.path()).unwrap();
+    let end = records(&bytes);
+    let (_, data_end) = end
+        .iter()
+        .find(|(opcode, _)| *opcode == mcap::records::op::DATA_END)
+        .unwrap();
+    let cut = directory.path().join("cut.mcap");
+    fs::write(&cut, &bytes[..data_end.start]).unwrap();
+    let report = compare(&a, &Recording::open(&cut).unwrap(), &quick()).unwrap();
+    assert_eq!(
+        (report.verdict, report.is_complete),
+        (Verdict::Agreeing, false)
+    );
+    assert!(report.summary[0].starts_with("All that could be read of both is the same"));
+}
+
+#[test]
+fn messages_that_do_not_fit_the_table_are_compared_by_their_bytes() {
+    let directory = tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name);
+    let scenario = short(&[("stop.duration", "0.5")]);
+    let whole = recorded(&path("a.mcap"), &scenario, Encoding::Json);
+    let changed = |name: &str, to: &'static str| {
+        with_other_bytes(&path("a.mcap"), &path(name), move |topic, time, data| {
+            if topic == STATE.name() && time == 200_000_000 {
+                let text = String::from_utf8(data.clone()).unwrap();
+                *data = text.replacen("\"theta\":", to, 1).into_bytes();
+            }
+        })
+    };
+    let [b, c] = [
+        ("b.mcap", "\"theta\":null,\"t\":"),
+        ("c.mcap", "\"more\":1,\"theta\":"),
+    ]
+    .map(|(name, to)| changed(name, to));
+    for (x, y) in [(&whole, &b), (&b, &whole), (&b, &c)] {
+        let report = compare(x, y, &quick()).unwrap();
+        assert_eq!(
+            (report.verdict, report.is_complete),
+            (Verdict::Different, true),
+            "{:?}",
+            report.summary
+        );
+        let found = channel(&report, STATE.name()).bytes.clone().unwrap();
+        assert_eq!((found.count, found.time), (1, 0.2));
+    }
+    let again = changed("d.mcap", "\"theta\":null,\"t\":");
+    assert_eq!(verdict_of(&b, &again, &quick()), Verdict::Identical);
 }
 
 #[test]

@@ -117,7 +117,7 @@ fn null_is_not_a_number() {
     // The empty object is a field of its own.
     let found = values(&mut decoder, "{}");
     assert_eq!(found[0], ("a".to_owned(), Value::Absent));
-    assert_eq!(found[1], (String::new(), Value::Empty));
+    assert_eq!(found[1], (String::new(), Value::EmptyObject));
 }
 
 #[test]
@@ -138,9 +138,16 @@ fn of_members_with_the_same_name_the_last_counts() {
     }
     decode(&mut decoder, r#"{"a":1}"#);
     assert_eq!(decoder.unsaid(b""), None);
-    // Two ways to the same path are one field.
-    let found = decode(&mut json(), r#"{"a.b":1,"a":{"b":2}}"#);
-    assert_fields(&found, &[("a.b", Some(2.0))]);
+    // No two ways lead to one path.
+    let found = decode(&mut json(), r#"{"a.b":1,"a":{"b":2,"0":3,"":4},"l":[5]}"#);
+    let expected = [
+        ("a\\.b", Some(1.0)),
+        ("a.b", Some(2.0)),
+        ("a.\\0", Some(3.0)),
+        ("a.\"\"", Some(4.0)),
+        ("l.0", Some(5.0)),
+    ];
+    assert_fields(&found, &expected);
 }
 
 #[test]
@@ -519,6 +526,30 @@ fn message() -> Vec<u8> {
 }
 
 #[test]
+fn a_field_that_comes_twice_is_not_forgotten() {
+    let mut decoder = shapes_decoder();
+    let inner = |value| delimited(3, varint(1, value));
+    for twice in [
+        [double(1, 0.5), double(1, 1.5)].concat(),
+        [inner(1), inner(2)].concat(),
+        delimited(7, [varint(2, 1), varint(2, 2)].concat()),
+    ] {
+        decode(&mut decoder, &twice);
+        assert_eq!(decoder.unsaid(&twice), Some(&twice[..]));
+    }
+    // Parts of one message, and elements of a list, say nothing twice.
+    let parts = [
+        delimited(3, varint(1, 1)),
+        delimited(3, varint(2, 1)),
+        delimited(4, [1, 2]),
+        varint(4, 4),
+    ];
+    let parts = parts.concat();
+    decode(&mut decoder, &parts);
+    assert_eq!(decoder.unsaid(&parts), None);
+}
+
+#[test]
 fn protobuf_is_flattened() {
     let mut decoder = shapes_decoder();
     let foreseen = ["d", "text", "point.x", "point.ok", "maybe", "color"];
@@ -540,7 +571,7 @@ fn protobuf_is_flattened() {
         ("points.1.x", Some(0.0)),
         ("points.1.ok", Some(0.0)),
         ("by_name.a", Some(8.0)),
-        ("by_name.", Some(0.0)),
+        ("by_name.\"\"", Some(0.0)),
         ("by_id.-1.x", Some(9.0)),
         ("by_id.-1.ok", Some(0.0)),
         ("inner.d", Some(10.0)),

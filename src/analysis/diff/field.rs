@@ -28,7 +28,7 @@ pub struct FieldDifference {
     pub signs_of_zero: u64,
     /// Pairs of NaNs with different bits.
     pub nan_bits: u64,
-    /// The difference of largest magnitude.
+    /// The difference of largest magnitude; the largest double stands for all that are larger.
     pub largest: f64,
     /// When it was largest, s.
     pub at: f64,
@@ -138,6 +138,12 @@ impl FieldTally {
     /// Takes in two numbers that are not the same.
     fn add_pair(&mut self, time_ns: u64, [a, b]: [f64; 2], difference: f64, is_allowed: bool) {
         self.note_difference(time_ns, is_allowed);
+        let difference = if a.is_finite() && b.is_finite() {
+            // What is more than the largest double is told as that.
+            difference.clamp(f64::MIN, f64::MAX)
+        } else {
+            difference
+        };
         if !difference.is_finite() {
             self.not_numbers += 1;
             return;

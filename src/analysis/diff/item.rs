@@ -2,6 +2,7 @@
 
 use crate::telemetry::Message;
 use crate::telemetry::payload::Value;
+use std::sync::Arc;
 
 /// A message that is compared with one of the other run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,6 +20,18 @@ pub(super) struct Item {
     pub(super) values: Vec<Value>,
     /// Of a message of others, what it says beyond its fields: all of it if it can't be decoded.
     pub(super) rest: Option<Box<[u8]>>,
+    /// How its file has it; none for what is simulated or interpolated.
+    pub(super) written: Option<Written>,
+}
+
+/// How a file has a message, beside what the message says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Written {
+    pub(super) encoding: Arc<str>,
+    pub(super) sequence: u32,
+    pub(super) publish_time: u64,
+    /// Its bytes; none if they are compared as such anyway.
+    pub(super) bytes: Option<Box<[u8]>>,
 }
 
 impl From<&Message<'_>> for Item {
@@ -52,6 +65,7 @@ impl Item {
             texts: &self.texts,
             values: &self.values,
             rest: self.rest.as_deref(),
+            written: self.written.as_ref(),
         }
     }
 
@@ -62,11 +76,14 @@ impl Item {
         let values = self.values.iter();
         let values = values.map(|value| size_of::<Value>() + value.memory());
         let rest = self.rest.as_ref().map_or(0, |rest| rest.len());
+        let written = self.written.as_ref();
+        let written = written.and_then(|written| written.bytes.as_ref());
         size_of::<Self>()
             + size_of_val(self.numbers.as_slice())
             + texts.sum::<usize>()
             + values.sum::<usize>()
             + rest
+            + written.map_or(0, |bytes| bytes.len())
     }
 }
 
@@ -76,4 +93,5 @@ pub(super) struct Content<'a> {
     pub(super) texts: &'a [String],
     pub(super) values: &'a [Value],
     pub(super) rest: Option<&'a [u8]>,
+    pub(super) written: Option<&'a Written>,
 }

@@ -182,6 +182,12 @@ impl ComparisonPlan {
 }
 
 impl ComparisonPlan {
+    /// Whether messages of a topic can be compared byte by byte: there are no bytes between two messages.
+    pub(super) fn takes_bytes(&self, topic: usize) -> bool {
+        let rule = self.rules.get(topic).and_then(Option::as_ref);
+        rule.is_some_and(|rule| !rule.is_interpolated())
+    }
+
     /// Whether the times of A's and B's messages, ns, overlap on the clock of both.
     pub(super) fn overlap(&self, a: (u64, u64), b: (u64, u64)) -> bool {
         let of = |side, (first, last)| (self.clock.time(side, first), self.clock.time(side, last));

@@ -269,7 +269,8 @@ impl<'p> Reading<'p> {
             let is_energy = self.plan.are_ours && channel == ENERGY.index();
             let common = &mut self.findings.common;
             compared.drain(frontiers, &self.plan.map, &mut |pair, difference| {
-                if is_energy {
+                // Messages that don't fit the table have no numbers.
+                if is_energy && !(pair.a.is_empty() || pair.b.is_empty()) {
                     common[0].add(pair.time_ns, pair.a);
                     common[1].add(pair.time_ns, pair.b);
                 }

@@ -185,6 +185,13 @@ impl ComparedRun {
             run.content_digest = end.and_then(|end| end.get(CONTENT_DIGEST).cloned());
             run.losses
                 .splice(0..0, recording.losses().iter().map(ToString::to_string));
+            if recording.condition() == Condition::Foreign
+                && !recording.is_closed()
+                && run.losses.is_empty()
+            {
+                run.losses
+                    .push("what may follow: the file was not closed".to_owned());
+            }
             if recording.condition() == Condition::Interrupted {
                 run.losses
                     .push("the end of the run: it was interrupted".to_owned());

@@ -8,9 +8,9 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Keys of what files say about themselves, beside the entries of their metadata records.
-const LIBRARY: &str = "library";
-const ENCODING: &str = "encoding";
-const CONDITION: &str = "condition";
+pub(super) const LIBRARY: &str = "library";
+pub(super) const ENCODING: &str = "encoding";
+pub(super) const CONDITION: &str = "condition";
 
 /// Section a: the set-up.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
@@ -23,6 +23,8 @@ pub struct SetupDifferences {
     pub files: Vec<KeyDifference>,
     /// Topics with schemas that differ.
     pub schemas: Vec<String>,
+    /// Names of attachments that differ, or that only one of the files has.
+    pub attachments: Vec<String>,
     /// Topics that only A has.
     pub topics_only_in_a: Vec<String>,
     /// Topics that only B has.
@@ -58,6 +60,7 @@ pub(super) fn compare(a: Subject<'_>, b: Subject<'_>) -> SetupDifferences {
     if let (Subject::Recording(a), Subject::Recording(b)) = (a, b) {
         setup.files = file_differences(a, b);
         setup.schemas = schema_differences(a, b);
+        setup.attachments = attachment_differences(a, b);
     }
     setup
 }
@@ -146,6 +149,16 @@ fn facts(recording: &Recording) -> Flat {
     let condition = recording.condition().name().to_owned();
     facts.insert(CONDITION.to_owned(), condition);
     facts
+}
+
+/// The names of the attachments that differ, or that only one of two files has.
+fn attachment_differences(a: &Recording, b: &Recording) -> Vec<String> {
+    let [of_a, of_b] = [a, b].map(Recording::attachment_digests);
+    let names: BTreeSet<&String> = of_a.keys().chain(of_b.keys()).collect();
+    let differing = names
+        .into_iter()
+        .filter(|name| of_a.get(*name) != of_b.get(*name));
+    differing.cloned().collect()
 }
 
 /// Topics of both files whose message types differ.

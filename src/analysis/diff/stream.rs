@@ -1,13 +1,14 @@
 //! The messages of one run as they come: out of a file, or out of a simulation.
 
-use super::item::Item;
+use super::item::{Item, Written};
 use super::plan::ComparisonPlan;
-use crate::analysis::subject::{Ended, Subject, Undecodable, read_any};
-use crate::archive::recording::{Any, FileChannel, Recording, Selection, Undecoded};
+use crate::analysis::subject::{Ended, Subject, Undecodable};
+use crate::archive::recording::{FileChannel, Recording, Selection, Undecoded};
 use crate::telemetry::payload::{MAX_FIELDS, PayloadDecoder, Value};
 use crate::telemetry::{Topic, Topics};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
 /// Messages in a batch.
@@ -56,15 +57,7 @@ pub(super) fn read(run: Subject<'_>, plan: &ComparisonPlan, out: &SyncSender<Par
     let mut remarks = Vec::new();
     let ended = match run {
         Subject::Recording(recording) if plan.are_ours => {
-            let positions = plan.topics.iter().map(String::as_str).zip(0..);
-            let positions: BTreeMap<&str, usize> = positions.collect();
-            read_any(recording, topics.clone(), &mut |message, bytes| {
-                let item = match message {
-                    Any::Decoded(message) => Some(Item::from(&message)),
-                    Any::Other(other) => other_item(&other, &positions),
-                };
-                item.map_or(ControlFlow::Continue(()), |item| posting.push(item, bytes))
-            })
+            read_recording(recording, plan, &mut posting, &mut remarks)
         }
         run if plan.are_ours => run.read(&of_table(topics), &mut |message, bytes| {
             posting.push(Item::from(message), bytes)
@@ -102,15 +95,91 @@ pub(super) fn read(run: Subject<'_>, plan: &ComparisonPlan, out: &SyncSender<Par
     let _ = out.send(Parcel::End { ended, remarks });
 }
 
-/// A message of a channel of a recording of toprise that is not of the table.
-fn other_item(message: &Undecoded<'_>, positions: &BTreeMap<&str, usize>) -> Option<Item> {
-    Some(Item {
-        topic: *positions.get(message.channel.topic.as_str())?,
+/// Reads a recording of toprise. Messages that don't fit the table are compared byte by byte, unless their topic is
+/// interpolated: then they are told as missing.
+fn read_recording(
+    recording: &Recording,
+    plan: &ComparisonPlan,
+    posting: &mut Posting<'_>,
+    remarks: &mut Vec<String>,
+) -> Ended {
+    let positions = plan.topics.iter().map(String::as_str).zip(0..);
+    let positions: BTreeMap<&str, usize> = positions.collect();
+    let encodings = encodings(recording);
+    let selection = Selection {
+        topics: Topics::Only(plan.read.clone()),
+        ..Selection::default()
+    };
+    let mut undecodable = Undecodable::default();
+    let mut misfits: Option<(String, u64)> = None;
+    let mut reader = recording.reader(selection).in_order_of_time();
+    loop {
+        let bytes = reader.progress();
+        let Some((raw, decoded)) = reader.next_both() else {
+            break;
+        };
+        let encoding = &encodings[raw.position];
+        let position = positions.get(raw.channel.topic.as_str()).copied();
+        let item = match (decoded, position) {
+            (Some(Ok(message)), _) => Item {
+                written: Some(written(&raw, encoding, false)),
+                ..Item::from(&message)
+            },
+            (Some(Err(error)), Some(topic)) if plan.takes_bytes(topic) => {
+                misfits.get_or_insert((error.to_string(), 0)).1 += 1;
+                item_of_bytes(&raw, encoding, topic)
+            }
+            (Some(Err(error)), _) => {
+                undecodable.add(error);
+                continue;
+            }
+            (None, Some(topic)) => item_of_bytes(&raw, encoding, topic),
+            (None, None) => continue,
+        };
+        if posting.push(item, bytes).is_break() {
+            break;
+        }
+    }
+    remarks.extend(misfits.map(|(first, count)| match count {
+        1 => format!("1 message is compared byte by byte, because it can't be decoded: {first}"),
+        _ => format!(
+            "{count} messages are compared byte by byte, because they can't be decoded; the first: {first}"
+        ),
+    }));
+    Ended {
+        end: recording.end().cloned(),
+        losses: undecodable.losses(&reader),
+    }
+}
+
+/// A message of which only the bytes are compared.
+fn item_of_bytes(message: &Undecoded<'_>, encoding: &Arc<str>, topic: usize) -> Item {
+    Item {
+        topic,
         sequence: message.sequence,
         time_ns: message.log_time,
         rest: Some(message.data.into()),
+        written: Some(written(message, encoding, true)),
         ..Item::default()
-    })
+    }
+}
+
+/// How the file has a message; its bytes are left out if they are compared anyway.
+fn written(message: &Undecoded<'_>, encoding: &Arc<str>, are_bytes_compared: bool) -> Written {
+    Written {
+        encoding: Arc::clone(encoding),
+        sequence: message.sequence,
+        publish_time: message.publish_time,
+        bytes: (!are_bytes_compared).then(|| message.data.into()),
+    }
+}
+
+/// The encodings of a file's channels.
+fn encodings(recording: &Recording) -> Vec<Arc<str>> {
+    let channels = recording.channels().iter();
+    channels
+        .map(|channel| channel.encoding.as_str().into())
+        .collect()
 }
 
 /// The topics of the table among these.
@@ -178,6 +247,7 @@ fn read_payloads(
         })
         .collect();
     let mut known = KnownFields::new(topics.len());
+    let encodings = encodings(recording);
     let mut reader = recording.reader(Selection::default()).in_order_of_time();
     while let Some(message) = reader.next_undecoded() {
         let Some(source) = &mut sources[message.position] else {
@@ -185,6 +255,9 @@ fn read_payloads(
         };
         let mut item = source.read(message.data, &mut known);
         (item.sequence, item.time_ns) = (message.sequence, message.log_time);
+        let are_bytes_compared = item.rest.as_deref() == Some(message.data);
+        let encoding = &encodings[message.position];
+        item.written = Some(written(&message, encoding, are_bytes_compared));
         let new = std::mem::take(&mut source.new);
         if !new.is_empty() {
             posting.batch.fields.push((source.topic, new));

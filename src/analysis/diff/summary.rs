@@ -2,15 +2,18 @@
 
 use super::floor::Floor;
 use super::report::Report;
-use super::setup::KeyDifference;
+use super::setup::{CONDITION, ENCODING, KeyDifference, LIBRARY};
 use super::tale::{Tale, counted};
 use super::told_average::{averaged, nutation};
 use super::told_motion::motion;
+use super::topic::ChannelDifference;
 use super::verdict::Verdict;
 use crate::analysis::phrase::{list, quantity, significant};
 
 /// Most keys that are told one by one.
 const KEYS_TOLD: usize = 3;
+/// Most things that are told to differ beside values that are the same.
+const BESIDE_TOLD: usize = 8;
 
 impl Report {
     /// The findings in a few sentences, with the runs called by these names.
@@ -95,8 +98,11 @@ fn verdict(tale: Tale<'_>) -> Option<String> {
         .iter()
         .all(|channel| channel.identical == channel.pairs);
     match report.verdict {
-        Verdict::Identical => Some(format!("Identical, bit for bit: {what}.")),
+        Verdict::Identical => Some(identical(report, &what)),
         Verdict::Equal => Some(format!("Equal within the tolerances: {what}.")),
+        Verdict::Agreeing if is_exact && !report.is_complete => Some(format!(
+            "All that could be read of both is the same: {what}."
+        )),
         Verdict::Agreeing if is_exact => Some(format!(
             "All that was compared is the same, but not every message was: {what}."
         )),
@@ -106,6 +112,57 @@ fn verdict(tale: Tale<'_>) -> Option<String> {
         // What scenarios with other keys differ in, and what follows, is told below.
         Verdict::Different if tale.keys().next().is_some() => None,
         Verdict::Different => Some(first_difference(report)),
+    }
+}
+
+/// That all values are the same to the last bit, and what differs beside them.
+fn identical(report: &Report, what: &str) -> String {
+    let setup = &report.setup;
+    let says_otherwise = |key: &str| setup.files.iter().any(|file| file.key == key);
+    let count = |of: fn(&ChannelDifference) -> u64| report.signals.channels.iter().map(of).sum();
+    let mut written = Vec::new();
+    if says_otherwise(ENCODING) {
+        written.push("the encoding".to_owned());
+    }
+    for (name, count) in [
+        ("the bytes", count(|channel| channel.other_bytes)),
+        (
+            "the publish times",
+            count(|channel| channel.other_publish_times),
+        ),
+        (
+            "the sequence numbers",
+            count(|channel| channel.other_sequences),
+        ),
+    ] {
+        if count > 0 {
+            written.push(format!("{name} of {}", counted(count, "message")));
+        }
+    }
+    let schemas = setup.schemas.iter();
+    written.extend(schemas.map(|schema| format!("the schema of {schema}")));
+    let opening = if written.is_empty() {
+        "Identical, bit for bit"
+    } else {
+        "The same values"
+    };
+    let attachments = setup.attachments.iter();
+    let mut beside = written;
+    beside.extend(attachments.map(|name| format!("the attachment {name}")));
+    let entries = setup.files.iter().map(|file| file.key.as_str());
+    let entries = entries.filter(|key| ![LIBRARY, ENCODING, CONDITION].contains(key));
+    beside.extend(entries.map(|key| format!("the metadata {key}")));
+    let more = beside.len().saturating_sub(BESIDE_TOLD);
+    beside.truncate(BESIDE_TOLD);
+    if more > 0 {
+        beside.push(format!("{more} more"));
+    }
+    match beside.as_slice() {
+        [] => format!("{opening}: {what}."),
+        beside => format!(
+            "{opening}: {what}. What differs beside them: {}.",
+            list(beside)
+        ),
     }
 }
 
@@ -132,6 +189,8 @@ fn first_difference(report: &Report) -> String {
     };
     let by = if field.other_values > 0 {
         format!("{} of its values", field.other_values)
+    } else if field.largest.abs() == f64::MAX {
+        format!("by more than {}", quantity(f64::MAX, 3, &field.unit))
     } else if field.largest == 0.0 {
         "it is a number in one of them only".to_owned()
     } else {

@@ -34,6 +34,12 @@ pub struct ChannelDifference {
     pub pairs: u64,
     /// Pairs that are the same to the last bit.
     pub identical: u64,
+    /// Pairs with the same values that are written in other bytes.
+    pub other_bytes: u64,
+    /// Pairs with other publish times.
+    pub other_publish_times: u64,
+    /// Pairs with other sequence numbers.
+    pub other_sequences: u64,
     /// Messages of A within the time of both that B has no counterpart for.
     pub only_in_a: u64,
     /// Messages of B within the time of both that A has no counterpart for.
@@ -159,6 +165,9 @@ impl ComparedTopic {
             messages_b,
             pairs: tally.pairs,
             identical: tally.identical,
+            other_bytes: tally.other_bytes,
+            other_publish_times: tally.other_publish_times,
+            other_sequences: tally.other_sequences,
             only_in_a: alone_a - beyond_in_a,
             only_in_b: alone_b - beyond_in_b,
             beyond_in_a,
@@ -233,6 +242,11 @@ pub(super) struct TopicTally {
     pub(super) is_complete: bool,
     pub(super) pairs: u64,
     pub(super) identical: u64,
+    other_bytes: u64,
+    other_publish_times: u64,
+    other_sequences: u64,
+    /// Whether any messages that are compared byte by byte are of different encodings: then equal bytes say nothing.
+    encodings_differ: bool,
     texts: Option<TextDifference>,
     compared_bytes: u64,
     bytes: Option<BytesDifference>,
@@ -344,10 +358,14 @@ impl TopicTally {
         self.pairs += 1;
         let first = self.span.map_or(pair.time_ns, |(first, _)| first);
         self.span = Some((first, pair.time_ns));
-        if !self.is_of_table {
-            let [a, b] = pair.contents;
+        let [a, b] = pair.contents;
+        if !self.is_of_table || a.rest.is_some() || b.rest.is_some() {
+            // Messages that don't fit the table have no numbers, and so no differences.
+            self.difference.clear();
+            self.difference.resize(self.fields.len(), f64::NAN);
             let is_same = self.add_contents(pair.time_ns, a, b);
             self.identical += u64::from(is_same);
+            self.note_writing(a, b, is_same);
             return;
         }
         let mut is_same = true;
@@ -363,6 +381,7 @@ impl TopicTally {
             is_same = false;
         }
         self.identical += u64::from(is_same);
+        self.note_writing(a, b, is_same);
         if is_same {
             for derived in &mut self.derived {
                 derived.add_identical(pair.time_ns);
@@ -412,6 +431,18 @@ impl TopicTally {
             }
         }
         self.add_bytes(time_ns, a.rest, b.rest) && is_same
+    }
+
+    /// Notes in what the files have two messages otherwise, beside what these say.
+    fn note_writing(&mut self, a: Content<'_>, b: Content<'_>, is_same: bool) {
+        let (Some(x), Some(y)) = (a.written, b.written) else {
+            return;
+        };
+        self.other_bytes += u64::from(is_same && x.bytes != y.bytes);
+        self.other_publish_times += u64::from(x.publish_time != y.publish_time);
+        self.other_sequences += u64::from(x.sequence != y.sequence);
+        let are_bytes = a.rest.is_some() && b.rest.is_some();
+        self.encodings_differ |= are_bytes && x.encoding != y.encoding;
     }
 
     fn add_bytes(&mut self, time_ns: u64, a: Option<&[u8]>, b: Option<&[u8]>) -> bool {
@@ -474,7 +505,10 @@ impl TopicTally {
     /// Whether all pairs agree within the tolerances, and in their texts.
     pub(super) fn is_equal(&self) -> bool {
         let mut fields = self.fields.iter().filter(|field| field.is_common());
-        let is_said_otherwise = self.kinds_differ || self.other_words > 0 || self.bytes.is_some();
+        let is_said_otherwise = self.kinds_differ
+            || self.other_words > 0
+            || self.bytes.is_some()
+            || self.encodings_differ;
         !is_said_otherwise && fields.all(|field| field.tally.is_equal())
     }
 

@@ -12,7 +12,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Every message is the same, to the last bit.
+    /// All values are the same, to the last bit; the summary tells what differs beside them, such as the encoding.
     Identical,
     /// Both have the same messages, which agree within the tolerances.
     Equal,

@@ -12,10 +12,12 @@ use crate::archive::format::{
     recorded_form, telemetry_version,
 };
 use crate::physics::dynamics::Support;
-use crate::run::scenario::Scenario;
+use crate::run::scenario::{Scenario, hex};
 use crate::telemetry::encoding::{Encoding, FieldDifferences};
 use crate::telemetry::{Telemetry, Topic, Topics, Version, table};
 use mcap::records::Record;
+use sha2::{Digest as _, Sha256};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// An MCAP file, opened for reading.
@@ -287,6 +289,28 @@ impl Recording {
     /// [`NoScenario`] if it has none, or it can't be used.
     pub fn scenario(&self) -> Result<Scenario, NoScenario> {
         Ok(Scenario::from_toml(&self.scenario_text()?)?)
+    }
+
+    /// Whether its writer closed it: it has a footer.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.layout.is_ended
+    }
+
+    /// SHA-256 of what the attachments of each name hold, in the order of the file; what can't be read says why.
+    pub(crate) fn attachment_digests(&self) -> BTreeMap<String, Vec<String>> {
+        let mut digests: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for attachment in &self.layout.attachments {
+            let digest = self.attachment(&attachment.place).map_or_else(
+                |reason| reason,
+                |(head, data)| format!("{} {}", head.media_type, hex(&Sha256::digest(&data))),
+            );
+            digests
+                .entry(attachment.name.clone())
+                .or_default()
+                .push(digest);
+        }
+        digests
     }
 
     /// An attachment's head and data, if its checksum is right.

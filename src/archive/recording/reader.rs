@@ -219,7 +219,7 @@ impl<'r> Reader<'r> {
         let (mut batch_end, mut batch_size) = (0, 0);
         for (start, end, size, index) in found {
             match batches.last_mut() {
-                Some(batch) if start < batch_end && batch_size + size <= LARGEST_BATCH => {
+                Some(batch) if start <= batch_end && batch_size + size <= LARGEST_BATCH => {
                     batch.push(index);
                     batch_end = end.max(batch_end);
                     batch_size += size;
@@ -230,6 +230,8 @@ impl<'r> Reader<'r> {
                 }
             }
         }
+        // Messages with one time stay in the order of the file.
+        batches.iter_mut().for_each(|batch| batch.sort_unstable());
         batches
     }
 
@@ -417,7 +419,7 @@ impl<'r> Reader<'r> {
                     length: recording.size() - section.offset,
                     span: None,
                     reason: format!(
-                        "what was read before is {LARGEST_GROWTH} times as long as the file"
+                        "not read, though it may be whole: what was read before is {LARGEST_GROWTH} times as long as the file"
                     ),
                 });
                 self.read = self.batches.len();

@@ -140,7 +140,7 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
             self.member(&segment, &mut next, |value| members.next_value_seed(value))?;
         }
         if is_empty {
-            return self.put(Found::Empty);
+            return self.put(Found::EmptyObject);
         }
         Ok(())
     }

@@ -322,6 +322,10 @@ impl Reading<'_> {
     ) -> Result<(), String> {
         if !field.is_repeated {
             node.implicit = field.implicit;
+            if matches!(field.kind, Kind::Scalar(_)) && !self.filling.meet(node) {
+                // The last one counts, but the message says more.
+                self.filling.repeat();
+            }
             return self.value(field.kind, wire, node, place);
         }
         self.filling.meet(node);
@@ -371,16 +375,20 @@ impl Reading<'_> {
         place: &Place<'_>,
     ) -> Result<(), String> {
         let (mut key, mut value) = (None, None);
+        let mut repeats = false;
         while !data.is_empty() {
             let before = data;
             match take(&mut data)? {
-                (KEY, wire) => key = Some(wire),
-                (VALUE, wire) => value = Some(wire),
+                (KEY, wire) => repeats |= key.replace(wire).is_some(),
+                (VALUE, wire) => repeats |= value.replace(wire).is_some(),
                 _ => {
                     let length = before.len() - data.len();
                     self.filling.keep_unknown(&before[..length]);
                 }
             }
+        }
+        if repeats {
+            self.filling.repeat();
         }
         let Some(field) = of_type.find(VALUE, &mut 0) else {
             return Ok(());

@@ -3,7 +3,7 @@
 use super::value::Value;
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::fmt;
+use std::fmt::{self, Write as _};
 
 /// A channel has no more fields than this; others are left out.
 pub const MAX_FIELDS: usize = 4096;
@@ -53,10 +53,28 @@ impl fmt::Display for Place<'_> {
             write!(f, "{parent}.")?;
         }
         match self.segment {
-            Segment::Name(name) => f.write_str(name),
+            Segment::Name(name) => write_name(name, f),
             Segment::Index(index) => index.fmt(f),
         }
     }
+}
+
+/// Writes a name so that no other path reads the same: a backslash stands before dots, quotes and backslashes, and before
+/// names that look like the position of an element; the empty name is `""`.
+fn write_name(name: &str, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    if name.is_empty() {
+        return f.write_str("\"\"");
+    }
+    if name.parse::<i128>().is_ok() {
+        f.write_char('\\')?;
+    }
+    for character in name.chars() {
+        if matches!(character, '.' | '"' | '\\') {
+            f.write_char('\\')?;
+        }
+        f.write_char(character)?;
+    }
+    Ok(())
 }
 
 /// What is known of a place in the messages: which field it is, and what has been in it.
@@ -143,7 +161,6 @@ impl Zero {
 #[derive(Debug, Default)]
 pub(super) struct Tree {
     paths: Vec<String>,
-    slots: HashMap<String, usize>,
     /// What the paths cost.
     cost: usize,
     is_full: bool,
@@ -156,10 +173,8 @@ pub(super) struct Tree {
     met_in_vain: u64,
     /// Whether this message says something twice.
     repeats: bool,
-    /// Parts of this message that its schema doesn't know.
+    /// Parts of this message that its schema doesn't know, or that its values don't hold.
     unknown: Vec<u8>,
-    /// Whether two ways through messages lead to fields with one path.
-    is_ambiguous: bool,
 }
 
 impl Tree {
@@ -173,10 +188,15 @@ impl Tree {
 
     /// What the last message says beyond its fields: parts of it, or all of it; nothing if they say it all.
     pub(super) fn unsaid<'a>(&'a self, message: &'a [u8]) -> Option<&'a [u8]> {
-        if self.missed > 0 || self.repeats || self.is_ambiguous {
+        if self.missed > 0 || self.repeats {
             return Some(message);
         }
         (!self.unknown.is_empty()).then_some(&self.unknown)
+    }
+
+    /// Keeps a part of the last message that its fields don't hold.
+    pub(super) fn keep_unknown(&mut self, part: &[u8]) {
+        self.unknown.extend_from_slice(part);
     }
 
     /// The field at a place, a new one if there is none; nothing if there is no room for it.
@@ -186,17 +206,12 @@ impl Tree {
             return None;
         }
         let path = place.map_or_else(String::new, Place::to_string);
-        if let Some(slot) = self.slots.get(&path) {
-            self.is_ambiguous = true;
-            return Some(*slot);
-        }
         let has_room = self.has_room(path.len(), place.map_or(0, Place::depth));
         if self.paths.len() == MAX_FIELDS || !has_room {
             self.is_full = true;
             return None;
         }
         let slot = self.paths.len();
-        self.slots.insert(path.clone(), slot);
         self.paths.push(path);
         Some(slot)
     }
@@ -225,6 +240,11 @@ impl<'a> Filling<'a> {
         values.clear();
         values.resize(tree.paths.len(), Value::Absent);
         Self { tree, values }
+    }
+
+    /// Notes that the message says something twice.
+    pub(super) fn repeat(&mut self) {
+        self.tree.repeats = true;
     }
 
     /// Whether no more fields can be found.
@@ -314,7 +334,7 @@ impl<'a> Filling<'a> {
 
     /// Keeps a part of the message that its schema doesn't know.
     pub(super) fn keep_unknown(&mut self, part: &[u8]) {
-        self.tree.unknown.extend_from_slice(part);
+        self.tree.keep_unknown(part);
     }
 
     /// Keeps a list known, if there is room, before it is known whether there is anything in it: its

@@ -24,8 +24,10 @@ pub enum Value {
     Bytes(Box<[u8]>),
     /// JSON's `null`.
     Null,
-    /// A list, an object or a message with nothing in it.
+    /// A list or a message with nothing in it.
     Empty,
+    /// A JSON object with nothing in it.
+    EmptyObject,
 }
 
 /// Bytes that are shown of a value that is longer.
@@ -49,7 +51,12 @@ impl Value {
             Self::Integer(integer) => *integer as f64,
             Self::Large(integer) => *integer as f64,
             Self::Bool(is_true) => f64::from(u8::from(*is_true)),
-            Self::Absent | Self::Text(_) | Self::Bytes(_) | Self::Null | Self::Empty => f64::NAN,
+            Self::Absent
+            | Self::Text(_)
+            | Self::Bytes(_)
+            | Self::Null
+            | Self::Empty
+            | Self::EmptyObject => f64::NAN,
         }
     }
 
@@ -106,7 +113,8 @@ impl fmt::Display for Value {
                 }
             }
             Self::Null => f.write_str("null"),
-            Self::Empty => f.write_str("an empty list or object"),
+            Self::Empty => f.write_str("an empty list or message"),
+            Self::EmptyObject => f.write_str("an empty object"),
         }
     }
 }
