@@ -78,7 +78,7 @@ pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -
         ));
         telemetry = Some(version.number());
         without = origin::without(recording, scenario);
-        not_covered = origin::not_covered(recording, scenario);
+        not_covered = origin::not_covered(recording, scenario, &version);
     }
     let is_damaged = checks
         .iter()

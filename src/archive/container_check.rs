@@ -9,7 +9,7 @@ use crate::archive::container::section::{
     Buffers, InnerRecord, MessageRecord, Packing, Section, record_at,
 };
 use crate::archive::container::source::Source;
-use crate::archive::format::{LOST, STOP_REASON};
+use crate::archive::format::{END_RECORD, LOST, RUN_RECORD, SCENARIO_ATTACHMENT, STOP_REASON};
 use crate::archive::recording::{Condition, Recording};
 use mcap::records::{AttachmentIndex, MessageIndexEntry, MetadataIndex, Record, Statistics, op};
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,6 +36,16 @@ pub(crate) fn check(recording: &Recording, progress: &dyn Fn(u64)) -> Vec<Check>
     survey.checks()
 }
 
+/// The kinds of records that a summary groups.
+const GROUPED: [u8; 6] = [
+    op::SCHEMA,
+    op::CHANNEL,
+    op::STATISTICS,
+    op::CHUNK_INDEX,
+    op::ATTACHMENT_INDEX,
+    op::METADATA_INDEX,
+];
+
 /// What is seen in going through the file.
 struct Survey<'a> {
     recording: &'a Recording,
@@ -45,6 +55,8 @@ struct Survey<'a> {
     checksums: Problems,
     index: Problems,
     records: u64,
+    /// The opcode of the record before.
+    previous: Option<u8>,
     is_ended: bool,
     data_end: Option<u64>,
     footer: Option<RecordSpan>,
@@ -62,6 +74,10 @@ struct Survey<'a> {
     channels: Channels,
     /// Opcodes and ids of those that are defined before the end of the data, and behind it.
     defined: [BTreeSet<(u8, u16)>; 2],
+    /// The groups that the summary says to have: opcode, start and length.
+    groups: Vec<(u8, u64, u64)>,
+    /// Where the record `toprise.end` stands.
+    end_record: Option<u64>,
     counts: Counts,
     statistics: Option<Statistics>,
 }
@@ -113,6 +129,7 @@ impl<'a> Survey<'a> {
             checksums: Problems::default(),
             index: Problems::default(),
             records: 0,
+            previous: None,
             is_ended: false,
             data_end: None,
             footer: None,
@@ -124,6 +141,8 @@ impl<'a> Survey<'a> {
             metadata: BTreeMap::new(),
             channels: Channels::default(),
             defined: Default::default(),
+            groups: Vec::new(),
+            end_record: None,
             counts: Counts::default(),
             statistics: None,
         }
@@ -182,6 +201,7 @@ impl<'a> Survey<'a> {
         self.structure.unless(is_in_place, || {
             format!("the record at {} is out of place", place.offset)
         });
+        self.previous = Some(place.opcode);
         match place.opcode {
             op::CHUNK => return self.take_chunk(place),
             // No index points to them by their places, and there may be many.
@@ -226,19 +246,22 @@ impl<'a> Survey<'a> {
         self.recording.condition() != Condition::Foreign
     }
 
-    /// Whether recordings of toprise have such a record here: all messages are in chunks, and what only says where
-    /// things are stands behind the end of the data.
+    /// Whether recordings of toprise have such a record here: all messages are in chunks, indexed right behind
+    /// them, and what only says where things are stands behind the end of the data.
     fn is_in_place(&self, opcode: u8) -> bool {
         let in_data = self.data_end.is_none_or(|_| opcode == op::DATA_END);
         self.footer.is_none()
             && match opcode {
+                // Only a run that was cut off before its first chunk has them outside of chunks.
+                op::SCHEMA | op::CHANNEL if in_data => {
+                    self.counts.chunks == 0 && self.recording.condition() == Condition::Interrupted
+                }
                 op::SCHEMA | op::CHANNEL => true,
-                op::HEADER
-                | op::CHUNK
-                | op::MESSAGE_INDEX
-                | op::ATTACHMENT
-                | op::METADATA
-                | op::DATA_END => in_data,
+                op::MESSAGE_INDEX => {
+                    let previous = self.previous;
+                    in_data && matches!(previous, Some(op::CHUNK | op::MESSAGE_INDEX))
+                }
+                op::HEADER | op::CHUNK | op::ATTACHMENT | op::METADATA | op::DATA_END => in_data,
                 op::STATISTICS
                 | op::CHUNK_INDEX
                 | op::ATTACHMENT_INDEX
@@ -260,7 +283,18 @@ impl<'a> Survey<'a> {
             op::SCHEMA => self.counts.schemas.insert(id),
             _ => self.counts.channels.insert(id),
         };
-        self.defined[usize::from(self.data_end.is_some())].insert((opcode, id));
+        let defined = &mut self.defined[usize::from(self.data_end.is_some())];
+        let is_first = defined.insert((opcode, id));
+        let what = match opcode {
+            op::SCHEMA => "schema",
+            _ => "channel",
+        };
+        self.structure.unless(is_first || !self.is_ours(), || {
+            format!("{what} {id} is defined a second time")
+        });
+        self.structure.unless(opcode != op::SCHEMA || id != 0, || {
+            "a schema has the number 0, which stands for none".to_owned()
+        });
         self.channels.define(record);
     }
 
@@ -292,7 +326,10 @@ impl<'a> Survey<'a> {
                     name: header.name,
                     media_type: header.media_type,
                 };
+                let is_scenario = index.name == SCENARIO_ATTACHMENT;
+                self.demand_before_chunks(is_scenario, SCENARIO_ATTACHMENT);
                 self.attachments.insert(place.offset, index);
+                self.demand_checksum(crc, "an attachment has");
                 let sum = crc32fast::hash(&body[..body.len().saturating_sub(4)]);
                 self.checksums.unless(crc == 0 || crc == sum, || {
                     format!(
@@ -307,6 +344,10 @@ impl<'a> Survey<'a> {
             }
             Record::Metadata(found) => {
                 self.counts.metadata += u32::from(in_data);
+                self.demand_before_chunks(found.name == RUN_RECORD, RUN_RECORD);
+                if found.name == END_RECORD {
+                    self.end_record = Some(place.offset);
+                }
                 let index = MetadataIndex {
                     offset: place.offset,
                     length: place.length,
@@ -325,6 +366,8 @@ impl<'a> Survey<'a> {
             }
             Record::DataEnd(found) => self.check_data(place, found.data_section_crc),
             Record::SummaryOffset(found) => {
+                let group = (found.group_opcode, found.group_start, found.group_length);
+                self.groups.push(group);
                 // Others write the offsets of empty groups too, which start where the next one does.
                 let right = found.group_length == 0
                     || self.is_group(found.group_opcode, found.group_start, found.group_length);
@@ -338,6 +381,10 @@ impl<'a> Survey<'a> {
 
     fn take_chunk(&mut self, place: &RecordSpan) -> io::Result<()> {
         self.counts.chunks += 1;
+        let is_before_end = self.end_record.is_none() || !self.recording.layout.is_ours();
+        self.structure.unless(is_before_end, || {
+            format!("a chunk stands behind {END_RECORD}, at {}", place.offset)
+        });
         let section = Section::of_chunk(place, self.source)?;
         let mut seen = ChunkSeen {
             length: place.length,
@@ -357,6 +404,14 @@ impl<'a> Survey<'a> {
             return Ok(());
         }
         seen.packing = self.buffers.packing().unwrap_or_default();
+        let is_one_frame = !self.is_ours() || self.buffers.is_one_frame();
+        self.structure.unless(is_one_frame, || {
+            format!("the chunk at {} is not one frame", place.offset)
+        });
+        let has_checksum = !self.is_ours() || self.buffers.has_checksum();
+        self.checksums.unless(has_checksum, || {
+            format!("the chunk at {} has no checksum", place.offset)
+        });
         let records = std::mem::take(&mut self.buffers.records);
         self.structure
             .unless(!records.is_empty() || !self.is_ours(), || {
@@ -431,13 +486,21 @@ impl<'a> Survey<'a> {
         channel: u16,
         entries: &[MessageIndexEntry],
     ) {
+        let is_ours = self.is_ours();
         let chunk = self.last_chunk.and_then(|at| self.chunks.get_mut(&at));
         let Some(chunk) = chunk else {
             self.index
                 .add(|| format!("the message index at {} has no chunk", place.offset));
             return;
         };
-        chunk.indexes.insert(channel, place.offset);
+        let is_first = chunk.indexes.insert(channel, place.offset).is_none();
+        self.index
+            .unless(!is_ours || (is_first && !entries.is_empty()), || {
+                format!(
+                    "the message index at {} is empty or comes twice",
+                    place.offset
+                )
+            });
         chunk.indexes_length += place.length;
         let mut sorted = entries.to_vec();
         sorted.sort_by_key(|entry| entry.offset);
@@ -483,6 +546,35 @@ impl<'a> Survey<'a> {
             && !self.places.get_key_value(&end).is_some_and(is_of_kind)
     }
 
+    /// Compares the groups of the summary with those that its offsets name: each once, and none is left out. Others
+    /// write the offsets of empty groups too.
+    fn check_groups(&mut self, summary: u64, offsets: u64) {
+        let mut groups: Vec<(u8, u64, u64)> = Vec::new();
+        let mut named = self.groups.clone();
+        named.sort_unstable();
+        let mut offsets_start = 0;
+        for (&at, &(opcode, length)) in self.places.range(summary..) {
+            match groups.last_mut() {
+                _ if opcode == op::SUMMARY_OFFSET && offsets_start == 0 => offsets_start = at,
+                _ if !GROUPED.contains(&opcode) => {}
+                Some((last, _, all)) if *last == opcode => *all += length,
+                _ => groups.push((opcode, at, length)),
+            }
+        }
+        groups.sort_unstable();
+        let is_repeated = |pair: &[(u8, u64, u64)]| pair[0].0 == pair[1].0;
+        let is_once = !groups.windows(2).any(is_repeated) && !named.windows(2).any(is_repeated);
+        named.retain(|(opcode, start, length)| {
+            *length != 0 || !GROUPED.contains(opcode) || !self.places.contains_key(start)
+        });
+        self.index.unless(is_once && named == groups, || {
+            "the summary offsets are not those of the summary's groups".to_owned()
+        });
+        self.index.unless(offsets_start == offsets, || {
+            "the footer doesn't lead to the summary offsets".to_owned()
+        });
+    }
+
     /// `is_right` tells whether an index says what stands at the place that it leads to.
     fn check_pointer(&mut self, is_right: bool, offset: u64, what: &str) {
         let is_first = self.indexed.insert(offset);
@@ -497,7 +589,7 @@ impl<'a> Survey<'a> {
                 self.checksums.unless(crc == 0 || crc == found, || {
                     format!("the checksum of the data is {found:08x}, not {crc:08x}")
                 });
-                self.demand_checksum(crc, "data");
+                self.demand_checksum(crc, "the data have");
             }
             Err(error) => self.checksums.add(|| error.to_string()),
         }
@@ -506,8 +598,15 @@ impl<'a> Survey<'a> {
     /// Recordings of toprise have a checksum where others may have none, which is a zero.
     fn demand_checksum(&mut self, crc: u32, what: &str) {
         self.checksums.unless(crc != 0 || !self.is_ours(), || {
-            format!("the {what} have no checksum")
+            format!("{what} no checksum")
         });
+    }
+
+    /// What toprise writes before the messages stands there, unless another program has rewritten the file.
+    fn demand_before_chunks(&mut self, is_such: bool, what: &str) {
+        let is_right = !is_such || self.counts.chunks == 0 || !self.recording.layout.is_ours();
+        self.structure
+            .unless(is_right, || format!("{what} stands behind the first chunk"));
     }
 
     /// What a file with a footer must have.
@@ -530,7 +629,7 @@ impl<'a> Survey<'a> {
         let right = found.summary_crc == 0 || found.summary_crc == sum;
         self.checksums
             .unless(right, || "the checksum of the summary is wrong".to_owned());
-        self.demand_checksum(found.summary_crc, "summary");
+        self.demand_checksum(found.summary_crc, "the summary has");
         let is_last = footer.end() + mcap::MAGIC.len() as u64 == self.source.length();
         self.structure
             .unless(is_last, || "something stands behind the footer".to_owned());
@@ -544,6 +643,9 @@ impl<'a> Survey<'a> {
             && (found.summary_offset_start == 0 || is_offset(found.summary_offset_start));
         self.index
             .unless(points_well, || "the footer leads nowhere".to_owned());
+        if self.is_ours() {
+            self.check_groups(found.summary_start, found.summary_offset_start);
+        }
         self.check_completeness();
         Ok(())
     }

@@ -5,6 +5,7 @@ use crate::support::{archive, scenario};
 use mcap::records::{Record as Parsed, op};
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::Write as _;
 use std::path::Path;
 use toprise::analysis::verify::{Options, Report, Verdict, verify};
 use toprise::archive::recording::{Recording, Selection};
@@ -70,8 +71,12 @@ pub struct Forgery {
     summary: fn(&mut Vec<Raw>),
     /// Changes the offsets of the summary.
     offsets: fn(&mut Vec<Raw>),
+    /// Where the footer says that the offsets are.
+    offsets_start: fn(u64) -> u64,
     /// Changes the records behind a chunk, which index it.
     indexes: fn(&mut Vec<Raw>),
+    /// Changes a record of the data before it is written.
+    written: fn(&mut Raw),
     before_magic: Vec<u8>,
     before_last_magic: Vec<u8>,
     is_digest_right: bool,
@@ -171,8 +176,9 @@ impl Writing {
         (offset, self.bytes.len() as u64 - offset)
     }
 
-    fn data(&mut self, record: &Record, indexes: fn(&mut Vec<Raw>)) {
-        let raw = record.raw();
+    fn data(&mut self, record: &Record, forgery: &Forgery) {
+        let mut raw = record.raw();
+        (forgery.written)(&mut raw);
         let (offset, length) = self.add(&raw);
         let place = [offset.to_le_bytes(), length.to_le_bytes()].concat();
         match record {
@@ -193,7 +199,7 @@ impl Writing {
             }
             Record::Chunk(records) => {
                 self.chunks += 1;
-                self.index_chunk(records, &raw, (offset, length), indexes);
+                self.index_chunk(records, &raw, (offset, length), forgery.indexes);
             }
             Record::Other(..) => {}
         }
@@ -246,20 +252,25 @@ impl Writing {
             })
             .collect();
         change(&mut indexes);
-        let mut offsets = Vec::new();
+        let mut places = BTreeMap::new();
         let start = self.bytes.len();
         for index in &indexes {
-            offsets.extend(&index.1[..2]);
-            offsets.extend(self.add(index).0.to_le_bytes());
+            let (at, _) = self.add(index);
+            if index.0 == op::MESSAGE_INDEX {
+                places.insert([index.1[0], index.1[1]], at.to_le_bytes());
+            }
         }
+        let places = places.iter();
+        let offsets: Vec<u8> = places.flat_map(|(c, at)| [&c[..], at].concat()).collect();
         let mut body = chunk.1[..16].to_vec();
         body.extend(offset.to_le_bytes());
         body.extend(length.to_le_bytes());
         body.extend((offsets.len() as u32).to_le_bytes());
         body.extend(offsets);
         body.extend(((self.bytes.len() - start) as u64).to_le_bytes());
-        body.extend(text(""));
-        body.extend(at.to_le_bytes());
+        // The name of its compression, its compressed size and its size.
+        let name = 4 + chunk.1[28] as usize;
+        body.extend(&chunk.1[28..28 + name + 8]);
         body.extend(at.to_le_bytes());
         self.indexes.push((op::CHUNK_INDEX, body));
     }
@@ -308,7 +319,7 @@ impl Writing {
             self.add(offset);
         }
         let mut footer = (start as u64).to_le_bytes().to_vec();
-        footer.extend(offsets_start.to_le_bytes());
+        footer.extend((forgery.offsets_start)(offsets_start).to_le_bytes());
         let head = framed(&(op::FOOTER, [&footer[..], &[0; 4]].concat()));
         let summed = [&self.bytes[start..], &head[..head.len() - 4]].concat();
         footer.extend(crc32fast::hash(&summed).to_le_bytes());
@@ -373,6 +384,8 @@ impl Forgery {
             records,
             summary: |_| {},
             offsets: |_| {},
+            offsets_start: |start| start,
+            written: |_| {},
             indexes: |_| {},
             before_magic: Vec::new(),
             before_last_magic: Vec::new(),
@@ -387,7 +400,7 @@ impl Forgery {
         let header = [text(&self.profile), text(&self.library)].concat();
         writing.add(&(op::HEADER, header));
         for record in &self.records {
-            writing.data(record, self.indexes);
+            writing.data(record, self);
         }
         writing.end(self);
         writing.bytes.extend(&self.before_last_magic);
@@ -575,6 +588,34 @@ impl Forgery {
         found.unwrap()
     }
 
+    /// Orders the messages of one time otherwise.
+    fn reorder<K: Ord>(&mut self, key: impl Fn(&Message) -> K) {
+        for record in &mut self.records {
+            if let Record::Chunk(chunk) = record {
+                chunk.sort_by_key(|record| match record {
+                    Record::Message(message) => Some((message.log_time, key(message))),
+                    _ => None,
+                });
+            }
+        }
+    }
+
+    /// Moves a record of the data to another place.
+    fn shift(&mut self, to: usize, is_it: impl Fn(&Record) -> bool) {
+        let at = self.records.iter().position(is_it).unwrap();
+        let record = self.records.remove(at);
+        self.records.insert(to.min(self.records.len()), record);
+    }
+
+    /// The record that defines a channel.
+    fn definition(&mut self, topic: &str) -> Record {
+        let mut found = None;
+        self.channel(topic, |channel| {
+            found = Some(Record::Channel(channel.clone()))
+        });
+        found.unwrap()
+    }
+
     fn metadata(&mut self, name: &str, entries: &[(&str, &str)]) {
         let entries = entries.iter();
         let entries = entries.map(|(key, value)| ((*key).to_owned(), (*value).to_owned()));
@@ -679,6 +720,32 @@ fn other_view(message: &mut Message) {
     if let Some(byte) = message.data.last_mut() {
         *byte ^= 1;
     }
+}
+
+/// The topic of a channel.
+fn topic_of(record: &Record) -> Option<String> {
+    match record {
+        Record::Channel(channel) => Some(channel.topic.clone()),
+        _ => None,
+    }
+}
+
+/// Compresses a chunk.
+fn pack((opcode, body): &mut Raw, name: &str, compress: impl Fn(&[u8]) -> Vec<u8>) {
+    if *opcode != op::CHUNK {
+        return;
+    }
+    let packed = compress(&body[40..]);
+    body.truncate(28);
+    body.extend(text(name));
+    body.extend((packed.len() as u64).to_le_bytes());
+    body.extend(packed);
+}
+
+fn lz4(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = lz4_flex::frame::FrameEncoder::new(Vec::new());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
 }
 
 #[test]
@@ -839,15 +906,70 @@ fn what_stands_beside_the_messages_follows_from_the_scenario_or_is_listed() {
             ("another comment", Listed("comments"), |f| {
                 f.edit_scenario("  # ", "  # as measured by the author, ");
             }),
-            ("an attachment", Listed("the attachment notes.txt"), |f| {
-                let mut notes = f.scenario().clone();
-                notes.name = "notes.txt".to_owned();
-                f.records.insert(2, Record::Attachment(notes));
-            }),
-            ("metadata", Listed("the metadata laboratory"), |f| {
+            (
+                "an attachment",
+                Listed("the attachment \"notes.txt\""),
+                |f| {
+                    let mut notes = f.scenario().clone();
+                    notes.name = "notes.txt".to_owned();
+                    f.records.insert(2, Record::Attachment(notes));
+                },
+            ),
+            ("metadata", Listed("the metadata \"laboratory\""), |f| {
                 f.metadata("laboratory", &[("place", "MIT")]);
             }),
+            (
+                "metadata that is called almost like ours",
+                Listed("the metadata \"toprise.run \""),
+                |f| f.metadata("toprise.run ", &[("friction_law", "viscous")]),
+            ),
+            (
+                "metadata without a name",
+                Listed("the metadata \"\""),
+                |f| {
+                    f.metadata("", &[("place", "MIT")]);
+                },
+            ),
+            (
+                "an attachment without a name",
+                Listed("the attachment \"\""),
+                |f| {
+                    let mut notes = f.scenario().clone();
+                    notes.name = String::new();
+                    f.records.insert(2, Record::Attachment(notes));
+                },
+            ),
+            ("the end first", Refused("behind toprise.end"), |f| {
+                f.shift(
+                    0,
+                    |r| matches!(r, Record::Metadata(name, _) if name == "toprise.end"),
+                );
+            }),
+            ("the run last", Refused("behind the first chunk"), |f| {
+                f.shift(
+                    usize::MAX,
+                    |r| matches!(r, Record::Metadata(name, _) if name == "toprise.run"),
+                );
+            }),
+            (
+                "the scenario last",
+                Refused("behind the first chunk"),
+                |f| {
+                    f.shift(usize::MAX, |r| matches!(r, Record::Attachment(_)));
+                },
+            ),
             // The header.
+            ("no library", Listed("that \"\" wrote the file"), |f| {
+                f.library = String::new();
+            }),
+            (
+                "another version wrote and simulated it",
+                Listed("that toprise 9.9.9 simulated it"),
+                |f| {
+                    f.library = "toprise/9.9.9".to_owned();
+                    f.set("toprise.run", "version", "9.9.9");
+                },
+            ),
             ("a profile", Refused("profile"), |f| {
                 f.profile = "ros2".to_owned()
             }),
@@ -856,14 +978,14 @@ fn what_stands_beside_the_messages_follows_from_the_scenario_or_is_listed() {
             }),
             (
                 "another library",
-                Listed("that somebody wrote the file"),
+                Listed("that \"somebody\" wrote the file"),
                 |f| {
                     f.library = "somebody".to_owned();
                 },
             ),
             (
                 "another version wrote it",
-                Listed("that toprise/9.9.9 wrote"),
+                Listed("that \"toprise/9.9.9\" wrote"),
                 |f| {
                     f.library = "toprise/9.9.9".to_owned();
                 },
@@ -977,6 +1099,31 @@ fn channels_and_schemas_are_those_of_toprise() {
             ("a channel without schema", Refused("schema"), |f| {
                 f.channel("/tf", |channel| channel.schema = 0);
             }),
+            ("a schema with the number 0", Refused("the number 0"), |f| {
+                let schema = f.id("/tf").1;
+                f.each(|record| match record {
+                    Record::Schema(id, ..) if *id == schema => *id = 0,
+                    Record::Channel(channel) if channel.schema == schema => channel.schema = 0,
+                    _ => {}
+                });
+            }),
+            ("a channel again", Refused("a second time"), |f| {
+                let channel = f.definition("/tf");
+                f.last_chunk().insert(0, channel);
+            }),
+            ("a schema again", Refused("a second time"), |f| {
+                let is_schema = |r: &&Record| matches!(r, Record::Schema(..));
+                let schema = f.first_chunk().iter().find(is_schema).unwrap().clone();
+                f.last_chunk().insert(0, schema);
+            }),
+            (
+                "a channel outside of chunks",
+                Refused("out of place"),
+                |f| {
+                    let channel = f.definition("/tf");
+                    f.records.insert(3, channel);
+                },
+            ),
             (
                 "a schema that nothing uses",
                 Refused("belongs to no channel"),
@@ -1214,6 +1361,17 @@ fn messages_are_those_of_the_simulation_byte_by_byte() {
                     chunk.insert(0, last);
                 },
             ),
+            (
+                "another order at one time",
+                Refused("others of its time"),
+                |f| {
+                    f.reorder(|message| std::cmp::Reverse(message.channel));
+                },
+            ),
+            ("views behind the rest", Refused("right behind"), |f| {
+                let views: Vec<_> = view_channels().iter().map(|v| f.id(v.topic).0).collect();
+                f.reorder(|message| views.contains(&message.channel));
+            }),
             ("a message of no channel", Refused("not defined"), |f| {
                 let chunk = f.last_chunk();
                 let Some(Record::Message(mut last)) = chunk.last().cloned() else {
@@ -1472,6 +1630,133 @@ fn the_container_says_nothing_else_than_the_messages() {
                     f.indexes = |indexes| drop(indexes.remove(0));
                 },
             ),
+            (
+                "an empty index behind the right one",
+                Refused("comes twice"),
+                |f| {
+                    f.indexes = |indexes| {
+                        let channel = indexes[0].1[..2].to_vec();
+                        indexes.push((op::MESSAGE_INDEX, [channel, vec![0; 4]].concat()));
+                    };
+                },
+            ),
+            (
+                "an index of a channel that has nothing there",
+                Refused("is empty"),
+                |f| {
+                    f.indexes = |indexes| {
+                        indexes.push((op::MESSAGE_INDEX, vec![0x0f, 0x27, 0, 0, 0, 0]));
+                    };
+                },
+            ),
+            (
+                "metadata between a chunk and its indexes",
+                Refused("out of place"),
+                |f| {
+                    f.indexes = |indexes| {
+                        let record = Record::Metadata("by me".to_owned(), Texts::new());
+                        indexes.insert(0, record.raw());
+                    };
+                },
+            ),
+            ("two zstd frames", Refused("not one frame"), |f| {
+                f.written = |raw| {
+                    pack(raw, "zstd", |bytes| {
+                        let (one, two) = bytes.split_at(bytes.len() / 2);
+                        let pack = |bytes| zstd::bulk::compress(bytes, 1).unwrap();
+                        [pack(one), pack(two)].concat()
+                    });
+                };
+            }),
+            (
+                "a zstd frame that is skipped",
+                Refused("not one frame"),
+                |f| {
+                    f.written = |raw| {
+                        pack(raw, "zstd", |bytes| {
+                            let hidden = [0x50, 0x2a, 0x4d, 0x18, 2, 0, 0, 0, b'm', b'e'];
+                            [zstd::bulk::compress(bytes, 1).unwrap(), hidden.to_vec()].concat()
+                        });
+                    };
+                },
+            ),
+            ("two lz4 frames", Refused("not one frame"), |f| {
+                f.written = |raw| {
+                    pack(raw, "lz4", |bytes| {
+                        let (one, two) = bytes.split_at(bytes.len() / 2);
+                        [lz4(one), lz4(two)].concat()
+                    });
+                };
+            }),
+            ("one zstd frame", Listed("words of its author"), |f| {
+                f.written = |raw| {
+                    pack(raw, "zstd", |bytes| zstd::bulk::compress(bytes, 1).unwrap());
+                };
+            }),
+            ("one lz4 frame", Listed("words of its author"), |f| {
+                f.written = |raw| pack(raw, "lz4", lz4);
+            }),
+            ("no checksums of chunks", Refused("no checksum"), |f| {
+                f.written = |(opcode, body)| {
+                    if *opcode == op::CHUNK {
+                        body[24..28].fill(0);
+                    }
+                };
+            }),
+            (
+                "no checksum of an attachment",
+                Refused("an attachment has no checksum"),
+                |f| {
+                    f.written = |(opcode, body)| {
+                        if *opcode == op::ATTACHMENT {
+                            let at = body.len() - 4;
+                            body[at..].fill(0);
+                        }
+                    };
+                },
+            ),
+            ("empty offsets", Refused("summary offsets"), |f| {
+                f.offsets = |offsets| {
+                    for (_, body) in offsets {
+                        body[9..].fill(0);
+                    }
+                };
+            }),
+            (
+                "an offset of an unknown kind",
+                Refused("summary offsets"),
+                |f| {
+                    f.offsets = |offsets| {
+                        let mut more = offsets[0].clone();
+                        more.1[0] = 200;
+                        more.1[9..].fill(0);
+                        offsets.push(more);
+                    };
+                },
+            ),
+            ("no offsets", Refused("the footer leads nowhere"), |f| {
+                f.offsets = Vec::clear;
+            }),
+            (
+                "offsets that lack groups",
+                Refused("summary offsets"),
+                |f| {
+                    f.offsets = |offsets| offsets.truncate(2);
+                },
+            ),
+            ("offsets twice", Refused("summary offsets"), |f| {
+                f.offsets = |offsets| offsets.extend(offsets.clone());
+            }),
+            (
+                "a footer that leads to the second offset",
+                Refused("the footer doesn't lead"),
+                |f| f.offsets_start = |start| start + 26,
+            ),
+            (
+                "a footer without offsets",
+                Refused("the footer doesn't lead"),
+                |f| f.offsets_start = |_| 0,
+            ),
             ("an index with other times", Refused("message index"), |f| {
                 f.indexes = |indexes| indexes[0].1[6] ^= 1;
             }),
@@ -1490,6 +1775,28 @@ fn to_claim_to_be_old_or_new_is_no_way_out() {
                 "an old recording",
                 Listed("that toprise 0.1.0 simulated it"),
                 |_| {},
+            ),
+            (
+                "an old recording that was simulated today",
+                Listed("telemetry 1 is not its own"),
+                |f| {
+                    f.library = format!("toprise/{}", env!("CARGO_PKG_VERSION"));
+                    f.set("toprise.run", "version", env!("CARGO_PKG_VERSION"));
+                },
+            ),
+            (
+                "an old recording without views",
+                Listed("whether it was recorded with the channels for viewers"),
+                |f| {
+                    let mut topics = Vec::new();
+                    f.each(|r| topics.extend(topic_of(r)));
+                    for view in view_channels()
+                        .iter()
+                        .filter(|v| topics.contains(&v.topic.to_owned()))
+                    {
+                        f.leave_out(view.topic);
+                    }
+                },
             ),
             ("a number", Refused("simulated again"), |f| {
                 f.messages("/top/energy", other_view);

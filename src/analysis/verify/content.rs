@@ -291,6 +291,8 @@ struct ViewCheck {
     unexpected: u64,
     /// Views that should be there.
     missing: u64,
+    /// Whether some don't stand right behind what they follow from.
+    is_late: bool,
 }
 
 /// A message of a view channel that follows from the data.
@@ -311,6 +313,7 @@ impl ViewCheck {
             found: 0,
             unexpected: 0,
             missing: 0,
+            is_late: false,
             recorded: view_channels()
                 .iter()
                 .map(|view| view.topic)
@@ -323,6 +326,7 @@ impl ViewCheck {
         if self.recorded.is_empty() {
             return;
         }
+        self.is_late |= !self.expected.is_empty();
         let (expected, recorded) = (&mut self.expected, &self.recorded);
         self.views.take(message, |channel, sequence, data| {
             let topic = view_channels()[channel].topic;
@@ -377,6 +381,9 @@ impl ViewCheck {
         if is_all_there {
             self.problems.unless(unexpected == 0 && missing == 0, || {
                 format!("{unexpected} follow from nothing, {missing} are missing")
+            });
+            self.problems.unless(!self.is_late, || {
+                "some don't stand right behind what they follow from".to_owned()
             });
         }
         if !is_all_there && unexpected > 0 && self.problems.count == 0 {

@@ -289,7 +289,11 @@ fn view_is_right(channel: &FileChannel) -> bool {
 }
 
 /// What a reader of the file sees and no check covers, in the words of its author or of others.
-pub(super) fn not_covered(recording: &Recording, scenario: Option<&Scenario>) -> Vec<String> {
+pub(super) fn not_covered(
+    recording: &Recording,
+    scenario: Option<&Scenario>,
+    telemetry: &Version,
+) -> Vec<String> {
     let mut found = Vec::new();
     found.extend(words(recording, scenario));
     if scenario.is_none() {
@@ -297,18 +301,28 @@ pub(super) fn not_covered(recording: &Recording, scenario: Option<&Scenario>) ->
     }
     let this = env!("CARGO_PKG_VERSION");
     let simulated = recording.run().and_then(|run| run.get(VERSION));
-    let simulated = simulated.filter(|version| *version != this);
+    let simulated = simulated.filter(|version| *version != this || !telemetry.is_current());
     if let Some(version) = simulated {
-        found.push(format!(
-            "that toprise {version} simulated it: this is {this}"
-        ));
+        let number = telemetry.number();
+        found.push(match version == this {
+            false => format!("that toprise {version} simulated it: this is {this}"),
+            true => {
+                format!("that toprise {version} simulated it: telemetry {number} is not its own")
+            }
+        });
+    }
+    let is_form_told = recording
+        .run()
+        .is_none_or(|run| recorded_form(run).is_some());
+    if !is_form_told && !recording.channels().iter().any(FileChannel::is_view) {
+        found.push("whether it was recorded with the channels for viewers".to_owned());
     }
     let library = recording.library();
     let is_told = library
         .strip_prefix(LIBRARY_PREFIX)
         .is_some_and(|version| version == this || simulated.is_some_and(|told| told == version));
     if !is_told {
-        found.push(format!("that {library} wrote the file"));
+        found.push(format!("that {library:?} wrote the file"));
     }
     let reason = recording.end().and_then(|end| end.get(STOP_REASON));
     if reason.is_some_and(|reason| reason == StopReason::Interrupted.name()) {
@@ -321,12 +335,12 @@ pub(super) fn not_covered(recording: &Recording, scenario: Option<&Scenario>) ->
     }
     for attachment in &recording.layout.attachments {
         if attachment.name != SCENARIO_ATTACHMENT {
-            found.push(format!("the attachment {}", attachment.name));
+            found.push(format!("the attachment {:?}", attachment.name));
         }
     }
     for (name, _) in recording.all_metadata() {
         if !OUR_RECORDS.contains(&name) {
-            found.push(format!("the metadata {name}"));
+            found.push(format!("the metadata {name:?}"));
         }
     }
     found

@@ -23,6 +23,8 @@ pub(super) struct Reproduction {
     equal: u64,
     missing: u64,
     difference: Option<String>,
+    /// The first message that stands before others of its time that the simulation gives earlier, or that are missing.
+    early: Option<String>,
     /// Whether the simulation could not go on.
     has_failed: bool,
     end: Option<Entries>,
@@ -46,6 +48,7 @@ impl Reproduction {
             equal: 0,
             missing: 0,
             difference: None,
+            early: None,
             has_failed: false,
             end: recording.end().cloned(),
             is_recovered: recording.condition() == Condition::Recovered,
@@ -62,6 +65,9 @@ impl Reproduction {
         let found = self.ahead.iter().position(|simulated| {
             simulated.channel == recorded.channel && simulated.sequence == recorded.sequence
         });
+        if found.is_some_and(|at| at > 0) && self.early.is_none() {
+            self.early = Some(place(recorded));
+        }
         match found.and_then(|at| self.ahead.remove(at)) {
             Some(simulated) => {
                 self.difference = difference(recorded, &simulated, self.of.kept(recorded.channel));
@@ -144,6 +150,10 @@ impl Reproduction {
         let missing = self.missing;
         if is_all_there && missing > 0 {
             let finding = format!("{missing} messages of the simulation are not recorded");
+            return (Verdict::Failed, finding);
+        }
+        if let Some(early) = self.early.as_ref().filter(|_| is_all_there) {
+            let finding = format!("{early}: the simulation gives others of its time before it");
             return (Verdict::Failed, finding);
         }
         let mut equal = format!("all {} messages are equal, bit for bit", self.equal);

@@ -47,6 +47,10 @@ pub(crate) enum SectionError {
     Checksum { expected: u32, found: u32 },
 }
 
+/// What a frame of each compression begins with.
+const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+const LZ4_MAGIC: [u8; 4] = [0x04, 0x22, 0x4d, 0x18];
+
 /// The bytes of a section, used again for the next one.
 #[derive(Default)]
 pub(crate) struct Buffers {
@@ -67,12 +71,27 @@ pub(crate) struct Packing {
 impl Buffers {
     /// How the chunk that was loaded last is packed.
     pub(crate) fn packing(&self) -> Option<Packing> {
-        let chunk = Chunk::parse(self.raw.get(HEAD as usize..)?)?;
+        let chunk = self.chunk()?;
         Some(Packing {
             compression: String::from_utf8_lossy(chunk.compression).into_owned(),
             compressed: chunk.data.len() as u64,
             uncompressed: chunk.size,
         })
+    }
+
+    /// Whether the chunk that was loaded last is compressed as one frame, which takes all of its data. Of several
+    /// frames some readers see all, and some the first.
+    pub(crate) fn is_one_frame(&self) -> bool {
+        self.chunk().is_some_and(|chunk| chunk.is_one_frame())
+    }
+
+    /// Whether the chunk that was loaded last has a checksum: zero stands for none.
+    pub(crate) fn has_checksum(&self) -> bool {
+        self.chunk().is_some_and(|chunk| chunk.checksum != 0)
+    }
+
+    fn chunk(&self) -> Option<Chunk<'_>> {
+        Chunk::parse(self.raw.get(HEAD as usize..)?)
     }
 }
 
@@ -140,6 +159,21 @@ impl<'a> Chunk<'a> {
             compression,
             data: rest.get(..length)?,
         })
+    }
+
+    fn is_one_frame(&self) -> bool {
+        match self.compression {
+            b"zstd" => {
+                let length = zstd::zstd_safe::find_frame_compressed_size(self.data);
+                self.data.starts_with(&ZSTD_MAGIC) && length == Ok(self.data.len())
+            }
+            b"lz4" => {
+                let mut decoder = lz4_flex::frame::FrameDecoder::new(self.data);
+                let read = io::copy(&mut decoder, &mut io::sink());
+                self.data.starts_with(&LZ4_MAGIC) && read.is_ok() && decoder.get_ref().is_empty()
+            }
+            _ => true,
+        }
     }
 
     fn decompress(
