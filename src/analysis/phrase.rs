@@ -38,16 +38,22 @@ pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
 /// Two numbers, each with as many digits as it takes to see how they differ: four at least, twelve at most.
 #[must_use]
 pub(crate) fn pair(values: [f64; 2]) -> [String; 2] {
-    let difference = (values[1] - values[0]).abs();
+    // Decimals down to the third digit of the difference.
+    let decimals = match exponent((values[1] - values[0]).abs()) {
+        Some(exponent) => 2 - exponent,
+        None => 0,
+    };
     values.map(|value| {
-        // Three digits of the difference.
-        let (mut digits, mut resolved) = (4, 10.0 * difference);
-        while digits < 12 && resolved <= value.abs() && resolved > 0.0 {
-            resolved *= 10.0;
-            digits += 1;
-        }
-        significant(value, digits)
+        let digits = exponent(value).map_or(4, |exponent| exponent + 1 + decimals);
+        significant(value, usize::try_from(digits.clamp(4, 12)).unwrap_or(4))
     })
+}
+
+/// The power of ten in a number; none of zero.
+fn exponent(value: f64) -> Option<i32> {
+    let scientific = format!("{value:e}");
+    let (_, exponent) = scientific.rsplit_once('e')?;
+    exponent.parse().ok().filter(|_| value != 0.0)
 }
 
 /// The magnitude of a time, in the unit that fits.
@@ -162,6 +168,7 @@ mod tests {
         assert_eq!(duration(0.0), "0 s");
         assert_eq!(pair([1.754, 1.7541]), ["1.754000", "1.754100"]);
         assert_eq!(pair([0.5, 0.0216]), ["0.5000", "0.02160"]);
+        assert_eq!(pair([5.0, 5.0503]), ["5.0000", "5.0503"]);
         assert_eq!(pair([2.0, 2.0]), ["2.000", "2.000"]);
     }
 

@@ -374,7 +374,7 @@ fn what_is_told_is_what_happened() {
             preset: "frictionless",
             overrides: &[("initial.theta", "2.5"), ("stop.duration", "3")],
             told: &["neither rises nor sinks", "stayed at 2.49999 rad"],
-            not_told: &["sank", "the axis rose:"],
+            not_told: &["the axis sank:", "the axis rose:"],
         },
         Expected {
             preset: "paper",
@@ -416,7 +416,7 @@ fn what_is_told_is_what_happened() {
             preset: "lifecycle",
             overrides: &[],
             told: &["the top rises, sleeps, weakens and falls"],
-            not_told: &["sank", "45.1 %"],
+            not_told: &["the axis sank:", "45.1 %"],
         },
         Expected {
             preset: "paper-spin-term-only",
@@ -507,7 +507,7 @@ fn recordings_of_0_1_0_are_told_drawn_and_compared() {
     for (name, sentences) in [
         (
             "paper",
-            ["quickened the precession by 410", "together added"],
+            ["quickened the precession by 409", "together added"],
         ),
         (
             "full-coulomb",

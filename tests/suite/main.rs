@@ -10,6 +10,7 @@ mod archive;
 mod command_line;
 #[cfg(unix)]
 mod crash;
+mod cycles;
 mod damage;
 mod diff;
 mod diff_command;
@@ -38,6 +39,7 @@ mod rerun_pair;
 mod scenarios;
 #[cfg(all(feature = "web-viewer", unix))]
 mod serve;
+mod stories;
 mod support;
 mod telemetry;
 mod versions;

@@ -70,6 +70,15 @@ impl Facts {
         steps.max(10.0) * (tolerances.absolute + tolerances.relative * size.abs())
     }
 
+    /// A value, or zero if it is nothing beside `size`, the size that the quantity has, but the integrator's errors.
+    pub(super) fn or_zero(&self, value: f64, size: f64) -> f64 {
+        if value.abs() <= self.floor(size) {
+            0.0
+        } else {
+            value
+        }
+    }
+
     /// Two values of a quantity, as "went from … to …", or as "stayed at …" if they don't differ by more than the
     /// integrator's errors.
     pub(super) fn went(&self, values: [f64; 2], unit: &str) -> String {
@@ -77,7 +86,8 @@ impl Facts {
         if (last - first).abs() <= self.floor(first.abs().max(last.abs())) {
             return format!("stayed at {}", quantity(last, 5, unit));
         }
-        let [begun, ended] = pair(values);
+        let size = first.abs().max(last.abs());
+        let [begun, ended] = pair(values.map(|value| self.or_zero(value, size)));
         format!("went from {begun} to {ended} {unit}")
     }
 

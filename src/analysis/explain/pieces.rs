@@ -1,9 +1,9 @@
 //! The pieces of a run over which means are exact: its nutations, and the motion without nutation between them.
 
-use super::totals::Totals;
+use super::totals::{Totals, is_vertical};
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
-use crate::run::simulation::{EventKind, UPRIGHT};
+use crate::run::simulation::EventKind;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
     ACCELERATION, CONTACT, EVENTS, MOMENTUM, NUTATION, STATE, acceleration, events, momentum,
@@ -59,7 +59,7 @@ impl Regular {
 
     /// At a mean motion with a mean of the frictional term of φ̈, rad/s².
     fn at(top: &Top, theta: f64, rates: Euler, friction: f64) -> Self {
-        if theta < UPRIGHT {
+        if is_vertical(theta) {
             return Self::NONE;
         }
         let tilt = Tilt::from_rates(theta, rates);

@@ -10,7 +10,8 @@ const NOTABLE: f64 = 0.02;
 /// An axis that stays near upright this many times as long as it takes, at the pace at which it came, from there to
 /// upright and back sleeps; otherwise it passes.
 const ASLEEP: f64 = 5.0;
-/// The number of points of the path from which that pace is taken.
+/// The number of points of the path from which that pace is taken; a top that starts upright sleeps if it is there for as
+/// many.
 const PACE: usize = 10;
 
 /// A stage of a run, or a moment.
@@ -92,7 +93,8 @@ pub(super) fn stages(path: &[Point], events: &[Event], floor: f64) -> Vec<Stage>
                 let stage = whole(Kind::Sleeps, part);
                 let is_asleep = (stage.to - stage.from) * pace >= ASLEEP * 2.0 * UPRIGHT;
                 // What starts upright came from nowhere.
-                let kind = if is_asleep || stages.is_empty() {
+                let starts_asleep = stages.is_empty() && part.len() >= PACE;
+                let kind = if is_asleep || starts_asleep {
                     Kind::Sleeps
                 } else {
                     Kind::Passes

@@ -61,7 +61,7 @@ pub struct StageReport {
 }
 
 /// What changed φ̇, and what friction changed ψ̇ by, from the first sample to the last or to where the axis first comes
-/// near upright or the contact point sticks.
+/// near the vertical or the contact point sticks.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PrecessionReport {
     /// Start of the integrals, s.

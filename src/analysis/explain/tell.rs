@@ -47,7 +47,10 @@ fn title(facts: &Facts, course: &CourseReport) -> String {
     let name = facts.scenario.name();
     let end = course.stop_time.unwrap_or(facts.last_time());
     let mut verbs: Vec<String> = Vec::new();
-    for verb in facts.stages.iter().filter_map(|stage| stage.kind.verb()) {
+    let starts_upright = |index: usize, kind: Kind| index == 0 && kind == Kind::Passes;
+    let stages = facts.stages.iter().enumerate();
+    let told = stages.filter(|(index, stage)| !starts_upright(*index, stage.kind));
+    for verb in told.filter_map(|(_, stage)| stage.kind.verb()) {
         if verbs.last().is_none_or(|last| last != verb) {
             verbs.push(verb.to_owned());
         }
@@ -183,7 +186,7 @@ fn stage(stage: &Stage) -> Option<String> {
             moment(least.1),
         ),
         Kind::Passes => format!(
-            "{span} the axis passed near upright: θ{averaged} came down to {}.",
+            "{span} the axis was near upright: θ{averaged} came down to {}.",
             quantity(least.0, 2, "rad"),
         ),
         Kind::Sticks => format!(

@@ -6,6 +6,13 @@ use crate::physics::top::Top;
 use crate::run::simulation::UPRIGHT;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{acceleration, contact, state};
+use std::f64::consts::PI;
+
+/// Whether the axis is so near the vertical, upright or hanging, that precession and spin can hardly be told apart: their
+/// rates and terms grow like 1/sin² θ.
+pub(super) fn is_vertical(theta: f64) -> bool {
+    theta < UPRIGHT || PI - theta < UPRIGHT
+}
 
 /// The rates and the running integrals at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,8 +29,8 @@ pub(super) struct Sums {
 /// Why the sums end before the run does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Until {
-    /// The axis came near upright, where precession and spin can hardly be told apart, because their terms explode.
-    Upright,
+    /// The axis came near the vertical, where precession and spin can hardly be told apart, because their terms explode.
+    Vertical,
     /// The contact point stuck: other torques act then than those of the terms.
     Stick,
 }
@@ -66,8 +73,8 @@ impl Totals {
         if self.until.is_none() {
             if sticks {
                 self.until = Some((Until::Stick, time));
-            } else if theta < UPRIGHT {
-                self.until = Some((Until::Upright, time));
+            } else if is_vertical(theta) {
+                self.until = Some((Until::Vertical, time));
             }
         }
         if self.until.is_some() {

@@ -155,8 +155,8 @@ pub(super) fn precession(facts: &Facts, report: &PrecessionReport) -> Option<Cha
     let change = report.last - report.first;
     let friction = report.frictional;
     let span = match facts.pieces.totals.until {
-        Some((Until::Upright, time)) => format!(
-            "Until the axis came within 0.01 rad of upright, at {},",
+        Some((Until::Vertical, time)) => format!(
+            "Until the axis came within 0.01 rad of the vertical, at {},",
             moment(time)
         ),
         Some((Until::Stick, time)) => {
@@ -472,12 +472,11 @@ fn header(is_fast: bool) -> Vec<String> {
 }
 
 fn row(facts: &Facts, stage: &StageReport, is_fast: bool) -> Vec<String> {
-    let change = stage.theta_dot * (stage.to - stage.from);
-    let theta_dot = if change.abs() <= facts.floor(stage.theta) {
-        0.0
-    } else {
-        stage.theta_dot
-    };
+    let duration = stage.to - stage.from;
+    let theta_dot = facts.or_zero(stage.theta_dot * duration, stage.theta) / duration;
+    let rates = [stage.phi_dot, stage.psi_dot];
+    let size = rates[0].abs().max(rates[1].abs());
+    let [phi_dot, psi_dot] = rates.map(|rate| facts.or_zero(rate, size));
     let known = |value: Option<f64>, digits| {
         value.map_or("–".to_owned(), |value| significant(value, digits))
     };
@@ -492,8 +491,8 @@ fn row(facts: &Facts, stage: &StageReport, is_fast: bool) -> Vec<String> {
         significant(stage.theta, 4),
         significant(theta_dot, 3),
         known(stage.theta_dot_demanded, 3),
-        significant(stage.phi_dot, 5),
+        significant(phi_dot, 5),
         known(root, 5),
-        significant(stage.psi_dot, 5),
+        significant(psi_dot, 5),
     ]
 }

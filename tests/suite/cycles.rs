@@ -1,0 +1,200 @@
+//! Nutation cycles, their envelopes, and the integrals of the terms of φ̈.
+
+use crate::support::{Run, archive, scenario};
+use tempfile::tempdir;
+use toprise::archive::format::{recorded_form, run_entries, telemetry_version};
+use toprise::archive::recording::Recording;
+use toprise::archive::writer::Form;
+use toprise::physics::kinematics::Euler;
+use toprise::run::simulation::NutationCycle;
+use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::fields::STATE;
+use toprise::telemetry::{Topics, table};
+
+/// The period of nutation without friction from the state of the sample that is next to a cycle's start.
+fn period(run: &Run, scenario: &toprise::run::scenario::Scenario, cycle: &NutationCycle) -> f64 {
+    let sample = run
+        .samples
+        .iter()
+        .min_by(|a, b| {
+            let distance =
+                |s: &toprise::run::simulation::Sample| (s.time_ns as f64 / 1e9 - cycle.start).abs();
+            distance(a).total_cmp(&distance(b))
+        })
+        .unwrap();
+    let extremes = [cycle.theta_min, cycle.theta_max];
+    let top = &scenario.model.top;
+    top.nutation_period(&sample.tilt, extremes).unwrap()
+}
+
+#[test]
+fn val_the_period_of_nutation_of_any_amplitude() {
+    for (psi_dot, phi_dot, theta) in [
+        ("170", "1.75", "0.5"),
+        ("170", "0", "0.5"),
+        ("40", "0", "0.5"),
+        ("38", "3", "1.2"),
+        ("60", "-8", "0.3"),
+        ("120", "400", "0.7"),
+        ("3", "0", "2.5"),
+    ] {
+        let scenario = scenario(
+            "frictionless",
+            &[
+                ("initial.psi_dot", psi_dot),
+                ("initial.phi_dot", phi_dot),
+                ("initial.theta", theta),
+                ("stop.duration", "3"),
+                ("formulation", "body"),
+                ("stop.theta_fallen", ""),
+                ("stop.theta_risen", ""),
+            ],
+        );
+        let run = Run::of(&scenario);
+        assert!(run.cycles.len() > 2, "{psi_dot} {phi_dot} {theta}");
+        for cycle in &run.cycles {
+            let expected = period(&run, &scenario, cycle);
+            let error = (cycle.period() / expected - 1.0).abs();
+            assert!(
+                error < 1e-8,
+                "{psi_dot} {phi_dot} {theta}: {cycle:?} {expected}"
+            );
+        }
+        // No nutation is lost: each begins where the one before ends.
+        assert!(
+            run.cycles
+                .windows(2)
+                .all(|pair| pair[0].end == pair[1].start)
+        );
+    }
+}
+
+#[test]
+fn a_fall_is_no_nutation() {
+    // Of the presets those that fall: what lasted 9 to 100 times as long as a nutation was a cycle once.
+    for (preset, count) in [("lifecycle", 614), ("paper-spin-term-only", 322)] {
+        let scenario = scenario(preset, &[]);
+        let run = Run::of(&scenario);
+        assert_eq!(run.cycles.len(), count, "{preset}");
+        for cycle in &run.cycles {
+            let periods = cycle.period() / period(&run, &scenario, cycle);
+            // 1.12 is that of the last one before the fall.
+            assert!(
+                (0.9..1.15).contains(&periods),
+                "{preset}: {periods} {cycle:?}"
+            );
+        }
+        let indices: Vec<_> = run
+            .cycles
+            .iter()
+            .map(|cycle| cycle.index as usize)
+            .collect();
+        assert!(indices.iter().copied().eq(0..count));
+    }
+}
+
+#[test]
+fn envelopes_are_those_of_a_much_finer_sampling() {
+    for preset in [
+        "paper",
+        "full-coulomb",
+        "paper-precession-term-only",
+        "rise-by-loss-of-spin",
+    ] {
+        let run = |period| {
+            Run::of(&scenario(
+                preset,
+                &[("stop.duration", "0.3"), ("sampling.period", period)],
+            ))
+        };
+        let (coarse, fine) = (run("0.05"), run("1e-5"));
+        // What is recorded of cycles doesn't depend on the sampling.
+        assert_eq!(coarse.cycles, fine.cycles);
+        for cycle in &fine.cycles {
+            let range_of = |get: fn(&Euler) -> f64, margin: f64| {
+                let inside = fine.samples.iter().filter(|sample| {
+                    let time = sample.time_ns as f64 / 1e9;
+                    time >= cycle.start - margin && time <= cycle.end + margin
+                });
+                let values = inside.map(|sample| get(&sample.tilt.rates));
+                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| {
+                    [a.min(x), b.max(x)]
+                })
+            };
+            for get in [|r: &Euler| r.theta, |r: &Euler| r.phi, |r: &Euler| r.psi] {
+                let get: fn(&Euler) -> f64 = get;
+                let [least, greatest] = [get(&cycle.least_rates), get(&cycle.greatest_rates)];
+                // What lies within the cycle, and what reaches a sample beyond its ends.
+                let (inner, outer) = (range_of(get, 0.0), range_of(get, 1e-5));
+                // Between samples 1e-5 s apart at 140 rad/s a rate can pass its extreme by (ω h)²/8, 3e-7 of its range;
+                // what the search misses is less.
+                let slack = 1e-6 * (greatest - least) + 1e-12 * greatest.abs();
+                assert!(least <= inner[0] + slack && least >= outer[0] - slack);
+                assert!(greatest >= inner[1] - slack && greatest <= outer[1] + slack);
+            }
+        }
+    }
+}
+
+#[test]
+fn val_the_terms_add_up_to_the_change_of_the_rate() {
+    // 20 samples a second see a nutation of 23 to 60 Hz at odd phases: sums over them would be anything.
+    let overrides = [("stop.duration", "20"), ("sampling.period", "0.05")];
+    let run = Run::of(&scenario("paper-precession-term-only", &overrides));
+    let first = run.samples[0].tilt.rates.phi;
+    for sample in &run.samples {
+        let terms = &sample.integrals.terms;
+        let sum = terms.phi_gyroscopic + terms.phi_coriolis + terms.phi_frictional;
+        let change = sample.tilt.rates.phi - first;
+        assert!((sum - change).abs() < 1e-8, "{sum} {change}");
+        let work: f64 = sample.integrals.work_node.iter().sum();
+        assert!((work - sample.integrals.friction_work).abs() < 1e-12);
+    }
+    // In closed form: its integral of friction's term in ψ̈ is none.
+    assert_eq!(
+        run.samples.last().unwrap().integrals.terms.psi_frictional,
+        0.0
+    );
+    let run = Run::of(&scenario("frictionless", &[("stop.duration", "1")]));
+    let last = run.samples.last().unwrap().integrals;
+    assert_eq!((last.terms.phi_frictional, last.slip_work), (0.0, 0.0));
+}
+
+#[test]
+fn a_recording_names_its_telemetry_and_its_form() {
+    let directory = tempdir().unwrap();
+    let scenario = scenario("paper", &[("stop.duration", "0.1")]);
+    for (name, topics, form) in [
+        ("all", vec![], Form::default()),
+        (
+            "some",
+            vec!["/top/state"],
+            Form {
+                encoding: Encoding::Protobuf,
+                views: false,
+            },
+        ),
+    ] {
+        let path = directory.path().join(name).with_extension("mcap");
+        archive(&path, &scenario, &topics, form).unwrap();
+        let recording = Recording::open(&path).unwrap();
+        let run = recording.run().unwrap();
+        assert_eq!(telemetry_version(run), Some(table::VERSION));
+        let expected = if topics.is_empty() {
+            Topics::All
+        } else {
+            Topics::Only(vec![STATE])
+        };
+        assert_eq!(
+            recorded_form(run),
+            Some((form.encoding, form.views, expected))
+        );
+    }
+    // The first version named neither.
+    let mut old = run_entries(&scenario);
+    old.remove("telemetry");
+    assert_eq!(
+        (telemetry_version(&old), recorded_form(&old)),
+        (Some(1), None)
+    );
+}
