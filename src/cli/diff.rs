@@ -82,6 +82,10 @@ pub(super) struct DiffArguments {
     #[arg(long, value_name = "TOPICS", value_delimiter = ',')]
     topics: Vec<String>,
 
+    /// Ignore these topics and fields, as in /top/pose or '/top/state.*_ddot'; may be given again.
+    #[arg(long, value_name = "PATTERN")]
+    ignore: Vec<String>,
+
     /// Don't find the integrators' errors: the scenarios are not simulated again.
     #[arg(long)]
     no_floor: bool,
@@ -238,6 +242,7 @@ impl DiffArguments {
         if general.ulp != 0 {
             whole.ulp = general.ulp;
         }
+        tolerances.ignored.clone_from(&self.ignore);
         tolerances.check()?;
         for tolerance in &self.tol {
             tolerances.add(tolerance)?;

@@ -543,6 +543,41 @@ fn one_ulp_in_one_number_is_named() {
         (found.ulp, found.beyond, found.first_beyond),
         (Some(1), 1, Some(0.123))
     );
+    // Three messages before and after, and the bits.
+    let divergence = report.divergence.as_ref().unwrap();
+    assert_eq!(
+        (divergence.topic.as_str(), divergence.time),
+        ("/top/torque", 0.123)
+    );
+    let [context] = divergence.fields.as_slice() else {
+        panic!("{divergence:?}");
+    };
+    assert_eq!(context.field, "friction_body.y");
+    let times: Vec<f64> = context.pairs.iter().map(|pair| pair.time).collect();
+    assert_eq!(times, [0.120, 0.121, 0.122, 0.123, 0.124, 0.125, 0.126]);
+    for (at, pair) in context.pairs.iter().enumerate() {
+        assert_eq!(
+            (pair.is_first, pair.bits.is_some(), pair.a == pair.b),
+            (at == 3, at == 3, at != 3)
+        );
+    }
+    let [x, y] =
+        [&context.pairs[3].a, &context.pairs[3].b].map(|text| text.parse::<f64>().unwrap());
+    assert_eq!(x.next_up(), y);
+    let bits = u64::from_str_radix(context.pairs[3].bits.as_ref().unwrap(), 16).unwrap();
+    assert_eq!(bits, x.to_bits() ^ y.to_bits());
+    // What is ignored doesn't count, but then not everything is the same.
+    for pattern in ["/top/torque", "/top/torque.friction_body", "*.y"] {
+        let mut ignoring = quick();
+        ignoring.tolerances.ignored.push(pattern.to_owned());
+        let report = compare(&a, &b, &ignoring).unwrap();
+        assert_eq!(report.verdict, Verdict::Equal, "{pattern}");
+        assert_eq!(report.divergence, None);
+    }
+    let mut ignoring = quick();
+    ignoring.tolerances.ignored.push("/top/torq".to_owned());
+    let error = compare(&a, &b, &ignoring).unwrap_err().to_string();
+    assert!(error.contains("/top/torq"), "{error}");
     let mut tolerant = quick();
     tolerant.tolerances.general = Tolerance {
         ulp: 1,
@@ -555,6 +590,27 @@ fn one_ulp_in_one_number_is_named() {
         compare(&a, &b, &elsewhere).unwrap().verdict,
         Verdict::Different
     );
+}
+
+/// Over 1001 samples a difference of 0.1 in one has the root mean square 0.1/√1001 = 0.00316.
+#[test]
+fn derived_angles_count_all_pairs() {
+    let directory = tempdir().unwrap();
+    let scenario = short(&[("stop.duration", "1.0")]);
+    let a = recorded(&directory.path().join("a.mcap"), &scenario, Encoding::Json);
+    let (channel, number) = at("/top/state", "psi");
+    let b = rewritten(&directory.path().join("b.mcap"), &scenario, |message| {
+        if message.channel == channel && message.time_ns == 500_000_000 {
+            message.numbers[number] += 0.1;
+        }
+    });
+    let report = compare(&a, &b, &quick()).unwrap();
+    for name in ["psi", "ψ as a direction"] {
+        let found = field(&report, "/top/state", name);
+        assert_eq!(found.count, 1001, "{name}");
+        assert_near(name, found.rms, 0.1 / 1001.0_f64.sqrt(), 1e-12);
+        assert_near(name, found.mean, 0.1 / 1001.0, 1e-12);
+    }
 }
 
 #[test]

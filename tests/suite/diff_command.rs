@@ -269,6 +269,55 @@ fn programs_and_documents_get_their_forms() {
 }
 
 #[test]
+fn ci_gets_a_test_for_each_topic() {
+    let directory = tempdir().unwrap();
+    let form = ["--format", "junit"];
+    let (text, _) = ends(&directory, &[&TWO[..], &form].concat(), 1);
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let tests = |is_failed: bool| -> Vec<String> {
+        let cases = document
+            .descendants()
+            .filter(|node| node.has_tag_name("testcase"));
+        let cases = cases
+            .filter(|case| case.children().any(|child| child.has_tag_name("failure")) == is_failed);
+        cases
+            .map(|case| case.attribute("name").unwrap().to_owned())
+            .collect()
+    };
+    assert!(
+        tests(true).contains(&"/top/state".to_owned())
+            && tests(true).contains(&"verdict".to_owned())
+    );
+    let suite = document
+        .descendants()
+        .find(|node| node.has_tag_name("testsuite"))
+        .unwrap();
+    let count = |name: &str| suite.attribute(name).unwrap().parse::<usize>().unwrap();
+    assert_eq!(count("failures"), tests(true).len());
+    assert_eq!(count("tests"), tests(true).len() + tests(false).len());
+    record(&directory, "a<&\">.mcap", &[]);
+    let (text, _) = ends(
+        &directory,
+        &[&["diff", "a<&\">.mcap", "a<&\">.mcap"], &form[..]].concat(),
+        0,
+    );
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let failures = document
+        .descendants()
+        .filter(|node| node.has_tag_name("failure"));
+    assert_eq!(failures.count(), 0);
+    // Topics and fields that are ignored.
+    let ignoring = [
+        "--ignore", "/top/*", "--ignore", "/events", "--format", "json",
+    ];
+    let (_, error) = ends(&directory, &[&TWO[..], &ignoring].concat(), 2);
+    assert!(error.contains("no topic"), "{error}");
+    let ignoring = ["--ignore", "/top/[sp]", "--format", "json"];
+    let (_, error) = ends(&directory, &[&TWO[..], &ignoring].concat(), 2);
+    assert!(error.contains("/top/[sp]"), "{error}");
+}
+
+#[test]
 fn differences_are_written_as_channels() {
     let directory = tempdir().unwrap();
     for encoding in ["json", "protobuf"] {

@@ -14,6 +14,7 @@ mod cycles;
 mod damage;
 mod diff;
 mod diff_command;
+mod diff_pairs;
 mod diff_sentences;
 mod documents;
 mod explain;

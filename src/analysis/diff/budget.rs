@@ -18,6 +18,9 @@ pub struct Budget {
     pub energy_lost: f64,
     /// Work of friction since the start, J.
     pub friction_work: f64,
+    /// Work of friction since the start about the line of nodes (on the nutation), the perpendicular n × e_N (on the
+    /// precession) and the symmetry axis (on the spin), J; recordings before telemetry version 2 don't have it.
+    pub friction_work_node: Option<[f64; 3]>,
 }
 
 /// Energy (J), work of friction (J) and its power (W) at a time (s).
@@ -27,6 +30,8 @@ struct Sample {
     energy: f64,
     work: f64,
     power: f64,
+    /// Work of friction about each axis of the node frame, J; NaN where it wasn't recorded.
+    work_node: [f64; 3],
 }
 
 /// The energies of a run so far.
@@ -53,6 +58,7 @@ impl Energies {
             energy: of(energy::TOTAL),
             work: of(energy::FRICTION_WORK),
             power: of(energy::FRICTION_POWER),
+            work_node: energy::FRICTION_WORK_NODE.components().map(of),
         };
         if [sample.energy, sample.work, sample.power]
             .iter()
@@ -83,12 +89,31 @@ impl Energies {
             time,
             energy_lost: first - last.energy - work,
             friction_work: last.work + work,
+            friction_work_node: self
+                .work_node(ahead)
+                .filter(|work| work.iter().all(|w| w.is_finite())),
         })
     }
 
     /// The time of the last sample, s.
     pub(super) fn end(&self) -> Option<f64> {
         Some(self.last.last()?.time)
+    }
+
+    /// The work about each axis, J, by the polynomial through the last samples: its error is that of a cubic, a part
+    /// (ω h)⁴ of what one nutation adds.
+    fn work_node(&self, ahead: f64) -> Option<[f64; 3]> {
+        let last = self.last.last()?;
+        let times: Vec<f64> = self
+            .last
+            .iter()
+            .map(|sample| sample.time - last.time)
+            .collect();
+        let weights: Vec<f64> = lagrange(&times, ahead).collect();
+        Some([0, 1, 2].map(|axis| {
+            let samples = weights.iter().zip(&self.last);
+            samples.map(|(w, sample)| w * sample.work_node[axis]).sum()
+        }))
     }
 
     /// The work from the last sample on, J: the integral of the polynomial through the powers of the last samples, by

@@ -17,6 +17,8 @@ use std::collections::VecDeque;
 
 /// The error of interpolation is estimated at one of so many messages.
 const ESTIMATED: u64 = 8;
+/// So many messages before an instant are kept for interpolation: three where there are none behind it.
+const BEFORE: usize = 3;
 
 /// Two rows of numbers that belong together.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +69,11 @@ pub(super) struct Lonely {
 }
 
 impl Lonely {
+    /// How many come before the messages of the other run.
+    pub(super) fn before(&self, has_pairs: bool) -> u64 {
+        if has_pairs { self.before } else { 0 }
+    }
+
     /// How many are beyond the messages of the other run: before the first pair or behind the last.
     pub(super) fn beyond(&self, has_pairs: bool) -> u64 {
         if has_pairs {
@@ -423,18 +430,20 @@ impl Lane {
         };
         self.drop_before(other, at.ns, give);
         let rows = &self.waiting[others];
-        let before = rows.iter().take(2).filter(|row| row.time_ns <= at.ns);
+        let before = rows.iter().take(BEFORE).filter(|row| row.time_ns <= at.ns);
         let before = before.count();
         let last = before.checked_sub(1).map(|last| rows[last].time_ns);
         let is_there = at.rest == 0.0 && last == Some(at.ns);
-        let has_enough = is_there || rows.len() > before + 1;
+        // The first two messages have none before them: there two behind the instant's neighbours are needed.
+        let behind = if before < 2 { 2 } else { 1 };
+        let has_enough = is_there || rows.len() > before + behind;
         let limit = at.ns.saturating_add(widest.saturating_mul(2));
         if !has_enough && !frontiers[others].is_past(limit) {
             return None;
         }
         let is_inside = before > 0 && rows.len() > before;
         let is_near = |row: &Item| row.time_ns.abs_diff(at.ns) <= widest;
-        let is_edge = !is_inside && rows.iter().take(2).any(is_near);
+        let is_edge = !is_inside && rows.iter().take(BEFORE).any(is_near);
         let found = self.evaluate(other, at, widest);
         let row = self.pop(grid)?;
         if found.is_none() {
@@ -459,10 +468,10 @@ impl Lane {
         Some(())
     }
 
-    /// Lets go of what is not needed for a time: two messages before it are, and all behind it.
+    /// Lets go of what is not needed for a time: some messages before it are, and all behind it.
     fn drop_before(&mut self, side: Side, time_ns: u64, give: &mut impl FnMut(Given<'_>)) {
         let is_early = |row: &Item| row.time_ns <= time_ns;
-        while self.waiting[side.index()].get(2).is_some_and(is_early) {
+        while self.waiting[side.index()].get(BEFORE).is_some_and(is_early) {
             self.estimate(side, give);
             if let Some(row) = self.pop(side) {
                 self.leave_out(row.time_ns);
@@ -488,7 +497,10 @@ impl Lane {
     /// Finds what a run has at a time: as it was recorded, or between two messages.
     fn evaluate(&mut self, side: Side, at: Instant, widest: u64) -> Option<()> {
         let rows = &self.waiting[side.index()];
-        let before = rows.iter().take(2).rposition(|row| row.time_ns <= at.ns)?;
+        let before = rows
+            .iter()
+            .take(BEFORE)
+            .rposition(|row| row.time_ns <= at.ns)?;
         let left = &rows[before];
         let found = &mut self.found;
         if left.time_ns == at.ns && at.rest == 0.0 {
@@ -500,10 +512,17 @@ impl Lane {
         if !is_near(left, right) {
             return None;
         }
-        let outer_left = before.checked_sub(1).map(|i| &rows[i]);
-        let outer_left = outer_left.filter(|outer| is_near(outer, left));
-        let outer_right = rows.get(before + 2).filter(|outer| is_near(right, outer));
-        let stencil = Stencil::new([left, right], outer_left, outer_right, at);
+        let at_left = |steps: usize| rows.get(before.checked_sub(steps)?);
+        let at_right = |steps: usize| rows.get(before + 1 + steps);
+        let outer_left = at_left(1).filter(|outer| is_near(outer, left));
+        let outer_right = at_right(1).filter(|outer| is_near(right, outer));
+        // At the ends of the run, and beside gaps, both lie on one side.
+        let others = match (outer_left, outer_right) {
+            (Some(x), None) => [Some(x), at_left(2).filter(|outer| is_near(outer, x))],
+            (None, Some(y)) => [Some(y), at_right(2).filter(|outer| is_near(y, outer))],
+            both => both.into(),
+        };
+        let stencil = Stencil::new([left, right], others.into_iter().flatten(), at);
         let methods = methods(&self.rule);
         let value = |field| stencil.value(field, method(methods, field));
         found.numbers.clear();
@@ -536,7 +555,7 @@ impl Lane {
             return;
         }
         let at = Instant::from(middle.time_ns);
-        let stencil = Stencil::new([left, right], Some(first), Some(last), at);
+        let stencil = Stencil::new([left, right], [first, last], at);
         let methods = methods(&self.rule);
         for (field, number) in middle.numbers.iter().enumerate().take(stencil.width()) {
             let method = method(methods, field);

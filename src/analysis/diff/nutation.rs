@@ -12,7 +12,9 @@ const LONGEST: f64 = 2.0;
 pub(super) fn end_with_nutation(cycles: &mut Vec<Cycle>) {
     let is_broken = |pair: &[Cycle]| {
         let ratio = pair[1].period / pair[0].period;
-        !(1.0 / LONGEST..=LONGEST).contains(&ratio)
+        // Where something else was in between, the next cycle doesn't begin where the last one ended.
+        let gap = pair[1].start - (pair[0].start + pair[0].period);
+        !(1.0 / LONGEST..=LONGEST).contains(&ratio) || gap.abs() > 0.5 * pair[0].period
     };
     if let Some(last) = cycles.windows(2).position(is_broken) {
         cycles.truncate(last + 1);

@@ -47,6 +47,10 @@ pub(super) struct ComparisonPlan {
     pub(super) is_by_index: bool,
     /// Whether both files are the same to the last byte, and no clock is shifted.
     pub(super) is_same: bool,
+    /// Topics that would be compared, but are ignored.
+    pub(super) ignored: Vec<String>,
+    /// Whether topics or fields are ignored.
+    pub(super) has_ignored: bool,
     /// The levels of θ at which a top counts as risen or fallen.
     pub(super) levels: CommonLevels,
     /// Topics that only A and only B has, but for those that are derived for viewers.
@@ -57,7 +61,7 @@ impl ComparisonPlan {
     /// Decides how to compare two runs.
     pub(super) fn new(runs: [Subject<'_>; 2], options: &Options) -> Result<Self, DiffError> {
         let are_ours = runs.iter().all(|run| run.is_ours());
-        let topics = Topics::new(runs, are_ours, &options.topics)?;
+        let topics = Topics::new(runs, are_ours, &options.topics, &options.tolerances)?;
         if are_ours {
             Self::of_table(runs, options, topics)
         } else {
@@ -117,6 +121,8 @@ impl ComparisonPlan {
             },
             disorder: [0; 2],
             levels: CommonLevels::of(runs),
+            ignored: found.ignored,
+            has_ignored: !options.tolerances.ignored.is_empty(),
             alone: found.alone,
         })
     }
@@ -176,6 +182,8 @@ impl ComparisonPlan {
             topics,
             disorder: [disorder_a, disorder_b],
             levels: CommonLevels::default(),
+            ignored: found.ignored,
+            has_ignored: !options.tolerances.ignored.is_empty(),
             alone: found.alone,
         })
     }

@@ -155,7 +155,8 @@ impl<'p> Reading<'p> {
     fn check_patterns(&self) -> Result<(), DiffError> {
         let compared = self.findings.compared();
         let known: Vec<String> = compared.flat_map(|topic| topic.tally.names()).collect();
-        self.tolerances.unmatched(&known).map_or(Ok(()), Err)
+        let unmatched = self.tolerances.unmatched(&known, &self.plan.ignored);
+        unmatched.map_or(Ok(()), Err)
     }
 
     /// Takes everything that comes, always from the run that is behind.

@@ -7,12 +7,13 @@ use super::averages::{self, Averaged};
 use super::budget::Energies;
 use super::clock::ClockReport;
 use super::discrepancy::{Discrepancy, Residuals};
+use super::divergence::Divergence;
 use super::field::seconds;
 use super::floor::Floor;
 use super::happened::{self, Happened, Ran};
 use super::plan::ComparisonPlan;
 use super::reading::{Findings, RunFindings};
-use super::setup::{self, SetupDifferences};
+use super::setup::{self, KeyDifference, SetupDifferences};
 use super::signals::Signals;
 use super::time_map::TimeMap;
 use super::times::MessageTimes;
@@ -53,6 +54,9 @@ pub struct Report {
     pub averaged: Option<Averaged>,
     /// How the signals differ, point by point.
     pub signals: Signals,
+    /// The first difference among its neighbours, for runs that should be the same: of one scenario, or of files that
+    /// toprise did not write.
+    pub divergence: Option<Divergence>,
     /// What B's model would have done along A's motion; needs both scenarios and `/top/state` of A.
     pub discrepancy: Option<Discrepancy>,
     /// The errors of the integrators; absent if they were not asked for or can't be computed.
@@ -118,6 +122,7 @@ impl Report {
                 .flat_map(|topic| topic.fields_only_in(side))
                 .collect()
         });
+        let should_be_same = !setup.scenario.iter().any(KeyDifference::changes_the_run);
         let (course_a, course_b) = (&found_a.course, &found_b.course);
         Self {
             verdict: Verdict::of(plan, findings, &signals.channels, &setup, is_cut),
@@ -139,6 +144,7 @@ impl Report {
             }),
             averaged: averages::compare(course_a, course_b),
             signals,
+            divergence: divergence(findings).filter(|_| should_be_same),
             discrepancy: findings.residuals.as_ref().and_then(Residuals::report),
             floor,
             notes: notes(a, b, plan, findings),
@@ -161,6 +167,14 @@ impl Report {
             None => format!("{time} s"),
         }
     }
+}
+
+/// The first pair that differs by more than the tolerances, of all topics.
+fn divergence(findings: &Findings) -> Option<Divergence> {
+    let differing = findings.compared();
+    let differing = differing.filter_map(|topic| Some((topic.tally.first_divergence()?, topic)));
+    let (_, first) = differing.min_by_key(|(time_ns, _)| *time_ns)?;
+    first.tally.divergence()
 }
 
 impl ComparedRun {
@@ -209,6 +223,9 @@ fn notes(
     findings: &Findings,
 ) -> Vec<String> {
     let mut notes = Vec::new();
+    if !plan.ignored.is_empty() {
+        notes.push(format!("Ignored: {}.", some_of(&plan.ignored)));
+    }
     if !plan.are_ours {
         notes.extend(unread([a, b], &plan.topics));
         notes.extend(disorder(plan));

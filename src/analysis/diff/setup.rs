@@ -48,6 +48,17 @@ pub struct KeyDifference {
     pub b: Option<String>,
 }
 
+/// Keys of a scenario that don't change the run.
+const NAMES: [&str; 2] = ["name", "description"];
+
+impl KeyDifference {
+    /// Whether it changes the run: not only what it is called.
+    #[must_use]
+    pub fn changes_the_run(&self) -> bool {
+        !NAMES.contains(&self.key.as_str())
+    }
+}
+
 /// Keys with their values as texts.
 type Flat = BTreeMap<String, String>;
 

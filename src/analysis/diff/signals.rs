@@ -62,7 +62,8 @@ impl Signals {
     /// How many fields differ and have known errors, and how many of them differ by no more than those.
     #[must_use]
     pub fn at_floor(&self) -> (usize, usize) {
-        let judged = |field: &&FieldDifference| field.largest != 0.0 && field.errors.is_some();
+        let judged =
+            |field: &&FieldDifference| field.first_different.is_some() && field.errors.is_some();
         let fields = || self.fields().map(|(_, field)| field);
         let below = fields().filter(|field| field.is_below_floor).count();
         (fields().filter(judged).count(), below)

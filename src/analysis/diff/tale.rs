@@ -5,9 +5,6 @@ use super::setup::KeyDifference;
 use crate::analysis::course::CourseReport;
 use crate::analysis::phrase::quantity;
 
-/// Keys of a scenario that don't change the run.
-const NAMES: [&str; 2] = ["name", "description"];
-
 /// The report that is told, and what the two runs are called.
 #[derive(Clone, Copy)]
 pub(super) struct Tale<'r> {
@@ -20,7 +17,7 @@ impl<'r> Tale<'r> {
     /// The keys of the scenarios that change the run.
     pub(super) fn keys(self) -> impl Iterator<Item = &'r KeyDifference> {
         let keys = self.report.setup.scenario.iter();
-        keys.filter(|key| !NAMES.contains(&key.key.as_str()))
+        keys.filter(|key| key.changes_the_run())
     }
 
     /// The names and courses of both runs, if these are known.

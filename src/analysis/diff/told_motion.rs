@@ -275,6 +275,10 @@ fn drift(tale: Tale<'_>, happened: &Happened) -> Option<String> {
         }
     };
     let what = averages.map_or("θ", |_| "Averaged over a nutation, θ");
+    let [stays, other] = [a, b].map(|[from, to]| (digits(from) == digits(to)).then(|| digits(to)));
+    if let Some(stays) = stays.filter(|stays| other.as_ref() == Some(stays)) {
+        return Some(format!("{what} stays at {stays} in both."));
+    }
     Some(format!(
         "{what} {} and {}.",
         went(tale.a, a),

@@ -55,6 +55,8 @@ pub struct Tolerances {
     pub general: Tolerance,
     /// Patterns of fields with their tolerances; of several that match, the last counts.
     pub fields: Vec<(String, Tolerance)>,
+    /// Patterns of topics and fields that don't count at all.
+    pub ignored: Vec<String>,
 }
 
 /// A file of tolerances.
@@ -105,7 +107,7 @@ impl Tolerances {
                 rel: file.rel,
                 ulp: file.ulp,
             },
-            fields: Vec::new(),
+            ..Self::default()
         };
         for (name, bound) in file.fields {
             let tolerance = match Bound::deserialize(bound).map_err(malformed)? {
@@ -184,14 +186,19 @@ impl Tolerances {
         last.map_or(self.general, |(_, tolerance)| *tolerance)
     }
 
-    /// The first pattern that matches none of the fields, with the names most like it.
-    pub(super) fn unmatched(&self, fields: &[String]) -> Option<DiffError> {
+    /// Whether a topic or a field, named with its topic, doesn't count.
+    #[must_use]
+    pub fn ignores(&self, name: &str) -> bool {
+        self.ignored.iter().any(|pattern| matches(pattern, name))
+    }
+
+    /// The first pattern that matches none of the fields, with the names most like it. Topics that are ignored have none.
+    pub(super) fn unmatched(&self, fields: &[String], topics: &[String]) -> Option<DiffError> {
         let is_idle = |pattern: &&String| !fields.iter().any(|field| matches(pattern, field));
-        let pattern = self
-            .fields
-            .iter()
-            .map(|(pattern, _)| pattern)
-            .find(is_idle)?;
+        let is_of_topic = |pattern: &&String| topics.iter().any(|topic| matches(pattern, topic));
+        let of_fields = self.fields.iter().map(|(pattern, _)| pattern);
+        let ignored = self.ignored.iter().filter(|pattern| !is_of_topic(pattern));
+        let pattern = of_fields.chain(ignored).find(is_idle)?;
         let likeness = |field: &String| strsim::jaro_winkler(pattern, field);
         let mut near: Vec<_> = fields
             .iter()

@@ -1,6 +1,7 @@
 //! The differences of one topic: its messages as they are paired, and the fields of the pairs summed up.
 
 use super::derived::Derived;
+use super::divergence::{Context, Divergence};
 use super::field::{FieldDifference, FieldTally, errors, seconds};
 use super::growth::{Envelope, Growth};
 use super::item::Content;
@@ -48,6 +49,10 @@ pub struct ChannelDifference {
     pub beyond_in_a: u64,
     /// Messages of B beyond the end of A, or before its start.
     pub beyond_in_b: u64,
+    /// Those of A that come before the first of B.
+    pub before_in_a: u64,
+    /// Those of B that come before the first of A.
+    pub before_in_b: u64,
     /// Messages of A between those of B, which were compared with none as they are.
     pub between_in_a: u64,
     /// Messages of B between those of A, which were compared with none as they are.
@@ -133,6 +138,7 @@ impl ComparedTopic {
         lane.drain(frontiers, map, &mut |given| match (given, interpolated) {
             (Given::Pair(pair), _) => {
                 tally.add(&pair);
+                tally.add_context(&pair);
                 show(&pair, &tally.difference);
             }
             (Given::Estimate { field, error }, Some(side)) => {
@@ -172,6 +178,8 @@ impl ComparedTopic {
             only_in_b: alone_b - beyond_in_b,
             beyond_in_a,
             beyond_in_b,
+            before_in_a: lane.lonely[0].before(self.has_pairs()),
+            before_in_b: lane.lonely[1].before(self.has_pairs()),
             between_in_a: lane.between[0],
             between_in_b: lane.between[1],
             times_a: None,
@@ -200,12 +208,15 @@ struct ComparedField {
     places: [Option<usize>; 2],
     /// Whether any message of A and of B has had it.
     is_seen: [bool; 2],
+    /// Whether its differences don't count.
+    is_ignored: bool,
     tally: FieldTally,
 }
 
 impl ComparedField {
-    fn is_common(&self) -> bool {
-        self.places.iter().all(Option::is_some)
+    /// Whether both have it, and it counts.
+    fn is_compared(&self) -> bool {
+        !self.is_ignored && self.places.iter().all(Option::is_some)
     }
 
     /// Its value in a row of one of the runs; NaN if it has none.
@@ -233,6 +244,8 @@ pub(super) struct TopicTally {
     /// Fields of the table that only A and only B has.
     alone: [Vec<String>; 2],
     derived: Vec<Derived>,
+    /// The pairs around the first that differ by more than the tolerances.
+    context: Context,
     /// How the differences of these fields grow.
     growing: Vec<(usize, Envelope)>,
     is_interpolated: bool,
@@ -296,7 +309,7 @@ impl TopicTally {
         let find = |number| {
             self.fields
                 .iter()
-                .position(|field| field.number == Some(number))
+                .position(|field| !field.is_ignored && field.number == Some(number))
         };
         self.derived = Derived::of(topic, find);
         self.is_complete = self.fields.len() == topic.info().numbers.len();
@@ -327,6 +340,7 @@ impl TopicTally {
             number,
             places: [number.map(NumberField::index); 2],
             is_seen: [false; 2],
+            is_ignored: tolerances.ignores(&full_name(&self.topic, name)),
             tally: FieldTally::new(tolerances.of(&self.topic, name)),
         });
         self.fields.len() - 1
@@ -347,8 +361,9 @@ impl TopicTally {
 
     fn fields_only_in(&self, side: Side, has_both: bool) -> impl Iterator<Item = String> + '_ {
         let (mine, others) = (side.index(), side.other().index());
-        let is_alone =
-            move |field: &&ComparedField| has_both && field.is_seen[mine] && !field.is_seen[others];
+        let is_alone = move |field: &&ComparedField| {
+            has_both && !field.is_ignored && field.is_seen[mine] && !field.is_seen[others]
+        };
         let seen = self.fields.iter().filter(is_alone);
         let seen = seen.map(|field| full_name(&self.topic, &field.name));
         self.alone[mine].iter().cloned().chain(seen)
@@ -372,8 +387,11 @@ impl TopicTally {
         self.difference.clear();
         for field in &mut self.fields {
             let (a, b) = (field.of(pair.a, Side::A), field.of(pair.b, Side::B));
-            field.tally.add(pair.time_ns, a, b);
             self.difference.push(b - a);
+            if field.is_ignored {
+                continue;
+            }
+            field.tally.add(pair.time_ns, a, b);
             is_same &= a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
         }
         if !self.add_texts(pair) {
@@ -405,11 +423,32 @@ impl TopicTally {
         }
     }
 
+    /// Keeps the pair if it is near the first difference.
+    fn add_context(&mut self, pair: &Pair<'_>) {
+        if !self.context.is_full() {
+            let is_equal = self.is_equal();
+            self.context.add(pair, is_equal);
+        }
+    }
+
+    /// When a pair first differed by more than the tolerances, ns.
+    pub(super) fn first_divergence(&self) -> Option<u64> {
+        self.context.time_ns()
+    }
+
+    /// The first pair that differs by more than the tolerances, among its neighbours.
+    pub(super) fn divergence(&self) -> Option<Divergence> {
+        let fields = self.fields.iter().filter(|field| !field.is_ignored);
+        let places = fields
+            .filter_map(|field| Some((field.name.as_str(), [field.places[0]?, field.places[1]?])));
+        self.context.report(&self.topic, places)
+    }
+
     /// Compares two messages of others field by field, and what they say beyond their fields byte by byte. Tells whether
     /// they are the same.
     fn add_contents(&mut self, time_ns: u64, a: Content<'_>, b: Content<'_>) -> bool {
         let mut is_same = true;
-        for field in &mut self.fields {
+        for field in self.fields.iter_mut().filter(|field| !field.is_ignored) {
             let (x, y) = (
                 field.value(a.values, Side::A),
                 field.value(b.values, Side::B),
@@ -504,7 +543,7 @@ impl TopicTally {
 
     /// Whether all pairs agree within the tolerances, and in their texts.
     pub(super) fn is_equal(&self) -> bool {
-        let mut fields = self.fields.iter().filter(|field| field.is_common());
+        let mut fields = self.fields.iter().filter(|field| field.is_compared());
         let is_said_otherwise = self.kinds_differ
             || self.other_words > 0
             || self.bytes.is_some()
@@ -519,16 +558,17 @@ impl TopicTally {
         } else {
             &self.fields
         };
-        let fields = fields.iter().filter(|field| field.is_common());
+        let fields = fields.iter().filter(|field| field.is_compared());
         let own = fields.map(|field| {
             let unit = field.number.map_or("", NumberField::unit);
             let mut found = field.tally.report(&field.name, unit, self.is_interpolated);
             found.floor = floor(&full_name(&self.topic, &field.name));
             found.errors = errors(found.floor, found.interpolation_error, found.scale);
-            found.is_below_floor = found.not_numbers == 0
-                && found
-                    .errors
-                    .is_some_and(|errors| found.largest != 0.0 && found.largest.abs() <= errors);
+            // Also a zero and a negative zero.
+            let differs = found.first_different.is_some() && found.not_numbers == 0;
+            found.is_below_floor = found
+                .errors
+                .is_some_and(|errors| differs && found.largest.abs() <= errors);
             found
         });
         own.chain(self.derived.iter().map(Derived::report))

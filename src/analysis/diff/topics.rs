@@ -1,6 +1,7 @@
 //! Which topics two runs have in common.
 
 use super::error::DiffError;
+use super::tolerance::Tolerances;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::FileChannel;
 use crate::telemetry::views::view_channels;
@@ -18,6 +19,8 @@ pub(super) struct Topics {
     pub(super) others: Vec<String>,
     /// Topics that only A and only B has, but for those that are derived for viewers.
     pub(super) alone: [Vec<String>; 2],
+    /// Topics that would be compared, but are ignored.
+    pub(super) ignored: Vec<String>,
 }
 
 impl Topics {
@@ -27,15 +30,25 @@ impl Topics {
         runs: [Subject<'_>; 2],
         are_ours: bool,
         wanted: &[String],
+        tolerances: &Tolerances,
     ) -> Result<Self, DiffError> {
-        let [in_a, in_b] = runs.map(|run| comparable(run, are_ours));
+        let mut ignored = Vec::new();
+        let counting = |topics: Vec<String>, ignored: &mut Vec<String>| -> Vec<String> {
+            let (away, counting) = topics
+                .into_iter()
+                .partition(|topic| tolerances.ignores(topic));
+            ignored.extend::<Vec<String>>(away);
+            counting
+        };
+        let [in_a, in_b] = runs.map(|run| counting(comparable(run, are_ours), &mut ignored));
         let mut compared = in_both(&in_a, &in_b);
-        if compared.is_empty() && !(in_a.is_empty() && in_b.is_empty()) {
+        let are_empty = in_a.is_empty() && in_b.is_empty() && ignored.is_empty();
+        if compared.is_empty() && !are_empty {
             let [a, b] = [in_a, in_b].map(|topics| some_of(&topics));
             return Err(DiffError::NoCommonTopics { a, b });
         }
         if wanted.is_empty() {
-            let [more_a, more_b] = runs.map(|run| others(run, are_ours));
+            let [more_a, more_b] = runs.map(|run| counting(others(run, are_ours), &mut ignored));
             let others = in_both(&more_a, &more_b);
             let alone = |topics: Vec<String>, more: Vec<String>| {
                 let more = more.into_iter().filter(|topic| !is_view(topic));
@@ -46,6 +59,7 @@ impl Topics {
                 compared,
                 others,
                 alone: [only_in(&in_a, &in_b), only_in(&in_b, &in_a)],
+                ignored,
             });
         }
         if let Some(topic) = wanted.iter().find(|topic| !compared.contains(topic)) {
@@ -59,6 +73,7 @@ impl Topics {
             compared,
             others: Vec::new(),
             alone: [Vec::new(), Vec::new()],
+            ignored,
         })
     }
 }

@@ -60,7 +60,10 @@ impl Verdict {
         };
         if !is_whole {
             Self::Agreeing
-        } else if !plan.clock.is_shifted() && findings.compared().all(is_identical) {
+        } else if !plan.clock.is_shifted()
+            && !plan.has_ignored
+            && findings.compared().all(is_identical)
+        {
             Self::Identical
         } else {
             Self::Equal

@@ -3,8 +3,8 @@
 use crate::analysis::diff::{
     Budget, ChannelDifference, ComparedRun, CourseReport, Deviation, EventKindDifference,
     EventMoment, FieldDifference, Growth, GrowthLaw, Happened, IntegratorError, KeyDifference,
-    Matrix, MessageTimes, Parting, QuantityKind, Report, Residual, Signals, TextDifference,
-    Verdict,
+    Matrix, MessageTimes, PairContext, Parting, QuantityKind, Report, Residual, Signals,
+    TextDifference, Verdict, full_name,
 };
 use crate::analysis::phrase::{
     counts_from_1970, date, duration, quantity, signed_duration, significant, symbol,
@@ -43,7 +43,7 @@ pub(super) fn page(report: &Report, detail: Detail) -> Page {
     } else {
         format!("{title} as far as both can be read")
     };
-    let mut sections = vec![setup(report), topics(report)];
+    let mut sections = vec![setup(report), topics(report), divergence(report)];
     sections.extend([happened(report), averaged(report)]);
     sections.extend([
         signals(report, detail),
@@ -202,6 +202,40 @@ fn shortened(list: &[String]) -> String {
     }
 }
 
+/// The first difference of runs that should be the same, with the messages before and after.
+fn divergence(report: &Report) -> Section {
+    let mut section = Section::new("First difference");
+    let Some(found) = &report.divergence else {
+        return section;
+    };
+    let row = |pair: &PairContext| {
+        let mark = if pair.is_first { "▸ " } else { "  " };
+        let bits = pair
+            .bits
+            .as_ref()
+            .map_or(String::new(), |bits| format!("0x{bits}"));
+        let [a, b] = [&pair.a, &pair.b].map(|value| clipped(value, 28));
+        vec![format!("{mark}{} s", pair.time), a, b, bits]
+    };
+    for field in &found.fields {
+        let name = clipped(&full_name(&found.topic, &field.field), 50);
+        section.table(Table {
+            header: vec![
+                name,
+                "A".to_owned(),
+                "B".to_owned(),
+                "bits that differ".to_owned(),
+            ],
+            rows: field.pairs.iter().map(row).collect(),
+            left: 1,
+        });
+    }
+    if found.more_fields > 0 {
+        section.line(format!("{} more fields differ there", found.more_fields));
+    }
+    section
+}
+
 fn happened(report: &Report) -> Section {
     let mut section = Section::new("What happened");
     let (Some(found), Some(a), Some(b)) = (&report.happened, &report.a.course, &report.b.course)
@@ -350,8 +384,14 @@ fn budget_rows(found: &Happened, a: &CourseReport, b: &CourseReport) -> Vec<Vec<
     let has_common =
         found.budget_a.map(|budget| budget.time) != found.budget_b.map(|budget| budget.time);
     let in_common = |value: Option<f64>| value.filter(|_| has_common);
-    let work =
-        |course: &CourseReport, axis: usize| course.friction_work_node.map(|work| work[axis]);
+    let work = |budget: &Option<Budget>, course: &CourseReport, axis: usize| {
+        let recorded = budget.and_then(|budget| budget.friction_work_node);
+        recorded
+            .or(course.friction_work_node)
+            .map(|work| work[axis])
+    };
+    let work_of_a = |axis: usize| work(&found.budget_a, a, axis);
+    let work_of_b = |axis: usize| work(&found.budget_b, b, axis);
     let quantities = [
         ("nutation cycles", count(a.nutations), count(b.nutations)),
         (
@@ -364,9 +404,9 @@ fn budget_rows(found: &Happened, a: &CourseReport, b: &CourseReport) -> Vec<Vec<
             friction(&found.budget_a),
             friction(&found.budget_b),
         ),
-        ("  against the nutation", work(a, 0), work(b, 0)),
-        ("  on the precession", work(a, 1), work(b, 1)),
-        ("  against the spin", work(a, 2), work(b, 2)),
+        ("  against the nutation", work_of_a(0), work_of_b(0)),
+        ("  on the precession", work_of_a(1), work_of_b(1)),
+        ("  against the spin", work_of_a(2), work_of_b(2)),
         (
             &lost_by,
             in_common(lost(common_a)),
@@ -555,13 +595,10 @@ fn signals(report: &Report, detail: Detail) -> Section {
 }
 
 fn channel_rows(channel: &ChannelDifference, detail: Detail) -> Vec<Vec<String>> {
+    let own = || channel.fields.iter().filter(|field| !field.is_derived);
     let differs = |field: &&FieldDifference| field.first_different.is_some();
-    let differing = channel
-        .fields
-        .iter()
-        .filter(|field| !field.is_derived)
-        .filter(differs);
-    let differing = differing.count();
+    let counts = |field: &&FieldDifference| differs(field) && !field.is_below_floor;
+    let (differing, counting) = (own().filter(differs).count(), own().filter(counts).count());
     if differing == 0 {
         let what = match channel.pairs {
             0 if channel.is_empty() => "no messages",
@@ -573,24 +610,25 @@ fn channel_rows(channel: &ChannelDifference, detail: Detail) -> Vec<Vec<String>>
     }
     let fields: Vec<&FieldDifference> = match detail {
         Detail::AllFields => channel.fields.iter().filter(differs).collect(),
+        Detail::Short if counting == 0 => {
+            return vec![vec![
+                channel.topic.clone(),
+                "equal but for errors ≈".to_owned(),
+            ]];
+        }
         Detail::Short => {
-            let of_field = channel.fields.iter().filter(|field| !field.is_derived);
-            let of_field = of_field.filter(differs);
-            let worst =
-                of_field.max_by(|x, y| importance(x, channel).total_cmp(&importance(y, channel)));
-            let derived = channel
-                .fields
-                .iter()
-                .filter(|field| field.is_derived)
-                .filter(differs);
-            worst.into_iter().chain(derived).collect()
+            let order = |x: &&FieldDifference, y: &&FieldDifference| {
+                importance(x, channel).total_cmp(&importance(y, channel))
+            };
+            let worst = own().filter(counts).max_by(order);
+            let derived = channel.fields.iter().filter(|field| field.is_derived);
+            worst.into_iter().chain(derived.filter(differs)).collect()
         }
     };
     let mut rows = Vec::new();
-    let all = channel.fields.iter().filter(|f| !f.is_derived).count();
     rows.push(vec![
         channel.topic.clone(),
-        format!("{differing} of {all} fields"),
+        format!("{counting} of {} fields", own().count()),
     ]);
     rows.extend(fields.into_iter().map(field_row));
     rows
@@ -689,21 +727,35 @@ fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
         lines[at].1.push(topic.to_owned());
     };
     for channel in channels.iter().filter(|channel| is_by_itself(channel)) {
-        for (name, within, beyond) in [
-            ("A", channel.only_in_a, channel.beyond_in_a),
-            ("B", channel.only_in_b, channel.beyond_in_b),
+        for (name, within, beyond, before) in [
+            (
+                "A",
+                channel.only_in_a,
+                channel.beyond_in_a,
+                channel.before_in_a,
+            ),
+            (
+                "B",
+                channel.only_in_b,
+                channel.beyond_in_b,
+                channel.before_in_b,
+            ),
         ] {
+            let after = beyond - before.min(beyond);
             if within > 0 {
                 add(
                     format!("only in {name}: {} messages", numbers::count(within)),
                     &channel.topic,
                 );
             }
-            if beyond > 0 && channel.pairs > 0 {
-                add(
-                    format!("{name} goes on for {} messages", numbers::count(beyond)),
-                    &channel.topic,
-                );
+            for (what, count) in [("begins with", before), ("goes on for", after)] {
+                if count > 0 && channel.pairs > 0 {
+                    let count = numbers::count(count);
+                    add(
+                        format!("{name} {what} {count} messages that the other has not"),
+                        &channel.topic,
+                    );
+                }
             }
         }
         for (name, between) in [("A", channel.between_in_a), ("B", channel.between_in_b)] {
@@ -786,7 +838,11 @@ fn growth(growth: &Growth) -> String {
         GrowthLaw::Power => format!("as t^{:.2}", growth.parameter),
         GrowthLaw::Exponential => format!("as e^({} t)", significant(growth.parameter, 3)),
     };
-    format!("{name} {law} (R² {:.3})", growth.quality)
+    match growth.law {
+        // A constant explains no part of the variance.
+        GrowthLaw::Bounded => format!("{name} {law}"),
+        _ => format!("{name} {law} (R² {:.3})", growth.quality),
+    }
 }
 
 fn interpolation(signals: &Signals) -> Option<String> {
