@@ -146,6 +146,9 @@ fn a_fall_is_no_nutation() {
     );
     assert_eq!(found.a.course.as_ref().unwrap().nutations, Some(614));
     assert!(found.averaged.as_ref().unwrap().to < 52.0);
+    // Upright the averages stand still: the shift is told where they still fall.
+    assert_eq!(happened(&found).is_averaged_shift_clear(), Some(true));
+    assert!(happened(&found).averaged_level.unwrap() > 0.01);
 }
 
 #[test]

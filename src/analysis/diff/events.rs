@@ -120,9 +120,11 @@ impl Events {
         found
     }
 
-    /// The largest shift of an event, s.
+    /// The largest shift of an event, s. Those of each nutation are left out: where one of hundreds has no counterpart,
+    /// as near upright, the shift is to another nutation.
     pub(super) fn largest_shift(&self) -> f64 {
-        let shifts = self.kinds.iter().filter_map(|kind| kind.largest_shift);
+        let kinds = self.kinds.iter().filter(|kind| !is_of_nutation(&kind.name));
+        let shifts = kinds.filter_map(|kind| kind.largest_shift);
         shifts.map(f64::abs).fold(0.0, f64::max)
     }
 
@@ -145,7 +147,7 @@ impl Events {
             largest_shift: largest,
         });
         // Those that come with each nutation are counted, not listed.
-        if !EventKind::find(name).is_some_and(EventKind::is_of_nutation) {
+        if !is_of_nutation(name) {
             let pair = |(i, j): &(usize, usize)| EventPair {
                 name: name.to_owned(),
                 time_a: a[*i].time,
@@ -268,6 +270,10 @@ fn spacing(times: &[f64], at: usize) -> f64 {
         .into_iter()
         .chain(behind)
         .fold(f64::INFINITY, f64::min)
+}
+
+fn is_of_nutation(name: &str) -> bool {
+    EventKind::find(name).is_some_and(EventKind::is_of_nutation)
 }
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ pub struct IntegratorError {
     pub compared_with: f64,
     /// Fields and their largest differences.
     pub fields: Vec<(String, f64)>,
-    /// Largest shift of an event, s.
+    /// Largest shift of an event, s, but of those that come with each nutation.
     pub event_shift: f64,
     /// Largest difference of the mean of θ over a nutation, rad.
     pub theta_mean: f64,

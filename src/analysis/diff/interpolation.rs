@@ -63,16 +63,14 @@ pub(super) struct Stencil<'a> {
 }
 
 impl<'a> Stencil<'a> {
-    /// A stencil for an instant between two neighbours, with the messages before and behind them if they are
-    /// near enough.
+    /// A stencil for an instant between two neighbours, with other messages beside them.
     pub(super) fn new(
         neighbours: [&'a Item; 2],
-        before: Option<&'a Item>,
-        behind: Option<&'a Item>,
+        others: impl IntoIterator<Item = &'a Item>,
         at: Instant,
     ) -> Self {
         let [left, right] = neighbours;
-        let rows: Vec<_> = before.into_iter().chain(neighbours).chain(behind).collect();
+        let rows: Vec<_> = neighbours.into_iter().chain(others).collect();
         // Exact in integers first: times since 1970 in ns have more digits than doubles.
         let seconds =
             |row: &&Item| (i128::from(row.time_ns) - i128::from(left.time_ns)) as f64 / 1e9;

@@ -12,6 +12,8 @@ use std::f64::consts::{PI, TAU};
 
 /// A motion goes somewhere if its averages change by so many times their errors: less may be nothing but errors.
 const CLEAR: f64 = 10.0;
+/// So many levels are tried, evenly from the farthest to the start.
+const LEVELS: u32 = 16;
 /// How much smaller the error of a cubic between four points is than where the middle one of five is left out: the
 /// products of the distances are 4 and at most 0.94 (between the last two points).
 const LEFT_OUT: f64 = 4.0;
@@ -58,15 +60,33 @@ impl Passage {
             .find_map(|way| Self::on_the_way(way, [a, b], integrators))
     }
 
+    /// The passage of the farthest level at which the shift is larger than its uncertainty, or of the farthest. There a
+    /// motion may come to rest, as one that has risen to upright does, and the time at which it passes a level is not known.
     fn on_the_way(way: Way, courses: [&Course; 2], integrators: [f64; 2]) -> Option<Self> {
+        let parts = (0..LEVELS).map(|part| f64::from(part) / f64::from(LEVELS));
+        let mut passages = parts.filter_map(|part| Self::at_level(way, part, courses, integrators));
+        let farthest = passages.next()?;
+        if farthest.is_clear() {
+            return Some(farthest);
+        }
+        Some(passages.find(Self::is_clear).unwrap_or(farthest))
+    }
+
+    fn is_clear(&self) -> bool {
+        self.shift().abs() > self.uncertainty
+    }
+
+    /// The passage of a level: a `part` of the way back from the farthest that both reach to where they start.
+    fn at_level(way: Way, part: f64, courses: [&Course; 2], integrators: [f64; 2]) -> Option<Self> {
         let sign = way.sign();
         let means = |course: &Course| -> Vec<f64> {
             course.cycles.iter().map(|c| sign * c.means[0]).collect()
         };
         let [a, b] = courses.map(means);
         let lowest = |means: &[f64]| means.iter().copied().reduce(f64::min);
-        let level = lowest(&a)?.max(lowest(&b)?);
+        let farthest = lowest(&a)?.max(lowest(&b)?);
         let start = a.first()?.min(*b.first()?);
+        let level = farthest + part * (start - farthest);
         let curves = courses.map(|course| course.of_cycles(|cycle| sign * cycle.means[0]));
         let [from, to] = curves;
         let times = [from.first_reaches(level)?, to.first_reaches(level)?];

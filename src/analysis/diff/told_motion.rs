@@ -63,15 +63,16 @@ pub(super) fn motion(tale: Tale<'_>) -> Vec<String> {
     let are_told = falls
         .iter()
         .all(|(name, time)| time.is_none() || is_told(name));
-    told.extend(rise.map(|rise| rise.sentence));
-    told.extend(fall.filter(|_| !are_told).map(|fall| fall.sentence));
+    let levels = rise.into_iter().chain(fall.filter(|_| !are_told));
+    told.extend(levels.map(|level| level.sentence));
+    let tells_way = !told.is_empty();
     let mut others: Vec<_> = HAPPENINGS
         .iter()
         .filter_map(|happening| event(tale, happened, happening))
         .collect();
     others.sort_by(|x, y| x.0.total_cmp(&y.0));
     told.extend(others.into_iter().map(|(_, sentence)| sentence));
-    if happened.averaged_level.is_none() {
+    if !tells_way {
         told.extend(drift(tale, happened));
     }
     told
@@ -171,7 +172,12 @@ fn both(tale: Tale<'_>, reaching: &Reaching, level: &str, [x, y]: [f64; 2]) -> S
     let b = tale.b;
     let shift = y - x;
     if shift.abs() <= event_error(tale) {
-        return format!("θ first touches {level} at {} in both.", moment(x));
+        let time = moment(x);
+        return if reaching.verb == "falls" {
+            format!("Both fall to {level} at {time}.")
+        } else {
+            format!("θ first touches {level} at {time} in both.")
+        };
     }
     let by = duration(shift);
     let order = order(shift);
@@ -203,10 +209,13 @@ fn both(tale: Tale<'_>, reaching: &Reaching, level: &str, [x, y]: [f64; 2]) -> S
     }
 }
 
-/// By how much the integrators' errors can move events, s; none of it where these are not known.
+/// Clocks of recordings count nanoseconds: what is closer is at the same time, s.
+const CLOCK: f64 = 1e-9;
+
+/// By how much events can be apart without its meaning anything, s: the integrators' errors, where they are known.
 fn event_error(tale: Tale<'_>) -> f64 {
     let floor = tale.report.floor.as_ref();
-    floor.map_or(0.0, |floor| floor.a.event_shift + floor.b.event_shift)
+    CLOCK + floor.map_or(0.0, |floor| floor.a.event_shift + floor.b.event_shift)
 }
 
 /// How a run ended instead of reaching what another reached at a time (s); none if that isn't known.
