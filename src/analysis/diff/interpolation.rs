@@ -141,7 +141,7 @@ mod tests {
             ..Item::default()
         };
         let (left, right) = (row(0, 1.0), row(10, 0.0));
-        let stencil = Stencil::new([&left, &right], None, None, Instant::from(9));
+        let stencil = Stencil::new([&left, &right], [], Instant::from(9));
         assert_eq!(stencil.value(0, Method::Hold), 1.0);
     }
 }
