@@ -51,7 +51,8 @@ pub(crate) fn pair(values: [f64; 2]) -> [String; 2] {
 
 /// The power of ten in a number; none of zero.
 fn exponent(value: f64) -> Option<i32> {
-    let scientific = format!("{value:e}");
+    // Rounded: 1.7541 − 1.754 is a little less than 1e-4.
+    let scientific = format!("{value:.2e}");
     let (_, exponent) = scientific.rsplit_once('e')?;
     exponent.parse().ok().filter(|_| value != 0.0)
 }
