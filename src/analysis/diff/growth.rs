@@ -118,7 +118,7 @@ impl Envelope {
             (GrowthLaw::Exponential, exponential, power)
         };
         let is_clear = 1.0 - best.explained < CLEARLY * (1.0 - other.explained);
-        is_clear.then(|| Growth {
+        is_clear.then_some(Growth {
             field,
             law,
             parameter: best.slope,

@@ -382,14 +382,14 @@ impl Lane {
             return;
         };
         let is_gap = time_ns.saturating_sub(last.unwrap_or(first)) > finer.gap;
-        if !is_gap {
-            self.between[finer.side.index()] += left_out.count;
-        } else {
+        if is_gap {
             let lonely = &mut self.lonely[finer.side.index()];
             lonely.count += left_out.count;
             if last.is_none() {
                 lonely.before += left_out.count;
             }
+        } else {
+            self.between[finer.side.index()] += left_out.count;
         }
     }
 

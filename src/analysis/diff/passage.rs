@@ -98,7 +98,8 @@ impl Passage {
                 + interpolation_error(curve, times[side])
                 + averaging_error(course, times[side]);
             let descent = start - level;
-            if !(descent > CLEAR * error) {
+            // A descent that isn't a number is none.
+            if descent.is_nan() || descent <= CLEAR * error {
                 return None;
             }
             uncertainty += error / drift.abs();

@@ -280,7 +280,8 @@ fn disorder(plan: &ComparisonPlan) -> Vec<String> {
     let mut told = Vec::new();
     for (side, name) in ["A", "B"].into_iter().enumerate() {
         let times = || plan.topics.iter().zip(&plan.times);
-        let counts: [(fn(&MessageTimes) -> u64, _); 2] = [
+        type Count = fn(&MessageTimes) -> u64;
+        let counts: [(Count, _); 2] = [
             (|times| times.duplicates, "at the time of the one before"),
             (
                 |times| times.out_of_order,

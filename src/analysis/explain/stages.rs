@@ -205,14 +205,13 @@ fn legs(part: &[Point], floor: f64, stages: &mut Vec<Stage>) {
                 is_rising = Some(change < 0.0);
                 turn = index;
             }
-            None => {}
             Some(rising) if (change < 0.0) == rising => turn = index,
             Some(rising) if change.abs() > floor => {
                 stages.push(leg(rising, &part[start..=turn]));
                 (start, turn) = (turn, index);
                 is_rising = Some(!rising);
             }
-            Some(_) => {}
+            None | Some(_) => {}
         }
     }
     stages.push(match is_rising {

@@ -231,7 +231,9 @@ impl<'r> Reader<'r> {
             }
         }
         // Messages with one time stay in the order of the file.
-        batches.iter_mut().for_each(|batch| batch.sort_unstable());
+        for batch in &mut batches {
+            batch.sort_unstable();
+        }
         batches
     }
 

@@ -767,9 +767,7 @@ fn unmatched(channels: &[ChannelDifference]) -> Vec<String> {
             }
         }
         if let Some(bytes) = &channel.bytes {
-            let length = |length: Option<u64>| {
-                length.map_or("none".to_owned(), |length| numbers::count(length))
-            };
+            let length = |length: Option<u64>| length.map_or("none".to_owned(), numbers::count);
             add(
                 format!(
                     "{} of the pairs differ byte by byte, first at {} s: from byte {} on ({} in A, {} in B)",

@@ -125,7 +125,7 @@ impl FrictionLaw {
     #[must_use]
     pub fn largest_coefficient(&self) -> f64 {
         match *self {
-            Self::None => 0.0,
+            Self::None | Self::Viscous { k: 0.0, .. } => 0.0,
             Self::Coulomb { k } | Self::Regularised { k, .. } | Self::Contensou { k, .. } => k,
             Self::Stribeck {
                 k,
@@ -133,7 +133,6 @@ impl FrictionLaw {
                 slope: 0.0,
                 ..
             } => k.max(static_k),
-            Self::Viscous { k: 0.0, .. } => 0.0,
             Self::Viscous { .. } | Self::Stribeck { .. } => f64::INFINITY,
         }
     }

@@ -74,10 +74,10 @@ struct OpenCycle {
 }
 
 impl OpenCycle {
-    fn new(time: f64, motion: Motion) -> Self {
+    fn new(time: f64, motion: &Motion) -> Self {
         Self {
             start: time,
-            motion,
+            motion: *motion,
             theta_min: motion.angles.theta,
             theta_max: motion.angles.theta,
             least_rates: motion.tilt.rates,
@@ -130,7 +130,7 @@ impl NutationTracker {
         Self {
             top,
             count: 0,
-            open: OpenCycle::new(time, motion),
+            open: OpenCycle::new(time, &motion),
             has_begun: false,
             takes_all: false,
         }
@@ -143,7 +143,7 @@ impl NutationTracker {
 
     /// Forgets the open cycle: the motion goes on from here after a break.
     pub(super) fn interrupt(&mut self, time: f64, motion: Motion) {
-        self.open = OpenCycle::new(time, motion);
+        self.open = OpenCycle::new(time, &motion);
         self.has_begun = false;
     }
 
@@ -169,7 +169,7 @@ impl NutationTracker {
         time_ns: u64,
         motion: Motion,
     ) -> Option<NutationCycle> {
-        let mut open = std::mem::replace(&mut self.open, OpenCycle::new(time, motion));
+        let mut open = std::mem::replace(&mut self.open, OpenCycle::new(time, &motion));
         let has_begun = std::mem::replace(&mut self.has_begun, true);
         open.widen(&motion);
         let is_nutation = self.takes_all || open.is_nutation(&self.top, time);
