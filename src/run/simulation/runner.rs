@@ -467,7 +467,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                     1 => "1 impact".to_owned(),
                     bounces => format!("{bounces} impacts"),
                 };
-                let sentence = format!("{} After {counted}.", described);
+                let sentence = format!("{described} After {counted}.");
                 self.event(EventKind::Landing, time, motion, sentence)
             }
             Pending::Impact(landing) => {

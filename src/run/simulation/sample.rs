@@ -149,9 +149,8 @@ impl Sample {
     pub fn regime(&self) -> f64 {
         match self.free.map(|free| free.phase) {
             Some(Phase::Flying) => 2.0,
-            Some(Phase::Holding) => 0.0,
             Some(Phase::Sliding) | None if self.contact.slip_speed > 0.0 => 1.0,
-            Some(Phase::Sliding) | None => 0.0,
+            Some(Phase::Holding | Phase::Sliding) | None => 0.0,
         }
     }
 
