@@ -1,4 +1,4 @@
-"""Compiles the committed .proto files and compares with the descriptors that a recording carries.
+"""Compiles the committed .proto files and compares with the descriptors that recordings carry.
 
 So code generated from the .proto files reads what the recordings contain.
 """
@@ -49,11 +49,11 @@ def messages(file):
     return {f"{file.package}.{message.name}" for message in file.message_type}
 
 
-def main(recording):
+def main(recordings):
     truth = compiled()
     of_ours = {name for name in truth if not name.startswith("google/")}
     compared, seen = 0, set()
-    for topic, name, files in recorded(recording):
+    for topic, name, files in (channel for recording in recordings for channel in recorded(recording)):
         if not any(name in messages(file) for file in files):
             sys.exit(f"{topic}: its descriptors have no {name}")
         for file in files:
@@ -65,11 +65,11 @@ def main(recording):
             seen.add(file.name)
         compared += 1
     if missing := of_ours - seen:
-        sys.exit(f"no channel of the recording has {', '.join(sorted(missing))}")
+        sys.exit(f"no channel of the recordings has {', '.join(sorted(missing))}")
     print(compared)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: protos.py RECORDING.mcap")
-    main(sys.argv[1])
+    if len(sys.argv) < 2:
+        sys.exit("usage: protos.py RECORDING.mcap...")
+    main(sys.argv[1:])

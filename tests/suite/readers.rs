@@ -11,6 +11,8 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::{TempDir, tempdir};
+use toprise::physics::dynamics::Support;
+use toprise::telemetry::Topic;
 
 const ENCODINGS: [&str; 2] = ["json", "protobuf"];
 
@@ -178,10 +180,23 @@ fn val_a_flipped_bit_is_noticed_by_others() {
 fn val_the_proto_files_compile_to_the_recorded_descriptors() {
     let Some(python) = python() else { return };
     let directory = tempdir().unwrap();
-    let recording = record(&directory, "protobuf");
-    let compared = read(&python, "protos.py", &recording);
-    let fixed = toprise::physics::dynamics::Support::FixedPeg;
-    assert_eq!(compared, toprise::telemetry::Topic::all_with(fixed).count());
+    let fixed = record(&directory, "protobuf");
+    let free = directory.path().join("free.mcap");
+    let run = ["run", "drop", "--set", "stop.duration=0.5"];
+    toprise(&directory)
+        .args(run)
+        .args(["--encoding", "protobuf", "-o"])
+        .arg(&free)
+        .assert()
+        .success();
+    let compared = json(
+        Command::new(&python)
+            .arg(readers().join("protos.py"))
+            .args([&fixed, &free]),
+    );
+    let supports = [Support::FixedPeg, Support::FreePeg { restitution: 0.0 }];
+    let channels = supports.map(|support| Topic::all_with(support).count());
+    assert_eq!(compared, channels.iter().sum::<usize>());
 }
 
 #[test]

@@ -89,6 +89,16 @@ pub struct Deviation {
 pub(super) fn compare(a: &Course, b: &Course) -> Option<Averaged> {
     let middles: Vec<f64> = a.cycles.iter().map(Cycle::middle).collect();
     let (first, last) = b.of_cycles(Cycle::middle).domain()?;
+    // Either way round: a cycle of each lies within those of the other.
+    let (first_a, last_a) = a.of_cycles(Cycle::middle).domain()?;
+    let is_mutual = b
+        .cycles
+        .iter()
+        .map(Cycle::middle)
+        .any(|t| first_a <= t && t <= last_a);
+    if !is_mutual {
+        return None;
+    }
     let common: Vec<f64> = middles
         .into_iter()
         .filter(|t| first <= *t && *t <= last)

@@ -36,8 +36,8 @@ pub(super) struct Piece {
     pub(super) friction: f64,
     /// What regular precession would be: the means of that at the mean motion of each nutation.
     pub(super) regular: Regular,
-    /// Means of the angular momenta about the axis and the vertical over its samples, kg m²/s; NaN where there are none.
-    /// They change by friction alone, slowly.
+    /// Means of the angular momenta about the axis and the vertical over its samples, kg m²/s, or what is between those
+    /// around it if it has none; NaN where they are not recorded. They change by friction alone, slowly.
     pub(super) momenta: [f64; 2],
 }
 
@@ -149,6 +149,8 @@ pub(super) struct Pieces {
     pub(super) path: Vec<Point>,
     /// The states since the last piece.
     open: Vec<State>,
+    /// The last angular momenta about the axis and the vertical (kg m²/s), with their time (s).
+    momenta: Option<(f64, [f64; 2])>,
     sticks: bool,
     pub(super) totals: Totals,
     /// The first and the last state: time (s) and inclination (rad).
@@ -165,6 +167,7 @@ impl Pieces {
             pieces: Vec::new(),
             path: Vec::new(),
             open: Vec::new(),
+            momenta: None,
             sticks: false,
             totals: Totals::default(),
             ends: None,
@@ -184,12 +187,7 @@ impl Pieces {
                 self.totals.acceleration(message);
             }
             CONTACT => self.totals.contact(message),
-            MOMENTUM => {
-                if let Some(last) = self.open.last_mut() {
-                    last.momenta =
-                        [momentum::AXIAL, momentum::VERTICAL].map(|field| field.of(message));
-                }
-            }
+            MOMENTUM => self.momentum(message),
             NUTATION => self.nutation(message),
             EVENTS => self.event(message),
             _ => {}
@@ -242,6 +240,25 @@ impl Pieces {
                 index += 1;
                 index % 2 == 1
             });
+        }
+    }
+
+    fn momentum(&mut self, message: &Message<'_>) {
+        let now = message.time_ns as f64 / 1e9;
+        let momenta = [momentum::AXIAL, momentum::VERTICAL].map(|field| field.of(message));
+        if let Some(last) = self.open.last_mut() {
+            last.momenta = momenta;
+        }
+        let Some((before, others)) = self.momenta.replace((now, momenta)) else {
+            return;
+        };
+        // The nutations since then met no sample.
+        for piece in self.pieces.iter_mut().rev() {
+            if !piece.momenta[0].is_nan() || piece.from < before {
+                break;
+            }
+            let part = (piece.from + 0.5 * piece.duration() - before) / (now - before);
+            piece.momenta = [0, 1].map(|i| others[i] + part * (momenta[i] - others[i]));
         }
     }
 

@@ -453,6 +453,9 @@ fn left_out(facts: &Facts, lacks_precession: bool) -> Option<Chapter> {
             "precession and spin could not be told apart from the start on".to_owned()
         } else if facts.pieces.samples < 2 {
             "there are fewer than two samples".to_owned()
+        } else if totals.changes().is_some() {
+            "the integrals of its terms don't add up to its change, because the axis came too near the vertical"
+                .to_owned()
         } else {
             "this recording of an older version doesn't hold the integrals of the terms, and samples are missing in \
              between or not finite"

@@ -15,6 +15,9 @@ const STAGES: usize = 6;
 /// that rate. A mean over a nutation differs from the rate at the mean inclination by about the square of the ripple
 /// over the inclination: this allows for a ripple of a fifth of it.
 const NEAR: f64 = 0.05;
+/// The terms of φ̈ are told, with four digits, if their integrals add up to its change to this part of the largest. No
+/// tolerance holds for them, and near the vertical they are larger than anything that one holds for.
+const CLOSED: f64 = 5e-4;
 /// A change of φ̇ that is less than this part of what friction did to it is small beside it.
 const SMALL: f64 = 0.2;
 /// Beside what friction did to it, φ̇ has stayed as it was if it changed by less than this part: the θ̇ that cancels friction
@@ -136,6 +139,15 @@ pub(super) fn precession_report(facts: &Facts) -> Option<PrecessionReport> {
     let totals = &facts.pieces.totals;
     let (first, last) = (totals.first?, totals.last?);
     let ([gyroscopic, coriolis], [frictional, spin_frictional]) = totals.changes()?;
+    if let (Some(gyroscopic), Some(coriolis)) = (gyroscopic, coriolis) {
+        let change = last.rates[0] - first.rates[0];
+        let missed = gyroscopic + coriolis + frictional - change;
+        let sizes = [gyroscopic, coriolis, frictional, change].map(f64::abs);
+        let largest = sizes.into_iter().fold(0.0, f64::max);
+        if missed.abs() > CLOSED * largest + facts.floor(largest) {
+            return None;
+        }
+    }
     Some(PrecessionReport {
         from: first.time,
         to: last.time,

@@ -3,6 +3,7 @@
 use super::condition::Condition;
 use super::file::Recording;
 use crate::archive::container::channels::FileChannel;
+use crate::archive::container::section::MessageRecord;
 use std::fmt;
 
 /// Tells messages that come in their order from those that repeat others or go back in time, as in a file with a chunk
@@ -75,6 +76,15 @@ impl Order {
         Self {
             channels: recording.channels().iter().map(channel).collect(),
             misplaced: None,
+        }
+    }
+
+    /// Where a message stands among others: by its time, and at one time by channel and number, as toprise writes them.
+    /// Those of others with one time stay in the order of the file.
+    pub(super) fn rank(&self, channel: usize, head: &MessageRecord<'_>) -> (u64, usize, u32) {
+        match self.channels[channel].rule {
+            Rule::Nothing => (head.log_time, 0, 0),
+            _ => (head.log_time, channel, head.sequence),
         }
     }
 

@@ -230,7 +230,7 @@ impl<'r> Reader<'r> {
                 }
             }
         }
-        // Messages with one time stay in the order of the file.
+        // Messages of others with one time stay in the order of the file.
         for batch in &mut batches {
             batch.sort_unstable();
         }
@@ -436,14 +436,16 @@ impl<'r> Reader<'r> {
                 Err(error) => self.lose(section, error.to_string()),
             }
         }
-        if self.order.is_some() {
-            let mut starts = std::mem::take(&mut self.starts);
-            let time = |start: &u32| self.message_at(*start as usize).map(|at| at.head.log_time);
+        let mut starts = std::mem::take(&mut self.starts);
+        if let Some(order) = &self.order {
+            let at = |start: &u32| self.message_at(*start as usize);
+            let time = |start: &u32| at(start).map(|at| at.head.log_time);
+            let rank = |start: &u32| at(start).map(|at| order.rank(at.channel, &at.head));
             if !starts.is_sorted_by_key(time) {
-                starts.sort_by_key(time);
+                starts.sort_by_key(rank);
             }
-            self.starts = starts;
         }
+        self.starts = starts;
         self.batches[self.read] = batch;
         self.read += 1;
         Some(())
