@@ -9,7 +9,7 @@ use toprise::physics::dynamics::{
 use toprise::physics::friction::{Dissipation, Friction, FrictionLaw, Losses, Smoothing};
 use toprise::physics::kinematics::{Euler, lean_to_world};
 use toprise::run::scenario::Scenario;
-use toprise::run::simulation::{EventKind, Sample, StopReason};
+use toprise::run::simulation::{EventKind, Landing, Sample, StopReason};
 
 fn reference() -> Value {
     serde_json::from_str(include_str!("../data/free_peg.json")).unwrap()
@@ -265,13 +265,49 @@ fn compare_times(what: &str, found: &[f64], expected: &[f64], first_impact: f64)
     }
 }
 
+/// The events of a kind that a reference run lists.
+fn events_of<'a>(truth: &'a Value, kind: &'static str) -> impl Iterator<Item = &'a Value> {
+    let events = truth["events"].as_array().unwrap().iter();
+    events.filter(move |event| event["event"] == kind)
+}
+
+/// Compares the impacts that the reference lists with those of the run at these times. The bounds are those of [`compare`]:
+/// velocities are compared with 1 m/s, impulses with 1 N s, energies with 1 J.
+fn compare_impacts<'a>(run: &Run, listed: impl Iterator<Item = &'a Value>, first_impact: f64) {
+    for truth in listed {
+        let time = digits(truth, "t").unwrap();
+        let distance = |hit: &&Landing| (hit.time - time).abs();
+        let nearest = |a: &&Landing, b: &&Landing| distance(a).total_cmp(&distance(b));
+        let hit = run.impacts.iter().min_by(nearest).unwrap();
+        let part = if hit.time > first_impact { 1e-7 } else { 1e-9 };
+        for (key, actual) in [
+            ("uz_before", hit.before.z),
+            ("uz_after", hit.after.z),
+            ("slip_before", hit.before.xy().norm()),
+            ("slip_x", hit.after.x),
+            ("slip_y", hit.after.y),
+            ("impulse_normal", hit.impulse.z),
+            ("impulse_x", hit.impulse.x),
+            ("impulse_y", hit.impulse.y),
+            ("loss_normal", hit.normal_loss),
+            ("loss_friction", hit.friction_loss),
+            ("e_used", hit.restitution),
+        ] {
+            if let Some(expected) = digits(truth, key) {
+                let what = format!("{key} of the impact at {} s", hit.time);
+                assert_near(&what, actual, expected, part);
+            }
+        }
+    }
+}
+
 /// Runs a scenario of the reference and compares everything that it tells of that run.
 fn validate(name: &str) {
     let reference = reference();
     let truth = &reference["runs"][name];
-    let is_over = truth["summary"]["stop"] == "risen";
     let samples = truth["samples"].as_array().unwrap();
-    let end = if is_over { 60.0 } else { 25.0 };
+    let end = samples.iter().filter_map(|sample| digits(sample, "t"));
+    let end = end.fold(0.0, f64::max).ceil();
     let command = truth["command"].as_str().unwrap();
     let scenario = scenario_of(command, end);
     let run = Run::of(&scenario);
@@ -293,14 +329,13 @@ fn validate(name: &str) {
         .events_of(EventKind::RollBegins)
         .map(|e| e.time)
         .collect();
-    let events = truth["events"].as_array().unwrap().iter();
-    let expected: Vec<_> = events
-        .filter(|event| event["event"] == "slide_to_roll")
+    let expected: Vec<_> = events_of(truth, "slide_to_roll")
         .map(|event| digits(event, "t").unwrap())
         .collect();
     if given(command, "start") != Some("roll") {
         compare_times("roll", &rolls, &expected, first_impact);
     }
+    compare_impacts(&run, events_of(truth, "impact"), first_impact);
     let mut compared = 0;
     for sample in samples {
         let time = digits(sample, "t").unwrap();
@@ -310,7 +345,7 @@ fn validate(name: &str) {
         compare(run.at(time), sample, &scenario.model, time > first_impact);
         compared += 1;
     }
-    assert!(compared >= 8, "{name}: only {compared} samples");
+    assert_eq!(compared, samples.len(), "{name}");
     let first = run.samples.first().unwrap();
     for sample in &run.samples {
         let change = sample.energy() - first.energy();
@@ -353,7 +388,17 @@ fn val_a_dropped_top_bounces() {
 
 #[test]
 fn val_viscous_friction_lets_the_top_rise() {
-    validate("viscous k/v0=0.06 e=0");
+    let name = "viscous k/v0=0.06 e=0";
+    validate(name);
+    let truth = &reference()["runs"][name];
+    let risen = digits(events_of(truth, "risen").next().unwrap(), "t").unwrap();
+    let scenario = scenario_of(
+        &format!("{} stop_theta=1", truth["command"].as_str().unwrap()),
+        30.0,
+    );
+    let run = Run::of(&scenario);
+    assert_eq!(run.outcome.stop, StopReason::Risen);
+    assert_near("risen", run.outcome.time, risen, 1e-9 * risen);
 }
 
 #[test]
