@@ -131,9 +131,8 @@ fn archive(scenario: &Scenario, topics: &[String], directory: &Path) {
     .expect("the directory is writable");
     let mut simulation = Simulation::new(scenario).expect("the preset is regular");
     let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
-    let outcome =
-        record(&mut simulation, &mut telemetry, sinks, carry_on).expect("the run succeeds");
-    sink.finish(&outcome).expect("the disk has room");
+    let end = record(&mut simulation, &mut telemetry, sinks, carry_on).expect("the run succeeds");
+    sink.finish(&end).expect("the disk has room");
 }
 
 fn runs(criterion: &mut Criterion) {

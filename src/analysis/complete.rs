@@ -45,6 +45,6 @@ pub fn complete(
     let mut simulation = Simulation::new(&scenario).map_err(RecordError::from)?;
     let mut sinks: [&mut dyn Sink; 1] = [&mut sink];
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let outcome = record(&mut simulation, &mut telemetry, &mut sinks, carry_on)?;
-    Ok(sink.finish(&outcome)?)
+    let end = record(&mut simulation, &mut telemetry, &mut sinks, carry_on)?;
+    Ok(sink.finish(&end)?)
 }

@@ -237,7 +237,7 @@ fn simulate(
         }
     }
     Ended {
-        end: Some(end_entries(&simulation.outcome())),
+        end: Some(end_entries(&simulation.end())),
         losses,
     }
 }

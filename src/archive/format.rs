@@ -9,7 +9,7 @@
 //! digest leaves out.
 
 use crate::run::scenario::Scenario;
-use crate::run::simulation::Outcome;
+use crate::run::simulation::RunEnd;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::fields::{EVENTS, NUTATION, STATE};
 use crate::telemetry::table;
@@ -144,14 +144,14 @@ pub fn telemetry_version(run: &Entries) -> Option<u32> {
 
 /// The entries of [`END_RECORD`], but for the content digest.
 #[must_use]
-pub fn end_entries(outcome: &Outcome) -> Entries {
-    let statistics = &outcome.statistics;
+pub fn end_entries(end: &RunEnd) -> Entries {
+    let statistics = &end.statistics;
     entries([
-        (STOP_REASON, outcome.stop.name().to_owned()),
-        (STOP_TIME, format!("{:?}", outcome.time)),
-        ("samples", outcome.samples.to_string()),
-        ("events", outcome.events.to_string()),
-        ("nutations", outcome.nutations.to_string()),
+        (STOP_REASON, end.stop.name().to_owned()),
+        (STOP_TIME, format!("{:?}", end.time)),
+        ("samples", end.samples.to_string()),
+        ("events", end.events.to_string()),
+        ("nutations", end.nutations.to_string()),
         (STEPS, statistics.accepted.to_string()),
         ("steps_rejected", statistics.rejected.to_string()),
         ("evaluations", statistics.evaluations.to_string()),

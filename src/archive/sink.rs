@@ -1,6 +1,6 @@
 //! Where messages go: MCAP files, Rerun, memory.
 
-use crate::run::simulation::{Outcome, Record, Simulation, SimulationError};
+use crate::run::simulation::{Record, RunEnd, Simulation, SimulationError};
 use crate::telemetry::{Message, Telemetry, TelemetryError};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -106,7 +106,7 @@ pub fn record(
     telemetry: &mut Telemetry,
     sinks: &mut [&mut dyn Sink],
     mut between: impl FnMut(&Record, &mut [&mut dyn Sink]) -> Result<ControlFlow<()>, SinkError>,
-) -> Result<Outcome, RecordError> {
+) -> Result<RunEnd, RecordError> {
     for record in simulation.by_ref() {
         let record = record?;
         telemetry.messages(&record, |message| {
@@ -119,7 +119,7 @@ pub fn record(
             break;
         }
     }
-    Ok(simulation.outcome())
+    Ok(simulation.end())
 }
 
 /// An error with its chain of causes: the MCAP crate's messages alone hide the operating system's.

@@ -12,7 +12,7 @@ use crate::archive::format::{
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::{Sink, SinkError};
 use crate::run::scenario::Scenario;
-use crate::run::simulation::Outcome;
+use crate::run::simulation::RunEnd;
 use crate::telemetry::digest::{ContentDigest, append_content};
 use crate::telemetry::encoding::{Encoder, Encoding};
 use crate::telemetry::views::{Views, view_channels};
@@ -263,9 +263,9 @@ impl McapSink {
     ///
     /// # Errors
     /// [`SinkError`] if anything could not be written; the partial file is kept.
-    pub fn finish(self, outcome: &Outcome) -> Result<Archived, SinkError> {
+    pub fn finish(self, end: &RunEnd) -> Result<Archived, SinkError> {
         self.finish_with(Ending {
-            end: Some(end_entries(outcome)),
+            end: Some(end_entries(end)),
             ..Ending::default()
         })
     }

@@ -10,8 +10,8 @@ mod viewer;
 pub(super) use self::arguments::RunArguments;
 use self::files::RunFiles;
 use self::pace::Pace;
+use self::report::Finished;
 pub(super) use self::report::RunReport;
-use self::report::{EventCounts, Finished};
 use super::done::Done;
 use super::given::scenario;
 use super::interrupt::Interrupt;
@@ -20,7 +20,7 @@ use super::report::print;
 use crate::archive::sink::{RecordError, Sink, record};
 use crate::archive::writer::McapSink;
 use crate::run::scenario::Scenario;
-use crate::run::simulation::{Outcome, Simulation, StopReason};
+use crate::run::simulation::{Record, RunEnd, Simulation, StopReason, Tally};
 use crate::telemetry::Telemetry;
 use anyhow::Error;
 use std::time::Instant;
@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     print(&report, arguments.form.format(), || report.page())?;
     #[cfg(feature = "rerun")]
     target.serve_until(&interrupt);
-    Ok(match finished.outcome.stop {
+    Ok(match finished.end.stop {
         StopReason::Interrupted | StopReason::Failed => Done::WithLosses,
         _ if finished.is_rrd_lost => Done::WithLosses,
         _ => Done::Well,
@@ -86,26 +86,28 @@ impl Recorder<'_> {
         sinks.extend(viewer.sink());
 
         let mut pace = Pace::start(arguments.realtime, self.interrupt.clone());
-        let mut counts = EventCounts::default();
+        let mut counts = Tally::default();
         let ended = record(simulation, &mut telemetry, &mut sinks, |record, sinks| {
-            counts.count(record);
+            if let Record::Event(event) = record {
+                counts.count(event.kind, event.time);
+            }
             pace.after(record, sinks)
         });
         pace.finish();
-        let outcome = match ended {
-            Ok(outcome) => outcome,
+        let end = match ended {
+            Ok(end) => end,
             // What was recorded up to here is good; the end record says that it is not the whole run.
             Err(error @ (RecordError::Simulation(_) | RecordError::Telemetry(_))) => {
                 output::warn(&error.to_string());
-                Outcome {
+                RunEnd {
                     stop: StopReason::Failed,
-                    ..simulation.outcome()
+                    ..simulation.end()
                 }
             }
             Err(RecordError::Sink(error)) => return Err(error.into()),
         };
         drop(sinks);
-        let archived = archive.finish(&outcome)?;
+        let archived = archive.finish(&end)?;
         #[cfg(feature = "rerun")]
         let rrd = viewer.finish();
         #[cfg(not(feature = "rerun"))]
@@ -115,7 +117,7 @@ impl Recorder<'_> {
             output::warn(&output::with_causes(error));
         }
         Ok(Finished {
-            outcome,
+            end,
             counts,
             archived,
             is_rrd_lost: rrd.is_err(),

@@ -17,6 +17,7 @@
 mod accelerations;
 mod body;
 mod euler;
+mod few_integrals;
 mod fixed;
 mod formulation;
 mod free;
@@ -31,6 +32,7 @@ mod support;
 pub use accelerations::Accelerations;
 pub use body::BodyRotation;
 pub use euler::EulerAngles;
+pub use few_integrals::FewIntegrals;
 pub use formulation::{Entry, Formulation, Guard, Passage};
 pub use free::FreeRotation;
 pub use impact::Impact;

@@ -10,16 +10,18 @@ mod nutation;
 mod record;
 mod runner;
 mod sample;
+mod tally;
 
 pub use event::{Event, EventKind, StopReason, UPRIGHT};
 pub use free::{FreeSample, Landing};
 pub use nutation::NutationCycle;
-pub use record::{Outcome, Record, SimulationError};
+pub use record::{Record, RunEnd, SimulationError};
 pub use sample::{Frames, Sample};
+pub use tally::{EventCount, Tally};
 
-use crate::physics::dynamics::{BodyRotation, EulerAngles, FreeRotation};
+use crate::physics::dynamics::{BodyRotation, EulerAngles, FewIntegrals, FreeRotation};
 use crate::run::scenario::{FormulationKind, Scenario};
-use runner::{RecordStream, Runner};
+use runner::{Detail, RecordStream, Runner};
 
 /// A run in progress.
 pub struct Simulation {
@@ -36,10 +38,14 @@ impl Simulation {
         Ok(Self {
             run: match scenario.formulation {
                 _ if scenario.model.support.is_free() => {
-                    Box::new(Runner::<FreeRotation, _>::new(scenario)?)
+                    Box::new(Runner::<FreeRotation, _>::new(scenario, Detail::All)?)
                 }
-                FormulationKind::Euler => Box::new(Runner::<EulerAngles, _>::new(scenario)?),
-                FormulationKind::Body => Box::new(Runner::<BodyRotation, _>::new(scenario)?),
+                FormulationKind::Euler => {
+                    Box::new(Runner::<EulerAngles, _>::new(scenario, Detail::All)?)
+                }
+                FormulationKind::Body => {
+                    Box::new(Runner::<BodyRotation, _>::new(scenario, Detail::All)?)
+                }
             },
             carry_on: Box::new(|| true),
         })
@@ -66,8 +72,8 @@ impl Simulation {
     /// Before the end, `stop` is [`StopReason::Interrupted`]: that is why a run ends that nobody
     /// carries on.
     #[must_use]
-    pub fn outcome(&self) -> Outcome {
-        self.run.outcome()
+    pub fn end(&self) -> RunEnd {
+        self.run.end()
     }
 }
 
@@ -76,5 +82,32 @@ impl Iterator for Simulation {
 
     fn next(&mut self) -> Option<Self::Item> {
         self.run.next_record(&mut *self.carry_on).transpose()
+    }
+}
+
+/// Runs a scenario to its end for nothing but that end and what happens before: without samples, without the least and
+/// greatest rates of nutations, and without the integrals that only recordings need. The steps, the events and the end
+/// are those of the [`Simulation`], to the last bit.
+///
+/// `carry_on` is asked before each step of the integrator; once it says no, the run ends early, as interrupted.
+///
+/// # Errors
+/// As those of a [`Simulation`].
+pub fn tallied(
+    scenario: &Scenario,
+    mut carry_on: impl FnMut() -> bool,
+) -> Result<(RunEnd, Tally), SimulationError> {
+    type Few<F, const FULL: usize, const N: usize> = Runner<FewIntegrals<F, FULL>, N>;
+    let (detail, carry_on) = (Detail::Outcome, &mut carry_on);
+    match scenario.formulation {
+        _ if scenario.model.support.is_free() => {
+            Few::<FreeRotation, 27, 18>::new(scenario, detail)?.tallied(carry_on)
+        }
+        FormulationKind::Euler => {
+            Few::<EulerAngles, 17, 8>::new(scenario, detail)?.tallied(carry_on)
+        }
+        FormulationKind::Body => {
+            Few::<BodyRotation, 18, 9>::new(scenario, detail)?.tallied(carry_on)
+        }
     }
 }

@@ -196,14 +196,14 @@ pub fn accused(scenario: &Scenario, path: &Path) -> Option<String> {
         Ok(std::ops::ControlFlow::Continue(()))
     };
     let ended = record(&mut simulation, &mut telemetry, &mut [&mut sink], on);
-    let outcome = match ended {
-        Ok(outcome) => outcome,
-        Err(_) => toprise::run::simulation::Outcome {
+    let end = match ended {
+        Ok(end) => end,
+        Err(_) => toprise::run::simulation::RunEnd {
             stop: toprise::run::simulation::StopReason::Failed,
-            ..simulation.outcome()
+            ..simulation.end()
         },
     };
-    sink.finish(&outcome).unwrap();
+    sink.finish(&end).unwrap();
     let recording = Recording::open(path).unwrap();
     let report = verify(&recording, Options { reproduce: false }, &|_| {});
     let mut found = String::new();

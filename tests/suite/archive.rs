@@ -24,8 +24,8 @@ fn archive(path: &Path, scenario: &Scenario, existing: Existing) -> Result<Archi
     let mut sink = McapSink::create(path, existing, scenario, &telemetry, Form::default())?;
     let mut simulation = Simulation::new(scenario).unwrap();
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
-    sink.finish(&outcome)
+    let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    sink.finish(&end)
 }
 
 #[test]
@@ -163,9 +163,9 @@ fn a_name_that_is_taken_during_the_run_is_left_alone() {
         McapSink::create(&path, Existing::Keep, &short(), &telemetry, Form::default()).unwrap();
     let mut simulation = Simulation::new(&short()).unwrap();
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
     fs::write(&path, "came in between").unwrap();
-    let error = sink.finish(&outcome).unwrap_err();
+    let error = sink.finish(&end).unwrap_err();
     assert!(matches!(error, SinkError::Exists { .. }), "{error}");
     assert_eq!(fs::read(&path).unwrap(), b"came in between");
     assert!(Overview::read(&partial_name(&path)).unwrap().is_whole());

@@ -501,12 +501,12 @@ fn rewritten(
         Form::default(),
     )
     .unwrap();
-    let (original, outcome) = in_memory(scenario);
+    let (original, end) = in_memory(scenario);
     for mut message in original.messages {
         change(&mut message);
         sink.write(&message.as_message()).unwrap();
     }
-    sink.finish(&outcome).unwrap();
+    sink.finish(&end).unwrap();
     Recording::open(path).unwrap()
 }
 

@@ -339,7 +339,7 @@ fn validate(name: &str) {
     let mut compared = 0;
     for sample in samples {
         let time = digits(sample, "t").unwrap();
-        if time > run.outcome.time || time != time.floor() {
+        if time > run.end.time || time != time.floor() {
             continue;
         }
         compare(run.at(time), sample, &scenario.model, time > first_impact);
@@ -397,8 +397,8 @@ fn val_viscous_friction_lets_the_top_rise() {
         30.0,
     );
     let run = Run::of(&scenario);
-    assert_eq!(run.outcome.stop, StopReason::Risen);
-    assert_near("risen", run.outcome.time, risen, 1e-9 * risen);
+    assert_eq!(run.end.stop, StopReason::Risen);
+    assert_near("risen", run.end.time, risen, 1e-9 * risen);
 }
 
 #[test]
@@ -414,9 +414,9 @@ fn val_rolling_tops() {
     validate(name);
     let truth = &reference()["runs"][name];
     let run = Run::of(&scenario_of(truth["command"].as_str().unwrap(), 60.0));
-    assert_eq!(run.outcome.stop, StopReason::Risen);
+    assert_eq!(run.end.stop, StopReason::Risen);
     let risen = digits(&truth["events"][1], "t").unwrap();
-    assert_near("risen", run.outcome.time, risen, 1e-9 * risen);
+    assert_near("risen", run.end.time, risen, 1e-9 * risen);
 }
 
 #[test]

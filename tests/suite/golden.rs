@@ -8,7 +8,7 @@ use std::path::Path;
 use toprise::analysis::verify::{Options, Verdict, verify};
 use toprise::archive::recording::Recording;
 use toprise::run::scenario::{PRESETS, Preset};
-use toprise::run::simulation::{Outcome, Simulation};
+use toprise::run::simulation::{RunEnd, Simulation};
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::{Telemetry, TelemetryError};
 
@@ -45,7 +45,7 @@ const RECORDED: [&str; 5] = [
     "frictionless",
 ];
 
-fn digest_of(preset: &Preset) -> (u64, Outcome, String) {
+fn digest_of(preset: &Preset) -> (u64, RunEnd, String) {
     let scenario = preset.scenario().unwrap();
     let mut simulation = Simulation::new(&scenario).unwrap();
     let mut telemetry = Telemetry::default();
@@ -59,15 +59,15 @@ fn digest_of(preset: &Preset) -> (u64, Outcome, String) {
         });
         counted.unwrap();
     }
-    (messages, simulation.outcome(), digest.finish())
+    (messages, simulation.end(), digest.finish())
 }
 
 #[test]
 fn regress_content_digests() {
     let mut found = String::new();
     for preset in PRESETS {
-        let (messages, outcome, digest) = digest_of(preset);
-        let steps = outcome.statistics.accepted;
+        let (messages, end, digest) = digest_of(preset);
+        let steps = end.statistics.accepted;
         found.push_str(&format!(
             "    (\"{}\", {messages}, {steps}, \"{digest}\"),\n",
             preset.name

@@ -309,7 +309,7 @@ fn full_friction_sticks_just_short_of_upright() {
             ("formulation", formulation),
             ("stop.duration", "30"),
         ]));
-        assert_eq!(run.outcome.stop, StopReason::Duration);
+        assert_eq!(run.end.stop, StopReason::Duration);
         let stick = run.first(EventKind::Stick);
         // |(I_z − I_x) Ω² cos θ − M g l| sin θ ≤ k M g R.
         let omega = stick.motion.tilt.omega_lean.z;
@@ -347,7 +347,7 @@ fn full_friction_sticks_just_short_of_upright() {
 #[test]
 fn a_top_that_sticks_stops_by_default() {
     let run = Run::of(&scenario("full-coulomb", &[("stop.theta_risen", "")]));
-    assert_eq!(run.outcome.stop, StopReason::SlipStopped);
+    assert_eq!(run.end.stop, StopReason::SlipStopped);
     let last = run.events.last().unwrap();
     assert_eq!(last.kind, EventKind::SlipStops);
 }
@@ -388,9 +388,9 @@ fn a_contact_slips_again_when_friction_does_not_hold_it() {
         let omega = run.samples[0].tilt.omega_lean.z * decay;
         assert_near("Ω", slip.motion.tilt.omega_lean.z, omega, 1e-9);
         // Then it falls.
-        assert_eq!(run.outcome.stop, StopReason::Fallen);
+        assert_eq!(run.end.stop, StopReason::Fallen);
     }
-    assert_eq!(Run::of(&balanced("10")).outcome.stop, StopReason::Duration);
+    assert_eq!(Run::of(&balanced("10")).end.stop, StopReason::Duration);
 }
 
 #[test]
@@ -417,7 +417,7 @@ fn a_contact_at_rest_that_is_not_held_begins_to_slip() {
     }
     // The force jumps at the start. There a step may err by the absolute tolerance, 1e-12 kg m²/s of the
     // momentum, which is 1.2e-8 rad/s.
-    let [a, b] = runs.map(|run| run.outcome.motion.angles);
+    let [a, b] = runs.map(|run| run.end.motion.angles);
     assert_near("θ", a.theta, b.theta, 1e-7);
     assert_near("φ", a.phi, b.phi, 1e-7);
 }
@@ -432,12 +432,12 @@ fn a_top_that_sticks_and_drills_comes_to_rest() {
         ("drilling.patch_radius", "1e-3"),
         ("stop.duration", "60"),
     ]));
-    assert_eq!(run.outcome.stop, StopReason::Rest);
+    assert_eq!(run.end.stop, StopReason::Rest);
     // Ω falls evenly by (3π/16) k N a / I, I the moment about the vertical.
     let (s, c) = libm::sincos(0.5);
     let moment = 8.52e-5 * s * s + 7.25e-5 * c * c;
     let torque = 3.0 * std::f64::consts::PI / 16.0 * 10.0 * 0.110 * 9.81 * 1e-3;
-    assert_near("t", run.outcome.time, 10.0 * moment / torque, 1e-10);
+    assert_near("t", run.end.time, 10.0 * moment / torque, 1e-10);
 }
 
 #[test]
@@ -477,7 +477,7 @@ fn val_the_tilt_torque_alone_raises_at_constant_axial_momentum() {
             "tilt-torque-only",
             &[("formulation", formulation)],
         ));
-        assert_eq!(run.outcome.stop, StopReason::Risen);
+        assert_eq!(run.end.stop, StopReason::Risen);
         let axial = run.samples[0].axial_momentum;
         for sample in &run.samples {
             assert_near("L_n", sample.axial_momentum, axial, 1e-13);
@@ -486,10 +486,10 @@ fn val_the_tilt_torque_alone_raises_at_constant_axial_momentum() {
         // nutation's amplitude over the last θ: a few per cent.
         let time = axial / (0.03 * 0.110 * 9.81 * 0.007)
             * (inverse_gudermann(0.5) - inverse_gudermann(0.02));
-        assert_near("t", run.outcome.time, time, 0.04 * time);
+        assert_near("t", run.end.time, time, 0.04 * time);
     }
     let spin = Run::of(&scenario("spin-torque-only", &[("sampling.period", "0.1")]));
-    assert_eq!(spin.outcome.stop, StopReason::Fallen);
+    assert_eq!(spin.end.stop, StopReason::Fallen);
     assert!(spin.samples.iter().all(|s| s.angles.theta > 0.49));
 }
 
@@ -501,7 +501,7 @@ fn inverse_gudermann(theta: f64) -> f64 {
 #[test]
 fn a_top_rises_by_loss_of_spin_without_faster_precession() {
     let run = Run::of(&scenario("rise-by-loss-of-spin", &[]));
-    assert_eq!(run.outcome.stop, StopReason::Risen);
+    assert_eq!(run.end.stop, StopReason::Risen);
     for pair in run.cycles.windows(2) {
         let rates = |i: usize| pair[i].mean_rates;
         assert!(rates(1).phi.abs() < rates(0).phi.abs());
@@ -513,8 +513,8 @@ fn a_top_rises_by_loss_of_spin_without_faster_precession() {
 #[test]
 fn a_top_in_air_rises_sleeps_weakens_and_falls() {
     let run = Run::of(&scenario("lifecycle", &[("sampling.period", "0.01")]));
-    assert_eq!(run.outcome.stop, StopReason::Fallen);
-    assert!(run.outcome.time < 120.0);
+    assert_eq!(run.end.stop, StopReason::Fallen);
+    assert!(run.end.time < 120.0);
     let weak = run.first(EventKind::WeakTop).time;
     let largest = |from: f64, to: f64| {
         let within = run.samples.iter().filter(|s| {
@@ -525,7 +525,7 @@ fn a_top_in_air_rises_sleeps_weakens_and_falls() {
     };
     let asleep = largest(35.0, weak - 5.0);
     assert!(asleep < 0.02, "{asleep}");
-    assert!(largest(weak, run.outcome.time) > 1.5);
+    assert!(largest(weak, run.end.time) > 1.5);
 }
 
 #[test]
@@ -690,7 +690,7 @@ fn the_formulations_agree_on_every_derivative_at_rest() {
 fn a_nutation_that_ends_after_the_run_is_not_counted() {
     for (preset, duration) in [("stribeck", "2"), ("paper", "6.75")] {
         let run = Run::of(&scenario(preset, &[("stop.duration", duration)]));
-        assert_eq!(run.outcome.nutations, run.cycles.len() as u64, "{preset}");
+        assert_eq!(run.end.nutations, run.cycles.len() as u64, "{preset}");
     }
 }
 

@@ -26,6 +26,7 @@ mod golden;
 mod integrate;
 mod laws;
 mod numbers;
+mod outcome;
 mod package;
 mod physics;
 mod properties;

@@ -38,7 +38,7 @@ fn val_without_friction_energy_and_momenta_are_constant() {
         );
         assert!(energy < 1e-12, "{energy:e}");
         assert!(axial < MOMENTUM_DRIFT, "{axial:e}");
-        assert_eq!(run.outcome.stop, StopReason::Duration);
+        assert_eq!(run.end.stop, StopReason::Duration);
     }
 }
 
@@ -56,7 +56,7 @@ fn val_energy_changes_by_the_work_of_friction() {
                 &[("formulation", formulation), ("sampling.period", "0.01")],
             ));
             let start = run.samples[0].energy();
-            let scale = run.outcome.energy.abs().max(start);
+            let scale = run.end.energy.abs().max(start);
             for sample in &run.samples {
                 let gap = sample.energy() - start - sample.integrals.friction_work;
                 assert!(gap.abs() < 2e-12 * scale, "{preset} {formulation}: {gap:e}");
@@ -76,8 +76,8 @@ fn val_energy_changes_by_the_work_of_friction() {
 #[test]
 fn val_energy_lost_is_weight_times_path_under_full_friction() {
     let run = Run::of(&scenario("full-coulomb", &[]));
-    let lost = run.outcome.energy_at_start - run.outcome.energy;
-    let path = run.outcome.motion.integrals.slip_path;
+    let lost = run.end.energy_at_start - run.end.energy;
+    let path = run.end.motion.integrals.slip_path;
     assert_near("loss", lost, 0.03 * 0.110 * 9.81 * path, 1e-12);
 }
 
@@ -202,7 +202,7 @@ fn val_both_formulations_agree() {
             &[("sampling.period", "0.1"), ("formulation", "body")],
         ));
         assert_eq!(euler.samples.len(), body.samples.len());
-        assert_near("end", euler.outcome.time, body.outcome.time, 2e-9);
+        assert_near("end", euler.end.time, body.end.time, 2e-9);
         for (a, b) in euler.samples.iter().zip(&body.samples) {
             assert_near("θ", a.angles.theta, b.angles.theta, 1e-9);
             assert_near("φ", a.angles.phi, b.angles.phi, 2e-8);
@@ -298,7 +298,7 @@ fn through_upright(formulation: &str) -> Scenario {
 #[test]
 fn the_body_formulation_runs_through_upright() {
     let run = Run::of(&through_upright("body"));
-    assert_eq!(run.outcome.stop, StopReason::Duration);
+    assert_eq!(run.end.stop, StopReason::Duration);
     assert!(run.events_of(EventKind::UprightPassage).count() >= 3);
     let first = &run.samples[0];
     let least = run
@@ -327,12 +327,12 @@ fn the_euler_formulation_stops_where_it_is_singular() {
     let mut simulation =
         toprise::run::simulation::Simulation::new(&through_upright("euler")).unwrap();
     let failed = simulation.by_ref().any(|record| record.is_err());
-    let stop = simulation.outcome().stop;
+    let stop = simulation.end().stop;
     assert!(
         stop == StopReason::Singular || (failed && stop == StopReason::Failed),
         "{stop:?}"
     );
-    assert!(simulation.outcome().time < 0.2);
+    assert!(simulation.end().time < 0.2);
 }
 
 #[test]
@@ -365,8 +365,8 @@ fn full_friction_stops_the_slip_just_short_of_upright() {
         "full-coulomb",
         &[("formulation", "body"), ("stop.theta_risen", "")],
     ));
-    assert_eq!(run.outcome.stop, StopReason::SlipStopped);
-    assert!(run.outcome.motion.angles.theta < 1e-3);
+    assert_eq!(run.end.stop, StopReason::SlipStopped);
+    assert!(run.end.motion.angles.theta < 1e-3);
 }
 
 #[test]
@@ -409,7 +409,7 @@ fn sampling_does_not_influence_the_motion() {
         ))
     };
     let (fine, coarse) = (run("0.0001"), run("0.1"));
-    assert_eq!(fine.outcome.statistics, coarse.outcome.statistics);
+    assert_eq!(fine.end.statistics, coarse.end.statistics);
     assert_eq!(fine.events, coarse.events);
     for (i, sample) in coarse.samples.iter().enumerate() {
         assert_eq!(sample.angles, fine.samples[i * 1000].angles);

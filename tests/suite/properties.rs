@@ -238,7 +238,7 @@ proptest! {
             ("stop.duration", "60"),
         ]));
         let (a, b) = (run(1.0), run(lambda));
-        let gap = a.outcome.time - b.outcome.time * lambda;
+        let gap = a.end.time - b.end.time * lambda;
         prop_assert!(gap.abs() < 1e-8, "{gap}");
     }
 

@@ -60,7 +60,7 @@ fn validate(name: &str, preset: &str, overrides: &[(&str, &str)], tolerance: &To
     let mut compared = 0;
     for sample in truth["samples"].as_array().unwrap() {
         let time = digits(sample, "t").unwrap();
-        if time <= run.outcome.time {
+        if time <= run.end.time {
             compared += compare(run.at(time), sample, tolerance);
         }
     }
@@ -77,12 +77,12 @@ fn val_paper_rises_as_computed_by_others() {
     let run = validate("paper_k0.03", "paper", &[], &EULER);
     let truth = reference();
     let rise = event(&truth, "paper_k0.03", "RISE");
-    assert_eq!(run.outcome.stop, StopReason::Risen);
-    assert_near("t", run.outcome.time, digits(rise, "t").unwrap(), 5e-10);
-    let rates = run.outcome.motion.tilt.rates;
+    assert_eq!(run.end.stop, StopReason::Risen);
+    assert_near("t", run.end.time, digits(rise, "t").unwrap(), 5e-10);
+    let rates = run.end.motion.tilt.rates;
     assert_near("φ̇", rates.phi, digits(rise, "phd").unwrap(), 5e-8);
     assert_near("ψ̇", rates.psi, digits(rise, "psd").unwrap(), 5e-8);
-    assert_near("E", run.outcome.energy, digits(rise, "E").unwrap(), 1e-12);
+    assert_near("E", run.end.energy, digits(rise, "E").unwrap(), 1e-12);
     // The first loop is a grazing event: its time goes with the square root of the error in φ̇.
     let looping = event(&truth, "paper_k0.03", "PHIDOT0");
     let first = run.first(EventKind::LoopingBegins).time;
@@ -97,7 +97,7 @@ fn val_paper_nutations_are_counted() {
         .as_u64()
         .unwrap();
     // Cycles lie between the maxima of θ̇.
-    assert_eq!(run.outcome.nutations + 1, maxima);
+    assert_eq!(run.end.nutations + 1, maxima);
     let frequency =
         |cycle: Option<&toprise::run::simulation::NutationCycle>| 1.0 / cycle.unwrap().period();
     // The reference gives them with four digits.
@@ -122,12 +122,7 @@ fn val_errors_fall_with_the_tolerance() {
                     ("sampling.period", "1"),
                 ],
             ));
-            assert_near(
-                formulation,
-                run.outcome.time,
-                rise,
-                factor * tolerance + 1e-12,
-            );
+            assert_near(formulation, run.end.time, rise, factor * tolerance + 1e-12);
         }
     }
 }
@@ -216,9 +211,9 @@ fn val_figure_4a_rises_later() {
     );
     let truth = reference();
     let rise = event(&truth, "ablation_a_k0.03", "RISE");
-    assert_eq!(run.outcome.stop, StopReason::Risen);
-    assert_near("t", run.outcome.time, digits(rise, "t").unwrap(), 1e-7);
-    let psi_dot = run.outcome.motion.tilt.rates.psi;
+    assert_eq!(run.end.stop, StopReason::Risen);
+    assert_near("t", run.end.time, digits(rise, "t").unwrap(), 1e-7);
+    let psi_dot = run.end.motion.tilt.rates.psi;
     assert_near("ψ̇", psi_dot, digits(rise, "psd").unwrap(), 1e-7);
     // Grazes zero: a detector that looks only at the ends of the steps misses it.
     let looping = event(&truth, "ablation_a_k0.03", "PHIDOT0");
@@ -245,13 +240,8 @@ fn val_figure_4b_falls() {
         1e-9,
     );
     let fallen = event(&truth, "ablation_b_k0.03", "THPI2");
-    assert_eq!(run.outcome.stop, StopReason::Fallen);
-    assert_near(
-        "fallen",
-        run.outcome.time,
-        digits(fallen, "t").unwrap(),
-        1e-8,
-    );
+    assert_eq!(run.end.stop, StopReason::Fallen);
+    assert_near("fallen", run.end.time, digits(fallen, "t").unwrap(), 1e-8);
 }
 
 #[test]
@@ -270,7 +260,7 @@ fn val_other_coefficients_of_friction() {
                 compare(run.at(digits(sample, "t").unwrap()), sample, &EULER);
             }
             let rise = event(&truth, name, "RISE");
-            assert_near(name, run.outcome.time, digits(rise, "t").unwrap(), 1e-9);
+            assert_near(name, run.end.time, digits(rise, "t").unwrap(), 1e-9);
         }
     }
 }
@@ -302,7 +292,7 @@ fn val_body_formulation_is_as_exact() {
     );
     let truth = reference();
     let rise = event(&truth, "paper_k0.03", "RISE");
-    assert_near("t", run.outcome.time, digits(rise, "t").unwrap(), 2e-11);
+    assert_near("t", run.end.time, digits(rise, "t").unwrap(), 2e-11);
 }
 
 #[test]
@@ -382,8 +372,8 @@ fn val_laws_of_friction_move_as_computed_by_others() {
                 assert!(compared >= 5, "{name}: only {compared} numbers compared");
             }
             let rise = &truth["rise_0.02"];
-            assert_near(name, run.outcome.time, digits(rise, "t").unwrap(), 5e-10);
-            let rates = run.outcome.motion.tilt.rates;
+            assert_near(name, run.end.time, digits(rise, "t").unwrap(), 5e-10);
+            let rates = run.end.motion.tilt.rates;
             assert_near("φ̇", rates.phi, digits(rise, "phd").unwrap(), 5e-8);
             assert_near("ψ̇", rates.psi, digits(rise, "psd").unwrap(), 5e-8);
         }
@@ -395,6 +385,6 @@ fn val_a_start_without_nutation_rises_as_computed_by_others() {
     let run = Run::of(&scenario("nutation-free", &[]));
     let truth = &reference()["slow_manifold_ic"];
     let rise = truth["t_rise"].as_f64().unwrap();
-    assert_near("t", run.outcome.time, rise, 5e-10);
+    assert_near("t", run.end.time, rise, 5e-10);
     assert_eq!(run.events_of(EventKind::LoopingBegins).count(), 0);
 }

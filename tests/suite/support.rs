@@ -8,7 +8,7 @@ use toprise::archive::sink::{Sink, SinkError, record};
 use toprise::archive::writer::{Archived, Form, McapSink};
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{
-    Event, EventKind, Landing, NutationCycle, Outcome, Record, Sample, Simulation,
+    Event, EventKind, Landing, NutationCycle, Record, RunEnd, Sample, Simulation,
 };
 use toprise::telemetry::{Telemetry, Topics};
 
@@ -27,7 +27,7 @@ pub struct Run {
     pub events: Vec<Event>,
     pub cycles: Vec<NutationCycle>,
     pub impacts: Vec<Landing>,
-    pub outcome: Outcome,
+    pub end: RunEnd,
 }
 
 impl Run {
@@ -48,7 +48,7 @@ impl Run {
             events,
             cycles,
             impacts,
-            outcome: simulation.outcome(),
+            end: simulation.end(),
         }
     }
 
@@ -81,13 +81,13 @@ pub fn assert_near(what: &str, actual: f64, expected: f64, tolerance: f64) {
 }
 
 /// A run into memory, with all its messages.
-pub fn in_memory(scenario: &Scenario) -> (MemorySink, Outcome) {
+pub fn in_memory(scenario: &Scenario) -> (MemorySink, RunEnd) {
     let mut sink = MemorySink::default();
     let mut simulation = Simulation::new(scenario).unwrap();
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
     let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
-    let outcome = record(&mut simulation, &mut Telemetry::default(), sinks, carry_on).unwrap();
-    (sink, outcome)
+    let end = record(&mut simulation, &mut Telemetry::default(), sinks, carry_on).unwrap();
+    (sink, end)
 }
 
 /// Records a run with these topics, all if there are none.
@@ -104,6 +104,6 @@ pub fn archive(
     let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, form)?;
     let mut simulation = Simulation::new(scenario).unwrap();
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
-    sink.finish(&outcome)
+    let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    sink.finish(&end)
 }

@@ -37,8 +37,8 @@ pub fn archive(path: &Path, scenario: &Scenario, topics: &[&str], form: Form) {
     let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, form).unwrap();
     let mut simulation = Simulation::new(scenario).unwrap();
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let outcome = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
-    sink.finish(&outcome).unwrap();
+    let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    sink.finish(&end).unwrap();
 }
 
 /// What fails in a recording, if something does.

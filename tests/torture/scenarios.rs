@@ -10,7 +10,7 @@ use toprise::archive::recording::Recording;
 use toprise::archive::sink::{RecordError, Sink, record};
 use toprise::archive::writer::{Form, McapSink};
 use toprise::run::scenario::{PRESETS, Preset, Scenario};
-use toprise::run::simulation::{Outcome, Simulation, StopReason};
+use toprise::run::simulation::{RunEnd, Simulation, StopReason};
 use toprise::telemetry::Telemetry;
 
 /// Records a random scenario and verifies the recording: it must not fail.
@@ -30,15 +30,15 @@ pub fn scenarios() -> Result<Trial, String> {
         };
         let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
         let ended = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on);
-        let outcome = match ended {
-            Ok(outcome) => outcome,
+        let end = match ended {
+            Ok(end) => end,
             Err(RecordError::Sink(error)) => return Err(error.to_string()),
-            Err(_) => Outcome {
+            Err(_) => RunEnd {
                 stop: StopReason::Failed,
-                ..simulation.outcome()
+                ..simulation.end()
             },
         };
-        sink.finish(&outcome).map_err(|error| error.to_string())?;
+        sink.finish(&end).map_err(|error| error.to_string())?;
         let recording = Recording::open(&path).map_err(|error| error.to_string())?;
         let report = verify(&recording, Options { reproduce: true }, &|_| {});
         match failure(&report) {

@@ -369,16 +369,16 @@ fn with_all_parts(facts: &Facts) -> Option<String> {
         .by_ref()
         .take(most.saturating_mul(LONGER as usize));
     records.take_while(Result::is_ok).for_each(drop);
-    let outcome = simulation.outcome();
-    let rates = quantity(outcome.motion.tilt.rates.psi, 4, "rad/s");
-    let time = moment(outcome.time);
-    let is_on_its_way = matches!(outcome.stop, StopReason::Duration | StopReason::Interrupted);
+    let end = simulation.end();
+    let rates = quantity(end.motion.tilt.rates.psi, 4, "rad/s");
+    let time = moment(end.time);
+    let is_on_its_way = matches!(end.stop, StopReason::Duration | StopReason::Interrupted);
     Some(if is_on_its_way {
         format!(
             "With the whole torque the same top is still on its way at {time}, with ψ̇ = {rates}."
         )
     } else {
-        let end = outcome.stop.sentence();
+        let end = end.stop.sentence();
         format!("With the whole torque the same top ends so: {end}, at {time}, with ψ̇ = {rates}.")
     })
 }

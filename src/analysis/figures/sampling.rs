@@ -47,7 +47,7 @@ fn period_ns(scenario: &Scenario) -> Option<f64> {
             count += 1.0;
         }
     }
-    let duration = simulation.outcome().time;
+    let duration = simulation.end().time;
     let of_nutation = f64::max(shortest, duration / (SHORTENING * count)) / PER_NUTATION;
     let period = f64::min(of_nutation, duration / PER_RUN);
     (period > 0.0).then_some(1e9 * period)

@@ -201,12 +201,12 @@ impl Reproduction {
         let (Ok(simulation), Some(recorded)) = (&self.simulation, &self.end) else {
             return Ok(());
         };
-        let mut outcome = simulation.outcome();
+        let mut end = simulation.end();
         if self.has_failed {
-            outcome.stop = StopReason::Failed;
+            end.stop = StopReason::Failed;
         }
         let is_count = |key: &String| COUNTS.iter().any(|(count, _)| count == key);
-        for (key, simulated) in end_entries(&outcome) {
+        for (key, simulated) in end_entries(&end) {
             let noted = recorded.get(&key).map_or("nothing", String::as_str);
             if noted != simulated && (is_all_there || !is_count(&key)) {
                 return Err(format!(
@@ -222,7 +222,7 @@ impl Reproduction {
         let (Ok(simulation), Some(recorded)) = (&self.simulation, &self.end) else {
             return Ok(());
         };
-        let known = end_entries(&simulation.outcome());
+        let known = end_entries(&simulation.end());
         let mut said = recorded.iter();
         let unknown = said.find(|(key, _)| !known.contains_key(*key) && *key != CONTENT_DIGEST);
         match unknown {

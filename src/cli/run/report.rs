@@ -6,7 +6,7 @@ use crate::cli::page::{Page, Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
 use crate::run::scenario::Scenario;
-use crate::run::simulation::{EventKind, Outcome, Record, StopReason};
+use crate::run::simulation::{EventCount, RunEnd, StopReason, Tally};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -15,42 +15,10 @@ use std::time::Duration;
 /// A run that took this many times its simulated time is not told so: one of them is next to nothing.
 const SLOWEST: f64 = 1e4;
 
-/// How often each kind of event happened, in the order of their first times.
-#[derive(Debug, Default)]
-pub(super) struct EventCounts(Vec<EventCount>);
-
-/// How often a kind of event happened.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-struct EventCount {
-    /// The kind.
-    name: EventKind,
-    /// How often it happened.
-    count: u64,
-    /// When it happened first, s.
-    first_time: f64,
-}
-
-impl EventCounts {
-    /// Takes in a record, if it is an event.
-    pub(super) fn count(&mut self, record: &Record) {
-        let Record::Event(event) = record else {
-            return;
-        };
-        match self.0.iter_mut().find(|known| known.name == event.kind) {
-            Some(known) => known.count += 1,
-            None => self.0.push(EventCount {
-                name: event.kind,
-                count: 1,
-                first_time: event.time,
-            }),
-        }
-    }
-}
-
 /// A run that is recorded.
 pub(super) struct Finished {
-    pub(super) outcome: Outcome,
-    pub(super) counts: EventCounts,
+    pub(super) end: RunEnd,
+    pub(super) counts: Tally,
     pub(super) archived: Archived,
     pub(super) rrd: Option<WrittenFile>,
     /// Whether a Rerun recording was wanted but could not be written.
@@ -129,18 +97,18 @@ impl RunReport {
         wall: Duration,
     ) -> Self {
         let Finished {
-            outcome,
+            end,
             counts,
             archived,
             rrd,
             ..
         } = finished;
-        let (angles, rates) = (&outcome.motion.angles, &outcome.motion.tilt.rates);
+        let (angles, rates) = (&end.motion.angles, &end.motion.tilt.rates);
         Self {
             scenario: scenario.name().to_owned(),
             scenario_digest: scenario.digest(),
-            stop_reason: outcome.stop,
-            stop_time: outcome.time,
+            stop_reason: end.stop,
+            stop_time: end.time,
             state: FinalState {
                 phi: angles.phi,
                 theta: angles.theta,
@@ -149,17 +117,17 @@ impl RunReport {
                 theta_dot: rates.theta,
                 psi_dot: rates.psi,
             },
-            energy_at_start: outcome.energy_at_start,
-            energy: outcome.energy,
-            friction_work: outcome.motion.integrals.friction_work,
-            slip_path: outcome.motion.integrals.slip_path,
-            samples: outcome.samples,
+            energy_at_start: end.energy_at_start,
+            energy: end.energy,
+            friction_work: end.motion.integrals.friction_work,
+            slip_path: end.motion.integrals.slip_path,
+            samples: end.samples,
             sample_period: scenario.sample_period_ns as f64 / 1e9,
-            nutations: outcome.nutations,
-            events: counts.0.clone(),
-            steps_accepted: outcome.statistics.accepted,
-            steps_rejected: outcome.statistics.rejected,
-            evaluations: outcome.statistics.evaluations,
+            nutations: end.nutations,
+            events: counts.counts().to_vec(),
+            steps_accepted: end.statistics.accepted,
+            steps_rejected: end.statistics.rejected,
+            evaluations: end.statistics.evaluations,
             wall_time: wall.as_secs_f64(),
             mcap: WrittenFile::new(&archived.path, archived.bytes),
             rrd: rrd.clone(),
@@ -282,6 +250,7 @@ fn under(label: &'static str, lines: Vec<String>) -> impl Iterator<Item = (&'sta
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run::simulation::EventKind;
 
     /// Programs read the names that recordings have.
     #[test]

@@ -53,7 +53,7 @@ pub enum SimulationError {
 
 /// How a run ended, and what it consisted of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome {
+pub struct RunEnd {
     /// Why it ended.
     pub stop: StopReason,
     /// When it ended, s.

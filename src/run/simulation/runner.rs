@@ -3,8 +3,9 @@
 use super::event::{Event, EventKind, StopReason, UPRIGHT};
 use super::free::Landing;
 use super::nutation::{NutationCycle, NutationTracker};
-use super::record::{Outcome, Record, SimulationError};
+use super::record::{Record, RunEnd, SimulationError};
 use super::sample::Sample;
+use super::tally::Tally;
 use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Passage, Phase};
 use crate::physics::integrate::{
     Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope, Tolerances, zero,
@@ -29,7 +30,7 @@ pub(super) trait RecordStream {
     fn take_all_cycles(&mut self);
 
     /// What has happened so far.
-    fn outcome(&self) -> Outcome;
+    fn end(&self) -> RunEnd;
 }
 
 /// A run has stalled if this many steps advance it by less than [`STALLED_TIME`]: a torque that jumps changes its
@@ -38,10 +39,20 @@ const STALLED_STEPS: u32 = 1_000_000;
 /// The time that a run which has not stalled takes at least for [`STALLED_STEPS`], s.
 const STALLED_TIME: f64 = 0.05;
 
+/// How much of a run is looked at. It never changes the steps, nor what happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Detail {
+    /// Everything that is recorded.
+    All,
+    /// What an outcome counts: events and nutations.
+    Outcome,
+}
+
 /// A run in one formulation.
 pub(super) struct Runner<F, const N: usize> {
     integrator: Dop853<F, N>,
     settings: LoopSettings,
+    detail: Detail,
     watches: Vec<Watch>,
     nutation: NutationTracker,
     /// The step that records are being read from; none before the first.
@@ -127,7 +138,7 @@ impl Pending {
 }
 
 impl<F: Formulation<N>, const N: usize> Runner<F, N> {
-    pub(super) fn new(scenario: &Scenario) -> Result<Self, SimulationError> {
+    pub(super) fn new(scenario: &Scenario, detail: Detail) -> Result<Self, SimulationError> {
         let may_hold = scenario.stop.on_stick == OnStick::Continue;
         let (formulation, state, passage) = F::start(&scenario.model, &scenario.start(), may_hold);
         let motion = formulation.motion(&state, scenario.angles);
@@ -158,6 +169,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             watches: watches(&settings, integrator.system()),
             integrator,
             settings,
+            detail,
             nutation: NutationTracker::new(scenario.model.nutating_top(), 0.0, motion),
             dense: None,
             reference: scenario.angles,
@@ -206,7 +218,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         for Watch { meaning, tracker } in &mut watches {
             let values = if *meaning == Meaning::NutationRate {
                 let accelerations = motions.map(|motion| self.accelerations(&motion));
-                envelope(dense.h, &motions, &accelerations, &mut all);
+                if self.detail == Detail::All {
+                    envelope(dense.h, &motions, &accelerations, &mut all);
+                }
                 accelerations.map(|acceleration| acceleration.theta)
             } else {
                 motions.map(|motion| self.value(*meaning, &motion))
@@ -504,6 +518,60 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(())
     }
 
+    /// Goes on after all records of a step have been handed out: stops, enters another phase, or takes a step. False if
+    /// `carry_on` says no.
+    fn advance(&mut self, carry_on: &mut dyn FnMut() -> bool) -> Result<bool, SimulationError> {
+        let went_on = match self.end {
+            Some((time, End::Stop(reason))) => {
+                self.stop(time, reason);
+                Ok(())
+            }
+            Some((time, End::Enter(entry))) => self.enter(time, &entry),
+            None if carry_on() => self.step(),
+            None => return Ok(false),
+        };
+        if let Err(error) = went_on {
+            self.stopped = Some(StopReason::Failed);
+            return Err(error);
+        }
+        Ok(true)
+    }
+
+    /// Runs to the end, and tells how it ended and what happened.
+    pub(super) fn tallied(
+        mut self,
+        carry_on: &mut dyn FnMut() -> bool,
+    ) -> Result<(RunEnd, Tally), SimulationError> {
+        let mut tally = Tally::default();
+        loop {
+            while let Some(pending) = self.pending.pop_front() {
+                self.take_in(&pending, &mut tally);
+            }
+            if self.stopped.is_some() || !self.advance(carry_on)? {
+                return Ok((RecordStream::end(&self), tally));
+            }
+        }
+    }
+
+    /// Counts what has happened.
+    fn take_in(&mut self, pending: &Pending, tally: &mut Tally) {
+        let (kind, time, motion) = match *pending {
+            Pending::Event(kind, time, motion) => (kind, time, motion),
+            Pending::Landing(_, time, motion) => (EventKind::Landing, time, motion),
+            Pending::Nutation(_) => {
+                self.cycles += 1;
+                return;
+            }
+            Pending::Impact(_) => {
+                self.impacts += 1;
+                return;
+            }
+        };
+        self.events += 1;
+        self.last = (time, motion);
+        tally.count(kind, time);
+    }
+
     /// Ends the run: everything before its end has been handed out.
     fn stop(&mut self, time: f64, reason: StopReason) {
         if let Some(dense) = &self.dense {
@@ -530,18 +598,8 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             if let Some(pending) = self.pending.pop_front() {
                 return Ok(Some(self.hand_out(pending)));
             }
-            let went_on = match self.end {
-                Some((time, End::Stop(reason))) => {
-                    self.stop(time, reason);
-                    Ok(())
-                }
-                Some((time, End::Enter(entry))) => self.enter(time, &entry),
-                None if carry_on() => self.step(),
-                None => return Ok(None),
-            };
-            if let Err(error) = went_on {
-                self.stopped = Some(StopReason::Failed);
-                return Err(error);
+            if !self.advance(carry_on)? {
+                return Ok(None);
             }
         }
         Ok(None)
@@ -551,9 +609,9 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
         self.nutation.take_all();
     }
 
-    fn outcome(&self) -> Outcome {
+    fn end(&self) -> RunEnd {
         let (time, motion) = self.last;
-        Outcome {
+        RunEnd {
             stop: self.stopped.unwrap_or(StopReason::Interrupted),
             time,
             motion,

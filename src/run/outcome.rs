@@ -1,0 +1,264 @@
+//! The outcome of a run: the few numbers that a table of many runs has of each.
+//!
+//! [`outcome`] runs a scenario for nothing else, and so twice as fast as a [`Simulation`](crate::run::simulation::Simulation).
+//! [`COLUMNS`] is the one table of what an outcome consists of: names, units, kinds and meanings of Parquet columns,
+//! JSON members and documents follow from it.
+
+use crate::physics::kinematics::Euler;
+use crate::run::scenario::Scenario;
+use crate::run::simulation::{EventKind, RunEnd, SimulationError, StopReason, Tally, tallied};
+use serde::ser::{Serialize, SerializeMap as _, Serializer};
+use std::f64::consts::TAU;
+
+/// What happened in a run, and how it ended. SI units and radians.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Why the run ended.
+    pub stop_reason: StopReason,
+    /// When, s.
+    pub stop_time: f64,
+    /// When the top had risen, s: θ fell to `stop.theta_risen`. None if it did not.
+    pub rise_time: Option<f64>,
+    /// When the spin first became too weak to hold an upright top, s. None if it did not.
+    pub weak_time: Option<f64>,
+    /// When the axis first began to loop, s. None if it did not.
+    pub loop_time: Option<f64>,
+    /// How often the axis began to loop.
+    pub loops: u64,
+    /// Number of whole nutation cycles.
+    pub nutations: u64,
+    /// Inclination at the end, rad.
+    pub theta: f64,
+    /// Euler rates at the end, rad/s.
+    pub rates: Euler,
+    /// Turns of precession from start to end.
+    pub turns: f64,
+    /// Total energy at the start, J.
+    pub energy_at_start: f64,
+    /// Total energy at the end, J.
+    pub energy: f64,
+    /// Work of friction, J.
+    pub friction_work: f64,
+    /// Path that the contact point slipped, m.
+    pub slip_path: f64,
+    /// What only a free peg does; none for a fixed one.
+    pub free: Option<FreeOutcome>,
+    /// Steps of the integrator.
+    pub steps: u64,
+}
+
+/// What only a free peg does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FreeOutcome {
+    /// When the peg first began to roll, s. None if it did not.
+    pub roll_time: Option<f64>,
+    /// How often the peg left the table.
+    pub hops: u64,
+    /// Number of impacts on the table.
+    pub impacts: u64,
+}
+
+/// Runs a scenario to its end and tells the outcome: the same, to the last bit, as [`Outcome::new`] gives for a whole
+/// [`Simulation`](crate::run::simulation::Simulation).
+///
+/// `carry_on` is asked before each step of the integrator, so that it can count steps or watch for an interruption. Once
+/// it says no, the outcome is that of a run which was [interrupted](StopReason::Interrupted).
+///
+/// ```
+/// use toprise::run::scenario::Preset;
+///
+/// let scenario = Preset::find("paper")?.scenario()?;
+/// let outcome = toprise::run::outcome(&scenario, || true)?;
+/// assert_eq!(outcome.rise_time.map(f64::round), Some(25.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`SimulationError`] if the motion can't be integrated to its end.
+pub fn outcome(
+    scenario: &Scenario,
+    carry_on: impl FnMut() -> bool,
+) -> Result<Outcome, SimulationError> {
+    let (end, tally) = tallied(scenario, carry_on)?;
+    Ok(Outcome::new(scenario, &end, &tally))
+}
+
+impl Outcome {
+    /// The outcome of a run of `scenario` that ended so, with these events.
+    #[must_use]
+    pub fn new(scenario: &Scenario, end: &RunEnd, tally: &Tally) -> Self {
+        let motion = &end.motion;
+        let is_free = scenario.model.support.is_free();
+        Self {
+            stop_reason: end.stop,
+            stop_time: end.time,
+            rise_time: tally.first(EventKind::Risen),
+            weak_time: tally.first(EventKind::WeakTop),
+            loop_time: tally.first(EventKind::LoopingBegins),
+            loops: tally.number(EventKind::LoopingBegins),
+            nutations: end.nutations,
+            theta: motion.angles.theta,
+            rates: motion.tilt.rates,
+            turns: (motion.angles.phi - scenario.angles.phi) / TAU,
+            energy_at_start: end.energy_at_start,
+            energy: end.energy,
+            friction_work: motion.integrals.friction_work,
+            slip_path: motion.integrals.slip_path,
+            free: is_free.then(|| FreeOutcome {
+                roll_time: tally.first(EventKind::RollBegins),
+                hops: tally.number(EventKind::LiftOff),
+                impacts: end.impacts,
+            }),
+            steps: end.statistics.accepted,
+        }
+    }
+
+    /// The value in a column, by its name; none if there is none, or no such column.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<Cell> {
+        let column = COLUMNS.iter().find(|column| column.name == name)?;
+        column.of(self)
+    }
+}
+
+/// As an object with a member for each column that has a value.
+impl Serialize for Outcome {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for column in COLUMNS {
+            match column.of(self) {
+                Some(Cell::Text(text)) => map.serialize_entry(column.name, text)?,
+                Some(Cell::Integer(number)) => map.serialize_entry(column.name, &number)?,
+                Some(Cell::Number(number)) => map.serialize_entry(column.name, &number)?,
+                None => {}
+            }
+        }
+        map.end()
+    }
+}
+
+/// What the values of a column are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColumnKind {
+    /// Words: Utf8.
+    Text,
+    /// Whole numbers: Int64.
+    Integer,
+    /// Real numbers: Float64.
+    Number,
+}
+
+/// A value in a column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cell {
+    /// A word.
+    Text(&'static str),
+    /// A whole number.
+    Integer(i64),
+    /// A real number.
+    Number(f64),
+}
+
+/// A column of a table of outcomes.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// Its name.
+    pub name: &'static str,
+    /// The unit; empty where there is none.
+    pub unit: &'static str,
+    /// What its values are.
+    pub kind: ColumnKind,
+    /// What it means, and when it has no value.
+    pub meaning: &'static str,
+    read: fn(&Outcome) -> Option<Cell>,
+}
+
+impl Column {
+    /// Its value in an outcome, if it has one.
+    #[must_use]
+    pub fn of(&self, outcome: &Outcome) -> Option<Cell> {
+        (self.read)(outcome)
+    }
+}
+
+const fn text(
+    name: &'static str,
+    meaning: &'static str,
+    read: fn(&Outcome) -> Option<Cell>,
+) -> Column {
+    let (unit, kind) = ("", ColumnKind::Text);
+    Column {
+        name,
+        unit,
+        kind,
+        meaning,
+        read,
+    }
+}
+
+const fn integer(
+    name: &'static str,
+    meaning: &'static str,
+    read: fn(&Outcome) -> Option<Cell>,
+) -> Column {
+    let (unit, kind) = ("", ColumnKind::Integer);
+    Column {
+        name,
+        unit,
+        kind,
+        meaning,
+        read,
+    }
+}
+
+const fn number(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    read: fn(&Outcome) -> Option<Cell>,
+) -> Column {
+    let kind = ColumnKind::Number;
+    Column {
+        name,
+        unit,
+        kind,
+        meaning,
+        read,
+    }
+}
+
+fn counted(count: u64) -> Option<Cell> {
+    i64::try_from(count).ok().map(Cell::Integer)
+}
+
+fn real(number: f64) -> Option<Cell> {
+    Some(Cell::Number(number))
+}
+
+/// What an outcome consists of, in the order in which tables have it.
+#[rustfmt::skip]
+pub const COLUMNS: &[Column] = &[
+    text("stop_reason", "why the run ended", |o| Some(Cell::Text(o.stop_reason.name()))),
+    number("stop_time", "s", "when the run ended", |o| real(o.stop_time)),
+    number("rise_time", "s", "when the top had risen: θ fell to stop.theta_risen; null if it did not",
+        |o| o.rise_time.map(Cell::Number)),
+    number("weak_time", "s", "when the spin first became too weak to hold an upright top; null if it did not",
+        |o| o.weak_time.map(Cell::Number)),
+    number("loop_time", "s", "when the axis first began to loop; null if it did not", |o| o.loop_time.map(Cell::Number)),
+    integer("loops", "how often the axis began to loop", |o| counted(o.loops)),
+    integer("nutations", "number of whole nutation cycles", |o| counted(o.nutations)),
+    number("theta", "rad", "inclination θ at the end", |o| real(o.theta)),
+    number("phi_dot", "rad/s", "precession rate φ̇ at the end", |o| real(o.rates.phi)),
+    number("theta_dot", "rad/s", "nutation rate θ̇ at the end", |o| real(o.rates.theta)),
+    number("psi_dot", "rad/s", "spin rate ψ̇ at the end", |o| real(o.rates.psi)),
+    number("turns", "", "turns of precession from start to end", |o| real(o.turns)),
+    number("energy_at_start", "J", "total energy at the start", |o| real(o.energy_at_start)),
+    number("energy", "J", "total energy at the end", |o| real(o.energy)),
+    number("friction_work", "J", "work of friction: negative where it took energy", |o| real(o.friction_work)),
+    number("slip_path", "m", "path that the contact point slipped", |o| real(o.slip_path)),
+    number("roll_time", "s", "when the peg first began to roll; null if it did not, and with a fixed peg",
+        |o| o.free?.roll_time.map(Cell::Number)),
+    integer("hops", "how often the peg left the table; null with a fixed peg", |o| counted(o.free?.hops)),
+    integer("impacts", "number of impacts on the table; null with a fixed peg", |o| counted(o.free?.impacts)),
+    integer("steps", "steps of the integrator", |o| counted(o.steps)),
+];

@@ -1,0 +1,56 @@
+//! How often what happened in a run.
+
+use super::event::EventKind;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// How often a kind of event happened.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct EventCount {
+    /// The kind.
+    pub name: EventKind,
+    /// How often it happened.
+    pub count: u64,
+    /// When it happened first, s.
+    pub first_time: f64,
+}
+
+/// How often each kind of event happened, in the order of their first times.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally(Vec<EventCount>);
+
+impl Tally {
+    /// Takes in an event at this time, s.
+    pub fn count(&mut self, kind: EventKind, time: f64) {
+        match self.0.iter_mut().find(|known| known.name == kind) {
+            Some(known) => known.count += 1,
+            None => self.0.push(EventCount {
+                name: kind,
+                count: 1,
+                first_time: time,
+            }),
+        }
+    }
+
+    /// The kinds that happened.
+    #[must_use]
+    pub fn counts(&self) -> &[EventCount] {
+        &self.0
+    }
+
+    /// How often this kind happened.
+    #[must_use]
+    pub fn number(&self, kind: EventKind) -> u64 {
+        self.find(kind).map_or(0, |known| known.count)
+    }
+
+    /// When this kind happened first, s; none if it did not.
+    #[must_use]
+    pub fn first(&self, kind: EventKind) -> Option<f64> {
+        self.find(kind).map(|known| known.first_time)
+    }
+
+    fn find(&self, kind: EventKind) -> Option<&EventCount> {
+        self.0.iter().find(|known| known.name == kind)
+    }
+}

@@ -1,0 +1,138 @@
+//! The outcome of a run is that of the whole simulation.
+
+use crate::support::{Run, scenario};
+use proptest::prelude::*;
+use toprise::run::outcome;
+use toprise::run::outcome::{COLUMNS, Cell, ColumnKind, Outcome};
+use toprise::run::scenario::{PRESETS, Scenario};
+use toprise::run::simulation::{EventKind, StopReason, Tally};
+
+/// The outcome as the records of a whole simulation tell it.
+fn told_by_simulation(scenario: &Scenario) -> Outcome {
+    let run = Run::of(scenario);
+    let mut tally = Tally::default();
+    for event in &run.events {
+        tally.count(event.kind, event.time);
+    }
+    assert_eq!(run.end.nutations, run.cycles.len() as u64);
+    assert_eq!(run.end.impacts, run.impacts.len() as u64);
+    Outcome::new(scenario, &run.end, &tally)
+}
+
+/// Every value of an outcome, numbers by their bits.
+fn bits(outcome: &Outcome) -> Vec<(&'static str, Option<String>)> {
+    let value = |cell| match cell {
+        Cell::Text(text) => text.to_owned(),
+        Cell::Integer(number) => number.to_string(),
+        Cell::Number(number) => format!("{:016x} {number:?}", number.to_bits()),
+    };
+    let columns = COLUMNS.iter();
+    columns
+        .map(|column| (column.name, column.of(outcome).map(value)))
+        .collect()
+}
+
+#[test]
+fn outcomes_of_presets_are_those_of_whole_runs_to_the_last_bit() {
+    for preset in PRESETS {
+        let mut scenario = preset.scenario().unwrap();
+        // What a free top does in all its run takes too long for a test.
+        if scenario.model.support.is_free() {
+            let duration = scenario.stop.duration.map(|whole| whole.min(4.0));
+            scenario.stop.duration = duration;
+        }
+        let alone = outcome(&scenario, || true).unwrap();
+        let told = told_by_simulation(&scenario);
+        assert_eq!(bits(&alone), bits(&told), "{}", preset.name);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Random tops, some of which fall, stick, loop or never do anything.
+    #[test]
+    fn outcomes_are_those_of_whole_runs(
+        base in prop_oneof![
+            Just("paper"), Just("full-coulomb"), Just("viscous"), Just("stribeck"), Just("free-paper"),
+        ],
+        k in 0.003..0.3_f64,
+        theta in 0.1..1.4_f64,
+        psi_dot in 20.0..200.0_f64,
+        phi_dot in -20.0..20.0_f64,
+        body in any::<bool>(),
+    ) {
+        let numbers = [k, theta, psi_dot, phi_dot].map(|number| number.to_string());
+        let [k, theta, psi_dot, phi_dot] = numbers.each_ref().map(String::as_str);
+        let mut changes = vec![
+            ("friction.k", k),
+            ("initial.theta", theta),
+            ("initial.psi_dot", psi_dot),
+            ("initial.phi_dot", phi_dot),
+            ("stop.duration", "2"),
+        ];
+        if body {
+            changes.push(("formulation", "body"));
+        }
+        if base == "stribeck" {
+            changes.push(("friction.static_k", "0.4"));
+        }
+        let scenario = scenario(base, &changes);
+        let alone = outcome(&scenario, || true).unwrap();
+        prop_assert_eq!(bits(&alone), bits(&told_by_simulation(&scenario)));
+    }
+}
+
+#[test]
+fn an_outcome_that_is_broken_off_says_so() {
+    let scenario = scenario("paper", &[]);
+    let mut steps = 0;
+    let broken = outcome(&scenario, || {
+        steps += 1;
+        steps <= 100
+    })
+    .unwrap();
+    assert_eq!(broken.stop_reason, StopReason::Interrupted);
+    assert_eq!(broken.steps, 100);
+    assert_eq!(broken.rise_time, None);
+}
+
+#[test]
+fn columns_have_names_kinds_and_values_that_fit() {
+    let fixed = outcome(&scenario("paper", &[("stop.duration", "1")]), || true).unwrap();
+    let free = outcome(&scenario("free-paper", &[("stop.duration", "1")]), || true).unwrap();
+    for column in COLUMNS {
+        let is_plain = |c: char| c.is_ascii_lowercase() || c == '_';
+        assert!(column.name.chars().all(is_plain), "{}", column.name);
+        for outcome in [&fixed, &free] {
+            let fits = match column.of(outcome) {
+                Some(Cell::Text(_)) => column.kind == ColumnKind::Text,
+                Some(Cell::Integer(_)) => column.kind == ColumnKind::Integer,
+                Some(Cell::Number(_)) => column.kind == ColumnKind::Number,
+                None => column.meaning.contains("null"),
+            };
+            assert!(fits, "{}", column.name);
+        }
+        let same_name = COLUMNS.iter().filter(|other| other.name == column.name);
+        assert_eq!(same_name.count(), 1, "{}", column.name);
+    }
+    assert_eq!(fixed.get("hops"), None);
+    assert_eq!(free.get("hops"), Some(Cell::Integer(0)));
+    assert_eq!(fixed.get("no_such_column"), None);
+    assert_eq!(fixed.get("stop_time"), Some(Cell::Number(1.0)));
+    let json = serde_json::to_value(&fixed).unwrap();
+    assert_eq!(json["stop_reason"], "duration");
+    assert!(json.get("hops").is_none());
+    assert_eq!(json["energy"], fixed.energy);
+}
+
+#[test]
+fn events_are_counted() {
+    let scenario = scenario("paper", &[]);
+    let run = Run::of(&scenario);
+    let outcome = outcome(&scenario, || true).unwrap();
+    assert_eq!(outcome.rise_time, Some(run.first(EventKind::Risen).time));
+    let loops = run.events_of(EventKind::LoopingBegins).count() as u64;
+    assert_eq!((outcome.loops, loops > 0), (loops, true));
+    assert_eq!(outcome.weak_time, None);
+}
