@@ -29,7 +29,7 @@ impl Comparison {
     /// Sends what doesn't change: what both runs share, and what [`Entities::new`] sends of each.
     pub(super) fn new(identity: &PairIdentity, outlet: &mut Outlet) -> Self {
         if let Some(geometry) = identity.stage() {
-            scene::furnish(geometry, outlet);
+            scene::furnish(&geometry, outlet);
         }
         let mut entities = |side| {
             let run = identity.with_common_scales(side);

@@ -9,7 +9,7 @@ use super::look::Look;
 use super::outlet::Outlet;
 use super::plots::Plots;
 use super::scene::Scene;
-use super::scene::arrow;
+use super::scene::{arrow, contact_path};
 use super::track::{Collect, Flush};
 use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, POSE};
@@ -28,6 +28,9 @@ impl Entities {
         let mut about = identity.description.clone();
         if has_scene {
             about += &arrow::explanation(identity, look);
+            if identity.geometry.is_free {
+                about += &contact_path::explanation(&identity.geometry);
+            }
         }
         outlet.send_static(look.entity(ABOUT), &TextDocument::from_markdown(about));
         Self {

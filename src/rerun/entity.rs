@@ -14,7 +14,29 @@ pub(super) const SUMMARY: &str = "/summary";
 
 /// The scene; where two runs are compared, what they share of it.
 pub(super) const STAGE: &str = "/scene";
+/// The moving top.
+pub(super) const TOP: &str = "scene/top";
+/// What the camera follows where the peg is free.
+pub(super) const CAMERA_TARGET: &str = "scene/vertical/camera_target";
+/// The vertical through the peg.
+pub(super) const VERTICAL: &str = "scene/vertical";
 /// The path of the symmetry axis on a sphere around the peg.
 pub(super) const TRAIL_ABOVE: &str = "scene/trail/above";
-/// The projection of that path onto the table.
+/// The projection of that path onto the table, below a fixed peg.
 pub(super) const TRAIL_BELOW: &str = "scene/trail/below";
+/// The path of the contact point of a free peg on the table: where it slides, where it rolls or sticks, and below the peg
+/// where it flies.
+pub(super) const CONTACT_PATHS: [&str; 3] = [
+    "scene/contact_path/slides",
+    "scene/contact_path/rolls",
+    "scene/contact_path/flies",
+];
+
+/// The paths in the scene of a run, of which a view shows what is past.
+pub(super) fn paths(is_free: bool) -> Vec<&'static str> {
+    if is_free {
+        [TRAIL_ABOVE].into_iter().chain(CONTACT_PATHS).collect()
+    } else {
+        vec![TRAIL_ABOVE, TRAIL_BELOW]
+    }
+}

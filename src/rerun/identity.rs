@@ -15,6 +15,10 @@ pub struct Geometry {
     pub torque_scale: f64,
     /// Typical slip speed: that at the start, m/s.
     pub slip_scale: f64,
+    /// Whether the peg is free to travel, and to leave the table.
+    pub is_free: bool,
+    /// The factor by which the height of the peg above the table is drawn larger.
+    pub hop_scale: f64,
 }
 
 /// How a viewer begins to play a recording.
@@ -67,11 +71,20 @@ impl Identity {
                 force_scale: scenario.force_scale(),
                 torque_scale: scenario.torque_scale(),
                 slip_scale: scenario.slip_speed_at_start(),
+                is_free: model.support.is_free(),
+                hop_scale: 1.0,
             },
             topics,
             playback,
             is_alone: true,
         }
+    }
+
+    /// Draws heights of the peg above the table larger by a factor: hops of micrometres become visible.
+    #[must_use]
+    pub fn with_hops_drawn(mut self, factor: f64) -> Self {
+        self.geometry.hop_scale = factor;
+        self
     }
 
     /// Whether messages of this topic will be written.

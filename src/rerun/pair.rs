@@ -57,13 +57,22 @@ impl PairIdentity {
         self.has_difference_of(plot) && contrasts::compares(plot) && plot.numbers().count() == 1
     }
 
-    /// Geometry of the larger of the tops that are drawn, if any.
-    pub(super) fn stage(&self) -> Option<&Geometry> {
+    /// Whether the peg of one of them is free.
+    pub(super) fn is_any_free(&self) -> bool {
+        self.a.geometry.is_free || self.b.geometry.is_free
+    }
+
+    /// Geometry of the larger of the tops that are drawn, if any; free if one of them is.
+    pub(super) fn stage(&self) -> Option<Geometry> {
         let drawn = [&self.a, &self.b].into_iter();
         let drawn = drawn.filter(|run| run.has(POSE));
-        drawn
-            .map(|run| &run.geometry)
-            .max_by(|one, other| height(one).total_cmp(&height(other)))
+        let larger = drawn
+            .map(|run| run.geometry)
+            .max_by(|one, other| size(one).total_cmp(&size(other)))?;
+        Some(Geometry {
+            is_free: self.is_any_free(),
+            ..larger
+        })
     }
 
     /// A run whose arrows are drawn to the larger sizes of both, so that they can be compared.
@@ -72,10 +81,10 @@ impl PairIdentity {
         let (a, b) = (&self.a.geometry, &self.b.geometry);
         Identity {
             geometry: Geometry {
-                top: run.geometry.top,
                 force_scale: a.force_scale.max(b.force_scale),
                 torque_scale: a.torque_scale.max(b.torque_scale),
                 slip_scale: a.slip_scale.max(b.slip_scale),
+                ..run.geometry
             },
             ..run.clone()
         }
@@ -91,7 +100,7 @@ impl PairIdentity {
     }
 }
 
-/// The height of a drawn top in m.
-fn height(geometry: &Geometry) -> f64 {
-    Proportions::new(&geometry.top).tip
+/// The size of a drawn top in m.
+fn size(geometry: &Geometry) -> f64 {
+    Proportions::new(&geometry.top).size()
 }

@@ -3,32 +3,43 @@
 //! World frame: z up, the table at z = 0, metres.
 
 pub(super) mod arrow;
+pub(super) mod contact_path;
 mod pose;
 pub(super) mod shape;
+mod strips;
 mod trail;
+mod vertical;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rerun::ViewCoordinates;
 
 use self::arrow::Arrow;
+use self::contact_path::ContactPath;
 use self::pose::Pose;
-use super::entity::STAGE;
+use self::vertical::Vertical;
+use super::entity::{STAGE, VERTICAL};
 use super::identity::{Geometry, Identity};
 use super::look::Look;
 use super::outlet::Outlet;
 use super::track::{Collect, Flush};
 use crate::telemetry::Message;
-use crate::telemetry::fields::{POSE, pose as fields};
+use crate::telemetry::fields::{CONTACT, POSE, contact, pose as fields};
 use crate::telemetry::proportions::Proportions;
 
 /// The scene of one run, fed with the messages of several channels.
 pub(super) struct Scene {
     pose: Pose,
     arrows: Vec<Arrow>,
+    /// The path of the contact point, and the vertical through it, of a free peg.
+    path: Option<ContactPath>,
+    vertical: Option<Vertical>,
+    geometry: Geometry,
     /// Orientation (world from body) of the last pose.
     orientation: Option<UnitQuaternion<f64>>,
     /// Centre of the peg at the last pose, in the world frame, m.
     peg: Vector3<f64>,
+    /// The contact point at its last message, in the world frame, m.
+    contact: Vector3<f64>,
 }
 
 impl Scene {
@@ -39,13 +50,26 @@ impl Scene {
             furnish(geometry, outlet);
         }
         let scene = Self {
-            pose: Pose::new(look, &Proportions::new(&geometry.top), outlet),
+            pose: Pose::new(
+                look,
+                &Proportions::new(&geometry.top),
+                geometry.is_free,
+                outlet,
+            ),
             arrows: Arrow::all(identity, look),
+            path: (geometry.is_free && identity.has(CONTACT)).then(|| ContactPath::new(look)),
+            vertical: (geometry.is_free && look.is_alone())
+                .then(|| Vertical::new(geometry, outlet)),
+            geometry: *geometry,
             orientation: None,
             peg: geometry.top.peg_radius * Vector3::z(),
+            contact: Vector3::zeros(),
         };
         for arrow in &scene.arrows {
             arrow.dress(outlet);
+        }
+        if scene.path.is_some() {
+            ContactPath::dress(look, outlet);
         }
         scene
     }
@@ -55,12 +79,29 @@ impl Scene {
         if message.topic() == POSE {
             let orientation = UnitQuaternion::new_unchecked(fields::ORIENTATION.of(message));
             self.orientation = Some(orientation);
-            self.peg = fields::PEG_POSITION.of(message);
+            let radius = self.geometry.top.peg_radius;
+            self.peg = self.drawn(fields::PEG_POSITION.of(message), radius);
             self.pose.write(message, orientation, self.peg, outlet);
+            if let Some(vertical) = &mut self.vertical {
+                vertical.write(message.time_ns, self.peg, outlet);
+            }
+        }
+        if message.topic() == CONTACT {
+            self.contact = self.drawn(contact::CONTACT_POINT.of(message), 0.0);
+            if let Some(path) = &mut self.path {
+                path.write(message, self.contact, outlet);
+            }
         }
         for arrow in &mut self.arrows {
-            arrow.write(message, self.orientation, self.peg, outlet);
+            arrow.write(message, self.orientation, [self.peg, self.contact], outlet);
         }
+    }
+
+    /// Where a point of the peg is drawn that is at `lowest` while the peg is on the table: hops may be drawn higher than they
+    /// are.
+    fn drawn(&self, point: Vector3<f64>, lowest: f64) -> Vector3<f64> {
+        let height = lowest + self.geometry.hop_scale * (point.z - lowest);
+        Vector3::new(point.x, point.y, height)
     }
 }
 
@@ -68,16 +109,24 @@ impl Collect for Scene {
     fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
         self.arrows.flush(outlet, flush);
         self.pose.flush(outlet, flush);
+        self.path.flush(outlet, flush);
+        self.vertical.flush(outlet, flush);
     }
 }
 
-/// Sends what stands still, which two runs that are compared share: the table and the vertical.
+/// Sends what stands still, which two runs that are compared share: the table and, where a peg is fixed, the vertical.
 pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) {
-    let height = Proportions::new(&geometry.top).tip;
-    let table = 2.1 * height;
-    let vertical = geometry.top.peg_radius + 1.5 * height;
+    let size = Proportions::new(&geometry.top).size();
     outlet.send_static(STAGE, &ViewCoordinates::RIGHT_HAND_Z_UP());
+    // A top that travels needs more room: those of the presets go as far as eleven times their height.
+    let (rings, table) = if geometry.is_free {
+        (20, 14.0 * size)
+    } else {
+        (5, 2.1 * size)
+    };
     outlet.send_static("scene/table", &shape::table(table));
-    outlet.send_static("scene/table/marks", &shape::table_marks(table));
-    outlet.send_static("scene/vertical", &shape::vertical(vertical));
+    outlet.send_static("scene/table/marks", &shape::table_marks(table, rings));
+    if !geometry.is_free {
+        outlet.send_static(VERTICAL, &vertical::line(geometry));
+    }
 }

@@ -146,6 +146,8 @@ mod tests {
                 force_scale: 0.0324,
                 torque_scale: 0.0324 * 0.007,
                 slip_scale: 0.57,
+                is_free: true,
+                hop_scale: 1.0,
             },
             topics,
             playback: Playback::PausedAtStart,

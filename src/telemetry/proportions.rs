@@ -3,8 +3,13 @@
 use crate::physics::top::Top;
 
 /// Proportions of a drawn top, in metres: a spherical peg, a disc on a cone, a stem.
+///
+/// A tippe top, whose centre of mass is below the centre of its peg, is drawn as a ball instead: the peg, cut off at the
+/// shoulder, and a stem that reaches up to where the peg would end. So it stands on its stem when it has inverted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Proportions {
+    /// Whether it is drawn as a tippe top.
+    pub is_ball: bool,
     /// Radius of the peg.
     pub peg: f64,
     /// Height of the disc's middle above the peg's centre.
@@ -22,9 +27,20 @@ impl Proportions {
     #[must_use]
     pub fn new(top: &Top) -> Self {
         let peg = top.peg_radius;
+        if top.center_distance < 0.0 {
+            return Self {
+                is_ball: true,
+                peg,
+                disc_height: 0.0,
+                disc_radius: peg,
+                stem_radius: 0.16 * peg,
+                tip: peg,
+            };
+        }
         let disc_height = top.center_distance.abs().max(peg);
         let disc_radius = (2.0 * top.axial_moment / top.mass).sqrt();
         Self {
+            is_ball: false,
             peg,
             disc_height,
             disc_radius,
@@ -37,12 +53,29 @@ impl Proportions {
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
+            is_ball: self.is_ball,
             peg: factor * self.peg,
             disc_height: factor * self.disc_height,
             disc_radius: factor * self.disc_radius,
             stem_radius: factor * self.stem_radius,
             tip: factor * self.tip,
         }
+    }
+
+    /// The length that a scene, its arrows and its table are drawn to.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        if self.is_ball {
+            2.0 * self.peg
+        } else {
+            self.tip
+        }
+    }
+
+    /// Height above its centre at which a tippe top's ball is cut off.
+    #[must_use]
+    pub fn cut(&self) -> f64 {
+        0.7 * self.peg
     }
 
     /// Thickness of the disc.

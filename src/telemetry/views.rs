@@ -47,6 +47,8 @@ pub struct ViewChannel {
     pub definition: &'static str,
     /// What the channel carries.
     pub meaning: &'static str,
+    /// Whether only recordings of a free peg have it.
+    pub is_of_free_peg: bool,
     /// The topics of the table that it is made from; its messages come with those of the last one.
     sources: &'static [Topic],
     kind: Kind,
@@ -62,6 +64,7 @@ enum Kind {
     SlipSpeed,
     SlipVelocity,
     FrictionTorque,
+    NormalForce,
     Log,
 }
 
@@ -96,8 +99,17 @@ const fn view(
         schema,
         definition,
         meaning,
+        is_of_free_peg: false,
         sources,
         kind,
+    }
+}
+
+/// A view that only recordings of a free peg have.
+const fn of_free_peg(view: ViewChannel) -> ViewChannel {
+    ViewChannel {
+        is_of_free_peg: true,
+        ..view
     }
 }
 
@@ -120,6 +132,8 @@ const VIEWS: &[ViewChannel] = &[
         "arrow of the slip velocity in frame `contact`; the legend gives its scale"),
     view(Kind::FrictionTorque, "/view/friction_torque", FIELD, &[TORQUE],
         "arrow of the torque of friction in frame `top`; the legend gives its scale"),
+    of_free_peg(view(Kind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
+        "normal force of a free peg, N: 0 while it flies")),
     view(Kind::Log, "/log", LOG, &[EVENTS], "events but for nutation extremes, as log lines"),
 ];
 
@@ -159,6 +173,7 @@ impl Views {
     pub fn of_version(telemetry: u32, scenario: &Scenario, wants: impl Fn(Topic) -> bool) -> Self {
         let envelope = (telemetry > 1).then(|| Envelope::new(wants(NUTATION)));
         let top = scenario.model.top;
+        let is_free = scenario.model.support.is_free();
         let proportions = Proportions::new(&top);
         let scales = Scales::new(scenario, &proportions);
         let source = |view: &ViewChannel| {
@@ -167,14 +182,20 @@ impl Views {
                 Kind::FrictionTorque => scales.torque.is_some(),
                 _ => true,
             };
+            let has_channel = is_free || !view.is_of_free_peg;
             let mut sources = view.sources.iter().copied();
-            let is_wanted = has_scale && sources.clone().all(&wants);
+            let is_wanted = has_scale && has_channel && sources.clone().all(&wants);
             sources.next_back().filter(|_| is_wanted)
         };
         let period = scenario.sample_period_ns.max(1);
         Self {
             sources: VIEWS.iter().map(source).collect(),
-            description: Some(urdf::urdf(&proportions, &scales, envelope.is_some())),
+            description: Some(urdf::urdf(
+                &proportions,
+                &scales,
+                envelope.is_some(),
+                is_free,
+            )),
             stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
             state: None,
             envelope,
@@ -268,6 +289,7 @@ impl Views {
                 plot(cdr, &values);
             }
             Kind::SlipSpeed => plot(cdr, &[contact::SLIP_SPEED.of(message)]),
+            Kind::NormalForce => plot(cdr, &[contact::NORMAL_FORCE.of(message)]),
             Kind::SlipVelocity => {
                 let slip = contact::SLIP_WORLD.of(message);
                 arrow(cdr.header(time, "contact"), slip, self.scales.slip);

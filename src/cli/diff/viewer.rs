@@ -46,7 +46,7 @@ impl ShowArguments {
         if !subjects.iter().all(|subject| subject.is_ours()) {
             bail!("Rerun shows recordings of toprise here; one of these is another file");
         }
-        let identity = identity(subjects)?;
+        let identity = identity(subjects, self.viewer.hop_scale)?;
         let draft = self.rrd.as_ref().map(|rrd| Draft::new(rrd, existing));
         let draft = draft.transpose()?;
         let destinations = Destinations {
@@ -73,17 +73,20 @@ impl ShowArguments {
     }
 }
 
-fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
+fn identity([a, b]: [Subject<'_>; 2], hop_scale: f64) -> Result<PairIdentity, Error> {
     let of = |subject: Subject<'_>, letter: &str| {
         let scenario = subject.scenario().with_context(|| {
             format!("{letter} can't be drawn: it has no scenario that this version reads")
         })?;
-        Ok::<_, Error>(Identity::of(
-            &subject.name(),
-            &scenario,
-            subject.topics(),
-            Playback::PausedAtStart,
-        ))
+        Ok::<_, Error>(
+            Identity::of(
+                &subject.name(),
+                &scenario,
+                subject.topics(),
+                Playback::PausedAtStart,
+            )
+            .with_hops_drawn(hop_scale),
+        )
     };
     let (a, b) = (of(a, "A")?, of(b, "B")?);
     Ok(PairIdentity {

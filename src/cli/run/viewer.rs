@@ -72,4 +72,5 @@ pub(super) fn identity(
         topics.collect(),
         playback,
     )
+    .with_hops_drawn(arguments.viewer.hop_scale)
 }

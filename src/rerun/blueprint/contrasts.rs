@@ -2,7 +2,9 @@
 
 use rerun::blueprint::components::Corner2D;
 
-use crate::telemetry::fields::{Plot, contact, energy, nutation, precession, state, torque};
+use crate::telemetry::fields::{
+    Plot, contact, energy, free_peg, nutation, precession, state, torque,
+};
 
 /// A quantity of both runs.
 pub(super) struct Contrast {
@@ -47,6 +49,9 @@ const POWER: &[Plot] = &[energy::FRICTION_POWER.plot()];
 const WORK: &[Plot] = &[energy::FRICTION_WORK.plot()];
 const ENERGY: &[Plot] = &[energy::TOTAL.plot()];
 const EXCESS: &[Plot] = &[precession::EXCESS.plot()];
+const NORMAL_FORCE: &[Plot] = &[contact::NORMAL_FORCE.plot()];
+const GAP: &[Plot] = &[free_peg::GAP.plot()];
+const REGIME: &[Plot] = &[contact::REGIME.plot()];
 const PERIOD: &[Plot] = &[nutation::PERIOD.plot()];
 
 /// Quantities that tell whether and how the motions differ; each is a row of charts.
@@ -73,8 +78,15 @@ pub(super) const MORE: [Contrast; 5] = [
     contrast("Nutation period", PERIOD, PERIOD),
 ];
 
+/// What a free peg does, on a page of its own; each is a row of charts.
+pub(super) const TABLE: [Contrast; 3] = [
+    contrast("Normal force", NORMAL_FORCE, NORMAL_FORCE),
+    contrast("Height of the peg above the table", GAP, GAP),
+    contrast("Regime: 1 slides, 0 rolls or sticks, 2 flies", REGIME, &[]),
+];
+
 /// Whether the layout shows differences of a plot.
 pub(crate) fn compares(plot: Plot) -> bool {
-    let mut shown = MOTION.iter().chain(&MORE);
+    let mut shown = MOTION.iter().chain(&TABLE).chain(&MORE);
     shown.any(|contrast| contrast.differences.contains(&plot))
 }

@@ -7,16 +7,19 @@ use rerun::components::Name;
 use rerun::external::re_log_types::LogMsg;
 
 use super::builder::{Child, Layout, column, row, tabs};
-use super::contrasts::{Contrast, FRICTION, MORE, MOTION};
-use super::views::{events, panels, scene, time_series};
+use super::contrasts::{Contrast, FRICTION, MORE, MOTION, TABLE};
+use super::views::{Stage, events, panels, scene, time_series, titled};
 use crate::rerun::entity::{self, ABOUT, STAGE, SUMMARY};
 use crate::rerun::error::RerunError;
+use crate::rerun::identity::Geometry;
 use crate::rerun::look::Look;
 use crate::rerun::pair::PairIdentity;
 use crate::telemetry::Topic;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};
-use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
+
+/// How many times the usual distance the camera is away from a table on which a top travels.
+const FAR: f64 = 2.6;
 
 /// The messages of the layout.
 pub(crate) fn messages(identity: &PairIdentity) -> Vec<Result<LogMsg, RerunError>> {
@@ -37,23 +40,34 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
     let mut rows = Vec::new();
     let mut shares = Vec::new();
     if let Some(geometry) = identity.stage() {
-        let proportions = Proportions::new(&geometry.top);
         let name = format!(
             "{} (blue, solid) and {} (orange, translucent)",
             identity.name_of(Side::A),
             identity.name_of(Side::B)
         );
         let runs = looks(identity, POSE);
-        let contents = runs.iter().map(|run| run.entity("scene/**"));
+        let contents = runs.iter().map(|(look, _)| look.entity("scene/**"));
         let contents: Vec<_> = contents.chain([format!("{STAGE}/**")]).collect();
-        rows.push(scene(layout, &name, &contents, &runs, &proportions, 1.0));
+        let stage = Stage {
+            name: &name,
+            contents: &contents,
+            runs: &runs,
+            geometry: &geometry,
+            // Two tops of which one travels are seen from afar.
+            distance: if geometry.is_free { FAR } else { 1.0 },
+            followed: None,
+        };
+        rows.push(scene(layout, &stage));
         shares.push(53.0);
     }
     rows.push(words(layout, identity));
     shares.push(25.0);
     let runs = looks(identity, EVENTS);
     if !runs.is_empty() {
-        let contents: Vec<_> = runs.iter().map(|run| run.entity(entity::EVENTS)).collect();
+        let contents: Vec<_> = runs
+            .iter()
+            .map(|(look, _)| look.entity(entity::EVENTS))
+            .collect();
         let kinds = [TextLogColumnKind::LogLevel, TextLogColumnKind::Body];
         rows.push(events(layout, &contents, &kinds));
         shares.push(22.0);
@@ -61,11 +75,12 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
     layout.contain(column(&shares), &rows)
 }
 
-/// The looks of those runs that have a topic.
-fn looks(identity: &PairIdentity, topic: Topic) -> Vec<Look> {
+/// The looks and geometries of those runs that have a topic.
+fn looks(identity: &PairIdentity, topic: Topic) -> Vec<(Look, &Geometry)> {
     let sides = [Side::A, Side::B].into_iter();
     let sides = sides.filter(|side| identity.run(*side).has(topic));
-    sides.map(|side| identity.look(side)).collect()
+    let of = |side| (identity.look(side), &identity.run(side).geometry);
+    sides.map(of).collect()
 }
 
 /// The summary, and the descriptions of the runs behind it.
@@ -78,7 +93,7 @@ fn words(layout: &mut Layout, identity: &PairIdentity) -> Child {
     layout.contain(tabs(), &pages)
 }
 
-/// Two pages of charts. Those without data are left out.
+/// Pages of charts. Those without data are left out.
 fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
     let mut motion = rows(layout, identity, &MOTION);
     let mut friction = Vec::new();
@@ -88,7 +103,16 @@ fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
     motion.extend(layout.contain_any(row(&[]), &friction));
     let more = rows(layout, identity, &MORE);
     let mut pages = Vec::new();
-    for (name, rows) in [("How they differ", motion), ("More", more)] {
+    let table = if identity.is_any_free() {
+        rows(layout, identity, &TABLE)
+    } else {
+        Vec::new()
+    };
+    for (name, rows) in [
+        ("How they differ", motion),
+        ("On the table", table),
+        ("More", more),
+    ] {
         let page = column(&[]).with_display_name(Name(name.into()));
         pages.extend(layout.contain_any(page, &rows));
     }
@@ -114,7 +138,7 @@ fn overlay(layout: &mut Layout, identity: &PairIdentity, contrast: &Contrast) ->
         let there = there.filter(|plot| identity.run(side).has(plot.topic()));
         contents.extend(there.map(|plot| identity.look(side).entity(&plot.to_string())));
     }
-    let name = format!("{} ({})", contrast.name, contrast.curves[0].unit());
+    let name = titled(contrast.name, contrast.curves[0].unit());
     curves(layout, &name, &contents, contrast.legend)
 }
 
@@ -127,7 +151,12 @@ fn differences(layout: &mut Layout, identity: &PairIdentity, contrast: &Contrast
     };
     let plain = there(&|plot| identity.has_difference_of(plot), Look::Difference);
     let magnitude = there(&|plot| identity.has_magnitude_of(plot), Look::Magnitude);
-    let plain = curves(layout, &format!("{name}: B − A ({unit})"), &plain, None);
+    let plain = curves(
+        layout,
+        &titled(&format!("{name}: B − A"), unit),
+        &plain,
+        None,
+    );
     let magnitude = curves(layout, &format!("{name}: log₁₀ |B − A|"), &magnitude, None);
     plain.into_iter().chain(magnitude).collect()
 }

@@ -7,16 +7,15 @@ use rerun::external::re_log_types::LogMsg;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{Child, Layout, column, row, tabs};
-use super::views::{events, panels, scene, time_series};
-use crate::rerun::entity::ABOUT;
+use super::views::{Stage, events, panels, scene, time_series, titled};
+use crate::rerun::entity::{ABOUT, CAMERA_TARGET};
 use crate::rerun::error::RerunError;
 use crate::rerun::identity::Identity;
 use crate::rerun::look::Look;
 use crate::telemetry::fields::{
-    EVENTS, POSE, Plot, acceleration, contact, energy, momentum, nutation, precession, state,
-    torque,
+    EVENTS, FREE_PEG, POSE, Plot, acceleration, center_of_mass, contact, energy, free_peg,
+    momentum, nutation, precession, state, torque,
 };
-use crate::telemetry::proportions::Proportions;
 
 /// A view of some plots, with its title and the corner where the legend is out of the curves' way.
 struct Chart {
@@ -58,7 +57,20 @@ const RISE: [Chart; 8] = [
     chart("Total and kinetic energy", &[energy::TOTAL.plot()], Corner2D::LeftBottom),
 ];
 
-/// Charts of the second page.
+/// Charts of the second page, for a free peg: what it does on the table and above it.
+#[rustfmt::skip]
+const TABLE: [Chart; 8] = [
+    chart("Normal force", &[contact::NORMAL_FORCE.plot()], Corner2D::RightTop),
+    chart("Height of the peg above the table", &[free_peg::GAP.plot()], Corner2D::RightTop),
+    chart("Regime: 1 slides, 0 rolls or sticks, 2 flies", &[contact::REGIME.plot()], Corner2D::RightTop),
+    chart("Energy lost since the start", &[free_peg::LOST_SLIDING.plot()], Corner2D::LeftTop),
+    chart("Centre of mass", &[center_of_mass::POSITION.plot()], Corner2D::LeftTop),
+    chart("Velocity of the peg's centre", &[free_peg::VELOCITY.plot()], Corner2D::RightTop),
+    chart("Jellett's integral", &[free_peg::JELLETT.plot()], Corner2D::RightTop),
+    chart("Routh's integral", &[free_peg::ROUTH.plot()], Corner2D::RightTop),
+];
+
+/// Charts of the last page.
 #[rustfmt::skip]
 const MORE: [Chart; 8] = [
     chart(
@@ -112,30 +124,33 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
         return words;
     }
     let whole = ["$origin/**".to_owned()];
-    let proportions = Proportions::new(&identity.geometry.top);
+    let geometry = &identity.geometry;
     // Beside the list of recordings the scene is narrower, and must still hold the names of all arrows.
     let distance = if identity.is_alone { 1.0 } else { 1.2 };
-    let scene = scene(
-        layout,
-        "The top",
-        &whole,
-        &[Look::Alone],
-        &proportions,
+    let stage = Stage {
+        name: "The top",
+        contents: &whole,
+        runs: &[(Look::Alone, geometry)],
+        geometry,
         distance,
-    );
+        followed: geometry.is_free.then(|| Look::Alone.entity(CAMERA_TARGET)),
+    };
+    let scene = scene(layout, &stage);
     layout.contain(column(&[76.0, 24.0]), &[scene, words])
 }
 
-/// Two pages of charts. Those without data are left out.
+/// Pages of charts. Those without data are left out.
 fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
     let mut pages = Vec::new();
-    for (name, charts) in [("How it rises", &RISE), ("More", &MORE)] {
+    let table = identity.has(FREE_PEG).then_some(("On the table", &TABLE));
+    let all = [Some(("How it rises", &RISE)), table, Some(("More", &MORE))];
+    for (name, charts) in all.into_iter().flatten() {
         let mut views = Vec::new();
         for chart in charts {
             if !chart.contents.iter().any(|plot| identity.has(plot.topic())) {
                 continue;
             }
-            let name = format!("{} ({})", chart.name, chart.contents[0].unit());
+            let name = titled(chart.name, chart.contents[0].unit());
             let contents: Vec<_> = chart.contents.iter().map(Plot::to_string).collect();
             let legend = Some(chart.legend);
             let link = LinkAxis::Independent;

@@ -10,8 +10,8 @@ use rerun::datatypes::{self, TimeInt, TimeRange, TimeRangeBoundary};
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{Child, Layout};
-use crate::rerun::entity::{EVENTS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
-use crate::rerun::identity::Playback;
+use crate::rerun::entity::{EVENTS, STAGE, paths};
+use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::look::Look;
 use crate::rerun::message::TIMELINE;
 use crate::telemetry::proportions::Proportions;
@@ -19,20 +19,29 @@ use crate::telemetry::proportions::Proportions;
 /// The speed at which a viewer plays at first: a quarter of real time, for the spin is fast.
 const SPEED: f64 = 0.25;
 
-/// A view of the scene with these entities, among them the trails of the runs that look so, from some times the usual
-/// distance.
-pub(super) fn scene(
-    layout: &mut Layout,
-    name: &str,
-    contents: &[String],
-    runs: &[Look],
-    proportions: &Proportions,
-    distance: f64,
-) -> Child {
-    let view = layout.view("3D", name, STAGE, contents);
-    let in_heights = |coordinate: f64| (coordinate * proportions.tip) as f32;
+/// What a view of the scene shows.
+pub(super) struct Stage<'a> {
+    /// Its title.
+    pub(super) name: &'a str,
+    /// Entities.
+    pub(super) contents: &'a [String],
+    /// Runs, of whose paths it shows what is past.
+    pub(super) runs: &'a [(Look, &'a Geometry)],
+    /// The top that the camera's place is told in.
+    pub(super) geometry: &'a Geometry,
+    /// How many times the usual distance the camera is away.
+    pub(super) distance: f64,
+    /// The entity that the camera goes along with.
+    pub(super) followed: Option<String>,
+}
+
+/// A view of the scene.
+pub(super) fn scene(layout: &mut Layout, stage: &Stage<'_>) -> Child {
+    let view = layout.view("3D", stage.name, STAGE, stage.contents);
+    let proportions = Proportions::new(&stage.geometry.top);
+    let in_heights = |coordinate: f64| (coordinate * proportions.size()) as f32;
     let target = [0.0, 0.0, 0.55];
-    let position = [2.4, 3.05, 0.85].map(|coordinate| coordinate * distance);
+    let position = [2.4, 3.05, 0.85].map(|coordinate| coordinate * stage.distance);
     let position = [position[0], position[1], position[2] + target[2]];
     let camera = parts::EyeControls3D::new()
         .with_kind(Eye3DKind::Orbital)
@@ -40,6 +49,10 @@ pub(super) fn scene(
         .with_look_target(target.map(in_heights))
         .with_spin_speed(0.0)
         .with_eye_up([0.0, 0.0, 1.0]);
+    let camera = match &stage.followed {
+        Some(entity) => camera.with_tracking_entity(entity.as_str()),
+        None => camera,
+    };
     let background =
         parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(0x1215_1BFF));
     let grid = parts::LineGrid3D::new().with_visible(false);
@@ -50,9 +63,9 @@ pub(super) fn scene(
     layout.property(&view, "Background", &background);
     layout.property(&view, "LineGrid3D", &grid);
     layout.property(&view, "SpatialInformation", &surroundings);
-    for run in runs {
-        for trail in [TRAIL_ABOVE, TRAIL_BELOW] {
-            let path = format!("ViewContents/overrides{}/visualizers", run.entity(trail));
+    for (look, geometry) in stage.runs {
+        for trail in paths(geometry.is_free) {
+            let path = format!("ViewContents/overrides{}/visualizers", look.entity(trail));
             let past = until(TimeRangeBoundary::CursorRelative(TimeInt(0)));
             layout.property(&view, &path, &past);
         }
@@ -90,6 +103,14 @@ pub(super) fn events(
         .with_text_log_columns(kinds.iter().map(column));
     layout.property(&view, "TextLogColumns", &columns);
     view
+}
+
+/// The title of a chart: what it shows, and the unit if that has one.
+pub(super) fn titled(name: &str, unit: &str) -> String {
+    match unit {
+        "" => name.to_owned(),
+        unit => format!("{name} ({unit})"),
+    }
 }
 
 /// A chart of these entities over the whole time, with a legend in a corner or without one. Linked charts move their time

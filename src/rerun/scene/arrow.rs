@@ -25,12 +25,20 @@ pub(super) struct ArrowKind {
     color: u32,
     vector: VectorField,
     in_body_axes: bool,
-    /// The point where it begins, unless that is the centre of the peg.
-    origin: Option<VectorField>,
+    origin: Origin,
     length: f64,
     scale: fn(&Geometry) -> Option<f64>,
     /// Whether it is drawn where two runs are compared; all arrows of both would hide the tops.
     is_compared: bool,
+}
+
+/// The point where an arrow begins.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Origin {
+    /// The centre of the peg.
+    Peg,
+    /// The point of contact, or the lowest point of a peg in the air.
+    Contact,
 }
 
 /// All kinds of arrows.
@@ -41,7 +49,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         color: palette::SKY,
         vector: contact::SLIP_WORLD,
         in_body_axes: false,
-        origin: Some(contact::CONTACT_POINT),
+        origin: Origin::Contact,
         length: 1.5,
         scale: |geometry| Some(geometry.slip_scale),
         is_compared: false,
@@ -52,7 +60,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         color: palette::ORANGE,
         vector: contact::FRICTION_FORCE,
         in_body_axes: false,
-        origin: Some(contact::CONTACT_POINT),
+        origin: Origin::Contact,
         length: 1.4,
         scale: |geometry| Some(geometry.force_scale),
         is_compared: true,
@@ -63,7 +71,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         color: palette::GREEN,
         vector: torque::GRAVITY_BODY,
         in_body_axes: true,
-        origin: None,
+        origin: Origin::Peg,
         length: 2.6,
         scale: |geometry| Some(geometry.top.gravity_moment().abs()),
         is_compared: false,
@@ -74,7 +82,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         color: palette::VERMILLION,
         vector: torque::FRICTION_BODY,
         in_body_axes: true,
-        origin: None,
+        origin: Origin::Peg,
         length: 1.5,
         scale: |geometry| Some(geometry.torque_scale),
         is_compared: false,
@@ -85,7 +93,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         color: palette::YELLOW,
         vector: momentum::WORLD,
         in_body_axes: false,
-        origin: None,
+        origin: Origin::Peg,
         length: 1.45,
         scale: |_| None,
         is_compared: false,
@@ -103,15 +111,19 @@ impl ArrowKind {
 
     /// How far the label is moved up from the tip, in m, so that labels at the peg and on the table don't meet.
     fn lift(&self, look: &Look, proportions: &Proportions) -> f64 {
-        let lift = if self.origin.is_none() { 0.13 } else { 0.0 };
-        (lift + look.lift()) * proportions.tip
+        let lift = if self.origin == Origin::Peg {
+            0.13
+        } else {
+            0.0
+        };
+        (lift + look.lift()) * proportions.size()
     }
 }
 
 /// What the arrows mean and how long they are, in Markdown.
 pub(crate) fn explanation(identity: &Identity, look: &Look) -> String {
     let geometry = &identity.geometry;
-    let height = Proportions::new(&geometry.top).tip;
+    let height = Proportions::new(&geometry.top).size();
     let mut text = "\n\n## Arrows\n\n| arrow | length |\n| --- | --- |\n".to_owned();
     for kind in ARROWS.iter().filter(|kind| kind.exists(identity, look)) {
         let size = match (kind.scale)(geometry) {
@@ -147,15 +159,15 @@ impl Arrow {
 
     fn new(kind: &'static ArrowKind, geometry: &Geometry, look: &Look) -> Self {
         let proportions = Proportions::new(&geometry.top);
-        let length = kind.length * proportions.tip;
+        let length = kind.length * proportions.size();
         let entity = look.entity(kind.entity);
-        let shortest = 0.15 * proportions.tip;
+        let shortest = 0.15 * proportions.size();
         Self {
             kind,
             look: look.clone(),
             length,
             scale: (kind.scale)(geometry).map(|scale| length / scale),
-            radius: 0.017 * proportions.tip * look.thickness(),
+            radius: 0.017 * proportions.size() * look.thickness(),
             track: Track::new(entity.as_str(), Arrows::default()),
             label: Label::new(&entity, shortest, kind.lift(look, &proportions)),
         }
@@ -177,13 +189,13 @@ impl Arrow {
         outlet.send_static(label_entity(&entity), &label);
     }
 
-    /// Adds a row for a message of the arrow's channel. Orientation (world from body) and centre of the peg are those
-    /// of the last pose.
+    /// Adds a row for a message of the arrow's channel. Orientation (world from body) is that of the last pose; the places
+    /// are the centre of the peg and the point of contact, as they are drawn.
     pub(super) fn write(
         &mut self,
         message: &Message<'_>,
         orientation: Option<UnitQuaternion<f64>>,
-        peg: Vector3<f64>,
+        [peg, contact]: [Vector3<f64>; 2],
         outlet: &mut Outlet,
     ) {
         if message.topic() != self.kind.vector.topic() {
@@ -196,7 +208,10 @@ impl Arrow {
             // Without a pose there is no telling where body axes point.
             None => return,
         };
-        let origin = self.kind.origin.map_or(peg, |point| point.of(message));
+        let origin = match self.kind.origin {
+            Origin::Peg => peg,
+            Origin::Contact => contact,
+        };
         if self.scale.is_none() && vector.norm() > 0.0 {
             self.scale = Some(self.length / vector.norm());
         }

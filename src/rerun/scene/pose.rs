@@ -7,6 +7,7 @@ use rerun::datatypes::Rgba32;
 
 use super::shape;
 use super::trail::Trail;
+use crate::rerun::entity::TOP;
 use crate::rerun::error::RerunError;
 use crate::rerun::look::Look;
 use crate::rerun::outlet::Outlet;
@@ -23,17 +24,22 @@ pub(super) struct Pose {
 
 impl Pose {
     /// Sends the body of the top in its own axes, and how its trail is drawn.
-    pub(super) fn new(look: &Look, proportions: &Proportions, outlet: &mut Outlet) -> Self {
+    pub(super) fn new(
+        look: &Look,
+        proportions: &Proportions,
+        is_free: bool,
+        outlet: &mut Outlet,
+    ) -> Self {
         let body = shape::top(&proportions.scaled(look.size()));
         let body = match look.albedo() {
             Some(albedo) => body.with_albedo_factor(Rgba32::from_u32(albedo)),
             None => body,
         };
         outlet.send_static(look.entity("scene/top/body"), &body);
-        Trail::dress(look, outlet);
+        Trail::dress(look, is_free, outlet);
         Self {
-            track: Track::new(look.entity("scene/top"), Poses::default()),
-            trail: Trail::new(look, 1.13 * proportions.tip),
+            track: Track::new(look.entity(TOP), Poses::default()),
+            trail: Trail::new(look, 1.13 * proportions.tip, is_free),
         }
     }
 

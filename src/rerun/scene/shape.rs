@@ -46,6 +46,9 @@ const METAL: Palette = [STEEL; SECTORS];
 
 /// Profiles of the top's parts, from the bottom to the tip. Each is smooth; edges lie between them.
 fn parts(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
+    if p.is_ball {
+        return ball(p);
+    }
     let half = 0.5 * p.thickness();
     let (low, high) = (p.disc_height - half, p.disc_height + half);
     let neck = p.neck();
@@ -78,6 +81,25 @@ fn parts(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
             METAL,
         ),
         (arc([0.0, p.tip - knob], knob, -FRAC_PI_2, FRAC_PI_2), METAL),
+    ]
+}
+
+/// Profiles of a tippe top, from the bottom of the ball to the tip of the stem.
+fn ball(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
+    let cut = p.cut();
+    let rim = (p.peg * p.peg - cut * cut).sqrt();
+    let knob = p.stem_radius;
+    vec![
+        (
+            arc([0.0, 0.0], p.peg, -FRAC_PI_2, math::atan2(cut, rim)),
+            DISC,
+        ),
+        (line([rim, cut], [p.stem_radius, cut]), CONE),
+        (
+            line([p.stem_radius, cut], [p.stem_radius, p.tip - knob]),
+            METAL,
+        ),
+        (arc([0.0, p.tip - knob], knob, 0.0, FRAC_PI_2), METAL),
     ]
 }
 
@@ -181,9 +203,9 @@ pub(super) fn table(radius: f64) -> Mesh3D {
     surface.mesh()
 }
 
-/// Circles and rays on the table.
-pub(super) fn table_marks(radius: f64) -> LineStrips3D {
-    let circles = (1..=5).map(|ring| circle(0.2 * radius * f64::from(ring)));
+/// Circles, as many as `rings`, and rays on a table of the given radius.
+pub(super) fn table_marks(radius: f64, rings: u32) -> LineStrips3D {
+    let circles = (1..=rings).map(|ring| circle(radius * f64::from(ring) / f64::from(rings)));
     let rays = (0..6).map(|ray| {
         let (sin, cos) = math::sin_cos(PI * f64::from(ray) / 6.0);
         vec![
@@ -205,16 +227,10 @@ fn circle(radius: f64) -> Vec<[f32; 3]> {
         .collect()
 }
 
-/// The vertical through the peg, up to the given height.
-pub(super) fn vertical(height: f64) -> LineStrips3D {
-    LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
-        .with_colors([Color::from_u32(0x8A93_A3FF)])
-        .with_radii([Radius::new_ui_points(0.7)])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run::scenario::Preset;
 
     fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
         [0, 1, 2].map(|i| a[i] - b[i])
@@ -222,16 +238,13 @@ mod tests {
 
     #[test]
     fn the_front_of_each_triangle_faces_outwards() {
-        let proportions = Proportions {
-            peg: 0.007,
-            disc_height: 0.02,
-            disc_radius: 0.036,
-            stem_radius: 0.0025,
-            tip: 0.053,
-        };
+        let presets = ["paper", "tippe-top"].map(|name| Preset::find(name).unwrap());
         let mut surface = Surface::default();
-        for (part, palette) in parts(&proportions) {
-            surface.turn(&part, palette);
+        for preset in presets {
+            let top = preset.scenario().unwrap().model.top;
+            for (part, palette) in parts(&Proportions::new(&top)) {
+                surface.turn(&part, palette);
+            }
         }
         for [a, b, c] in surface.triangles.iter().map(|t| t.map(|i| i as usize)) {
             let u = difference(surface.positions[b], surface.positions[a]);

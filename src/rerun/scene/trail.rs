@@ -2,28 +2,29 @@
 
 use nalgebra::Vector3;
 use rerun::archetypes::LineStrips3D;
-use rerun::{Color, Radius, SerializedComponentColumn};
+use rerun::{Color, Radius};
 
+use super::strips::Strips;
 use crate::rerun::entity::{TRAIL_ABOVE, TRAIL_BELOW};
-use crate::rerun::error::RerunError;
 use crate::rerun::look::Look;
 use crate::rerun::outlet::Outlet;
 use crate::rerun::palette;
-use crate::rerun::track::{Collect, Flush, Rows, Track};
+use crate::rerun::track::{Collect, Flush, Track};
 
 /// Time between two pieces of the trail, in ns.
 const PIECE_NS: u64 = 10_000_000;
 /// Time between two points of a piece, in ns.
 const POINT_NS: u64 = 1_000_000;
 
-/// The path of the symmetry axis on a sphere around the peg, and its projection onto the table.
+/// The path of the symmetry axis on a sphere around the peg, and its projection onto the table if the peg is fixed:
+/// below a top that travels, that would cross the path of the contact point.
 ///
 /// Each row is one short piece, and the layout shows all pieces up to the time cursor. So the size of a recording grows
 /// linearly with its length, and the cursor moves along the whole path.
 pub(super) struct Trail {
     radius: f64,
-    above: Track<Pieces>,
-    below: Track<Pieces>,
+    above: Track<Strips>,
+    below: Option<Track<Strips>>,
     piece: Vec<[f32; 3]>,
     next_point_ns: u64,
     next_piece_ns: u64,
@@ -31,12 +32,12 @@ pub(super) struct Trail {
 
 impl Trail {
     /// An empty path on a sphere of this radius in m.
-    pub(super) fn new(look: &Look, radius: f64) -> Self {
-        let track = |path| Track::new(look.entity(path), Pieces::default());
+    pub(super) fn new(look: &Look, radius: f64, is_free: bool) -> Self {
+        let track = |path| Track::new(look.entity(path), Strips::default());
         Self {
             radius,
             above: track(TRAIL_ABOVE),
-            below: track(TRAIL_BELOW),
+            below: (!is_free).then(|| track(TRAIL_BELOW)),
             piece: Vec::new(),
             next_point_ns: 0,
             next_piece_ns: PIECE_NS,
@@ -44,8 +45,9 @@ impl Trail {
     }
 
     /// Sends how the path is drawn.
-    pub(super) fn dress(look: &Look, outlet: &mut Outlet) {
-        for (entity, width) in [(TRAIL_ABOVE, 1.3), (TRAIL_BELOW, 1.0)] {
+    pub(super) fn dress(look: &Look, is_free: bool, outlet: &mut Outlet) {
+        let paths = [(TRAIL_ABOVE, 1.3), (TRAIL_BELOW, 1.0)];
+        for (entity, width) in paths.into_iter().take(if is_free { 1 } else { 2 }) {
             let style = LineStrips3D::update_fields()
                 .with_colors([Color::from_u32(look.color(palette::PURPLE, 0))])
                 .with_radii([Radius::new_ui_points(width)]);
@@ -73,9 +75,10 @@ impl Trail {
         self.next_piece_ns = time_ns.saturating_add(PIECE_NS);
         // Each piece begins where the one before it ended.
         let piece = std::mem::replace(&mut self.piece, vec![point]);
-        self.below
-            .push(outlet, time_ns, |rows| rows.0.push(projected(&piece)));
-        self.above.push(outlet, time_ns, |rows| rows.0.push(piece));
+        if let Some(below) = &mut self.below {
+            below.push(outlet, time_ns, |rows| rows.push(projected(&piece)));
+        }
+        self.above.push(outlet, time_ns, |rows| rows.push(piece));
     }
 }
 
@@ -89,19 +92,4 @@ impl Collect for Trail {
 /// The projection of a piece onto the table.
 fn projected(piece: &[[f32; 3]]) -> Vec<[f32; 3]> {
     piece.iter().map(|[x, y, _]| [*x, *y, 0.0]).collect()
-}
-
-/// Rows of a piece of a path.
-#[derive(Default)]
-struct Pieces(Vec<Vec<[f32; 3]>>);
-
-impl Rows for Pieces {
-    fn columns(&self, start: usize) -> Result<Vec<SerializedComponentColumn>, RerunError> {
-        let strips = LineStrips3D::update_fields().with_strips(self.0[start..].iter().cloned());
-        Ok(strips.columns_of_unit_batches()?.collect())
-    }
-
-    fn clear(&mut self) {
-        self.0.clear();
-    }
 }

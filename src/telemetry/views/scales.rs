@@ -16,7 +16,7 @@ impl Scales {
     /// The scales at which the slip velocity at the start and the torque of the law's largest force are drawn
     /// somewhat longer than the top.
     pub(super) fn new(scenario: &Scenario, proportions: &Proportions) -> Self {
-        let length = 1.6 * proportions.tip;
+        let length = 1.6 * proportions.size();
         let scale = |size: f64| {
             let scale = two_digits(length / size);
             Some(scale).filter(|scale| scale.is_finite() && *scale > 0.0)

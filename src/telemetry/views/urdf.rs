@@ -18,13 +18,21 @@ const MATERIALS: [(&str, &str); 5] = [
     ("steel", "0.48 0.53 0.58"),
 ];
 
-/// Layers of a cone, and of the disc.
+/// Layers of a cone or stem, and of the disc.
 const LAYERS: u32 = 8;
 const DISC_LAYERS: u32 = 9;
+/// Layers of the ball of a tippe top.
+const BALL_LAYERS: u32 = 24;
 
-/// The description of a robot that is a top, with the link `top`. `has_ranges` says whether plots show ranges.
-pub(super) fn urdf(proportions: &Proportions, scales: &Scales, has_ranges: bool) -> String {
-    let legend = legend(scales, has_ranges);
+/// The description of a robot that is a top, with the link `top`. `has_ranges` says whether plots show ranges, `is_free`
+/// whether the peg is free.
+pub(super) fn urdf(
+    proportions: &Proportions,
+    scales: &Scales,
+    has_ranges: bool,
+    is_free: bool,
+) -> String {
+    let legend = legend(scales, has_ranges, is_free);
     let mut text = format!("<robot name=\"toprise\"><!--\n{legend}-->\n");
     for (name, color) in MATERIALS {
         // Writing to a String cannot fail.
@@ -41,7 +49,7 @@ pub(super) fn urdf(proportions: &Proportions, scales: &Scales, has_ranges: bool)
     text
 }
 
-fn legend(scales: &Scales, has_ranges: bool) -> String {
+fn legend(scales: &Scales, has_ranges: bool, is_free: bool) -> String {
     let mut text = "A heavy top rising by friction\nArrows:\n".to_owned();
     if let Some(scale) = scales.slip {
         let _ = writeln!(
@@ -65,6 +73,9 @@ fn legend(scales: &Scales, has_ranges: bool) -> String {
          - slip_speed of the contact point, m/s\n\
          - spin_rate: d psi/dt, rad/s\n",
     );
+    if is_free {
+        text.push_str("- normal_force of the table, N\n");
+    }
     text
 }
 
@@ -112,6 +123,9 @@ impl Link {
     }
 
     fn top(&mut self, p: &Proportions) {
+        if p.is_ball {
+            return self.ball(p);
+        }
         let axis = [0.0, 0.0];
         let half = 0.5 * p.thickness();
         let (low, high) = (p.disc_height - half, p.disc_height + half);
@@ -147,5 +161,23 @@ impl Link {
         for shell in [1.0, 0.9, 0.8] {
             self.sphere("steel", 1.5 * shell * stem, knob);
         }
+    }
+
+    /// A tippe top.
+    fn ball(&mut self, p: &Proportions) {
+        let (axis, cut) = ([0.0, 0.0], p.cut());
+        self.stack("cream", axis, [-p.peg, cut], BALL_LAYERS, |part| {
+            let height = -p.peg + part * (cut + p.peg);
+            (p.peg * p.peg - height * height).sqrt()
+        });
+        // Rods through the ball, one of them red, so that the spin shows.
+        for sector in 0..6 {
+            let angle = FRAC_PI_3 * f64::from(sector);
+            let at = [math::cos(angle), math::sin(angle)].map(|x| 0.8 * p.peg * x);
+            let material = if sector == 0 { "mark" } else { "ink" };
+            let half = 0.63 * p.peg;
+            self.stack(material, at, [-half, half], BALL_LAYERS, |_| 0.15 * p.peg);
+        }
+        self.stack("steel", axis, [cut, p.tip], LAYERS, |_| p.stem_radius);
     }
 }

@@ -1,0 +1,86 @@
+//! The vertical through a peg, and what the camera looks at.
+
+use nalgebra::Vector3;
+use rerun::archetypes::Transform3D;
+use rerun::{Color, LineStrips3D, Points3D, Radius, SerializedComponentColumn};
+
+use crate::rerun::entity::{CAMERA_TARGET, VERTICAL};
+use crate::rerun::error::RerunError;
+use crate::rerun::identity::Geometry;
+use crate::rerun::outlet::Outlet;
+use crate::rerun::track::{Collect, Flush, Rows, Track};
+use crate::telemetry::proportions::Proportions;
+
+/// What the camera looks at, and how far away it is, in sizes of the top: as where the peg is fixed.
+const CAMERA_HEIGHT: f64 = 0.55;
+const CAMERA_DISTANCE: f64 = 4.0;
+
+/// Time between two places of the line, in ns.
+const STEP_NS: u64 = 10_000_000;
+
+/// The line, up to half a top above the top, from the table below a peg in the middle of it.
+pub(super) fn line(geometry: &Geometry) -> LineStrips3D {
+    let height = geometry.top.peg_radius + 1.5 * Proportions::new(&geometry.top).size();
+    LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
+        .with_colors([Color::from_u32(0x8A93_A3FF)])
+        .with_radii([Radius::new_ui_points(0.7)])
+}
+
+/// Two points that nobody sees, for the camera to follow: it looks at the middle between them. When a viewer begins to follow
+/// an entity, it goes one and a half times as far away as that reaches from its middle.
+fn camera_target(geometry: &Geometry) -> Points3D {
+    let size = Proportions::new(&geometry.top).size();
+    let reach = CAMERA_DISTANCE * size / 1.5;
+    let points = [-1.0, 1.0].map(|side| [0.0, 0.0, (CAMERA_HEIGHT * size + side * reach) as f32]);
+    Points3D::new(points).with_radii([Radius::new_ui_points(0.0)])
+}
+
+/// The vertical that goes along with a free peg.
+pub(super) struct Vertical {
+    track: Track<Places>,
+    next_ns: u64,
+}
+
+impl Vertical {
+    /// Sends the line.
+    pub(super) fn new(geometry: &Geometry, outlet: &mut Outlet) -> Self {
+        outlet.send_static(VERTICAL, &line(geometry));
+        outlet.send_static(CAMERA_TARGET, &camera_target(geometry));
+        Self {
+            track: Track::new(VERTICAL, Places::default()),
+            next_ns: 0,
+        }
+    }
+
+    /// Moves it to a peg.
+    pub(super) fn write(&mut self, time_ns: u64, peg: Vector3<f64>, outlet: &mut Outlet) {
+        if time_ns < self.next_ns {
+            return;
+        }
+        self.next_ns = time_ns.saturating_add(STEP_NS);
+        let place = [peg.x as f32, peg.y as f32, 0.0];
+        self.track.push(outlet, time_ns, |rows| rows.0.push(place));
+    }
+}
+
+impl Collect for Vertical {
+    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        self.track.flush(outlet, flush);
+    }
+}
+
+/// Rows of a place.
+#[derive(Default)]
+struct Places(Vec<[f32; 3]>);
+
+impl Rows for Places {
+    fn columns(&self, start: usize) -> Result<Vec<SerializedComponentColumn>, RerunError> {
+        let places = self.0[start..].iter().copied();
+        let transform = Transform3D::update_fields().with_many_translation(places);
+        Ok(transform.columns_of_unit_batches()?.collect())
+    }
+
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+}
