@@ -18,11 +18,9 @@ const MATERIALS: [(&str, &str); 5] = [
     ("steel", "0.48 0.53 0.58"),
 ];
 
-/// Layers of a cone or stem, and of the disc.
+/// Layers of a cone or stem, and of the disc or the inlays of a ball.
 const LAYERS: u32 = 8;
 const DISC_LAYERS: u32 = 9;
-/// Layers of the ball of a tippe top.
-const BALL_LAYERS: u32 = 24;
 
 /// The description of a robot that is a top, with the link `top`. `has_ranges` says whether plots show ranges, `is_free`
 /// whether the peg is free.
@@ -163,21 +161,21 @@ impl Link {
         }
     }
 
-    /// A tippe top.
+    /// A tippe top, with a stem that stands out: there is no table here that it could go through.
     fn ball(&mut self, p: &Proportions) {
-        let (axis, cut) = ([0.0, 0.0], p.cut());
-        self.stack("cream", axis, [-p.peg, cut], BALL_LAYERS, |part| {
-            let height = -p.peg + part * (cut + p.peg);
-            (p.peg * p.peg - height * height).sqrt()
-        });
+        for shell in [1.0, 0.97, 0.94] {
+            self.sphere("cream", shell * p.peg, 0.0);
+        }
         // Rods through the ball, one of them red, so that the spin shows.
         for sector in 0..6 {
             let angle = FRAC_PI_3 * f64::from(sector);
             let at = [math::cos(angle), math::sin(angle)].map(|x| 0.8 * p.peg * x);
             let material = if sector == 0 { "mark" } else { "ink" };
             let half = 0.63 * p.peg;
-            self.stack(material, at, [-half, half], BALL_LAYERS, |_| 0.15 * p.peg);
+            self.stack(material, at, [-half, half], DISC_LAYERS, |_| 0.15 * p.peg);
         }
-        self.stack("steel", axis, [cut, p.tip], LAYERS, |_| p.stem_radius);
+        self.stack("steel", [0.0, 0.0], [p.peg, 1.5 * p.peg], LAYERS, |_| {
+            p.stem_radius
+        });
     }
 }
