@@ -6,6 +6,7 @@ pub(crate) mod container_check;
 pub mod convert;
 pub(crate) mod error;
 pub mod format;
+pub mod given;
 pub mod memory;
 pub mod publish;
 pub mod recording;

@@ -16,6 +16,7 @@ use crate::analysis::diff::{
     Align, DifferenceFile, Matrix, Observer, Offset, Options, Report, Subject, Tolerance,
     Tolerances, Verdict, compare_observed,
 };
+use crate::archive::given::read_file;
 use crate::archive::publish::{Existing, refuse_inputs};
 use crate::archive::sink::SinkError;
 use crate::telemetry::Message;
@@ -221,7 +222,7 @@ impl DiffArguments {
         let mut tolerances = match &self.tolerances {
             Some(path) => {
                 let context = || path.display().to_string();
-                let text = super::given::read_file(path).with_context(context)?;
+                let text = read_file(path).with_context(context)?;
                 Tolerances::from_toml(&text).with_context(context)?
             }
             None => Tolerances::default(),

@@ -1,0 +1,114 @@
+//! What words mean where a run is named: presets, scenario files and recordings.
+
+use crate::archive::recording::{NoScenario, Recording, RecordingError};
+use crate::run::scenario::{PRESETS, Preset, ScenarioError, Values};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+use thiserror::Error;
+
+/// Why a word names no scenario.
+#[derive(Debug, Error)]
+pub enum GivenError {
+    /// There is no preset of this name.
+    #[error(transparent)]
+    UnknownPreset(ScenarioError),
+    /// The file can't be read.
+    #[error("cannot read the scenario {}: {reason}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why, according to the system.
+        reason: io::Error,
+    },
+    /// The recording can't be read.
+    #[error("cannot read the scenario {}: {reason}", path.display())]
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        reason: RecordingError,
+    },
+    /// The recording has no scenario.
+    #[error("cannot read the scenario {}: {reason}", path.display())]
+    NoScenario {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        reason: NoScenario,
+    },
+    /// The file's text is no scenario.
+    #[error("{}: {reason}", path.display())]
+    Scenario {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: ScenarioError,
+    },
+}
+
+/// Whether a word names a recording that is read, rather than a scenario that is simulated.
+#[must_use]
+pub fn is_recording(word: &Path) -> bool {
+    let is_scenario = is_preset(word) || has_extension(word, "toml");
+    !is_scenario && (word.exists() || is_like_a_file(word))
+}
+
+/// Reads the scenario that a word means: a preset, a file, or the scenario of a recording.
+///
+/// # Errors
+/// [`GivenError`] if there is none, or a key of it is wrong; whether it is complete is not checked.
+pub fn values(word: &Path) -> Result<Values, GivenError> {
+    let is_file = has_extension(word, "toml") || has_directory(word) || word.is_file();
+    if is_preset(word) || !is_file {
+        let preset = Preset::find(&word.to_string_lossy());
+        let values = preset.and_then(Preset::values);
+        return values.map_err(GivenError::UnknownPreset);
+    }
+    Values::from_toml(&text(word)?).map_err(|reason| GivenError::Scenario {
+        path: word.to_owned(),
+        reason,
+    })
+}
+
+/// The text of a scenario file, or of the scenario that a recording was made from.
+fn text(word: &Path) -> Result<String, GivenError> {
+    let path = word.to_owned();
+    if !has_extension(word, "mcap") {
+        return read_file(word).map_err(|reason| GivenError::Io { path, reason });
+    }
+    match Recording::open(word) {
+        Ok(recording) => recording
+            .scenario_text()
+            .map_err(|reason| GivenError::NoScenario { path, reason }),
+        Err(reason) => Err(GivenError::Recording { path, reason }),
+    }
+}
+
+/// The text of a file. Opening a pipe that nobody writes to would wait for ever: it is refused.
+///
+/// # Errors
+/// The system's, or that it is no file.
+pub fn read_file(path: &Path) -> io::Result<String> {
+    let metadata = fs::metadata(path)?;
+    if !metadata.is_file() && !metadata.is_dir() {
+        return Err(io::Error::other("it is a pipe or a device, not a file"));
+    }
+    fs::read_to_string(path)
+}
+
+fn is_preset(word: &Path) -> bool {
+    PRESETS.iter().any(|preset| word.as_os_str() == preset.name)
+}
+
+fn has_extension(word: &Path, extension: &str) -> bool {
+    word.extension().is_some_and(|found| found == extension)
+}
+
+fn has_directory(word: &Path) -> bool {
+    word.to_string_lossy().contains(['/', '\\'])
+}
+
+/// Whether a word that names nothing is the name of a recording rather than of a preset.
+fn is_like_a_file(word: &Path) -> bool {
+    has_directory(word) || word.to_string_lossy().contains(".mcap")
+}
