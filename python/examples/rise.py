@@ -1,0 +1,49 @@
+# %% [markdown]
+# # How does a spinning top stand up?
+# Run this file as it is, or cell by cell in an editor that knows `# %%`.
+
+# %%
+import matplotlib.pyplot as plt
+
+import toprise
+
+run = toprise.run("paper")
+print(run.outcome)
+run["/top/state"]
+
+# %% [markdown]
+# The inclination nutates while it falls. The averages over nutations have a table of their own.
+
+# %%
+state, nutations = run["/top/state"], run.nutations
+figure, (top, bottom) = plt.subplots(2, sharex=True)
+top.plot(state.numpy("time"), state.numpy("theta"), linewidth=0.3)
+top.plot(nutations.numpy("time"), nutations.numpy("theta_mean"), "--")
+top.set_ylabel("θ, rad")
+
+# %% [markdown]
+# Friction hurries the precession beyond the slow rate of regular precession; between that and the fast one the top rises.
+
+# %%
+regular = run["/top/precession"]
+bottom.plot(nutations.numpy("time"), nutations.numpy("phi_dot_mean"), label="φ̇, mean over a nutation")
+bottom.plot(regular.numpy("time"), regular.numpy("slow_root"), "--", label="slow regular precession")
+bottom.set_xlabel("t, s")
+bottom.set_ylabel("rad/s")
+bottom.set_ylim(0, 6)
+bottom.legend()
+figure.savefig("rise.png")
+
+# %% [markdown]
+# What does the whole friction torque change, of which the paper drops a part?
+
+# %%
+report = toprise.diff(run, "full-coulomb")
+print(report.summary)
+
+# %% [markdown]
+# Half the friction: does it take twice as long?
+
+# %%
+for k in (0.03, 0.015):
+    print(k, toprise.outcome("paper", {"friction.k": k})["rise_time"], "s")

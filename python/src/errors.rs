@@ -1,0 +1,53 @@
+//! The exceptions of the package, which `toprise/_errors.py` defines, and which error becomes which.
+
+use pyo3::exceptions::{PyFileNotFoundError, PyPermissionError};
+use pyo3::{PyErr, import_exception};
+use std::fmt::Display;
+use std::io;
+use std::path::Path;
+use toprise::archive::given::GivenError;
+use toprise::archive::recording::RecordingError as CannotRead;
+
+import_exception!(toprise._errors, DiffError);
+import_exception!(toprise._errors, InternalError);
+import_exception!(toprise._errors, RecordingError);
+import_exception!(toprise._errors, RecordingWarning);
+import_exception!(toprise._errors, ScenarioError);
+import_exception!(toprise._errors, SimulationError);
+
+/// What is wrong with a scenario.
+pub fn scenario(error: impl Display) -> PyErr {
+    ScenarioError::new_err(error.to_string())
+}
+
+/// Why a word means no scenario.
+pub fn given(error: GivenError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        GivenError::Io { reason, .. } => io(&reason, text),
+        GivenError::Recording { reason, .. } => of_recording(&reason, text),
+        GivenError::NoScenario { .. } => RecordingError::new_err(text),
+        GivenError::UnknownPreset(_) | GivenError::Scenario { .. } => ScenarioError::new_err(text),
+    }
+}
+
+/// Why a recording can't be read.
+pub fn recording(path: &Path, error: &CannotRead) -> PyErr {
+    of_recording(error, format!("{}: {error}", path.display()))
+}
+
+fn of_recording(error: &CannotRead, text: String) -> PyErr {
+    match error {
+        CannotRead::Io(reason) => io(reason, text),
+        _ => RecordingError::new_err(text),
+    }
+}
+
+/// An error of the system: those that Python has a class for are of that class.
+fn io(reason: &io::Error, text: String) -> PyErr {
+    match reason.kind() {
+        io::ErrorKind::NotFound => PyFileNotFoundError::new_err(text),
+        io::ErrorKind::PermissionDenied => PyPermissionError::new_err(text),
+        _ => RecordingError::new_err(text),
+    }
+}

@@ -1,0 +1,28 @@
+//! The native half of the Python package `toprise`; `toprise/__init__.py` is the other half.
+
+mod compare;
+mod errors;
+mod guard;
+mod outcome;
+mod run;
+mod scenario;
+mod table;
+mod view;
+
+/// The native half of the package.
+#[pyo3::pymodule]
+mod _toprise {
+    #[pymodule_export]
+    use crate::compare::{diff, explain, presets, verify};
+    #[pymodule_export]
+    use crate::outcome::outcome;
+    #[pymodule_export]
+    use crate::run::{Run, read, run};
+    #[pymodule_export]
+    use crate::scenario::Scenario;
+    #[pymodule_export]
+    use crate::table::Table;
+
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,371 @@
+//! Runs: simulated now, or read from a recording.
+
+use crate::errors::{self, RecordingError, RecordingWarning, SimulationError};
+use crate::guard::{Interrupt, compute};
+use crate::outcome;
+use crate::scenario::{Base, Scenario};
+use crate::table::{Columns, Table};
+use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping};
+use std::ffi::CString;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+use toprise::analysis::subject::Subject;
+use toprise::archive::format::CONTENT_DIGEST;
+use toprise::archive::recording::{Condition, Recording};
+use toprise::archive::sink::{RecordError, Sink, SinkError, record};
+use toprise::run::outcome::Outcome;
+use toprise::run::scenario::Scenario as Checked;
+use toprise::run::simulation::{Record, RunEnd, Simulation, StopReason, Tally};
+use toprise::telemetry::digest::ContentDigest;
+use toprise::telemetry::fields::{EVENTS, NUTATION};
+use toprise::telemetry::{Message, Telemetry, Topic, Topics};
+
+/// Where a run comes from.
+pub enum Origin {
+    /// It was simulated, with this outcome.
+    Scenario(Box<Checked>, Box<Outcome>),
+    /// It was read.
+    Recording(Arc<Recording>),
+}
+
+/// A run: a table for each topic, whether it was simulated now or read from a recording.
+///
+/// `run["/top/state"]` is a `Table`; `run.topics` names them all.
+#[pyclass(frozen, mapping, module = "toprise")]
+pub struct Run {
+    pub origin: Origin,
+    tables: Vec<(Topic, Py<Table>)>,
+    content_digest: Option<String>,
+    losses: Vec<String>,
+}
+
+/// Simulates a scenario and keeps every message of the run.
+///
+/// `base` is a preset, a scenario file (TOML), a recording whose scenario is taken (MCAP), or a `Scenario`. `overrides`
+/// sets keys, as in `{"friction.k": 0.02}`, in SI units and radians; `None` removes a key. `topics` limits what is kept; by
+/// default that is all, which takes 34 MB for the paper's run.
+///
+/// The numbers are those of the recording that `toprise run` makes, bit for bit.
+///
+/// Raises `ScenarioError` if the scenario can't be run, `SimulationError` if the motion can't be integrated from its start.
+/// A motion that can't be integrated to its end gives the run up to there, and a `RecordingWarning`.
+#[pyfunction]
+#[pyo3(signature = (base, overrides=None, *, topics=None))]
+pub fn run(
+    py: Python<'_>,
+    base: Base<'_>,
+    overrides: Option<&Bound<'_, PyMapping>>,
+    topics: Option<Vec<String>>,
+) -> PyResult<Run> {
+    let scenario = base.scenario(overrides)?;
+    let topics = wanted(topics)?;
+    let support = scenario.model.support;
+    let simulated = {
+        let (scenario, topics) = (scenario.clone(), topics.clone());
+        compute(py, move |interrupt| simulate(&scenario, &topics, interrupt))?
+    };
+    let (tables, outcome, losses) = simulated.map_err(SimulationError::new_err)?;
+    let digest = tables.digest.finish();
+    let made = |columns: &Columns| {
+        Topic::all_with(support).any(|topic| topic == columns.topic())
+            && topics.include(&columns.topic())
+    };
+    let tables = tables.columns.into_iter().filter(made);
+    let tables = tables.map(|columns| (columns, Vec::new())).collect();
+    let origin = Origin::Scenario(Box::new(scenario), Box::new(outcome));
+    Run::new(py, origin, tables, Some(digest), losses)
+}
+
+/// Reads a recording that toprise has made (MCAP).
+///
+/// `topics` limits what is read; by default that is all.
+///
+/// Raises `FileNotFoundError` if there is no such file, and `RecordingError` if it is no recording of toprise. If only
+/// parts of it can be read, these are given, and a `RecordingWarning` says what is lost; so does `run.losses`.
+#[pyfunction]
+#[pyo3(signature = (path, *, topics=None))]
+pub fn read(py: Python<'_>, path: PathBuf, topics: Option<Vec<String>>) -> PyResult<Run> {
+    let recording = open(py, path)?;
+    if recording.condition() == Condition::Foreign {
+        return Err(RecordingError::new_err(format!(
+            "{}: written by {:?}, not by toprise",
+            recording.path().display(),
+            recording.library()
+        )));
+    }
+    let recorded = recording.refuse_newer();
+    recorded.map_err(|error| errors::recording(recording.path(), &error))?;
+    let topics = wanted(topics)?;
+    let (tables, end, losses) = {
+        let (recording, topics) = (recording.clone(), topics.clone());
+        compute(py, move |interrupt| replay(&recording, &topics, &interrupt))?
+    };
+    let differences = recording.differences();
+    let recorded = recording.topics();
+    let read =
+        |columns: &Columns| recorded.contains(&columns.topic()) && topics.include(&columns.topic());
+    let tables = tables.columns.into_iter().filter(read).map(|columns| {
+        let name = columns.topic().name();
+        let of_topic = differences.iter().find(|(topic, _)| topic == name);
+        let lacking = of_topic.map_or_else(Vec::new, |(_, fields)| fields.missing.clone());
+        (columns, lacking)
+    });
+    let tables = tables.collect();
+    let digest = end.and_then(|end| end.get(CONTENT_DIGEST).cloned());
+    Run::new(py, Origin::Recording(recording), tables, digest, losses)
+}
+
+/// Opens a recording, or any other MCAP file.
+pub fn open(py: Python<'_>, path: PathBuf) -> PyResult<Arc<Recording>> {
+    let word = path.clone();
+    let opened = compute(py, move |_| Recording::open(&word))?;
+    let recording = opened.map_err(|error| errors::recording(&path, &error))?;
+    Ok(Arc::new(recording))
+}
+
+fn wanted(topics: Option<Vec<String>>) -> PyResult<Topics> {
+    let Some(names) = topics else {
+        return Ok(Topics::All);
+    };
+    Topics::named(&names).map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+/// The tables of a run while its messages come, one for each topic in table order.
+struct Tables {
+    columns: Vec<Columns>,
+    digest: ContentDigest,
+}
+
+impl Default for Tables {
+    fn default() -> Self {
+        Self {
+            columns: Topic::all().map(Columns::new).collect(),
+            digest: ContentDigest::default(),
+        }
+    }
+}
+
+impl Sink for Tables {
+    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        self.digest.update(message);
+        self.columns[message.channel].push(message);
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
+
+/// Simulates a run: its messages, its outcome, and what it lost, in sentences.
+fn simulate(
+    scenario: &Checked,
+    topics: &Topics,
+    interrupt: Interrupt,
+) -> Result<(Tables, Outcome, Vec<String>), String> {
+    let told = |error: &dyn std::error::Error| error.to_string();
+    let simulation = Simulation::new(scenario).map_err(|error| told(&error))?;
+    let mut simulation = simulation.while_told(move || !interrupt.is_asked());
+    let mut telemetry = Telemetry::with_topics(topics);
+    let mut tables = Tables::default();
+    let mut tally = Tally::default();
+    let ended = record(
+        &mut simulation,
+        &mut telemetry,
+        &mut [&mut tables],
+        |record, _| {
+            if let Record::Event(event) = record {
+                tally.count(event.kind, event.time);
+            }
+            Ok(ControlFlow::Continue(()))
+        },
+    );
+    let (end, losses) = match ended {
+        Ok(end) => (end, Vec::new()),
+        Err(error @ (RecordError::Simulation(_) | RecordError::Telemetry(_))) => {
+            let stop = StopReason::Failed;
+            let end = simulation.end();
+            (RunEnd { stop, ..end }, vec![told(&error)])
+        }
+        Err(RecordError::Sink(error)) => return Err(told(&error)),
+    };
+    Ok((tables, Outcome::new(scenario, &end, &tally), losses))
+}
+
+type End = Option<toprise::archive::format::Entries>;
+
+/// Reads a recording: its messages, its end record, and what could not be read, in sentences.
+fn replay(
+    recording: &Recording,
+    topics: &Topics,
+    interrupt: &Interrupt,
+) -> (Tables, End, Vec<String>) {
+    let mut tables = Tables::default();
+    let ended = Subject::Recording(recording).read(topics, &mut |message, _| {
+        tables.columns[message.channel].push(message);
+        if interrupt.is_asked() {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    });
+    let mut losses = Vec::new();
+    if recording.condition() != Condition::Whole {
+        losses.push(format!("it is {}", recording.condition().name()));
+    }
+    losses.extend(recording.losses().iter().map(ToString::to_string));
+    losses.extend(ended.losses);
+    (tables, ended.end, losses)
+}
+
+impl Run {
+    fn new(
+        py: Python<'_>,
+        origin: Origin,
+        tables: Vec<(Columns, Vec<String>)>,
+        content_digest: Option<String>,
+        losses: Vec<String>,
+    ) -> PyResult<Self> {
+        let tables = tables.into_iter().map(|(columns, lacking)| {
+            let topic = columns.topic();
+            Ok((topic, Py::new(py, columns.into_table(&lacking)?)?))
+        });
+        let run = Self {
+            tables: tables.collect::<PyResult<_>>()?,
+            origin,
+            content_digest,
+            losses,
+        };
+        run.warn(py)?;
+        Ok(run)
+    }
+
+    /// Warns of what is lost.
+    fn warn(&self, py: Python<'_>) -> PyResult<()> {
+        let Some(first) = self.losses.first() else {
+            return Ok(());
+        };
+        let more = match self.losses.len() - 1 {
+            0 => String::new(),
+            more => format!(" (and {more} more, see run.losses)"),
+        };
+        let text = CString::new(format!("{}: {first}{more}", self.name()).replace('\0', "�"))?;
+        PyErr::warn(py, &py.get_type::<RecordingWarning>(), &text, 1)
+    }
+
+    fn find(&self, py: Python<'_>, name: &str) -> PyResult<Py<Table>> {
+        let found = self.tables.iter().find(|(topic, _)| topic.name() == name);
+        found.map(|(_, table)| table.clone_ref(py)).ok_or_else(|| {
+            let topics = self.topics().join(", ");
+            PyKeyError::new_err(format!("the run has no topic {name}; topics: {topics}"))
+        })
+    }
+}
+
+#[pymethods]
+impl Run {
+    /// The name of the scenario, or of the recording's file without its extension.
+    #[getter]
+    fn name(&self) -> String {
+        match &self.origin {
+            Origin::Scenario(scenario, _) => scenario.name().to_owned(),
+            Origin::Recording(recording) => Subject::Recording(recording).name(),
+        }
+    }
+
+    /// The recording's file; None if the run was simulated.
+    #[getter]
+    fn path(&self) -> Option<String> {
+        match &self.origin {
+            Origin::Scenario(..) => None,
+            Origin::Recording(recording) => Some(recording.path().display().to_string()),
+        }
+    }
+
+    /// The scenario that defines the run. Raises `RecordingError` if a damaged recording has lost it.
+    #[getter]
+    fn scenario(&self) -> PyResult<Scenario> {
+        match &self.origin {
+            Origin::Scenario(scenario, _) => Ok(Scenario(scenario.as_ref().clone())),
+            Origin::Recording(recording) => recording.scenario().map(Scenario).map_err(|error| {
+                RecordingError::new_err(format!("{}: {error}", recording.path().display()))
+            }),
+        }
+    }
+
+    /// What happened, and how the run ended, by the names of a sweep's columns: `run.outcome["rise_time"]` (s). `None` stands
+    /// for what did not happen.
+    ///
+    /// For a recording it is the outcome of its scenario, which is simulated for it each time.
+    #[getter]
+    fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        if let Origin::Scenario(_, outcome) = &self.origin {
+            return outcome::dictionary(py, outcome);
+        }
+        let Scenario(scenario) = self.scenario()?;
+        outcome::dictionary(py, &outcome::of_scenario(py, scenario)?)
+    }
+
+    /// The topics, in the order in which `toprise schema` lists them.
+    #[getter]
+    fn topics(&self) -> Vec<&'static str> {
+        self.tables.iter().map(|(topic, _)| topic.name()).collect()
+    }
+
+    /// The topics, as those of a mapping.
+    fn keys(&self) -> Vec<&'static str> {
+        self.topics()
+    }
+
+    /// What happened, one event a row: the table of `/events`.
+    #[getter]
+    fn events(&self, py: Python<'_>) -> PyResult<Py<Table>> {
+        self.find(py, EVENTS.name())
+    }
+
+    /// The averaged motion, one nutation a row: the table of `/top/nutation`.
+    #[getter]
+    fn nutations(&self, py: Python<'_>) -> PyResult<Py<Table>> {
+        self.find(py, NUTATION.name())
+    }
+
+    /// SHA-256 of all messages, as `toprise run` tells it. For a recording it is what the file says, which `toprise.verify`
+    /// checks; None if it was interrupted.
+    #[getter]
+    fn content_digest(&self) -> Option<&str> {
+        self.content_digest.as_deref()
+    }
+
+    /// What of the run is missing, in sentences; empty if it is whole.
+    #[getter]
+    fn losses(&self) -> Vec<String> {
+        self.losses.clone()
+    }
+
+    fn __getitem__(&self, py: Python<'_>, topic: &str) -> PyResult<Py<Table>> {
+        self.find(py, topic)
+    }
+
+    fn __contains__(&self, topic: &str) -> bool {
+        self.tables.iter().any(|(own, _)| own.name() == topic)
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self.topics().into_pyobject(py)?.try_iter()?.into_any())
+    }
+
+    fn __len__(&self) -> usize {
+        self.tables.len()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let mut text = format!("<toprise.Run {}", self.name().escape_debug());
+        for (topic, table) in &self.tables {
+            let rows = table.bind(py).len()?;
+            text += &format!("\n  {:20} {rows:>9} rows", topic.name());
+        }
+        Ok(text + ">")
+    }
+}

@@ -1,0 +1,174 @@
+//! Scenarios in Python.
+
+use crate::errors;
+use pyo3::exceptions::{PyKeyError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyMapping, PyString};
+use std::path::PathBuf;
+use toprise::archive::given::values;
+use toprise::run::scenario::{KEYS, Scenario as Checked, Value, Values};
+
+/// A checked, complete definition of a run: keys with values, in SI units and radians.
+///
+/// `Scenario("paper", {"friction.k": 0.02})` is the scenario of a preset, of a scenario file (TOML), of a recording (MCAP)
+/// or another one, with some keys set; `None` removes a key. It reads like a mapping: `scenario["friction.k"]`,
+/// `dict(scenario)`. Two scenarios are equal if all their keys and values are.
+#[pyclass(frozen, mapping, module = "toprise")]
+pub struct Scenario(pub Checked);
+
+/// What a run is given by: a scenario, or the word that names one.
+pub enum Base<'py> {
+    /// A scenario.
+    Scenario(Bound<'py, Scenario>),
+    /// A preset or a file.
+    Word(PathBuf),
+}
+
+impl<'py> FromPyObject<'_, 'py> for Base<'py> {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(scenario) = given.cast::<Scenario>() {
+            return Ok(Self::Scenario(scenario.to_owned()));
+        }
+        given.extract().map(Self::Word).map_err(|_| {
+            let kind = given.get_type();
+            PyTypeError::new_err(format!(
+                "a scenario is a preset, a file or a Scenario, not {kind}"
+            ))
+        })
+    }
+}
+
+impl Base<'_> {
+    /// The scenario with some keys set.
+    pub fn scenario(self, overrides: Option<&Bound<'_, PyMapping>>) -> PyResult<Checked> {
+        let mut values = match self {
+            Self::Scenario(scenario) => {
+                let Scenario(scenario) = scenario.get();
+                if overrides.is_none() {
+                    return Ok(scenario.clone());
+                }
+                Values::from_toml(&scenario.to_toml()).map_err(errors::scenario)?
+            }
+            Self::Word(word) => values(&word).map_err(errors::given)?,
+        };
+        if let Some(overrides) = overrides {
+            for item in overrides.items()?.iter() {
+                let (key, value): (String, Bound<'_, PyAny>) = item.extract()?;
+                set(&mut values, &key, &value)?;
+            }
+        }
+        Checked::new(values).map_err(errors::scenario)
+    }
+}
+
+fn set(values: &mut Values, key: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+    let set = if value.is_none() {
+        values.set(key, "")
+    } else if let Ok(text) = value.cast::<PyString>() {
+        values.set(key, text.to_cow()?.as_ref())
+    } else if let Ok(truth) = value.cast::<PyBool>() {
+        values.put(key, truth.is_true())
+    } else if let Ok(number) = value.extract::<f64>() {
+        values.put(key, number)
+    } else {
+        let kind = value.get_type().name()?;
+        let text = format!("{key}: must be a number, a text or None, not {kind}");
+        return Err(PyTypeError::new_err(text));
+    };
+    set.map_err(errors::scenario)
+}
+
+#[pymethods]
+impl Scenario {
+    #[new]
+    #[pyo3(signature = (base, overrides=None))]
+    fn new(base: Base<'_>, overrides: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
+        base.scenario(overrides).map(Self)
+    }
+
+    /// Reads and checks the text of a scenario file.
+    #[staticmethod]
+    fn from_toml(text: &str) -> PyResult<Self> {
+        Checked::from_toml(text).map(Self).map_err(errors::scenario)
+    }
+
+    /// The scenario as the text of a scenario file, with every key's unit and meaning.
+    fn to_toml(&self) -> String {
+        self.0.to_toml()
+    }
+
+    /// The name, after which recordings are called.
+    #[getter]
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    /// SHA-256 over every key and value but name and description: equal for scenarios that define the same run.
+    #[getter]
+    fn digest(&self) -> String {
+        self.0.digest()
+    }
+
+    /// The keys that are set, in the order of a scenario file.
+    fn keys(&self) -> Vec<&'static str> {
+        self.0.entries().map(|(key, _)| key.path).collect()
+    }
+
+    /// The unit of a key's value; empty for pure numbers and texts.
+    #[staticmethod]
+    fn unit(key: &str) -> PyResult<&'static str> {
+        let found = KEYS.iter().find(|known| known.path == key);
+        found
+            .map(|known| known.unit)
+            .ok_or_else(|| PyKeyError::new_err(format!("unknown key {key}")))
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        let found = self.0.entries().find(|(known, _)| known.path == key);
+        match found {
+            Some((_, Value::Number(number))) => Ok(number.into_pyobject(py)?.into_any()),
+            Some((_, Value::Text(text))) => Ok(text.into_pyobject(py)?.into_any()),
+            None => {
+                let set = self.keys().join(", ");
+                let text = format!("the scenario doesn't set {key}; it sets {set}");
+                Err(PyKeyError::new_err(text))
+            }
+        }
+    }
+
+    fn __contains__(&self, key: &str) -> bool {
+        self.0.entries().any(|(known, _)| known.path == key)
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self.keys().into_pyobject(py)?.try_iter()?.into_any())
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.entries().count()
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.0 == other.0
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        PyString::new(py, &self.0.to_toml()).hash()
+    }
+
+    fn __repr__(&self) -> String {
+        let digest = self.0.digest();
+        format!("<toprise.Scenario {} {}…>", self.0.name(), &digest[..12])
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_toml()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let from_toml = slf.get_type().getattr("from_toml")?;
+        Ok((from_toml, (slf.get().0.to_toml(),)))
+    }
+}

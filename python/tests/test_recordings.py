@@ -1,0 +1,66 @@
+"""Recordings that are damaged, cut off or no recordings at all."""
+
+import warnings
+
+import pytest
+from conftest import ROOT
+
+import toprise
+
+
+def test_files_that_are_no_recordings_are_refused(tmp_path):
+    with pytest.raises(FileNotFoundError, match="missing.mcap"):
+        toprise.read(tmp_path / "missing.mcap")
+    with pytest.raises(toprise.RecordingError, match="it is a directory"):
+        toprise.read(tmp_path)
+    empty = tmp_path / "empty.mcap"
+    empty.touch()
+    with pytest.raises(toprise.RecordingError, match="empty.mcap: the file is empty"):
+        toprise.read(empty)
+    with pytest.raises(toprise.RecordingError, match="not by toprise"):
+        toprise.read(ROOT / "tests/data/foreign/json_a.mcap")
+
+
+def test_what_is_left_of_a_recording_is_given_with_a_warning(reference, tmp_path):
+    whole = (reference / "paper.mcap").read_bytes()
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole[: len(whole) // 2])
+    with pytest.warns(toprise.RecordingWarning, match="cut: it is interrupted"):
+        run = toprise.read(cut)
+    assert run.losses[0] == "it is interrupted"
+    assert run.content_digest is None
+    part, all_of_it = run["/top/state"], toprise.read(reference / "paper.mcap")["/top/state"]
+    theta = part.numpy("theta")
+    assert 0 < len(theta) < len(all_of_it)
+    assert (theta == all_of_it.numpy("theta")[: len(theta)]).all()
+
+
+def test_damage_is_told(reference, tmp_path):
+    damaged = bytearray((reference / "paper.mcap").read_bytes())
+    middle = len(damaged) // 2
+    damaged[middle : middle + 1000] = bytes(1000)
+    file = tmp_path / "damaged.mcap"
+    file.write_bytes(damaged)
+    with pytest.warns(toprise.RecordingWarning, match="and 1 more"):
+        run = toprise.read(file)
+    assert run.losses[0] == "it is damaged" and len(run.losses) == 2
+    assert toprise.verify(file).verdict == "failed"
+
+
+def test_a_whole_recording_is_read_in_silence(reference):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        run = toprise.read(reference / "frictionless.mcap")
+    assert run.losses == [] and run.name == "frictionless"
+
+
+def test_a_run_is_a_mapping_of_topics(brief):
+    assert "/top/state" in brief and "/top/impact" not in brief
+    assert list(brief) == brief.topics == brief.keys() and len(brief) == 10
+    assert brief.events.topic == "/events" and brief.nutations.topic == "/top/nutation"
+    with pytest.raises(KeyError, match="/top/impact; topics: /top/state, "):
+        brief["/top/impact"]
+    with pytest.raises(KeyError, match="no column thet; columns: time_ns, "):
+        brief["/top/state"].numpy("thet")
+    with pytest.raises(ValueError, match="there is no topic /top/stat;"):
+        toprise.run("paper", topics=["/top/stat"])

@@ -1,0 +1,97 @@
+"""Scenarios, and what is wrong with them."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import toprise
+
+
+def test_a_scenario_reads_like_a_mapping():
+    scenario = toprise.Scenario("paper", {"friction.k": 0.02, "stop.duration": None})
+    assert scenario["friction.k"] == 0.02
+    assert scenario["friction.law"] == "coulomb"
+    assert "stop.duration" not in scenario
+    assert dict(scenario)["top.mass"] == 0.11
+    assert len(scenario) == len(list(scenario)) == len(scenario.keys())
+    assert toprise.Scenario.unit("top.mass") == "kg"
+    assert scenario.name == "paper" and len(scenario.digest) == 64
+    with pytest.raises(KeyError, match="stop.duration"):
+        scenario["stop.duration"]
+
+
+def test_scenarios_travel():
+    scenario = toprise.Scenario("paper", {"friction.k": 0.1 + 0.2})
+    for again in (
+        pickle.loads(pickle.dumps(scenario)),
+        copy.deepcopy(scenario),
+        toprise.Scenario.from_toml(scenario.to_toml()),
+        toprise.Scenario(scenario),
+        toprise.Scenario(scenario, {}),
+    ):
+        assert again == scenario and hash(again) == hash(scenario)
+        assert again["friction.k"] == 0.1 + 0.2
+    assert scenario != toprise.Scenario("paper") and scenario != "paper"
+
+
+def test_a_scenario_is_a_base_and_so_is_a_file(tmp_path):
+    scenario = toprise.Scenario("viscous", {"stop.duration": 0.01})
+    file = tmp_path / "mine.toml"
+    file.write_text(scenario.to_toml())
+    digests = {
+        toprise.run(base).content_digest for base in (scenario, file, str(file))
+    }
+    assert len(digests) == 1
+    assert toprise.run(scenario, {"friction.k": 0.1}).content_digest not in digests
+
+
+def test_numbers_of_any_kind_are_values():
+    for number in (2, np.float64(2), np.float32(2), np.int64(2), "2", "2.0"):
+        scenario = toprise.Scenario("paper", {"friction.k": number})
+        assert scenario["friction.k"] == 2.0
+
+
+@pytest.mark.parametrize(
+    ("overrides", "error", "text"),
+    [
+        ({"friction.k": -1}, toprise.ScenarioError, r"friction.k = -1: must be a number from 0.0 to 100.0"),
+        ({"friction.k": float("nan")}, toprise.ScenarioError, "friction.k = NaN"),
+        ({"friction.k": float("inf")}, toprise.ScenarioError, "friction.k = inf"),
+        ({"friction.k": True}, toprise.ScenarioError, "friction.k = true"),
+        ({"friction.k": "much"}, toprise.ScenarioError, "friction.k = \"much\""),
+        ({"friction.kk": 1}, toprise.ScenarioError, r"did you mean friction.k\?"),
+        ({"friction.k": None}, toprise.ScenarioError, "friction.k is missing"),
+        ({"friction.law": "none"}, toprise.ScenarioError, "has no meaning with"),
+        ({"friction.law": "coulob"}, toprise.ScenarioError, r"did you mean coulomb\?"),
+        ({"friction.k": [1]}, TypeError, "friction.k: must be a number, a text or None, not list"),
+        ({3: 1}, TypeError, "str"),
+        ([("friction.k", 1)], TypeError, "Mapping"),
+    ],
+)  # fmt: skip
+def test_wrong_overrides_say_what_is_wrong(overrides, error, text):
+    with pytest.raises(error, match=text):
+        toprise.run("paper", overrides)
+
+
+def test_wrong_bases_say_what_is_wrong(tmp_path):
+    with pytest.raises(toprise.ScenarioError, match='no preset "papr"; presets: paper'):
+        toprise.run("papr")
+    with pytest.raises(FileNotFoundError, match="missing.toml"):
+        toprise.run(tmp_path / "missing.toml")
+    with pytest.raises(TypeError, match="a preset, a file or a Scenario, not"):
+        toprise.run(3)
+    file = tmp_path / "wrong.toml"
+    file.write_text("[friction\n")
+    with pytest.raises(toprise.ScenarioError, match="wrong.toml: not valid TOML"):
+        toprise.Scenario(file)
+    assert issubclass(toprise.ScenarioError, ValueError)
+    assert issubclass(toprise.ScenarioError, toprise.Error)
+
+
+def test_presets_are_scenarios():
+    presets = toprise.presets()
+    assert presets["paper"].startswith("The rise of the paper")
+    for name in presets:
+        assert toprise.Scenario(name).name == name

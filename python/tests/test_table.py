@@ -1,0 +1,109 @@
+"""Tables for NumPy and through the Arrow PyCapsule interface."""
+
+import gc
+
+import numpy as np
+import polars as pl
+import pyarrow as pa
+import pytest
+
+import toprise
+
+
+def address(array):
+    return array.__array_interface__["data"][0]
+
+
+def test_numbers_are_shared_not_copied(paper):
+    table = paper["/top/state"]
+    view = table.numpy("theta")
+    arrow = pa.table(table)
+    assert address(view) == address(table.numpy("theta"))
+    assert address(view) == arrow["theta"].chunk(0).buffers()[1].address
+    assert address(view) == address(pl.DataFrame(table)["theta"].to_numpy(allow_copy=False))
+    assert arrow["theta"].num_chunks == 1
+
+
+def test_views_are_read_only_and_outlive_the_run():
+    view = toprise.run("paper", {"stop.duration": 0.1})["/top/state"].numpy("theta")
+    arrow = pa.table(toprise.run("paper", {"stop.duration": 0.1})["/top/state"])
+    gc.collect()
+    assert view[0] == 0.5 and view.shape == (101,) and view.dtype == np.float64
+    assert arrow["theta"][0].as_py() == 0.5
+    with pytest.raises(ValueError, match="read-only"):
+        view[0] = 1.0
+    with pytest.raises(ValueError):
+        view.flags.writeable = True
+
+
+def test_a_table_knows_its_units(brief):
+    table = brief["/top/pose"]
+    assert table.topic == "/top/pose" and len(table) == 101
+    assert table.units["omega_body_x"] == "rad/s"
+    schema = pa.schema(table)
+    field = schema.field("omega_body_x")
+    assert field.metadata[b"unit"] == b"rad/s"
+    assert field.metadata[b"frame"] == b"body"
+    assert field.metadata[b"path"] == b"omega_body.x"
+    assert b"angular velocity" in field.metadata[b"meaning"]
+    assert not field.nullable
+    assert schema.metadata[b"topic"] == b"/top/pose"
+    assert schema == pa.table(table).schema
+    assert np.shares_memory(table.numpy("omega_body.x"), table.numpy("omega_body_x"))
+
+
+def test_every_column_has_a_plain_name_of_its_own():
+    for preset in ("paper", "drop"):
+        run = toprise.run(preset, {"stop.duration": 0.01})
+        for topic in run:
+            names = run[topic].column_names
+            assert len(set(names)) == len(names)
+            assert all(name.isidentifier() for name in names)
+            assert names[:2] == ["time_ns", "sequence"] and "time" in names
+
+
+def test_times_are_in_seconds_and_exact_in_nanoseconds(brief):
+    state, events = brief["/top/state"], brief.events
+    assert state.numpy("time_ns").dtype == np.int64
+    assert state.numpy("time_ns").tolist() == [1_000_000 * n for n in range(101)]
+    assert state.numpy("time").tolist() == [n / 1000 for n in range(101)]
+    assert events.numpy("name")[0] == "start"
+    assert np.abs(events.numpy("time") - events.numpy("time_ns") / 1e9).max() < 1e-9
+
+
+def test_empty_tables_are_tables():
+    run = toprise.run("paper", {"stop.duration": 1e-9})
+    assert len(run.nutations) == 0
+    assert run.nutations.numpy("period").shape == (0,)
+    assert pa.table(run.nutations).num_rows == 0
+    assert pl.DataFrame(run.nutations).shape == (0, len(run.nutations.column_names))
+
+
+def test_a_stream_can_be_left_unread_and_read_once(brief):
+    brief.events.__arrow_c_stream__()
+    brief.events.__arrow_c_schema__()
+    capsule = brief.events.__arrow_c_stream__(requested_schema=None)
+    reader = pa.RecordBatchReader._import_from_c_capsule(capsule)
+    assert reader.read_all().num_rows == len(brief.events)
+    with pytest.raises(ValueError):
+        pa.RecordBatchReader._import_from_c_capsule(capsule)
+
+
+def test_what_is_shown_names_columns_and_units(brief):
+    state = brief["/top/state"]
+    assert "theta_dot   rad/s     nutation rate θ̇" in repr(state)
+    html = state._repr_html_()
+    assert html.count("<tr>") == 1 + 4 + 1 + 4
+    assert "<td>0.5</td>" in html and "rad/s²" in html
+    assert brief.nutations._repr_html_().count("<tr>") == 1 + len(brief.nutations)
+    assert "/top/state                 101 rows" in repr(brief)
+
+
+def test_duckdb_and_pandas_read_tables(brief):
+    duckdb = pytest.importorskip("duckdb")
+    pandas = pytest.importorskip("pandas")
+    state = brief["/top/state"]
+    found = duckdb.sql("SELECT count(*), max(theta) FROM state").fetchall()
+    assert found == [(101, state.numpy("theta").max())]
+    frame = pandas.DataFrame.from_arrow(brief.events)
+    assert frame["name"][0] == "start"
