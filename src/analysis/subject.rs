@@ -180,7 +180,7 @@ impl Undecodable {
     /// What could not be read, in sentences: these messages and the reader's losses.
     pub(crate) fn losses(self, reader: &Reader<'_>) -> Vec<String> {
         let mut losses: Vec<_> = reader.losses().iter().map(ToString::to_string).collect();
-        losses.extend(reader.misplaced().map(ToString::to_string));
+        losses.extend(reader.left_out().map(ToString::to_string));
         losses.extend(self.0.map(|(first, count)| match count {
             1 => first,
             _ => format!("{first} (the first of {count} messages that can't be decoded)"),

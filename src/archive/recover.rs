@@ -247,7 +247,7 @@ fn salvage(
     Ok(Saved {
         counts,
         undecodable,
-        repeated: reader.misplaced().map_or(0, |misplaced| misplaced.messages),
+        repeated: reader.left_out().map_or(0, |misplaced| misplaced.messages),
         last_ns,
         losses,
         digest: digest.finish(),

@@ -69,6 +69,8 @@ pub struct Forgery {
     records: Vec<Record>,
     /// Changes what the summary repeats and indexes, before its offsets are computed.
     summary: fn(&mut Vec<Raw>),
+    /// Changes the order of the summary's records, which stand in groups.
+    order: fn(&mut Vec<Raw>),
     /// Changes the offsets of the summary.
     offsets: fn(&mut Vec<Raw>),
     /// Where the footer says that the offsets are.
@@ -301,6 +303,7 @@ impl Writing {
         summary.append(&mut self.indexes);
         (forgery.summary)(&mut summary);
         summary.sort_by_key(|(opcode, _)| *opcode);
+        (forgery.order)(&mut summary);
         let start = self.bytes.len();
         let mut offsets: Vec<Raw> = Vec::new();
         for group in summary.chunk_by(|one, next| one.0 == next.0) {
@@ -387,6 +390,7 @@ impl Forgery {
             library,
             records,
             summary: |_| {},
+            order: |_| {},
             offsets: |_| {},
             offsets_start: |start| start,
             written: |_| {},
@@ -724,6 +728,17 @@ fn other_view(message: &mut Message) {
     if let Some(byte) = message.data.last_mut() {
         *byte ^= 1;
     }
+}
+
+/// Puts the index of the last chunk behind the other groups of the summary.
+fn split_chunk_indexes(forgery: &mut Forgery) {
+    forgery.order = |summary| {
+        let last = summary
+            .iter()
+            .rposition(|(opcode, _)| *opcode == op::CHUNK_INDEX);
+        let index = summary.remove(last.unwrap());
+        summary.push(index);
+    };
 }
 
 /// The topic of a channel.
@@ -1135,6 +1150,19 @@ fn channels_and_schemas_are_those_of_toprise() {
                     let (name, language) = ("toprise.Heat".to_owned(), "jsonschema".to_owned());
                     let schema = Record::Schema(99, name, language, b"{}".to_vec());
                     f.first_chunk().insert(0, schema);
+                },
+            ),
+            (
+                "a schema that nothing uses, like one that is used",
+                Refused("belongs to no channel"),
+                |f| {
+                    let is_schema = |r: &&Record| matches!(r, Record::Schema(..));
+                    let schema = f.first_chunk().iter().find(is_schema).cloned();
+                    let Some(Record::Schema(_, name, language, data)) = schema else {
+                        panic!("the first chunk begins with schemas");
+                    };
+                    let again = Record::Schema(99, name, language, data);
+                    f.first_chunk().insert(0, again);
                 },
             ),
             ("another encoding", Refused("not json or protobuf"), |f| {
@@ -1746,6 +1774,21 @@ fn the_container_says_nothing_else_than_the_messages() {
                 Refused("summary offsets"),
                 |f| {
                     f.offsets = |offsets| offsets.truncate(2);
+                },
+            ),
+            (
+                "a group in two parts",
+                Refused("summary offsets"),
+                split_chunk_indexes,
+            ),
+            (
+                "a group in two parts, of which one has an offset",
+                Refused("summary offsets"),
+                |f| {
+                    split_chunk_indexes(f);
+                    f.offsets = |offsets| {
+                        offsets.pop();
+                    };
                 },
             ),
             ("offsets twice", Refused("summary offsets"), |f| {

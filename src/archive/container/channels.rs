@@ -109,7 +109,7 @@ impl Channels {
         &self.list
     }
 
-    /// Schemas of which no channel has the like.
+    /// Schemas that no channel has, even if another with the same content is used.
     pub(crate) fn unused_schemas(&self) -> impl Iterator<Item = &FileSchema> {
         let schemas = self.schemas.values();
         let is_used = |schema: &Arc<FileSchema>| {
@@ -117,7 +117,7 @@ impl Channels {
                 .list
                 .iter()
                 .filter_map(|channel| channel.schema.as_ref());
-            used.any(|used| used == schema)
+            used.any(|used| Arc::ptr_eq(used, schema))
         };
         schemas
             .filter(move |schema| !is_used(schema))
@@ -147,7 +147,9 @@ impl Channels {
                         let text = format!("schema {} is defined twice, differently", header.id);
                         self.contradictions.insert(text);
                     }
-                    _ => {
+                    // The summary repeats those of the data.
+                    Some(_) => {}
+                    None => {
                         self.schemas.insert(header.id, schema);
                     }
                 }

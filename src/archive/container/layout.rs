@@ -160,6 +160,7 @@ impl Layout {
                 from_ns: end,
                 to_ns: None,
             }),
+            is_unread: false,
             reason,
         }
     }

@@ -1,4 +1,4 @@
-//! What of a file can't be read.
+//! What of a file can't be read, or is left unread.
 
 use std::fmt;
 
@@ -30,7 +30,9 @@ pub struct Loss {
     pub length: u64,
     /// The times between which messages are lost; none if none are.
     pub span: Option<Span>,
-    /// Why it can't be read.
+    /// Whether it was left unread, though it may be whole.
+    pub is_unread: bool,
+    /// Why it can't be read, or was left unread.
     pub reason: String,
 }
 
@@ -39,6 +41,9 @@ impl fmt::Display for Loss {
         write!(f, "{} bytes at {}", self.length, self.offset)?;
         if let Some(span) = self.span {
             write!(f, ", {span}")?;
+        }
+        if self.is_unread {
+            f.write_str(", which may be whole but were left unread")?;
         }
         write!(f, ": {}", self.reason)
     }

@@ -88,6 +88,12 @@ impl Recording {
         &self.layout.library
     }
 
+    /// The profile of its header: which conventions it follows beside those of MCAP.
+    #[must_use]
+    pub fn profile(&self) -> &str {
+        &self.layout.profile
+    }
+
     /// What kind of file it is.
     #[must_use]
     pub fn condition(&self) -> Condition {

@@ -33,7 +33,7 @@ enum Rule {
     Nothing,
 }
 
-/// The messages that were left out because they repeat others or go back in time.
+/// Messages that repeat others or go back in time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Misplaced {
     /// How many there are.

@@ -91,9 +91,14 @@ pub struct Reader<'r> {
     row: Row,
     losses: Vec<Loss>,
     order: Option<Order>,
+    /// Whether messages that repeat others or go back in time are given too.
+    gives_misplaced: bool,
+    /// Whether the last message is one of them.
+    is_misplaced: bool,
     /// How many bytes of content may still be read; none if there is no bound.
     left: Option<u64>,
-    /// How much of the progress has been told, bytes.
+    /// How many bytes of the file have been looked at, and how many of them have been told.
+    seen: u64,
     told: u64,
 }
 
@@ -148,7 +153,10 @@ impl<'r> Reader<'r> {
             row: Row::default(),
             losses: Vec::new(),
             order: None,
+            gives_misplaced: false,
+            is_misplaced: false,
             left: None,
+            seen: 0,
             told: 0,
         }
     }
@@ -180,9 +188,26 @@ impl<'r> Reader<'r> {
         self
     }
 
-    /// What has been left out so far because it repeats other messages or goes back in time.
+    /// Gives messages that repeat others or go back in time too, instead of leaving them out;
+    /// [`Reader::is_misplaced`] tells which they are.
+    pub(crate) fn with_misplaced(mut self) -> Self {
+        self.gives_misplaced = true;
+        self
+    }
+
+    /// Whether the last message repeats another of its channel or goes back in time.
+    pub(crate) fn is_misplaced(&self) -> bool {
+        self.is_misplaced
+    }
+
+    /// The messages so far that repeat others or go back in time.
     pub(crate) fn misplaced(&self) -> Option<&Misplaced> {
         self.order.as_ref()?.misplaced()
+    }
+
+    /// Those of them that have been left out.
+    pub(crate) fn left_out(&self) -> Option<&Misplaced> {
+        self.misplaced().filter(|_| !self.gives_misplaced)
     }
 
     /// Whether each chunk begins where the one before has ended, as their heads say.
@@ -349,16 +374,8 @@ impl<'r> Reader<'r> {
 
     /// How many bytes of the file have been looked at since this was asked last.
     pub fn progress(&mut self) -> u64 {
-        let batch = self.read.checked_sub(1).and_then(|at| self.batches.get(at));
-        let sections = batch.into_iter().flatten();
-        let ends = sections.map(|index| {
-            let section = &self.recording.layout.sections[*index];
-            section.offset + section.length
-        });
-        let offset = ends.max().unwrap_or(0);
-        // Where chunks are out of order, it goes back.
-        let more = offset.saturating_sub(self.told);
-        self.told = self.told.max(offset);
+        let more = self.seen - self.told;
+        self.told = self.seen;
         more
     }
 
@@ -380,9 +397,10 @@ impl<'r> Reader<'r> {
                 continue;
             };
             let order = self.order.as_mut();
-            if order
-                .is_none_or(|order| order.accepts(at.channel, at.head.log_time, at.head.sequence))
-            {
+            self.is_misplaced = order.is_some_and(|order| {
+                !order.accepts(at.channel, at.head.log_time, at.head.sequence)
+            });
+            if !self.is_misplaced || self.gives_misplaced {
                 return Some(at);
             }
         }
@@ -409,6 +427,8 @@ impl<'r> Reader<'r> {
         let recording = self.recording;
         let sections = &recording.layout.sections;
         for section in batch.iter().map(|index| &sections[*index]) {
+            // Where chunks are out of order, it would go back.
+            self.seen = self.seen.max(section.offset + section.length);
             if !section
                 .span
                 .is_none_or(|span| self.selection.wants_span(span))
@@ -420,8 +440,9 @@ impl<'r> Reader<'r> {
                     offset: section.offset,
                     length: recording.size() - section.offset,
                     span: None,
+                    is_unread: true,
                     reason: format!(
-                        "not read, though it may be whole: what was read before is {LARGEST_GROWTH} times as long as the file"
+                        "what was read before it is {LARGEST_GROWTH} times as long as the file"
                     ),
                 });
                 self.read = self.batches.len();
@@ -501,6 +522,7 @@ impl<'r> Reader<'r> {
                 from_ns,
                 to_ns: Some(to_ns),
             }),
+            is_unread: false,
             reason,
         });
     }
