@@ -5,7 +5,7 @@
 //! what a command reads, nor what another one is writing or has left, can be harmed.
 //!
 //! The draft of a run is called `NAME.partial` and stays if the run doesn't reach its end. Everything else can be
-//! made again: its draft is a hidden file that vanishes if it isn't published.
+//! made again: its draft is a hidden file that vanishes if it isn't published, with the directories that were made for it.
 
 use crate::archive::sink::SinkError;
 use std::collections::BTreeSet;
@@ -36,13 +36,19 @@ impl Existing {
 /// The hidden files that vanish if they are not published.
 static HIDDEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Removes all hidden drafts, and lets no new ones be made: the program is about to end without dropping them.
+/// All directories that have been made for files.
+static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes all hidden drafts, and the directories made for them, and lets no new ones be made: the program is about to
+/// end without dropping them.
 pub fn abandon_drafts() {
     let drafts = HIDDEN.lock().unwrap_or_else(PoisonError::into_inner);
     for draft in drafts.iter() {
         let _ = fs::remove_file(draft);
     }
-    std::mem::forget(drafts);
+    let directories = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    remove_empty(&directories);
+    std::mem::forget((drafts, directories));
 }
 
 /// An entry among the hidden files, as long as the file has that name.
@@ -70,6 +76,40 @@ pub struct Draft {
     preface: usize,
     /// What will take the place of the preface, in one write.
     first: Vec<u8>,
+    /// The directories that were made for it; they go after the file.
+    directories: MadeDirectories,
+}
+
+/// Directories that were made for a file, from the outermost on. Those in which nothing is vanish with this.
+#[derive(Debug)]
+struct MadeDirectories(Vec<PathBuf>);
+
+impl MadeDirectories {
+    /// Makes a directory and those in which it is, as far as there are none.
+    fn make(directory: &Path) -> io::Result<Self> {
+        let missing = directory.ancestors();
+        let missing = missing.take_while(|path| !path.as_os_str().is_empty() && !path.exists());
+        let mut missing: Vec<PathBuf> = missing.map(Path::to_owned).collect();
+        missing.reverse();
+        // Known before they are there, so that none stays when the program is asked to end.
+        let mut all = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        all.extend(missing.iter().cloned());
+        let made = Self(missing);
+        fs::create_dir_all(directory).map(|()| made)
+    }
+}
+
+impl Drop for MadeDirectories {
+    fn drop(&mut self) {
+        remove_empty(&self.0);
+    }
+}
+
+/// Removes directories, the innermost first, unless there is something in them.
+fn remove_empty(directories: &[PathBuf]) {
+    for directory in directories.iter().rev() {
+        let _ = fs::remove_dir(directory);
+    }
 }
 
 impl Draft {
@@ -78,7 +118,7 @@ impl Draft {
     /// # Errors
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
     pub fn new(path: &Path, existing: Existing) -> Result<Self, SinkError> {
-        prepare(path, existing)?;
+        let directories = prepare(path, existing)?;
         let (file, hidden) = hidden(path)?;
         Ok(Self {
             file,
@@ -88,6 +128,7 @@ impl Draft {
             partial: None,
             preface: 0,
             first: Vec::new(),
+            directories,
         })
     }
 
@@ -100,7 +141,7 @@ impl Draft {
     /// # Errors
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
     pub fn of_run(path: &Path, existing: Existing, preface: &[u8]) -> Result<Self, SinkError> {
-        prepare(path, existing)?;
+        let directories = prepare(path, existing)?;
         let (mut file, hidden) = hidden(path)?;
         let written = file.write_all(preface);
         written.map_err(|error| io_error("write", path, error))?;
@@ -114,6 +155,7 @@ impl Draft {
             partial: Some(partial),
             preface: preface.len(),
             first: Vec::new(),
+            directories,
         };
         // Another run may have published its file and given up the partial name since the first look.
         refuse_existing(path, existing)?;
@@ -238,14 +280,15 @@ pub fn write(path: &Path, existing: Existing, contents: &[u8]) -> Result<(), Sin
 }
 
 /// Refuses to replace what is not a file, or must stay, and makes the directory.
-fn prepare(path: &Path, existing: Existing) -> Result<(), SinkError> {
+fn prepare(path: &Path, existing: Existing) -> Result<MadeDirectories, SinkError> {
     // A directory, a device, a pipe: publishing would put a file in its place.
     if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
         return Err(exists(path, "it is not a file; name one"));
     }
     refuse_existing(path, existing)?;
     let directory = directory_of(path);
-    fs::create_dir_all(directory).map_err(|error| io_error("create directory", directory, error))
+    let made = MadeDirectories::make(directory);
+    made.map_err(|error| io_error("create directory", directory, error))
 }
 
 fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {

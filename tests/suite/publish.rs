@@ -313,6 +313,39 @@ fn a_signal_leaves_no_drafts() {
 }
 
 #[test]
+fn directories_of_files_that_are_not_written_vanish() {
+    let directory = tempdir().unwrap();
+    fs::create_dir(directory.path().join("mine")).unwrap();
+    fs::write(directory.path().join("damaged.mcap"), "no recording").unwrap();
+    // The damage is met before, and the lack of common topics after, the file has been begun.
+    let fails: [&[&str]; 2] = [
+        &[
+            "convert",
+            "damaged.mcap",
+            "mine/a/b/x.mcap",
+            "--encoding",
+            "json",
+        ],
+        &[
+            "diff",
+            "paper",
+            "full-coulomb",
+            "--set",
+            "stop.duration=0.1",
+            "--tol",
+            "/top/none.*=1",
+            "--mcap",
+            "mine/a/b/x.mcap",
+        ],
+    ];
+    for arguments in fails {
+        toprise(&directory, arguments).code(2);
+        let inside = fs::read_dir(directory.path().join("mine")).unwrap();
+        assert_eq!(inside.count(), 0, "{arguments:?}");
+    }
+}
+
+#[test]
 fn what_an_interrupted_run_left_is_never_touched() {
     let directory = tempdir().unwrap();
     let left = directory.path().join("x.mcap.partial");
