@@ -58,6 +58,7 @@ mod field;
 mod floor;
 mod growth;
 mod happened;
+mod moments;
 mod nutation;
 mod parting;
 mod passage;
@@ -66,6 +67,7 @@ mod signals;
 mod topic;
 mod touch;
 // The report and what is made from it.
+mod beside;
 mod difference_file;
 mod matrix;
 mod report;

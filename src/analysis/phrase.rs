@@ -35,6 +35,18 @@ pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
     }
 }
 
+/// How many times as large one thing is as another, to two digits.
+#[must_use]
+pub(crate) fn times(ratio: f64) -> String {
+    // Up to here zeros at the end are read as such.
+    const LARGEST: f64 = 1e4;
+    let scientific = format!("{ratio:.1e}");
+    match scientific.parse::<f64>() {
+        Ok(rounded) if rounded.abs() < LARGEST => significant(rounded, 2),
+        _ => scientific,
+    }
+}
+
 /// Two numbers, each with as many digits as it takes to see how they differ: four at least, twelve at most.
 #[must_use]
 pub(crate) fn pair(values: [f64; 2]) -> [String; 2] {
@@ -163,6 +175,16 @@ mod tests {
             (1.5e9, "1.50e9"),
         ] {
             assert_eq!(significant(value, 3), text);
+        }
+        for (value, text) in [
+            (3.94, "3.9"),
+            (9.96, "10"),
+            (148.2, "150"),
+            (2992.0, "3000"),
+            (507_894.0, "5.1e5"),
+            (1.46e7, "1.5e7"),
+        ] {
+            assert_eq!(times(value), text);
         }
         assert_eq!(duration(-0.011_554_6), "11.6 ms");
         assert_eq!(duration(3e-10), "0.300 ns");

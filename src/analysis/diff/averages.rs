@@ -6,6 +6,7 @@
 //! there B's phase is compared with A's. The amplitude is half the range of θ̇ in a cycle: that of θ is widened by the
 //! drift.
 
+use super::moments::Moments;
 use crate::analysis::course::curve::Curve;
 use crate::analysis::course::{Course, Cycle};
 use crate::telemetry::fields::{NumberField, state};
@@ -198,7 +199,7 @@ fn deviation(name: &str, unit: &str, times: &[f64], [a, b]: &[Curve; 2]) -> Opti
         unit: unit.to_owned(),
         ..Deviation::default()
     };
-    let (mut count, mut squares) = (0_u64, 0.0);
+    let (mut count, mut differences) = (0, Moments::default());
     for time in times {
         let (Some(a), Some(b)) = (a.at(*time), b.at(*time)) else {
             continue;
@@ -208,9 +209,9 @@ fn deviation(name: &str, unit: &str, times: &[f64], [a, b]: &[Curve; 2]) -> Opti
             (found.largest, found.at) = (difference, *time);
         }
         found.scale = found.scale.max(a.abs()).max(b.abs());
-        squares += difference * difference;
+        differences.add(difference);
         count += 1;
     }
-    found.rms = (squares / count.max(1) as f64).sqrt();
+    found.rms = differences.rms(count);
     (count > 0).then_some(found)
 }

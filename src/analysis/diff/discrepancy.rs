@@ -4,6 +4,7 @@
 //! the functions that the integrator calls. So the difference of the models shows by itself, free of the phase and the
 //! drift that it causes.
 
+use super::moments::Moments;
 use crate::physics::dynamics::Model;
 use crate::physics::kinematics::Tilt;
 use nalgebra::Vector3;
@@ -64,8 +65,8 @@ pub(super) struct Residuals {
 struct ResidualSums {
     largest: f64,
     at_ns: u64,
-    squares: f64,
-    squares_a: f64,
+    differences: Moments,
+    own: Moments,
 }
 
 /// What a model does in a state: the torque of friction in the node frame (N m), the frictional and the whole
@@ -113,21 +114,20 @@ impl Residuals {
             if difference.abs() > tally.largest {
                 (tally.largest, tally.at_ns) = (difference.abs(), time_ns);
             }
-            tally.squares += difference * difference;
-            tally.squares_a += a * a;
+            tally.differences.add(difference);
+            tally.own.add(a);
         }
     }
 
     /// What was found, if any state was.
     pub(super) fn report(&self) -> Option<Discrepancy> {
-        let count = self.states.max(1) as f64;
         let residual = |((quantity, unit), tally): (&(&str, &str), &ResidualSums)| Residual {
             quantity: (*quantity).to_owned(),
             unit: (*unit).to_owned(),
             largest: tally.largest,
             at: tally.at_ns as f64 / 1e9,
-            rms: (tally.squares / count).sqrt(),
-            rms_a: (tally.squares_a / count).sqrt(),
+            rms: tally.differences.rms(self.states),
+            rms_a: tally.own.rms(self.states),
         };
         (self.states > 0).then(|| Discrepancy {
             states: self.states,

@@ -190,7 +190,22 @@ fn matches(
             in_order(a.len(), b.len()).filter(is_pair).collect()
         }
         (Some(kind), Some(passage)) if kind.comes_with_nutation() => {
-            match_along(passage, &times(a), &times(b))
+            let (a, b) = (times(a), times(b));
+            let along = match_along(passage, &a, &b);
+            if a.len() != b.len() {
+                return along;
+            }
+            // Where the averages hardly change, as near upright, they don't tell one nutation from the next.
+            let in_order: Vec<_> = in_order(a.len(), b.len()).collect();
+            let largest = |matches: &[(usize, usize)]| {
+                let shifts = matches.iter().map(|(i, j)| (b[*j] - a[*i]).abs());
+                shifts.fold(0.0, f64::max)
+            };
+            if largest(&in_order) < largest(&along) {
+                in_order
+            } else {
+                along
+            }
         }
         (Some(kind), None) if kind.comes_with_nutation() => match_times(&times(a), &times(b)),
         _ => in_order(a.len(), b.len()).collect(),
@@ -202,15 +217,26 @@ fn in_order(a: usize, b: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..a.min(b)).map(|at| (at, at))
 }
 
-/// Matches events that come with the nutation where the averaged motions are the same.
+/// Matches events that come with the nutation where the averaged motions are the same; behind those, where the averages no
+/// longer go the same way, each with the one that follows.
 fn match_along(passage: &Passage, a: &[f64], b: &[f64]) -> Vec<(usize, usize)> {
     let expected = a.iter().enumerate();
     let expected = expected.filter_map(|(i, time)| Some((i, passage.counterpart(*time)?)));
+    let mut last = f64::NEG_INFINITY;
+    // Where A's average turns back, its levels are those of another part of B's motion.
+    let expected =
+        expected.take_while(|(_, (time, _))| *time > std::mem::replace(&mut last, *time));
     let (places, expected): (Vec<usize>, Vec<(f64, f64)>) = expected.unzip();
     let widest = expected.first().map_or(0.0, |(_, period)| *period);
     let expected: Vec<f64> = expected.into_iter().map(|(time, _)| time).collect();
     let found = follow(&expected, b, 0.0, widest);
-    found.into_iter().map(|(i, j)| (places[i], j)).collect()
+    let mut matches: Vec<_> = found.into_iter().map(|(i, j)| (places[i], j)).collect();
+    if let Some((i, j)) = matches.last().copied() {
+        let (from_a, from_b) = (i + 1, j + 1);
+        let behind = follow(&a[from_a..], &b[from_b..], b[j] - a[i], f64::INFINITY);
+        matches.extend(behind.into_iter().map(|(i, j)| (from_a + i, from_b + j)));
+    }
+    matches
 }
 
 /// Matches events of one kind by their times: positions in A and B.

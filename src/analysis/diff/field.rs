@@ -1,5 +1,6 @@
 //! The differences of one field: its numbers in A and B over time, summed up.
 
+use super::moments::Moments;
 use super::tolerance::Tolerance;
 use crate::physics::math::ulp_distance;
 use crate::telemetry::payload::Value;
@@ -89,8 +90,7 @@ pub(super) struct FieldTally {
     nan_bits: u64,
     largest: f64,
     at_ns: u64,
-    sum: f64,
-    sum_of_squares: f64,
+    moments: Moments,
     scale: f64,
     ulp: u64,
     first_different: Option<u64>,
@@ -150,8 +150,7 @@ impl FieldTally {
         }
         self.count += 1;
         self.scale = self.scale.max(a.abs()).max(b.abs());
-        self.sum += difference;
-        self.sum_of_squares += difference * difference;
+        self.moments.add(difference);
         if difference.abs() > self.largest.abs() {
             self.largest = difference;
             self.at_ns = time_ns;
@@ -244,7 +243,6 @@ impl FieldTally {
 
     /// What was found, but for the integrators' errors.
     pub(super) fn report(&self, field: &str, unit: &str, is_interpolated: bool) -> FieldDifference {
-        let count = self.count.max(1) as f64;
         FieldDifference {
             field: field.to_owned(),
             unit: unit.to_owned(),
@@ -255,8 +253,8 @@ impl FieldTally {
             nan_bits: self.nan_bits,
             largest: self.largest,
             at: seconds(self.at_ns),
-            rms: (self.sum_of_squares / count).sqrt(),
-            mean: self.sum / count,
+            rms: self.moments.rms(self.count),
+            mean: self.moments.mean(self.count),
             scale: self.scale,
             relative: if self.scale > 0.0 {
                 self.largest.abs() / self.scale

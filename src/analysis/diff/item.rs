@@ -22,6 +22,8 @@ pub(super) struct Item {
     pub(super) rest: Option<Box<[u8]>>,
     /// How its file has it; none for what is simulated or interpolated.
     pub(super) written: Option<Written>,
+    /// Whether it repeats another of its topic or goes back in time, as no message of a run does.
+    pub(super) is_misplaced: bool,
 }
 
 /// How a file has a message, beside what the message says.

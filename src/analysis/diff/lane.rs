@@ -62,6 +62,8 @@ impl Frontier {
 pub(super) struct Lonely {
     /// Their number.
     pub(super) count: u64,
+    /// The time of the first, ns.
+    pub(super) first_ns: Option<u64>,
     /// How many came before the first pair.
     before: u64,
     /// How many have come since the last pair.
@@ -69,6 +71,12 @@ pub(super) struct Lonely {
 }
 
 impl Lonely {
+    fn add(&mut self, count: u64, first_ns: u64) {
+        self.count += count;
+        let first = self.first_ns.map_or(first_ns, |first| first.min(first_ns));
+        self.first_ns = Some(first);
+    }
+
     /// How many come before the messages of the other run.
     pub(super) fn before(&self, has_pairs: bool) -> u64 {
         if has_pairs { self.before } else { 0 }
@@ -223,8 +231,8 @@ impl Lane {
                 (Some(x), Some(y)) if x.time_ns == y.time_ns => give_pair(&x, &y, give),
                 (x, y) => {
                     for (item, side) in [(x, Side::A), (y, Side::B)] {
-                        if item.is_some() {
-                            self.lonely[side.index()].count += 1;
+                        if let Some(item) = item {
+                            self.lonely[side.index()].add(1, item.time_ns);
                         }
                     }
                 }
@@ -256,7 +264,7 @@ impl Lane {
             if finer == Some(alone) {
                 self.leave_out(message.time_ns);
             } else {
-                self.note_lonely(alone);
+                self.note_lonely(alone, message.time_ns);
             }
         }
     }
@@ -344,8 +352,9 @@ impl Lane {
     }
 
     fn leave_alone(&mut self, side: Side) {
-        self.pop(side);
-        self.note_lonely(side);
+        if let Some(message) = self.pop(side) {
+            self.note_lonely(side, message.time_ns);
+        }
     }
 
     fn pair_fronts(&mut self, give: &mut impl FnMut(Given<'_>)) {
@@ -356,9 +365,9 @@ impl Lane {
         give_pair(&a, &b, give);
     }
 
-    fn note_lonely(&mut self, side: Side) {
+    fn note_lonely(&mut self, side: Side, time_ns: u64) {
         let lonely = &mut self.lonely[side.index()];
-        lonely.count += 1;
+        lonely.add(1, time_ns);
         lonely.since += 1;
         if self.last_pair.is_none() {
             lonely.before += 1;
@@ -384,7 +393,7 @@ impl Lane {
         let is_gap = time_ns.saturating_sub(last.unwrap_or(first)) > finer.gap;
         if is_gap {
             let lonely = &mut self.lonely[finer.side.index()];
-            lonely.count += left_out.count;
+            lonely.add(left_out.count, first);
             if last.is_none() {
                 lonely.before += left_out.count;
             }
@@ -396,7 +405,7 @@ impl Lane {
     /// Both runs have ended: what was left out since the last pair was beyond the end of the coarser run.
     pub(super) fn finish(&mut self) {
         let left_out = std::mem::take(&mut self.left_out);
-        let (Some(finer), Some((_, last))) = (self.rule.finer(), left_out.span) else {
+        let (Some(finer), Some((first, last))) = (self.rule.finer(), left_out.span) else {
             return;
         };
         let is_beyond = self
@@ -404,7 +413,7 @@ impl Lane {
             .is_none_or(|pair| last.saturating_sub(pair) > finer.gap);
         if is_beyond {
             let lonely = &mut self.lonely[finer.side.index()];
-            lonely.count += left_out.count;
+            lonely.add(left_out.count, first);
             lonely.since += left_out.count;
         } else {
             self.between[finer.side.index()] += left_out.count;
@@ -424,8 +433,7 @@ impl Lane {
         let (mine, others) = (grid.index(), other.index());
         let time_ns = self.waiting[mine].front()?.time_ns;
         let Some(at) = map.target(time_ns) else {
-            self.pop(grid);
-            self.note_lonely(grid);
+            self.leave_alone(grid);
             return Some(());
         };
         self.drop_before(other, at.ns, give);
@@ -449,7 +457,7 @@ impl Lane {
         if found.is_none() {
             // Less than one message beyond the other's end is not beyond it.
             if !is_edge {
-                self.note_lonely(grid);
+                self.note_lonely(grid, time_ns);
             }
             return Some(());
         }

@@ -12,6 +12,7 @@ use super::lane::Frontier;
 use super::nutation::end_with_nutation;
 use super::observer::Observer;
 use super::plan::ComparisonPlan;
+use super::rule::Rule;
 use super::stream::{Batch, Parcel, read};
 use super::tolerance::{Tolerances, full_name};
 use super::topic::ComparedTopic;
@@ -24,6 +25,7 @@ use crate::telemetry::fields::ENERGY;
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic};
 use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 
@@ -86,13 +88,14 @@ pub(super) fn read_both(
     observer: &mut dyn Observer,
 ) -> Result<Findings, DiffError> {
     let mut reading = Reading::new(runs, plan, tolerances, observer)?;
+    let are_views_wanted = &AtomicBool::new(true);
     thread::scope(|scope| {
         let incoming = runs.map(|run| {
             let (out, incoming) = sync_channel(WAITING);
-            scope.spawn(move || read(run, plan, &out));
+            scope.spawn(move || read(run, plan, are_views_wanted, &out));
             incoming
         });
-        reading.take_all(&incoming)
+        reading.take_all(&incoming, are_views_wanted)
     })?;
     reading.finish()
 }
@@ -144,6 +147,10 @@ impl<'p> Reading<'p> {
             for (topic, compared) in Topic::all().zip(&mut reading.findings.topics) {
                 if let Some(compared) = compared {
                     compared.tally.add_table(topic, &missing, tolerances);
+                    let at_same_times = compared.lane.rule == Rule::SameTime { finer: None };
+                    if at_same_times && !plan.clock.is_shifted() {
+                        compared.tally.count_sequences();
+                    }
                 }
             }
             reading.check_patterns()?;
@@ -160,7 +167,11 @@ impl<'p> Reading<'p> {
     }
 
     /// Takes everything that comes, always from the run that is behind.
-    fn take_all(&mut self, incoming: &[Receiver<Parcel>; 2]) -> Result<(), DiffError> {
+    fn take_all(
+        &mut self,
+        incoming: &[Receiver<Parcel>; 2],
+        are_views_wanted: &AtomicBool,
+    ) -> Result<(), DiffError> {
         while let Some(side) = self.behind() {
             match incoming[side.index()].recv() {
                 Ok(Parcel::Batch(batch)) => self.take(side, batch)?,
@@ -172,6 +183,7 @@ impl<'p> Reading<'p> {
             let is_due = self.unpaired >= self.plan.topics.len();
             if is_due || self.held > MOST_HELD || self.behind().is_none() {
                 self.pair()?;
+                self.leave_views(are_views_wanted);
             }
         }
         Ok(())
@@ -230,7 +242,7 @@ impl<'p> Reading<'p> {
             let (first, last) = run.span.unwrap_or((time_ns, time_ns));
             run.span = Some((first.min(time_ns), last.max(time_ns)));
         }
-        if self.plan.are_ours && message.rest.is_none() {
+        if self.plan.are_ours && message.rest.is_none() && !message.is_misplaced {
             let seen = message.as_message();
             run.course.take(&seen);
             run.touches.take(&seen);
@@ -303,9 +315,6 @@ impl<'p> Reading<'p> {
         for run in &mut self.findings.runs {
             end_with_nutation(&mut run.course.cycles);
         }
-        if self.plan.are_ours {
-            self.leave_views();
-        }
         if !self.plan.are_ours {
             self.check_patterns()?;
         }
@@ -332,14 +341,19 @@ impl<'p> Reading<'p> {
 }
 
 impl Reading<'_> {
-    /// Leaves what is derived for viewers out of the report, unless it differs although what it is derived from doesn't.
-    fn leave_views(&mut self) {
+    /// Leaves what is derived for viewers as soon as what it is derived from differs: then it says nothing more.
+    fn leave_views(&mut self, are_views_wanted: &AtomicBool) {
+        if !self.plan.are_ours || !are_views_wanted.load(Ordering::Relaxed) {
+            return;
+        }
         let table = Topic::all().count();
         let (ours, others) = self.findings.topics.split_at_mut(table);
-        let is_same = ours.iter().flatten().all(ComparedTopic::is_same);
+        if ours.iter().flatten().all(ComparedTopic::is_same) {
+            return;
+        }
+        are_views_wanted.store(false, Ordering::Relaxed);
         for (compared, topic) in others.iter_mut().zip(&self.plan.topics[table..]) {
-            let is_told = |compared: &ComparedTopic| is_same && !compared.is_same();
-            if is_view(topic) && !compared.as_ref().is_some_and(is_told) {
+            if is_view(topic) {
                 *compared = None;
             }
         }

@@ -4,6 +4,7 @@
 //! otherwise. Quantities that one of the runs doesn't have are absent.
 
 use super::averages::{self, Averaged};
+use super::beside::beside;
 use super::budget::Energies;
 use super::clock::ClockReport;
 use super::discrepancy::{Discrepancy, Residuals};
@@ -48,6 +49,8 @@ pub struct Report {
     pub summary: Vec<String>,
     /// What was different in the set-up.
     pub setup: SetupDifferences,
+    /// What differs beside the values, in words, if all values are the same.
+    pub beside: Vec<String>,
     /// What was different in what happened; only for recordings of toprise.
     pub happened: Option<Happened>,
     /// How the averaged motions differ; needs `/top/nutation` of both.
@@ -122,10 +125,21 @@ impl Report {
                 .flat_map(|topic| topic.fields_only_in(side))
                 .collect()
         });
+        let beside = beside(&setup, &signals.channels);
+        let verdict = Verdict::of(plan, findings, &signals.channels, &setup, is_cut);
+        let verdict = match verdict {
+            Verdict::Identical if !beside.is_empty() => Verdict::SameValues,
+            other => other,
+        };
         let should_be_same = !setup.scenario.iter().any(KeyDifference::changes_the_run);
         let (course_a, course_b) = (&found_a.course, &found_b.course);
         Self {
-            verdict: Verdict::of(plan, findings, &signals.channels, &setup, is_cut),
+            beside: if verdict == Verdict::SameValues {
+                beside
+            } else {
+                Vec::new()
+            },
+            verdict,
             is_complete: is_cut == [false; 2],
             clock: plan.clock.report(),
             summary: Vec::new(),

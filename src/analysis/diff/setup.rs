@@ -8,7 +8,8 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Keys of what files say about themselves, beside the entries of their metadata records.
-pub(super) const LIBRARY: &str = "library";
+const LIBRARY: &str = "library";
+const PROFILE: &str = "profile";
 pub(super) const ENCODING: &str = "encoding";
 pub(super) const CONDITION: &str = "condition";
 
@@ -23,6 +24,8 @@ pub struct SetupDifferences {
     pub files: Vec<KeyDifference>,
     /// Topics with schemas that differ.
     pub schemas: Vec<String>,
+    /// Topics whose channels differ in their number or metadata.
+    pub channels: Vec<String>,
     /// Names of attachments that differ, or that only one of the files has.
     pub attachments: Vec<String>,
     /// Topics that only A has.
@@ -71,6 +74,7 @@ pub(super) fn compare(a: Subject<'_>, b: Subject<'_>) -> SetupDifferences {
     if let (Subject::Recording(a), Subject::Recording(b)) = (a, b) {
         setup.files = file_differences(a, b);
         setup.schemas = schema_differences(a, b);
+        setup.channels = channel_differences(a, b);
         setup.attachments = attachment_differences(a, b);
     }
     setup
@@ -134,27 +138,43 @@ fn key_difference(key: &str, unit: &str, a: Option<&String>, b: Option<&String>)
 fn file_differences(a: &Recording, b: &Recording) -> Vec<KeyDifference> {
     let [of_a, of_b] = [a, b].map(facts);
     let keys: BTreeSet<&String> = of_a.keys().chain(of_b.keys()).collect();
-    let own = [LIBRARY, ENCODING, CONDITION].map(str::to_owned);
+    let own = [LIBRARY, PROFILE, ENCODING, CONDITION].map(str::to_owned);
     let records = keys.into_iter().filter(|key| !own.contains(*key));
     let all = own.iter().chain(records);
     let differing = all.filter(|key| of_a.get(*key) != of_b.get(*key));
-    differing
+    let mut differing: Vec<_> = differing
         .map(|key| key_difference(key, "", of_a.get(key), of_b.get(key)))
-        .collect()
+        .collect();
+    if differing.is_empty() && !a.all_metadata().eq(b.all_metadata()) {
+        // Only the order of the records, or names that read the same with their keys.
+        let [x, y] = [a, b].map(|recording| {
+            let names = recording.all_metadata().map(|(name, _)| name);
+            names.collect::<Vec<_>>().join(", ")
+        });
+        differing.push(key_difference("order of metadata", "", Some(&x), Some(&y)));
+    }
+    differing
 }
 
 /// What a file says about itself, and the entries of its metadata records.
 fn facts(recording: &Recording) -> Flat {
-    let mut records = BTreeMap::new();
-    for (name, entries) in recording.all_metadata() {
-        // The first of several records with one name counts.
-        records.entry(name).or_insert(entries);
-    }
     let mut facts = Flat::new();
-    for (name, entries) in records {
+    let mut counts: BTreeMap<&str, u64> = BTreeMap::new();
+    for (name, entries) in recording.all_metadata() {
+        let count = counts.entry(name).or_default();
+        *count += 1;
+        // Several records may have one name.
+        let record = match *count {
+            1 => name.to_owned(),
+            count => format!("{name} ({count})"),
+        };
+        if entries.is_empty() {
+            facts.insert(format!("{record}: "), "no entries".to_owned());
+        }
         let entries = entries.iter();
-        facts.extend(entries.map(|(key, value)| (format!("{name}: {key}"), value.clone())));
+        facts.extend(entries.map(|(key, value)| (format!("{record}: {key}"), value.clone())));
     }
+    facts.insert(PROFILE.to_owned(), recording.profile().to_owned());
     facts.insert(LIBRARY.to_owned(), recording.library().to_owned());
     facts.insert(ENCODING.to_owned(), encodings(recording));
     let condition = recording.condition().name().to_owned();
@@ -170,6 +190,27 @@ fn attachment_differences(a: &Recording, b: &Recording) -> Vec<String> {
         .into_iter()
         .filter(|name| of_a.get(*name) != of_b.get(*name));
     differing.cloned().collect()
+}
+
+/// Topics of both files whose channels differ in their number or metadata.
+fn channel_differences(a: &Recording, b: &Recording) -> Vec<String> {
+    let [of_a, of_b] = [a, b].map(|recording| {
+        let mut channels: BTreeMap<&str, Vec<&BTreeMap<String, String>>> = BTreeMap::new();
+        for channel in recording.channels() {
+            let of_topic = channels.entry(&channel.topic).or_default();
+            of_topic.push(&channel.metadata);
+        }
+        // The order of channels means nothing.
+        channels.values_mut().for_each(|of_topic| of_topic.sort());
+        channels
+    });
+    let in_both = of_a
+        .iter()
+        .filter_map(|(topic, x)| Some((topic, x, of_b.get(topic)?)));
+    in_both
+        .filter(|(_, x, y)| x != y)
+        .map(|(topic, ..)| (*topic).to_owned())
+        .collect()
 }
 
 /// Topics of both files whose message types differ.

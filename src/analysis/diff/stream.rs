@@ -2,6 +2,7 @@
 
 use super::item::{Item, Written};
 use super::plan::ComparisonPlan;
+use super::rule::Rule;
 use crate::analysis::subject::{Ended, Subject, Undecodable};
 use crate::archive::recording::{FileChannel, Recording, Selection, Undecoded};
 use crate::telemetry::payload::{MAX_FIELDS, PayloadDecoder, Value};
@@ -9,6 +10,7 @@ use crate::telemetry::{Topic, Topics};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 
 /// Messages in a batch.
@@ -45,8 +47,14 @@ pub(super) enum Parcel {
 /// Reads the topics of a plan from a run to its end, or until nobody takes its batches any more.
 ///
 /// Messages of two runs of toprise are read as the telemetry table has them, those of their other channels as bytes. Of
-/// other files all fields are read, or the bytes where they can't be decoded.
-pub(super) fn read(run: Subject<'_>, plan: &ComparisonPlan, out: &SyncSender<Parcel>) {
+/// other files all fields are read, or the bytes where they can't be decoded. What is derived for viewers is read as long
+/// as it is wanted.
+pub(super) fn read(
+    run: Subject<'_>,
+    plan: &ComparisonPlan,
+    are_views_wanted: &AtomicBool,
+    out: &SyncSender<Parcel>,
+) {
     let topics = &plan.read;
     let mut posting = Posting {
         out,
@@ -56,9 +64,13 @@ pub(super) fn read(run: Subject<'_>, plan: &ComparisonPlan, out: &SyncSender<Par
     };
     let mut remarks = Vec::new();
     let ended = match run {
-        Subject::Recording(recording) if plan.are_ours => {
-            read_recording(recording, plan, &mut posting, &mut remarks)
-        }
+        Subject::Recording(recording) if plan.are_ours => read_recording(
+            recording,
+            plan,
+            are_views_wanted,
+            &mut posting,
+            &mut remarks,
+        ),
         run if plan.are_ours => run.read(&of_table(topics), &mut |message, bytes| {
             posting.push(Item::from(message), bytes)
         }),
@@ -96,15 +108,26 @@ pub(super) fn read(run: Subject<'_>, plan: &ComparisonPlan, out: &SyncSender<Par
 }
 
 /// Reads a recording of toprise. Messages that don't fit the table are compared byte by byte, unless their topic is
-/// interpolated: then they are told as missing.
+/// interpolated: then they are told as missing. So are then messages that repeat others, which are compared otherwise.
 fn read_recording(
     recording: &Recording,
     plan: &ComparisonPlan,
+    are_views_wanted: &AtomicBool,
     posting: &mut Posting<'_>,
     remarks: &mut Vec<String>,
 ) -> Ended {
+    struct Place {
+        topic: Option<usize>,
+        is_view: bool,
+    }
     let positions = plan.topics.iter().map(String::as_str).zip(0..);
     let positions: BTreeMap<&str, usize> = positions.collect();
+    let channels = recording.channels().iter();
+    let places = channels.map(|channel| Place {
+        topic: positions.get(channel.topic.as_str()).copied(),
+        is_view: channel.is_view(),
+    });
+    let places: Vec<Place> = places.collect();
     let encodings = encodings(recording);
     let selection = Selection {
         topics: Topics::Only(plan.read.clone()),
@@ -113,14 +136,20 @@ fn read_recording(
     let mut undecodable = Undecodable::default();
     let mut misfits: Option<(String, u64)> = None;
     let mut reader = recording.reader(selection).in_order_of_time();
+    let is_interpolated = plan.rules.iter().flatten().any(Rule::is_interpolated);
+    if !is_interpolated {
+        reader = reader.with_misplaced();
+    }
     loop {
         let bytes = reader.progress();
         let Some((raw, decoded)) = reader.next_both() else {
             break;
         };
+        if places[raw.position].is_view && !are_views_wanted.load(Ordering::Relaxed) {
+            continue;
+        }
         let encoding = &encodings[raw.position];
-        let position = positions.get(raw.channel.topic.as_str()).copied();
-        let item = match (decoded, position) {
+        let mut item = match (decoded, places[raw.position].topic) {
             (Some(Ok(message)), _) => Item {
                 written: Some(written(&raw, encoding, false)),
                 ..Item::from(&message)
@@ -136,9 +165,13 @@ fn read_recording(
             (None, Some(topic)) => item_of_bytes(&raw, encoding, topic),
             (None, None) => continue,
         };
+        item.is_misplaced = reader.is_misplaced();
         if posting.push(item, bytes).is_break() {
             break;
         }
+    }
+    if !is_interpolated {
+        remarks.extend(reader.misplaced().map(ToString::to_string));
     }
     remarks.extend(misfits.map(|(first, count)| match count {
         1 => format!("1 message is compared byte by byte, because it can't be decoded: {first}"),

@@ -2,16 +2,19 @@
 
 use super::floor::Floor;
 use super::report::Report;
-use super::setup::{CONDITION, ENCODING, KeyDifference, LIBRARY};
+use super::setup::KeyDifference;
 use super::tale::{Tale, counted};
 use super::told_average::{averaged, nutation};
 use super::told_motion::motion;
+use super::tolerance::full_name;
 use super::topic::ChannelDifference;
 use super::verdict::Verdict;
-use crate::analysis::phrase::{list, quantity, significant};
+use crate::analysis::phrase::{self, list, quantity, significant};
 
 /// Most keys that are told one by one.
 const KEYS_TOLD: usize = 3;
+/// Most topics or fields that are named in a list.
+const NAMED: usize = 3;
 /// Most things that are told to differ beside values that are the same.
 const BESIDE_TOLD: usize = 8;
 
@@ -22,7 +25,7 @@ impl Report {
         let tale = Tale { report: self, a, b };
         let mut sentences: Vec<String> = verdict(tale).into_iter().collect();
         sentences.extend(incomplete(tale));
-        if self.verdict == Verdict::Identical {
+        if self.verdict.has_same_values() {
             return sentences;
         }
         if self.happened.is_some() {
@@ -98,7 +101,8 @@ fn verdict(tale: Tale<'_>) -> Option<String> {
         .iter()
         .all(|channel| channel.identical == channel.pairs);
     match report.verdict {
-        Verdict::Identical => Some(identical(report, &what)),
+        Verdict::Identical => Some(format!("Identical, bit for bit: {what}.")),
+        Verdict::SameValues => Some(same_values(report, &what)),
         Verdict::Equal => Some(format!("Equal within the tolerances: {what}.")),
         Verdict::Agreeing if is_exact && !report.is_complete => Some(format!(
             "All that could be read of both is the same: {what}."
@@ -111,63 +115,27 @@ fn verdict(tale: Tale<'_>) -> Option<String> {
         )),
         // What scenarios with other keys differ in, and what follows, is told below.
         Verdict::Different if tale.keys().next().is_some() => None,
-        Verdict::Different => Some(first_difference(report)),
+        Verdict::Different => Some(first_difference(tale)),
     }
 }
 
 /// That all values are the same to the last bit, and what differs beside them.
-fn identical(report: &Report, what: &str) -> String {
-    let setup = &report.setup;
-    let says_otherwise = |key: &str| setup.files.iter().any(|file| file.key == key);
-    let count = |of: fn(&ChannelDifference) -> u64| report.signals.channels.iter().map(of).sum();
-    let mut written = Vec::new();
-    if says_otherwise(ENCODING) {
-        written.push("the encoding".to_owned());
-    }
-    for (name, count) in [
-        ("the bytes", count(|channel| channel.other_bytes)),
-        (
-            "the publish times",
-            count(|channel| channel.other_publish_times),
-        ),
-        (
-            "the sequence numbers",
-            count(|channel| channel.other_sequences),
-        ),
-    ] {
-        if count > 0 {
-            written.push(format!("{name} of {}", counted(count, "message")));
-        }
-    }
-    let schemas = setup.schemas.iter();
-    written.extend(schemas.map(|schema| format!("the schema of {schema}")));
-    let opening = if written.is_empty() {
-        "Identical, bit for bit"
-    } else {
-        "The same values"
-    };
-    let attachments = setup.attachments.iter();
-    let mut beside = written;
-    beside.extend(attachments.map(|name| format!("the attachment {name}")));
-    let entries = setup.files.iter().map(|file| file.key.as_str());
-    let entries = entries.filter(|key| ![LIBRARY, ENCODING, CONDITION].contains(key));
-    beside.extend(entries.map(|key| format!("the metadata {key}")));
+fn same_values(report: &Report, what: &str) -> String {
+    let mut beside = report.beside.clone();
     let more = beside.len().saturating_sub(BESIDE_TOLD);
     beside.truncate(BESIDE_TOLD);
     if more > 0 {
         beside.push(format!("{more} more"));
     }
-    match beside.as_slice() {
-        [] => format!("{opening}: {what}."),
-        beside => format!(
-            "{opening}: {what}. What differs beside them: {}.",
-            list(beside)
-        ),
-    }
+    format!(
+        "The same values: {what}. What differs beside them: {}.",
+        list(&beside)
+    )
 }
 
 /// Where two runs that should be the same part.
-fn first_difference(report: &Report) -> String {
+fn first_difference(tale: Tale<'_>) -> String {
+    let report = tale.report;
     let fields = report
         .signals
         .fields()
@@ -177,7 +145,7 @@ fn first_difference(report: &Report) -> String {
     let count = differing.len();
     let first = differing.into_iter().min_by(|x, y| x.0.total_cmp(&y.0));
     let Some((time, topic, field)) = first else {
-        return lonely(report);
+        return lonely(tale);
     };
     let ulp = field
         .ulp
@@ -205,17 +173,115 @@ fn first_difference(report: &Report) -> String {
 }
 
 /// Why two runs without a different number are not the same.
-fn lonely(report: &Report) -> String {
+fn lonely(Tale { report, a, b }: Tale<'_>) -> String {
     let setup = &report.setup;
-    let topics = [&setup.topics_only_in_a, &setup.topics_only_in_b];
-    let fields = [&setup.fields_only_in_a, &setup.fields_only_in_b];
-    let is_some = |lists: [&Vec<String>; 2]| lists.iter().any(|list| !list.is_empty());
-    let what = match (is_some(topics), is_some(fields)) {
-        (true, _) => "some topics are in one of them only",
-        (_, true) => "some fields are in one of them only",
-        _ => "some messages are in one of them only, or say something else",
+    let channels = &report.signals.channels;
+    let mut alone = Vec::new();
+    for (name, topics, fields) in [
+        (a, &setup.topics_only_in_a, &setup.fields_only_in_a),
+        (b, &setup.topics_only_in_b, &setup.fields_only_in_b),
+    ] {
+        for (thing, list) in [("topic", topics), ("field", fields)] {
+            if !list.is_empty() {
+                let count = counted(list.len() as u64, thing);
+                alone.push(format!("only {name} has {count} ({})", shortened(list)));
+            }
+        }
+    }
+    type Count = fn(&ChannelDifference) -> u64;
+    type First = fn(&ChannelDifference) -> Option<f64>;
+    let counts: [(_, _, Count, First); 2] = [
+        (
+            a,
+            b,
+            |channel| channel.only_in_a + channel.beyond_in_a,
+            |channel| channel.first_alone_in_a,
+        ),
+        (
+            b,
+            a,
+            |channel| channel.only_in_b + channel.beyond_in_b,
+            |channel| channel.first_alone_in_b,
+        ),
+    ];
+    for (name, other, count, first) in counts {
+        let (topics, counts) = counted_on(channels, count);
+        if let Some(first) = channels.iter().filter_map(first).reduce(f64::min) {
+            let messages = counted(counts, "message");
+            let first = report.moment(first);
+            alone.push(format!(
+                "{name} has {messages} that {other} has not ({topics}), first at {first}"
+            ));
+        }
+    }
+    let mut otherwise = Vec::new();
+    // A field that only one has is told as that.
+    let is_in_one = |name: &String| {
+        setup.fields_only_in_a.contains(name) || setup.fields_only_in_b.contains(name)
     };
-    format!("What both have is the same, but {what}.")
+    for channel in channels {
+        let texts = channel.texts.as_ref();
+        if let Some(texts) =
+            texts.filter(|texts| !is_in_one(&full_name(&channel.topic, &texts.field)))
+        {
+            otherwise.push(format!(
+                "{} on {} differ, first at {}",
+                counted(texts.count, "text"),
+                channel.topic,
+                report.moment(texts.time)
+            ));
+        }
+        if let Some(bytes) = &channel.bytes {
+            otherwise.push(format!(
+                "the bytes of {} on {} differ, first at {}",
+                counted(bytes.count, "message"),
+                channel.topic,
+                report.moment(bytes.time)
+            ));
+        }
+    }
+    let more = otherwise.len().saturating_sub(NAMED);
+    otherwise.truncate(NAMED);
+    if more > 0 {
+        otherwise.push(format!("{more} other topics differ"));
+    }
+    let (topics, sequences) = counted_on(channels, |channel| channel.other_sequences);
+    if report.happened.is_some() && sequences > 0 {
+        let messages = counted(sequences, "message");
+        otherwise.push(format!(
+            "the sequence numbers of {messages} differ ({topics})"
+        ));
+    }
+    if otherwise.is_empty() && alone.is_empty() {
+        "No byte differs, but the encodings of messages that can't be decoded do.".to_owned()
+    } else if otherwise.is_empty() {
+        format!("What both have is the same, but {}.", list(&alone))
+    } else {
+        format!(
+            "No number differs, but {}.",
+            list(&[otherwise, alone].concat())
+        )
+    }
+}
+
+/// Some of a list, and how many more there are.
+fn shortened(items: &[String]) -> String {
+    let more = items.len().saturating_sub(NAMED);
+    let mut named = items[..items.len() - more].to_vec();
+    if more > 0 {
+        named.push(format!("{more} more"));
+    }
+    list(&named)
+}
+
+/// The topics on which there are any of what is counted, and how many in all.
+fn counted_on(
+    channels: &[ChannelDifference],
+    count: impl Fn(&ChannelDifference) -> u64,
+) -> (String, u64) {
+    let topics = channels.iter().filter(|channel| count(channel) > 0);
+    let topics: Vec<String> = topics.map(|channel| channel.topic.clone()).collect();
+    (shortened(&topics), channels.iter().map(count).sum())
 }
 
 fn incomplete(Tale { report, a, b }: Tale<'_>) -> Option<String> {
@@ -303,7 +369,7 @@ fn floor(report: &Report, floor: &Floor) -> Option<String> {
     times
         .filter(|times| times.is_finite() && *times > 1.0)
         .map(|times| {
-            let times = significant(times, 2);
+            let times = phrase::times(times);
             format!(
                 "The integrators' own errors are {times} times smaller in the mean of θ{below}."
             )

@@ -3,7 +3,7 @@
 use super::averages::Averaged;
 use super::tale::Tale;
 use super::tolerance::full_name;
-use crate::analysis::phrase::{list, moment, quantity, significant, symbol};
+use crate::analysis::phrase::{self, list, moment, quantity, significant, symbol};
 use crate::telemetry::fields::{NumberField, nutation, state};
 
 /// The averages that are told, in the order of the means.
@@ -91,6 +91,6 @@ fn strength(averaged: &Averaged) -> Option<String> {
     } else {
         (ratio, "stronger")
     };
-    let times = significant(times, 2);
-    (times != significant(1.0, 2)).then(|| format!("{times} times {order}"))
+    let times = phrase::times(times);
+    (times != phrase::times(1.0)).then(|| format!("{times} times {order}"))
 }

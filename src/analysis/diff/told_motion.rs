@@ -264,7 +264,12 @@ fn event(tale: Tale<'_>, happened: &Happened, happening: &Happening) -> Option<(
         [None, Some(y)] => one(b, y, a, of_a),
         [Some(x), Some(y)] if (y - x).abs() <= event_error(tale) => None,
         [Some(x), Some(y)] => {
-            let sentence = format!("{a} {} {}; {b} {}.", happening.verb, when(x), when(y));
+            let other = if moment(x) == moment(y) {
+                format!("{} {}", duration(y - x), order(y - x))
+            } else {
+                when(y)
+            };
+            let sentence = format!("{a} {} {}; {b} {other}.", happening.verb, when(x));
             Some((x.min(y), sentence))
         }
     }

@@ -53,6 +53,10 @@ pub struct ChannelDifference {
     pub before_in_a: u64,
     /// Those of B that come before the first of A.
     pub before_in_b: u64,
+    /// When the first message of A is that B has no counterpart for, s; absent if there is none.
+    pub first_alone_in_a: Option<f64>,
+    /// When the first message of B is that A has no counterpart for, s; absent if there is none.
+    pub first_alone_in_b: Option<f64>,
     /// Messages of A between those of B, which were compared with none as they are.
     pub between_in_a: u64,
     /// Messages of B between those of A, which were compared with none as they are.
@@ -165,6 +169,7 @@ impl ComparedTopic {
         let [beyond_in_a, beyond_in_b] = lane.lonely.map(|alone| alone.beyond(self.has_pairs()));
         let [alone_a, alone_b] = lane.lonely.map(|alone| alone.count);
         let [messages_a, messages_b] = lane.counts;
+        let [first_a, first_b] = lane.lonely.map(|alone| alone.first_ns.map(seconds));
         ChannelDifference {
             topic: tally.topic.clone(),
             messages_a,
@@ -180,6 +185,8 @@ impl ComparedTopic {
             beyond_in_b,
             before_in_a: lane.lonely[0].before(self.has_pairs()),
             before_in_b: lane.lonely[1].before(self.has_pairs()),
+            first_alone_in_a: first_a,
+            first_alone_in_b: first_b,
             between_in_a: lane.between[0],
             between_in_b: lane.between[1],
             times_a: None,
@@ -258,6 +265,8 @@ pub(super) struct TopicTally {
     other_bytes: u64,
     other_publish_times: u64,
     other_sequences: u64,
+    /// Whether messages must have the same sequence numbers.
+    counts_sequences: bool,
     /// Whether any messages that are compared byte by byte are of different encodings: then equal bytes say nothing.
     encodings_differ: bool,
     texts: Option<TextDifference>,
@@ -282,6 +291,11 @@ impl TopicTally {
             is_interpolated,
             ..Self::default()
         }
+    }
+
+    /// Counts other sequence numbers as a difference: in a recording of toprise they say which sample a message is.
+    pub(super) fn count_sequences(&mut self) {
+        self.counts_sequences = true;
     }
 
     /// Takes in the fields of a channel of the table, but for those that A's or B's version lacks.
@@ -546,6 +560,7 @@ impl TopicTally {
         let mut fields = self.fields.iter().filter(|field| field.is_compared());
         let is_said_otherwise = self.kinds_differ
             || self.other_words > 0
+            || (self.counts_sequences && self.other_sequences > 0)
             || self.bytes.is_some()
             || self.encodings_differ;
         !is_said_otherwise && fields.all(|field| field.tally.is_equal())

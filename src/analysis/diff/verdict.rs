@@ -12,8 +12,10 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// All values are the same, to the last bit; the summary tells what differs beside them, such as the encoding.
+    /// Both say the same in the same messages, to the last bit, and so do the files beside their messages.
     Identical,
+    /// All values are the same, to the last bit, but something differs beside them: the encoding, attachments, metadata.
+    SameValues,
     /// Both have the same messages, which agree within the tolerances.
     Equal,
     /// What was compared agrees within the tolerances, but not every message was compared with one of the other run: parts
@@ -24,7 +26,19 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Judges what was found. Where a run is cut off, what the other has more of is no difference.
+    /// Whether all values are the same, to the last bit.
+    #[must_use]
+    pub fn has_same_values(self) -> bool {
+        matches!(self, Self::Identical | Self::SameValues)
+    }
+
+    /// Whether both have the same messages, within the tolerances.
+    #[must_use]
+    pub fn has_same_messages(self) -> bool {
+        self.has_same_values() || self == Self::Equal
+    }
+
+    /// Judges what was found in the values: identical if they all are the same. Where a run is cut off, what the other has more of is no difference.
     pub(super) fn of(
         plan: &ComparisonPlan,
         findings: &Findings,

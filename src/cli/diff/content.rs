@@ -34,6 +34,7 @@ pub(super) enum Detail {
 pub(super) fn page(report: &Report, detail: Detail) -> Page {
     let (title, tone) = match report.verdict {
         Verdict::Identical => ("Identical", Tone::Good),
+        Verdict::SameValues => ("The same values", Tone::Good),
         Verdict::Equal => ("Equal", Tone::Good),
         Verdict::Agreeing => ("Agreeing", Tone::Weak),
         Verdict::Different => ("Different", Tone::Weak),
@@ -66,7 +67,8 @@ fn runs(report: &Report) -> Table {
         let what = match &run.condition {
             None => "simulated now",
             Some(Condition::Whole | Condition::Foreign) if run.losses.is_empty() => "",
-            Some(Condition::Whole | Condition::Foreign) => "damaged",
+            // Damaged, or so long that the rest was left: the remarks say which.
+            Some(Condition::Whole | Condition::Foreign) => "read in part",
             Some(condition) => condition.name(),
         };
         vec![
@@ -133,6 +135,8 @@ fn setup(report: &Report) -> Section {
         ("fields only in A", &found.fields_only_in_a),
         ("fields only in B", &found.fields_only_in_b),
         ("schemas", &found.schemas),
+        ("channels", &found.channels),
+        ("attachments", &found.attachments),
     ] {
         if !list.is_empty() {
             section.line(format!("{what}: {}", shortened(list)));
@@ -144,7 +148,7 @@ fn setup(report: &Report) -> Section {
 /// When the messages of each topic are, in files that toprise did not write.
 fn topics(report: &Report) -> Section {
     let mut section = Section::new("Topics");
-    if report.verdict == Verdict::Identical {
+    if report.verdict.has_same_values() {
         return section;
     }
     let rate = |times: &Option<MessageTimes>| {
@@ -232,6 +236,19 @@ fn divergence(report: &Report) -> Section {
     }
     if found.more_fields > 0 {
         section.line(format!("{} more fields differ there", found.more_fields));
+    }
+    for channel in &report.signals.channels {
+        for (name, first) in [
+            ("A", channel.first_alone_in_a),
+            ("B", channel.first_alone_in_b),
+        ] {
+            if let Some(first) = first.filter(|first| *first < found.time) {
+                section.line(format!(
+                    "before that, at {first} s, only {name} has a message on {}",
+                    channel.topic
+                ));
+            }
+        }
     }
     section
 }
@@ -417,14 +434,18 @@ fn budget_rows(found: &Happened, a: &CourseReport, b: &CourseReport) -> Vec<Vec<
             in_common(friction(common_a)),
             in_common(friction(common_b)),
         ),
-        ("path slipped [m]", a.slip_path, b.slip_path),
         (
-            "precession at the end [rad/s]",
+            "path slipped by the last sample [m]",
+            a.slip_path,
+            b.slip_path,
+        ),
+        (
+            "precession in the last sample [rad/s]",
             a.precession_rate_last,
             b.precession_rate_last,
         ),
         (
-            "spin at the end [rad/s]",
+            "spin in the last sample [rad/s]",
             a.spin_rate_last,
             b.spin_rate_last,
         ),
@@ -553,7 +574,7 @@ fn signals(report: &Report, detail: Detail) -> Section {
         note = note + &origin + &offset;
     }
     let mut section = Section::new("Signals");
-    if report.verdict == Verdict::Identical {
+    if report.verdict.has_same_values() {
         return section;
     }
     section.line(note);
@@ -885,7 +906,7 @@ fn models(report: &Report) -> Section {
         rows: differing.map(row).collect(),
         left: 1,
     });
-    if section.parts.is_empty() && report.verdict != Verdict::Identical {
+    if section.parts.is_empty() && !report.verdict.has_same_values() {
         section.line("both do the same there".to_owned());
     }
     section
@@ -992,15 +1013,16 @@ pub(super) fn matrix_page(matrix: &Matrix) -> Page {
         against.line(format!("{letter}  {summary}"));
     }
     let verdicts = || matrix.against_first.iter().map(|report| report.verdict);
-    let is_same = |verdict: &Verdict| matches!(verdict, Verdict::Identical | Verdict::Equal);
-    let all_same = verdicts().all(|verdict| is_same(&verdict));
+    let all_same = verdicts().all(Verdict::has_same_messages);
     Page {
         title: if all_same { "Equal" } else { "Different" }.to_owned(),
         tone: if all_same { Tone::Good } else { Tone::Weak },
         subjects: Table::default(),
         summary: vec![format!(
             "{} of {} runs are equal to the first.",
-            verdicts().filter(is_same).count(),
+            verdicts()
+                .filter(|verdict| verdict.has_same_messages())
+                .count(),
             verdicts().count()
         )],
         sections: vec![runs, distances, against],

@@ -63,7 +63,7 @@ fn name(run: &ComparedRun) -> &str {
 fn tests(report: &Report) -> Vec<Test> {
     let is_different = report.verdict == Verdict::Different;
     // What agrees only as far as it was compared is no success.
-    let is_same = matches!(report.verdict, Verdict::Identical | Verdict::Equal);
+    let is_same = report.verdict.has_same_messages();
     let verdict = Test {
         name: "verdict".to_owned(),
         failure: (!is_same).then(|| report.summary.join("\n")),
