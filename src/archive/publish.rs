@@ -99,6 +99,13 @@ impl MadeDirectories {
     }
 }
 
+impl MadeDirectories {
+    /// Lets them stay.
+    fn keep(mut self) {
+        self.0.clear();
+    }
+}
+
 impl Drop for MadeDirectories {
     fn drop(&mut self) {
         remove_empty(&self.0);
@@ -207,6 +214,7 @@ impl Draft {
             path,
             existing,
             partial,
+            directories,
             ..
         } = self;
         let working_name = partial.as_deref().unwrap_or(&path);
@@ -233,6 +241,7 @@ impl Draft {
                 _ => io_error("name", &path, refused.error),
             });
         }
+        directories.keep();
         sync_directory(&path);
         Ok(bytes)
     }

@@ -92,7 +92,7 @@ impl Order {
     pub(super) fn accepts(&mut self, channel: usize, time_ns: u64, sequence: u32) -> bool {
         let channel = &mut self.channels[channel];
         let is_later = channel.last.is_none_or(|last| match channel.rule {
-            Rule::Time => time_ns > last.0 && sequence > last.1,
+            Rule::Time => time_ns > last.0,
             Rule::Sequence => time_ns >= last.0 && sequence > last.1,
             Rule::Nothing => true,
         });
