@@ -81,6 +81,12 @@ impl SignTracker {
         }
     }
 
+    /// The last sign: whether it was positive. None before the first.
+    #[must_use]
+    pub fn sign(&self) -> Option<bool> {
+        self.positive
+    }
+
     /// Appends to `found` the changes of sign of `g` within a step, in the order of `s`.
     ///
     /// `values` are those of `g` at `knots`, which ascend from the step's start to its end ([`KNOTS`], for

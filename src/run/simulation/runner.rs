@@ -216,6 +216,12 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut found: Vec<Crossing> = Vec::new();
         let mut all = Vec::new();
         for Watch { meaning, tracker } in &mut watches {
+            if self.detail == Detail::Outcome
+                && *meaning == Meaning::NutationRate
+                && is_steady(dense.h, &motions, tracker.sign())
+            {
+                continue;
+            }
             let values = if *meaning == Meaning::NutationRate {
                 let accelerations = motions.map(|motion| self.accelerations(&motion));
                 if self.detail == Detail::All {
@@ -659,6 +665,39 @@ fn envelope<const K: usize>(
             }
         }
     }
+}
+
+/// Whether θ̈ keeps this sign in a step, as far as the θ̇ at its knots can tell: the slopes of the polynomial through them all
+/// have the sign, are farther from zero than from one another, and far beyond noise and rounding. So are most steps, as a
+/// nutation takes twenty; their accelerations need not be computed.
+fn is_steady(h: f64, motions: &[Motion; 5], sign: Option<bool>) -> bool {
+    let Some(positive) = sign else {
+        return false;
+    };
+    let rates = motions.each_ref().map(|motion| motion.tilt.rates.theta);
+    let scale = if positive { 1.0 } else { -1.0 } / (3.0 * h);
+    // The derivatives of the quartic through five equidistant points: 12 times the spacing is 3 h.
+    let slopes = [
+        [-25.0, 48.0, -36.0, 16.0, -3.0],
+        [-3.0, -10.0, 18.0, -6.0, 1.0],
+        [1.0, -8.0, 0.0, 8.0, -1.0],
+        [-1.0, 6.0, -18.0, 10.0, 3.0],
+        [3.0, -16.0, 36.0, -48.0, 25.0],
+    ]
+    .map(|weights| {
+        let terms = weights
+            .iter()
+            .zip(&rates)
+            .map(|(weight, rate)| weight * rate);
+        scale * terms.sum::<f64>()
+    });
+    let least = slopes.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = slopes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let largest = rates
+        .iter()
+        .fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    let rounding = 128.0 * f64::EPSILON * largest * scale.abs();
+    least > greatest - least && least > 10.0 * NUTATION_FLOOR.1 && least > 1e3 * rounding
 }
 
 /// The event that a passage is; none where the phases tell it.
