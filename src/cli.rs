@@ -26,6 +26,8 @@ mod recover;
 mod report;
 mod run;
 mod schema;
+#[cfg(feature = "sweep")]
+mod sweep;
 mod table;
 mod text;
 mod verify;
@@ -101,6 +103,7 @@ Ask questions:
   toprise diff paper full-coulomb          what another friction model changes
   toprise diff a.mcap b.mcap --rel 1e-9    whether two recordings agree
   toprise figures                          the paper's figures, and more, as SVG and PNG
+  toprise sweep paper --over friction.k=0.005..0.1/64log -o k.parquet
 
 Look after recordings:
   toprise info recordings/paper.mcap       what is in it
@@ -153,10 +156,21 @@ enum Command {
     ///
     /// figure-2, figure-3 and figure-4 are the paper's. The others show the accelerations term by term, the rates
     /// of regular precession, the torques, the slip and the energy. With several runs each is an overlay; figure-4
-    /// compares the others with the first.
+    /// compares the others with the first. Of a sweep (--sweep FILE --x KEY) there is a map over two keys, or curves over
+    /// one.
     ///
     /// Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn without what a run lacks.
     Figures(figures::FiguresArguments),
+    /// Run many scenarios and write their outcomes into a table: which keys, over which values.
+    ///
+    /// Each row of the table, in Parquet, is a run: what it changes, and what it came to. A sweep that was interrupted, or
+    /// spread over machines with --shard, is completed by the same command; the bytes of the table are the same
+    /// however it was computed.
+    ///
+    /// Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs have an error instead, or the
+    /// sweep was interrupted.
+    #[cfg(feature = "sweep")]
+    Sweep(sweep::SweepArguments),
     /// Say what is in a recording, or in any MCAP file.
     ///
     /// Exit codes: 0 all could be read, 2 unreadable, 3 the recording was interrupted, damaged or recovered.
@@ -270,6 +284,8 @@ fn dispatch(command: Command) -> Result<Done, Error> {
         Command::Explain(arguments) => explain::explain(&arguments),
         Command::Diff(arguments) => diff::diff(&arguments),
         Command::Figures(arguments) => figures::figures(&arguments),
+        #[cfg(feature = "sweep")]
+        Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Info(arguments) => info::info(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Convert(arguments) => convert::convert(&arguments),
@@ -294,6 +310,8 @@ pub fn schemas() -> Vec<(String, String)> {
         schema::<analysis::diff::Report>("DiffReport"),
         schema::<analysis::diff::Matrix>("DiffMatrix"),
         schema::<analysis::figures::FiguresReport>("FiguresReport"),
+        #[cfg(feature = "sweep")]
+        schema::<sweep::SweepReport>("SweepReport"),
         schema::<info::InfoReport>("InfoReport"),
         schema::<verify::VerifyReport>("VerifyReport"),
         schema::<convert::ConvertReport>("ConvertReport"),
@@ -319,6 +337,16 @@ mod tests {
     #[test]
     fn the_arguments_are_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    /// What two commands or all of them have under one name must be of one type: only parsing shows that.
+    #[cfg(feature = "sweep")]
+    #[test]
+    fn figures_of_a_sweep_are_asked_for() {
+        let line = "toprise figures --sweep a.parquet --x friction_k --show loops --color never";
+        let arguments = Arguments::try_parse_from(line.split(' ')).unwrap();
+        assert!(matches!(arguments.command, Command::Figures(_)));
+        assert!(Arguments::try_parse_from(["toprise", "figures", "--x", "a"]).is_err());
     }
 
     #[test]

@@ -20,9 +20,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Seven rooms, each of which knows only those before it: [`physics`], the mechanics; [`run`], scenarios and their
+//! Eight rooms, each of which knows only those before it: [`physics`], the mechanics; [`run`], scenarios and their
 //! simulation; [`telemetry`], the table of what is logged; [`archive`], recordings as files; [`analysis`], what is
-//! asked of runs; `rerun`, the stream for the Rerun viewer (feature `rerun`); [`cli`], the program.
+//! asked of runs; `sweep`, tables of many runs (feature `sweep`); `rerun`, the stream for the Rerun viewer (feature `rerun`); [`cli`], the program.
 
 pub mod analysis;
 pub mod archive;
@@ -31,4 +31,6 @@ pub mod physics;
 #[cfg(feature = "rerun")]
 pub mod rerun;
 pub mod run;
+#[cfg(feature = "sweep")]
+pub mod sweep;
 pub mod telemetry;

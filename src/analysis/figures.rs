@@ -22,6 +22,8 @@
 mod layout_tests;
 mod locus;
 mod looks;
+#[cfg(feature = "sweep")]
+mod map;
 mod means;
 mod need;
 mod report;
@@ -29,6 +31,8 @@ mod run;
 mod sampling;
 mod time;
 
+#[cfg(feature = "sweep")]
+pub use self::map::{Map, MapAxis};
 pub use self::report::{FigureFile, FiguresReport, Lacking, RunLoss};
 pub use self::run::Run;
 pub use crate::analysis::plot::drawing::Drawing;

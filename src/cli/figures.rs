@@ -11,6 +11,8 @@ use super::table::Table;
 use crate::analysis::figures::{
     Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, Run, RunLoss,
 };
+#[cfg(feature = "sweep")]
+use crate::analysis::figures::{Map, MapAxis};
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
 use crate::run::scenario::Preset;
@@ -45,6 +47,36 @@ pub(super) struct FiguresArguments {
         default_value = "svg,png"
     )]
     kinds: Vec<Kind>,
+
+    /// Draw what came of a sweep instead, a table of `toprise sweep`: a map over --x and --y, or curves over --x.
+    #[cfg(feature = "sweep")]
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["runs", "only"], requires = "x")]
+    sweep: Option<PathBuf>,
+
+    /// The key that varies across, as in `friction_k`.
+    #[cfg(feature = "sweep")]
+    #[arg(long, value_name = "COLUMN", requires = "sweep")]
+    x: Option<String>,
+
+    /// The key that varies upward.
+    #[cfg(feature = "sweep")]
+    #[arg(long, value_name = "COLUMN", requires = "sweep")]
+    y: Option<String>,
+
+    /// What colours or curves show.
+    #[cfg(feature = "sweep")]
+    #[arg(
+        long,
+        value_name = "COLUMN",
+        default_value = "rise_time",
+        requires = "sweep"
+    )]
+    show: String,
+
+    /// Draw only runs with this value in a column, as in scenario=paper.
+    #[cfg(feature = "sweep")]
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = super::arguments::parse_override, requires = "sweep")]
+    chosen: Vec<super::arguments::Override>,
 
     /// Width of the figures in mm: from 130 mm on there are two columns of plots.
     #[arg(long, value_name = "MM", default_value_t = 85.0, value_parser = parse_width)]
@@ -131,13 +163,12 @@ impl FiguresArguments {
         kinds.filter(|kind| self.kinds.contains(kind))
     }
 
-    fn path(&self, figure: &Figure, kind: Kind) -> PathBuf {
-        let name = format!("{}.{}", figure.name, kind.extension());
-        self.output.join(name)
+    fn path(&self, figure: &str, kind: Kind) -> PathBuf {
+        self.output.join(format!("{figure}.{}", kind.extension()))
     }
 
     /// Refuses before anything is computed what would be refused after it.
-    fn check_files(&self, figures: &[&Figure]) -> Result<(), SinkError> {
+    fn check_files(&self, figures: &[&str]) -> Result<(), SinkError> {
         let all = figures
             .iter()
             .flat_map(|figure| self.kinds().map(|kind| self.path(figure, kind)));
@@ -167,8 +198,13 @@ impl FiguresArguments {
 
 /// Draws figures of runs.
 pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
+    #[cfg(feature = "sweep")]
+    if let (Some(table), Some(x)) = (&arguments.sweep, &arguments.x) {
+        return map(arguments, table, x);
+    }
     let figures = arguments.figures()?;
-    arguments.check_files(&figures)?;
+    let names: Vec<_> = figures.iter().map(|figure| figure.name).collect();
+    arguments.check_files(&names)?;
     let runs = runs(arguments, &figures)?;
     let mut report = FiguresReport::default();
     for run in &runs {
@@ -304,20 +340,107 @@ fn write_all(
     for (figure, runs) in figures {
         let drawing = figure.draw(runs, arguments.width);
         for kind in arguments.kinds() {
-            let path = arguments.path(figure, kind);
-            let context = || path.display().to_string();
-            let bytes = kind.bytes(&drawing).with_context(context)?;
-            publish::write(&path, Existing::forced(arguments.force), &bytes)?;
-            written.push(FigureFile {
-                figure: figure.name,
-                title: figure.title,
-                runs: runs.iter().map(|run| run.name.clone()).collect(),
-                path: path.display().to_string(),
-                bytes: bytes.len() as u64,
-            });
+            let names = runs.iter().map(|run| run.name.clone()).collect();
+            written.push(write(
+                arguments,
+                (figure.name, figure.title),
+                names,
+                kind,
+                &drawing,
+            )?);
         }
     }
     Ok(written)
+}
+
+/// Writes a file of a figure, given its name and title.
+fn write(
+    arguments: &FiguresArguments,
+    (figure, title): (&'static str, &'static str),
+    runs: Vec<String>,
+    kind: Kind,
+    drawing: &Drawing,
+) -> Result<FigureFile, Error> {
+    let path = arguments.path(figure, kind);
+    let context = || path.display().to_string();
+    let bytes = kind.bytes(drawing).with_context(context)?;
+    publish::write(&path, Existing::forced(arguments.force), &bytes)?;
+    Ok(FigureFile {
+        figure,
+        title,
+        runs,
+        path: path.display().to_string(),
+        bytes: bytes.len() as u64,
+    })
+}
+
+/// The name and the title of what is drawn of a sweep.
+#[cfg(feature = "sweep")]
+const SWEEP: (&str, &str) = ("sweep", "What came of the runs of a sweep");
+
+/// Draws a map or curves of a sweep.
+#[cfg(feature = "sweep")]
+fn map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> Result<Done, Error> {
+    arguments.check_files(&[SWEEP.0])?;
+    let map = read_map(arguments, table, x)?;
+    let context = || table.display().to_string();
+    let drawing = map.draw(arguments.width).map_err(Error::msg);
+    let drawing = drawing.with_context(context)?;
+    let mut report = FiguresReport::default();
+    for kind in arguments.kinds() {
+        let file = write(arguments, SWEEP, vec![context()], kind, &drawing)?;
+        report.files.push(file);
+    }
+    report::print(&report, arguments.form.format(), || page(&report))?;
+    Ok(Done::Well)
+}
+
+/// Reads what a map shows.
+#[cfg(feature = "sweep")]
+fn read_map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> Result<Map, Error> {
+    let mut names = vec![
+        "scenario",
+        "stop_reason",
+        "loops",
+        x,
+        arguments.show.as_str(),
+    ];
+    names.extend(arguments.y.as_deref());
+    names.extend(arguments.chosen.iter().map(|(name, _)| name.as_str()));
+    let columns = crate::sweep::Columns::read(table, &names)?;
+    let scenarios = columns.texts("scenario");
+    let mut is_chosen = vec![true; scenarios.len()];
+    for (name, value) in &arguments.chosen {
+        for (chosen, cell) in is_chosen.iter_mut().zip(columns.texts(name)) {
+            let same = |cell: &str| {
+                let numbers = cell.parse::<f64>().ok().zip(value.parse::<f64>().ok());
+                cell == value || numbers.is_some_and(|(one, other)| one == other)
+            };
+            *chosen &= cell.as_deref().is_some_and(same);
+        }
+    }
+    fn kept<T>(all: Vec<T>, is_chosen: &[bool]) -> Vec<T> {
+        let cells = all.into_iter().zip(is_chosen);
+        cells.filter(|(_, is)| **is).map(|(cell, _)| cell).collect()
+    }
+    let axis = |name: &str| {
+        Ok::<_, Error>(MapAxis {
+            name: name.to_owned(),
+            unit: columns.unit(name).to_owned(),
+            values: kept(columns.numbers(name)?, &is_chosen),
+        })
+    };
+    let loops = columns.numbers("loops")?.into_iter();
+    let loops = loops.map(|count| count > 0.0).collect();
+    let names = scenarios.into_iter().map(Option::unwrap_or_default);
+    Ok(Map {
+        x: axis(x)?,
+        y: arguments.y.as_deref().map(axis).transpose()?,
+        color: axis(&arguments.show)?,
+        stops: kept(columns.texts("stop_reason"), &is_chosen),
+        loops: kept(loops, &is_chosen),
+        scenarios: kept(names.collect(), &is_chosen),
+    })
 }
 
 #[cfg(test)]

@@ -14,6 +14,15 @@ impl Progress {
         progress
     }
 
+    /// Starts a bar that fills up to `total` runs.
+    #[cfg(feature = "sweep")]
+    pub(super) fn of_runs(total: u64) -> Self {
+        Self::new(
+            Some(total),
+            "{bar:30} {percent:>3} %  {per_sec}  [{elapsed}, {eta} left]  {msg}",
+        )
+    }
+
     /// Starts a line for something whose end is not known.
     pub(super) fn of_state() -> Self {
         Self::new(None, "{spinner} {msg}  [{elapsed}]")
@@ -32,10 +41,10 @@ impl Progress {
         Self(bar)
     }
 
-    /// Takes in that some more bytes are done.
-    pub(super) fn add(&self, bytes: u64) {
-        if bytes > 0 {
-            self.0.inc(bytes);
+    /// Takes in that some more bytes or runs are done.
+    pub(super) fn add(&self, more: u64) {
+        if more > 0 {
+            self.0.inc(more);
         }
     }
 

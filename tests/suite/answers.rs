@@ -151,6 +151,12 @@ fn every_command_answers_by_its_schema() {
             "figures a.mcap cut.mcap --only figure-2 -o drawn",
             3,
         ),
+        #[cfg(feature = "sweep")]
+        (
+            "SweepReport",
+            "sweep paper --set stop.duration=0.01 --over initial.theta=0.5,4 -o s.parquet",
+            3,
+        ),
         ("InfoReport", "info a.mcap", 0),
         ("InfoReport", "info cut.mcap", 3),
         (

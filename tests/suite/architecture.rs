@@ -6,13 +6,13 @@ use std::fs;
 use std::path::Path;
 use toprise::telemetry::channels;
 
-/// The rooms from the bottom up: each may use those before it. `rerun` and `analysis` don't know each other.
+/// The rooms from the bottom up: each may use those before it. `analysis`, `sweep` and `rerun` don't know each other.
 const ROOMS: &[&[&str]] = &[
     &["physics"],
     &["run"],
     &["telemetry"],
     &["archive"],
-    &["analysis", "rerun"],
+    &["analysis", "rerun", "sweep"],
     &["cli"],
 ];
 

@@ -43,5 +43,7 @@ mod scenarios;
 mod serve;
 mod stories;
 mod support;
+#[cfg(feature = "sweep")]
+mod sweep;
 mod telemetry;
 mod versions;

@@ -136,3 +136,18 @@ fn events_are_counted() {
     assert_eq!((outcome.loops, loops > 0), (loops, true));
     assert_eq!(outcome.weak_time, None);
 }
+
+/// The columns are told in the document as the table has them.
+#[test]
+fn the_columns_are_documented() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/sweep.md");
+    let text = std::fs::read_to_string(path).unwrap();
+    for column in COLUMNS {
+        let unit = match column.unit {
+            "" => " ".to_owned(),
+            unit => format!(" {unit} "),
+        };
+        let line = format!("| `{}` |{unit}| {} |\n", column.name, column.meaning);
+        assert!(text.contains(&line), "docs/sweep.md lacks {line}");
+    }
+}

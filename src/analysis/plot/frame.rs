@@ -179,6 +179,11 @@ impl Frame {
 
     /// Draws the numbers below the frame, and the label of the axis.
     pub(crate) fn name_x(&self, drawing: &mut Drawing, quantity: Quantity) {
+        self.label_x(drawing, quantity.text(self.x.exponent));
+    }
+
+    /// Draws the numbers below the frame, and a text as the label of the axis.
+    pub(crate) fn label_x(&self, drawing: &mut Drawing, text: Text) {
         let Bounds {
             left,
             right,
@@ -189,21 +194,25 @@ impl Frame {
         let mut from = 0.0;
         for tick in self.x.ticks() {
             let x = self.place((tick.value, self.y.low)).0;
-            let text = Text::plain(&tick.label);
-            let half = 0.5 * text.width * FONT;
+            let number = Text::plain(&tick.label);
+            let half = 0.5 * number.width * FONT;
             // Numbers with many digits would run into one another, or out of the frame.
             if x - half >= from && x + half <= right + ROOM_RIGHT {
-                drawing.label(text, (x, baseline), Anchor::Middle);
+                drawing.label(number, (x, baseline), Anchor::Middle);
                 from = x + half + GAP;
             }
         }
         let middle = f64::midpoint(left, right);
-        let text = quantity.text(self.x.exponent);
         drawing.label(text, (middle, baseline + LINE), Anchor::Middle);
     }
 
     /// Draws the numbers to the left of the frame, and beyond their `width` the label of the axis.
     pub(crate) fn name_y(&self, drawing: &mut Drawing, quantity: Quantity, width: f64) {
+        self.label_y(drawing, quantity.text(self.y.exponent), width);
+    }
+
+    /// Draws the numbers to the left of the frame, and beyond their `width` a text as the label of the axis.
+    pub(crate) fn label_y(&self, drawing: &mut Drawing, text: Text, width: f64) {
         let Bounds {
             left, top, bottom, ..
         } = self.bounds;
@@ -211,7 +220,6 @@ impl Frame {
             let y = self.place((self.x.low, tick.value)).1 + 0.33 * FONT;
             drawing.label(Text::plain(&tick.label), (left - GAP, y), Anchor::End);
         }
-        let text = quantity.text(self.y.exponent);
         let ink = (text.above + text.below) * FONT;
         drawing.upward_label(text, left - 2.0 * GAP - width - ink, (top, bottom));
     }
@@ -276,6 +284,11 @@ fn depth(point: &Point) -> f64 {
 /// The room that numbers and label to the left of a frame take, mm.
 pub(crate) fn room_left(scale: &Scale, quantity: Quantity) -> f64 {
     let text = quantity.text(scale.exponent);
+    room_beside(scale, &text)
+}
+
+/// The room that numbers and this label to the left of a frame take, mm.
+pub(crate) fn room_beside(scale: &Scale, text: &Text) -> f64 {
     2.0 * GAP + ticks_width(scale) + (text.above + text.below) * FONT
 }
 

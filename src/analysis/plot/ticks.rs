@@ -10,7 +10,32 @@ pub(crate) struct Scale {
     /// The numbers at the ticks are to be multiplied by ten to this power, a multiple of three.
     pub(crate) exponent: i32,
     step: Step,
+    /// Along an axis of decimal logarithms: the digits from 1 to 9 that have numbers.
+    digits: Option<&'static [usize]>,
 }
+
+#[cfg(feature = "sweep")]
+/// The digits that may have numbers along an axis of logarithms, from many to few.
+const DIGITS: [&[usize]; 4] = [
+    &[1, 2, 3, 4, 5, 6, 7, 8, 9],
+    &[1, 2, 3, 5],
+    &[1, 2, 5],
+    &[1],
+];
+
+/// The decimal logarithms of the digits.
+const LOGARITHMS: [f64; 10] = [
+    f64::NEG_INFINITY,
+    0.0,
+    std::f64::consts::LOG10_2,
+    0.477_121_254_719_662_4,
+    2.0 * std::f64::consts::LOG10_2,
+    1.0 - std::f64::consts::LOG10_2,
+    std::f64::consts::LOG10_2 + 0.477_121_254_719_662_4,
+    0.845_098_040_014_256_8,
+    3.0 * std::f64::consts::LOG10_2,
+    2.0 * 0.477_121_254_719_662_4,
+];
 
 /// The distance between two ticks: 1, 2 or 5 times a power of ten.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +103,39 @@ impl Scale {
             high,
             exponent,
             step,
+            digits: None,
         }
+    }
+
+    /// A scale of decimal logarithms, from `low` to `high`, with at most `most` numbers if there are two at least.
+    #[cfg(feature = "sweep")]
+    pub(crate) fn of_logarithms(low: f64, high: f64, most: usize) -> Self {
+        let linear = Self::new(low, high, most);
+        let with = |digits| Self {
+            exponent: 0,
+            digits: Some(digits),
+            ..linear.clone()
+        };
+        let count = |digits| with(digits).ticks().len();
+        let fits = DIGITS
+            .into_iter()
+            .find(|digits| count(digits) <= most.max(3));
+        let fits = fits.filter(|digits| count(digits) >= 2);
+        with(fits.unwrap_or(DIGITS[0]))
+    }
+
+    /// The places of some digits in all decades of the range, with their numbers.
+    fn decades(&self, digits: &[usize]) -> Vec<Tick> {
+        let decades = self.low.floor() as i32..=self.high.floor() as i32;
+        let ticks = decades.flat_map(|decade| {
+            digits.iter().map(move |digit| Tick {
+                value: f64::from(decade) + LOGARITHMS[*digit],
+                label: decimal(*digit, decade),
+            })
+        });
+        let slack = 1e-9 * (self.high - self.low);
+        let range = self.low - slack..=self.high + slack;
+        ticks.filter(|tick| range.contains(&tick.value)).collect()
     }
 
     /// The place of a value in the range, from 0 to 1.
@@ -88,6 +145,9 @@ impl Scale {
 
     /// The ticks with numbers.
     pub(crate) fn ticks(&self) -> Vec<Tick> {
+        if let Some(digits) = self.digits {
+            return self.decades(digits);
+        }
         self.labelled(self.numbers(self.step.value()))
     }
 
@@ -115,6 +175,11 @@ impl Scale {
 
     /// The values of the ticks without numbers, between the others.
     pub(crate) fn minor(&self) -> Vec<f64> {
+        if let Some(digits) = self.digits {
+            let others: Vec<_> = (1..=9).filter(|digit| !digits.contains(digit)).collect();
+            let ticks = self.decades(&others).into_iter();
+            return ticks.map(|tick| tick.value).collect();
+        }
         let parts = if self.step.mantissa == 2 { 4 } else { 5 };
         let step = self.step.value() / parts as f64;
         self.numbers(step)
@@ -129,6 +194,15 @@ impl Scale {
         let first = (self.low / step - slack).ceil() as i64;
         let last = (self.high / step + slack).floor() as i64;
         first..=last
+    }
+}
+
+/// A digit times a power of ten, as people write it.
+fn decimal(digit: usize, decade: i32) -> String {
+    match decade {
+        0..=4 => format!("{digit}{}", "0".repeat(decade as usize)),
+        -4..0 => format!("0.{}{digit}", "0".repeat(-decade as usize - 1)),
+        _ => format!("{digit}e{decade}").replace('-', "−"),
     }
 }
 
@@ -207,6 +281,28 @@ mod tests {
             labels(0.5, 0.5, 5),
             ["0.46", "0.48", "0.50", "0.52", "0.54"]
         );
+    }
+
+    #[cfg(feature = "sweep")]
+    #[test]
+    fn logarithms_have_the_numbers_that_they_are_of() {
+        let log = libm::log10;
+        let labels = |low: f64, high: f64, most| {
+            let scale = Scale::of_logarithms(log(low), log(high), most);
+            let ticks = scale.ticks();
+            for tick in &ticks {
+                let shown: f64 = tick.label.replace('−', "-").parse().unwrap();
+                assert!((log(shown) - tick.value).abs() < 1e-14, "{tick:?}");
+            }
+            ticks.into_iter().map(|tick| tick.label).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            labels(0.005, 0.1, 7),
+            ["0.005", "0.01", "0.02", "0.03", "0.05", "0.1"]
+        );
+        assert_eq!(labels(1.0, 1e4, 6), ["1", "10", "100", "1000", "10000"]);
+        assert_eq!(labels(0.03, 0.06, 6), ["0.03", "0.04", "0.05", "0.06"]);
+        assert_eq!(labels(2e-7, 2e-6, 4), ["2e−7", "5e−7", "1e−6", "2e−6"]);
     }
 
     #[test]

@@ -1,0 +1,609 @@
+//! The map of a sweep: what came of its runs, over one or two of the keys that varied.
+
+use crate::analysis::plot::drawing::{Anchor, Drawing};
+use crate::analysis::plot::frame::{self, Frame, in_brackets};
+use crate::analysis::plot::legend::{self, Entry};
+use crate::analysis::plot::range::{NONE, extremes, union};
+use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape};
+use crate::analysis::plot::style::{self, COLOURS, FONT, LINE, MARGIN, MEDIUM};
+use crate::analysis::plot::text::Text;
+use crate::analysis::plot::ticks::Scale;
+use crate::physics::math::log10;
+
+/// Values that differ at least so many times are drawn over their logarithms, if their spacing says nothing else.
+const LOGARITHMIC: f64 = 30.0;
+
+/// Spacings that differ by less than this part are equal.
+const EVEN: f64 = 1e-6;
+
+/// The proportion of the frame.
+const HEIGHT: f64 = 0.72;
+/// The greatest height of the frame, mm.
+const TALLEST: f64 = 90.0;
+
+/// The width of the bar of colours, and its distance from the frame, mm.
+const BAR: f64 = 3.0;
+const BAR_GAP: f64 = 2.5;
+/// The number of colours in the bar.
+const SHADES: usize = 64;
+
+/// The radius of the dots of a sample, mm.
+const DOT: f64 = 0.55;
+
+/// Colours from small to large values: equal steps look equal, and in grey too (viridis, S. van der Walt and N. Smith).
+const RAMP: [Colour; 9] = [
+    Colour(68, 1, 84),
+    Colour(71, 44, 122),
+    Colour(59, 81, 139),
+    Colour(44, 113, 142),
+    Colour(33, 144, 141),
+    Colour(39, 173, 129),
+    Colour(92, 200, 99),
+    Colour(170, 220, 50),
+    Colour(253, 231, 37),
+];
+
+/// Colours of outcomes without a value, none of which is in the ramp.
+const FALLEN: Colour = Colour(0xd5, 0x5e, 0x00);
+const NOT_YET: Colour = Colour(0xdd, 0xdd, 0xdd);
+const NO_OUTCOME: Colour = Colour(0x30, 0x30, 0x30);
+const OTHERS: [Colour; 3] = [
+    Colour(0xcc, 0x79, 0xa7),
+    Colour(0x99, 0x99, 0x99),
+    Colour(0xf0, 0xc8, 0xa0),
+];
+
+/// A quantity of a map: its name, its unit, and its value in each run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapAxis {
+    /// The name of its column.
+    pub name: String,
+    /// The unit; empty where there is none.
+    pub unit: String,
+    /// The values; NaN where there is none.
+    pub values: Vec<f64>,
+}
+
+/// What a map is drawn of. All lists are as long as there are runs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Map {
+    /// What varies across.
+    pub x: MapAxis,
+    /// What varies upward; none draws curves.
+    pub y: Option<MapAxis>,
+    /// What colours or curves show.
+    pub color: MapAxis,
+    /// Why each run stopped; none where it has no outcome.
+    pub stops: Vec<Option<String>>,
+    /// Whether the axis looped.
+    pub loops: Vec<bool>,
+    /// The scenario of each run: each has a curve of its own.
+    pub scenarios: Vec<String>,
+}
+
+/// Values along an axis, as they are drawn: logarithms if `is_log`.
+struct Along {
+    is_log: bool,
+    /// Each different value once, in order.
+    levels: Vec<f64>,
+    places: Vec<f64>,
+}
+
+impl Along {
+    fn new(values: &[f64]) -> Self {
+        let is_log = is_logarithmic(values);
+        let place = |value: &f64| if is_log { log10(*value) } else { *value };
+        let places: Vec<f64> = values.iter().map(place).collect();
+        let mut levels: Vec<f64> = places.iter().copied().filter(|p| p.is_finite()).collect();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        Self {
+            is_log,
+            levels,
+            places,
+        }
+    }
+
+    /// The ends of the cell around each level: halfway to its neighbours.
+    fn edges(&self) -> Vec<f64> {
+        let levels = &self.levels;
+        let between = levels
+            .windows(2)
+            .map(|pair| f64::midpoint(pair[0], pair[1]));
+        let between: Vec<_> = between.collect();
+        let (Some(first), Some(last)) = (levels.first(), levels.last()) else {
+            return Vec::new();
+        };
+        let half = |gap: Option<f64>| gap.map_or(0.5, |gap| gap);
+        let low = first - half(between.first().map(|edge| edge - first));
+        let high = last + half(between.last().map(|edge| last - edge));
+        let mut edges = vec![low];
+        edges.extend(between);
+        edges.push(high);
+        edges
+    }
+
+    fn level(&self, place: f64) -> Option<usize> {
+        self.levels.iter().position(|level| *level == place)
+    }
+
+    fn scale(&self, (low, high): Point, most: usize) -> Scale {
+        scale(self.is_log, (low, high), most)
+    }
+}
+
+fn scale(is_log: bool, (low, high): (f64, f64), most: usize) -> Scale {
+    if is_log {
+        Scale::of_logarithms(low, high, most)
+    } else {
+        Scale::new(low, high, most)
+    }
+}
+
+/// Whether values are better drawn over their logarithms: those of a grid if that spaces them evenly, others if they
+/// differ widely.
+fn is_logarithmic(values: &[f64]) -> bool {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    let (Some(first), Some(last)) = (sorted.first(), sorted.last()) else {
+        return false;
+    };
+    if *first <= 0.0 || sorted.len() < 3 {
+        return *first > 0.0 && last / first >= LOGARITHMIC;
+    }
+    let logarithms: Vec<f64> = sorted.iter().map(|value| log10(*value)).collect();
+    let is_even = |levels: &[f64]| {
+        let gaps = levels.windows(2).map(|pair| pair[1] - pair[0]);
+        let (least, greatest) = extremes(gaps);
+        greatest - least <= EVEN * greatest
+    };
+    if is_even(&sorted) {
+        false
+    } else {
+        is_even(&logarithms) || last / first >= LOGARITHMIC
+    }
+}
+
+impl Map {
+    /// Draws the map with a width in mm.
+    ///
+    /// # Errors
+    /// What stands in the way: no runs, or several at one place.
+    pub fn draw(&self, width: f64) -> Result<Drawing, String> {
+        if !self.x.values.iter().any(|value| value.is_finite()) {
+            return Err(format!("no run has a value of {}", self.x.name));
+        }
+        let mut drawing = match &self.y {
+            Some(y) => self.plane(y, width)?,
+            None => self.curves(width)?,
+        };
+        let over = self.y.iter().map(|y| format!(" and {}", y.name));
+        let over: String = over.collect();
+        drawing.title = format!("{} over {}{over}", self.color.name, self.x.name);
+        Ok(drawing)
+    }
+
+    /// What stands for a run that has no value to show.
+    fn outcome(&self, run: usize) -> &str {
+        self.stops[run].as_deref().unwrap_or("no outcome")
+    }
+
+    /// The outcomes of runs that have no value to show, in the order of their names.
+    fn outcomes(&self) -> Vec<&str> {
+        let valueless = (0..self.stops.len()).filter(|run| !self.color.values[*run].is_finite());
+        let mut outcomes: Vec<_> = valueless.map(|run| self.outcome(run)).collect();
+        outcomes.sort_unstable();
+        outcomes.dedup();
+        outcomes
+    }
+
+    /// The colours of outcomes, each with its own.
+    fn outcome_colours(&self) -> Vec<(&str, Colour)> {
+        let mut others = OTHERS.iter().cycle();
+        let mut colour = |outcome: &str| match outcome {
+            "fallen" => FALLEN,
+            "duration" => NOT_YET,
+            "no outcome" => NO_OUTCOME,
+            _ => *others.next().unwrap_or(&NOT_YET),
+        };
+        let outcomes = self.outcomes().into_iter();
+        outcomes.map(|outcome| (outcome, colour(outcome))).collect()
+    }
+
+    /// A map over two keys.
+    fn plane(&self, y: &MapAxis, width: f64) -> Result<Drawing, String> {
+        let (across, upward) = (Along::new(&self.x.values), Along::new(&y.values));
+        let cells = self.cells(y, &across, &upward)?;
+        let shades = Along::new(&self.color.values);
+        let colours = self.outcome_colours();
+        let range = extremes(shades.levels.iter().copied());
+        let of = |run: usize| {
+            let place = shades.places[run];
+            if place.is_finite() {
+                return shade(place, range);
+            }
+            let outcome = self.outcome(run);
+            let found = colours.iter().find(|(name, _)| *name == outcome);
+            found.map_or(NO_OUTCOME, |(_, colour)| *colour)
+        };
+        let is_looping =
+            cells.is_some() && self.loops.contains(&true) && self.loops.contains(&false);
+
+        let mut drawing = Drawing::new(width);
+        let mut key: Vec<_> = colours
+            .iter()
+            .map(|(outcome, colour)| Entry::area(*colour, &outcome_words(outcome)))
+            .collect();
+        if is_looping {
+            key.push(Entry::line(contour(), "the axis loops on one side"));
+        }
+        let legend_room = legend::draw_at_top(&mut drawing, &key);
+        let has_bar = !shades.levels.is_empty();
+        let top = legend_room + if has_bar { LINE } else { 0.0 } + 0.6;
+
+        let [x_range, y_range] = match &cells {
+            Some(_) => [&across, &upward].map(|axis| extremes(axis.edges().into_iter())),
+            None => [&across, &upward].map(|axis| aired(extremes(axis.levels.iter().copied()))),
+        };
+        let height = TALLEST.min(width * HEIGHT);
+        let y_scale = upward.scale(y_range, frame::ticks_up(height));
+        let y_text = label(y, y_scale.exponent);
+        let left = MARGIN + frame::room_beside(&y_scale, &y_text);
+        let bar_scale = scale(shades.is_log, range, frame::ticks_up(height));
+        let bar_room = if has_bar {
+            BAR_GAP + BAR + 1.0 + frame::ticks_width(&bar_scale)
+        } else {
+            frame::ROOM_RIGHT
+        };
+        let right = width - MARGIN - bar_room;
+        let bounds = Bounds {
+            left,
+            top,
+            right,
+            bottom: top + height,
+        };
+        let frame = Frame {
+            x: across.scale(x_range, frame::ticks_across(right - left)),
+            y: y_scale,
+            bounds,
+        };
+        match &cells {
+            Some(cells) => {
+                draw_cells(&mut drawing, &frame, [&across, &upward], cells, &of);
+                if is_looping {
+                    let lines = self.contour(&frame, [&across, &upward], cells);
+                    drawing.group("where looping begins", lines);
+                }
+            }
+            None => {
+                let runs = 0..across.places.len();
+                let dots = runs.filter_map(|run| {
+                    let place = (across.places[run], upward.places[run]);
+                    let is_there = place.0.is_finite() && place.1.is_finite();
+                    is_there.then(|| dot(frame.place(place), of(run)))
+                });
+                let dots = dots.collect();
+                drawing.group("runs", dots);
+            }
+        }
+        frame.draw(&mut drawing);
+        frame.label_x(&mut drawing, label(&self.x, frame.x.exponent));
+        frame.label_y(&mut drawing, y_text, frame::ticks_width(&frame.y));
+        if has_bar {
+            self.draw_bar(&mut drawing, bounds, bar_scale, range);
+        }
+        drawing.height = bounds.bottom + frame::ROOM_BELOW + MARGIN;
+        Ok(drawing)
+    }
+
+    /// The run in each cell of a grid, row by row upward; none if the runs make no grid.
+    fn cells(
+        &self,
+        y: &MapAxis,
+        across: &Along,
+        upward: &Along,
+    ) -> Result<Option<Vec<Option<usize>>>, String> {
+        let (columns, rows) = (across.levels.len(), upward.levels.len());
+        let runs = across.places.len();
+        // A grid with holes is one still; a sample has about as many values as runs.
+        if columns * rows > 2 * runs {
+            return Ok(None);
+        }
+        let mut cells = vec![None; columns * rows];
+        for run in 0..runs {
+            let at = [
+                across.level(across.places[run]),
+                upward.level(upward.places[run]),
+            ];
+            let [Some(column), Some(row)] = at else {
+                continue;
+            };
+            if cells[row * columns + column].replace(run).is_some() {
+                return Err(format!(
+                    "several runs have {} = {} and {} = {}: choose among them with --where",
+                    self.x.name, self.x.values[run], y.name, y.values[run]
+                ));
+            }
+        }
+        Ok(Some(cells))
+    }
+
+    /// The edges between cells of which only one loops.
+    fn contour(&self, frame: &Frame, axes: [&Along; 2], cells: &[Option<usize>]) -> Vec<Shape> {
+        let [xs, ys] = axes.map(Along::edges);
+        let columns = axes[0].levels.len();
+        let loops = |column: usize, row: usize| {
+            let run = cells.get(row * columns + column).copied().flatten()?;
+            Some(self.loops[run])
+        };
+        let differ = |one: Option<bool>, other: Option<bool>| {
+            one.zip(other).is_some_and(|(one, other)| one != other)
+        };
+        let mut lines = Vec::new();
+        let mut line = |from: Point, to: Point| {
+            lines.push(Shape::Line {
+                points: vec![frame.place(from), frame.place(to)],
+                stroke: contour(),
+            });
+        };
+        for row in 0..axes[1].levels.len() {
+            for column in 0..columns {
+                let here = loops(column, row);
+                if column + 1 < columns && differ(here, loops(column + 1, row)) {
+                    let x = xs[column + 1];
+                    line((x, ys[row]), (x, ys[row + 1]));
+                }
+                if row + 1 < axes[1].levels.len() && differ(here, loops(column, row + 1)) {
+                    let y = ys[row + 1];
+                    line((xs[column], y), (xs[column + 1], y));
+                }
+            }
+        }
+        lines
+    }
+
+    fn draw_bar(&self, drawing: &mut Drawing, beside: Bounds, scale: Scale, range: (f64, f64)) {
+        let left = beside.right + BAR_GAP;
+        let bounds = Bounds {
+            left,
+            right: left + BAR,
+            ..beside
+        };
+        let bar = Frame {
+            x: Scale::new(0.0, 1.0, 3),
+            y: scale,
+            bounds,
+        };
+        let step = bounds.height() / SHADES as f64;
+        let shades = (0..SHADES).map(|shade_of| {
+            let bottom = bounds.bottom - shade_of as f64 * step;
+            let middle = (shade_of as f64 + 0.5) / SHADES as f64;
+            let value = bar.y.low + middle * (bar.y.high - bar.y.low);
+            Shape::Area {
+                points: Bounds {
+                    top: bottom - step,
+                    bottom,
+                    ..bounds
+                }
+                .corners(),
+                fill: shade(value, range),
+            }
+        });
+        drawing.group("colours", shades.collect());
+        let mut border = bounds.corners();
+        border.extend_from_within(..1);
+        let stroke = style::frame();
+        drawing.group(
+            "frame",
+            vec![Shape::Line {
+                points: border,
+                stroke,
+            }],
+        );
+        for tick in bar.y.ticks() {
+            let y = bar.place((0.0, tick.value)).1 + 0.33 * FONT;
+            let text = Text::plain(&tick.label);
+            drawing.label(text, (bounds.right + 1.0, y), Anchor::Start);
+        }
+        let text = label(&self.color, bar.y.exponent);
+        let right = drawing.width - MARGIN;
+        drawing.label(text, (right, bounds.top - frame::ABOVE), Anchor::End);
+    }
+
+    /// Curves over one key: one for each scenario.
+    fn curves(&self, width: f64) -> Result<Drawing, String> {
+        let across = Along::new(&self.x.values);
+        let upward = Along::new(&self.color.values);
+        let mut names: Vec<&str> = self.scenarios.iter().map(String::as_str).collect();
+        names.sort_unstable();
+        names.dedup();
+        let colours = self.outcome_colours();
+        let mut drawing = Drawing::new(width);
+        let strokes: Vec<_> = (0..names.len())
+            .map(|i| style::line(COLOURS[i % COLOURS.len()], MEDIUM))
+            .collect();
+        let mut key = Vec::new();
+        if names.len() > 1 {
+            let lines = names.iter().zip(&strokes);
+            key.extend(lines.map(|(name, stroke)| Entry::of(*stroke, Text::name(name))));
+        }
+        let entry =
+            |(outcome, colour): &(&str, Colour)| Entry::area(*colour, &outcome_words(outcome));
+        key.extend(colours.iter().map(entry));
+        let top = legend::draw_at_top(&mut drawing, &key) + 0.6;
+        let height = TALLEST.min(width * HEIGHT);
+        // What has no value is marked below the curves.
+        let strips = if colours.is_empty() { 0 } else { names.len() };
+        let (low, high) = aired(union(NONE, extremes(upward.levels.iter().copied())));
+        let y_scale = upward.scale((low, high), frame::ticks_up(height));
+        let text = label(&self.color, y_scale.exponent);
+        let left = MARGIN + frame::room_beside(&y_scale, &text);
+        let bounds = Bounds {
+            left,
+            top,
+            right: width - MARGIN - frame::ROOM_RIGHT,
+            bottom: top + height,
+        };
+        let frame = Frame {
+            x: across.scale(
+                aired(extremes(across.levels.iter().copied())),
+                frame::ticks_across(bounds.width()),
+            ),
+            y: y_scale,
+            bounds,
+        };
+        for (index, (name, stroke)) in names.iter().zip(&strokes).enumerate() {
+            let mut runs: Vec<usize> = (0..self.scenarios.len())
+                .filter(|run| self.scenarios[*run] == *name && across.places[*run].is_finite())
+                .collect();
+            runs.sort_by(|a, b| across.places[*a].total_cmp(&across.places[*b]));
+            if let Some(pair) = runs
+                .windows(2)
+                .find(|pair| across.places[pair[0]] == across.places[pair[1]])
+            {
+                return Err(format!(
+                    "several runs of {name} have {} = {}: choose among them with --where",
+                    self.x.name, self.x.values[pair[0]]
+                ));
+            }
+            let points: Vec<Point> = runs
+                .iter()
+                .map(|run| (across.places[*run], upward.places[*run]))
+                .collect();
+            let mut shapes = frame.line(&points, *stroke);
+            let there = points.iter().filter(|point| point.1.is_finite());
+            shapes.extend(there.map(|point| dot(frame.place(*point), stroke.colour)));
+            drawing.group(name, shapes);
+            let y = bounds.bottom
+                - STRIP_GAP
+                - (strips - index.min(strips)) as f64 * (STRIP + STRIP_GAP)
+                + STRIP_GAP;
+            let marks = runs.iter().filter(|run| !upward.places[**run].is_finite());
+            let marks = marks.map(|run| {
+                let outcome = self.outcome(*run);
+                let colour = colours.iter().find(|(name, _)| *name == outcome);
+                let x = frame.place((across.places[*run], low)).0;
+                Shape::Area {
+                    points: Bounds {
+                        left: x - 0.6,
+                        top: y,
+                        right: x + 0.6,
+                        bottom: y + STRIP,
+                    }
+                    .corners(),
+                    fill: colour.map_or(NO_OUTCOME, |(_, colour)| *colour),
+                }
+            });
+            let marks: Vec<_> = marks.collect();
+            if !marks.is_empty() {
+                drawing.group(&format!("{name}: no value"), marks);
+            }
+        }
+        frame.draw(&mut drawing);
+        frame.label_x(&mut drawing, label(&self.x, frame.x.exponent));
+        frame.label_y(&mut drawing, text, frame::ticks_width(&frame.y));
+        drawing.height = bounds.bottom + frame::ROOM_BELOW + MARGIN;
+        Ok(drawing)
+    }
+}
+
+/// The height of the marks of runs without a value, and the distance between those of two scenarios, mm.
+const STRIP: f64 = 1.2;
+const STRIP_GAP: f64 = 0.5;
+
+/// The line around what loops.
+fn contour() -> crate::analysis::plot::shape::Stroke {
+    style::line(style::BLACK, MEDIUM)
+}
+
+fn dot(centre: Point, fill: Colour) -> Shape {
+    Shape::Dot {
+        centre,
+        radius: DOT,
+        fill,
+        stroke: style::line(fill, 0.1),
+    }
+}
+
+/// An outcome, for people.
+fn outcome_words(outcome: &str) -> String {
+    match outcome {
+        "duration" => "not by the end of the run".to_owned(),
+        other => other.replace('_', " "),
+    }
+}
+
+/// The label of an axis.
+fn label(axis: &MapAxis, exponent: i32) -> Text {
+    let name = Text::plain(&axis.name);
+    match in_brackets(exponent, &axis.unit) {
+        empty if empty.is_empty() => name,
+        unit if exponent == 0 => name.followed_by(&format!(" ({unit})")),
+        _ => name.followed_by(&format!(" (×1e{exponent} {})", axis.unit).replace('-', "−")),
+    }
+}
+
+/// A range with some air at its ends.
+fn aired((low, high): (f64, f64)) -> (f64, f64) {
+    let air = 0.04 * (high - low);
+    (low - air, high + air)
+}
+
+/// The colour of a value in a range.
+fn shade(value: f64, (low, high): (f64, f64)) -> Colour {
+    let part = if high > low {
+        ((value - low) / (high - low)).clamp(0.0, 1.0)
+    } else {
+        0.5
+    };
+    let place = part * (RAMP.len() - 1) as f64;
+    let index = (place as usize).min(RAMP.len() - 2);
+    let (Colour(r0, g0, b0), Colour(r1, g1, b1)) = (RAMP[index], RAMP[index + 1]);
+    let share = place - index as f64;
+    let mix = |one: u8, other: u8| {
+        (f64::from(one) + share * (f64::from(other) - f64::from(one))).round() as u8
+    };
+    Colour(mix(r0, r1), mix(g0, g1), mix(b0, b1))
+}
+
+fn draw_cells(
+    drawing: &mut Drawing,
+    frame: &Frame,
+    axes: [&Along; 2],
+    cells: &[Option<usize>],
+    colour: &dyn Fn(usize) -> Colour,
+) {
+    let [xs, ys] = axes.map(Along::edges);
+    let columns = axes[0].levels.len();
+    let mut shapes = Vec::new();
+    for row in 0..axes[1].levels.len() {
+        // Neighbours of one colour are one area: no seams, and smaller files.
+        let mut start = 0;
+        while start < columns {
+            let fill = |column: usize| cells[row * columns + column].map(colour);
+            let Some(own) = fill(start) else {
+                start += 1;
+                continue;
+            };
+            let mut end = start + 1;
+            while end < columns && fill(end) == Some(own) {
+                end += 1;
+            }
+            let (left, bottom) = frame.place((xs[start], ys[row]));
+            let (right, top) = frame.place((xs[end], ys[row + 1]));
+            shapes.push(Shape::Area {
+                points: Bounds {
+                    left,
+                    top,
+                    right,
+                    bottom,
+                }
+                .corners(),
+                fill: own,
+            });
+            start = end;
+        }
+    }
+    drawing.group("runs", shapes);
+}

@@ -1,0 +1,267 @@
+//! An axis of a sweep: a key of a scenario and the values that it takes.
+
+use super::error::SweepError;
+use crate::physics::math::{exp, ln};
+use crate::run::scenario::{KEYS, Key, Value, Values};
+
+/// The most values of an axis.
+const MOST_VALUES: u32 = 10_000_000;
+
+/// A key with the values that it takes.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// The key.
+    pub key: &'static Key,
+    /// The values as they were written: part of what tells one sweep from another.
+    pub text: String,
+    points: Points,
+}
+
+#[derive(Clone, Debug)]
+enum Points {
+    /// These values.
+    List(Vec<Value>),
+    /// From one number to another.
+    Range {
+        from: f64,
+        to: f64,
+        /// How many values; none if a sample says where they lie.
+        count: Option<u32>,
+        /// Whether logarithms are evenly spaced rather than numbers.
+        is_log: bool,
+    },
+}
+
+/// The key with this name: its path, or its name in tables.
+///
+/// # Errors
+/// [`SweepError::Key`] if there is none.
+pub fn find_key(name: &str) -> Result<&'static Key, SweepError> {
+    let found = KEYS
+        .iter()
+        .find(|key| key.path == name || column_name(key) == name);
+    match found {
+        Some(key) => Ok(key),
+        // The error names the keys that are like it.
+        None => match Values::default().put(name, 0.0) {
+            Err(error) => Err(error.into()),
+            Ok(()) => Err(SweepError::Spec(format!("unknown key {name}"))),
+        },
+    }
+}
+
+/// The name of a key's column: its path without dots, which Spark and Rerun don't take in names.
+#[must_use]
+pub fn column_name(key: &Key) -> String {
+    key.path.replace('.', "_")
+}
+
+impl Axis {
+    /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas.
+    ///
+    /// # Errors
+    /// [`SweepError::Key`] for a key that there isn't, [`SweepError::Spec`] for values that make no sense.
+    pub fn parse(name: &str, text: &str) -> Result<Self, SweepError> {
+        let key = find_key(name)?;
+        let wrong = |reason: String| SweepError::Spec(format!("{}={text}: {reason}", key.path));
+        let points = if key.kind.is_text() || !text.contains("..") {
+            let items = text.split(',').map(|item| value(key, item.trim()));
+            Points::List(items.collect::<Result<_, _>>().map_err(wrong)?)
+        } else {
+            range(text).map_err(wrong)?
+        };
+        Ok(Self {
+            key,
+            text: text.to_owned(),
+            points,
+        })
+    }
+
+    /// How many values a grid has along this axis; none if only a sample can say where they lie.
+    #[must_use]
+    pub fn count(&self) -> Option<u64> {
+        match &self.points {
+            Points::List(values) => Some(values.len() as u64),
+            Points::Range { count, .. } => count.map(u64::from),
+        }
+    }
+
+    /// The value at a place of the grid; the last one beyond it.
+    #[must_use]
+    pub fn at(&self, index: u64) -> Value {
+        match &self.points {
+            Points::List(values) => values[index.min(values.len() as u64 - 1) as usize].clone(),
+            Points::Range { count, .. } => {
+                let last = count.map_or(1, |count| u64::from(count) - 1);
+                self.between(index.min(last) as f64 / last as f64)
+            }
+        }
+    }
+
+    /// The value at a fraction, from 0 to below 1, of the axis.
+    #[must_use]
+    pub fn sampled(&self, fraction: f64) -> Value {
+        match &self.points {
+            Points::List(values) => self.at((fraction * values.len() as f64) as u64),
+            Points::Range { .. } => self.between(fraction),
+        }
+    }
+
+    /// Whether this is a range with a number of values, which a sample doesn't need.
+    #[must_use]
+    pub fn is_counted_range(&self) -> bool {
+        matches!(self.points, Points::Range { count: Some(_), .. })
+    }
+
+    /// The number at a fraction of a range; both ends exactly.
+    fn between(&self, fraction: f64) -> Value {
+        let Points::Range {
+            from, to, is_log, ..
+        } = self.points
+        else {
+            return self.at(0);
+        };
+        Value::Number(if fraction <= 0.0 {
+            from
+        } else if fraction >= 1.0 {
+            to
+        } else if is_log {
+            exp(ln(from) + fraction * (ln(to) - ln(from)))
+        } else {
+            from + fraction * (to - from)
+        })
+    }
+}
+
+/// A value of a list.
+fn value(key: &Key, text: &str) -> Result<Value, String> {
+    if text.is_empty() {
+        return Err("a value is empty".to_owned());
+    }
+    if key.kind.is_text() {
+        return Ok(Value::Text(text.trim_matches('"').to_owned()));
+    }
+    number(text).map(Value::Number)
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok();
+    number
+        .filter(|number: &f64| number.is_finite())
+        .ok_or_else(|| format!("{text:?} is not a finite number"))
+}
+
+/// Reads a range.
+fn range(text: &str) -> Result<Points, String> {
+    let (ends, steps) = match text.split_once('/') {
+        Some((ends, steps)) => (ends, Some(steps.trim())),
+        None => (text, None),
+    };
+    let (from, to) = ends
+        .split_once("..")
+        .ok_or("a range is a..b/N, a..b/Nlog, or a..b in a sample")?;
+    let (from, to) = (number(from)?, number(to)?);
+    let (count, is_log) = match steps {
+        None => ("", false),
+        Some(steps) => match steps.strip_suffix("log") {
+            Some(count) => (count, true),
+            None => (steps, false),
+        },
+    };
+    let count = match count {
+        "" if steps == Some("") => return Err("the number of values is missing".to_owned()),
+        "" => None,
+        count => Some(
+            count
+                .parse()
+                .ok()
+                .filter(|count| (2..=MOST_VALUES).contains(count))
+                .ok_or_else(|| {
+                    format!("{count:?} is not a number of values from 2 to {MOST_VALUES}")
+                })?,
+        ),
+    };
+    if is_log && !(from > 0.0 && to > 0.0) {
+        return Err("a logarithmic range is between positive numbers".to_owned());
+    }
+    Ok(Points::Range {
+        from,
+        to,
+        count,
+        is_log,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(axis: &Axis) -> Vec<f64> {
+        let values = (0..axis.count().unwrap()).map(|i| match axis.at(i) {
+            Value::Number(number) => number,
+            Value::Text(text) => panic!("{text}"),
+        });
+        values.collect()
+    }
+
+    #[test]
+    fn ranges_have_their_ends_exactly() {
+        let linear = Axis::parse("initial.psi_dot", "60..200/8").unwrap();
+        assert_eq!(
+            numbers(&linear),
+            [60.0, 80.0, 100.0, 120.0, 140.0, 160.0, 180.0, 200.0]
+        );
+        let log = Axis::parse("friction_k", "0.001..0.1/3log").unwrap();
+        let [first, middle, last] = numbers(&log)[..] else {
+            panic!("three values");
+        };
+        assert_eq!((first, last), (0.001, 0.1));
+        assert!((middle - 0.01).abs() < 1e-17, "{middle}");
+        let list = Axis::parse("friction.k", "0.03, 0.01").unwrap();
+        assert_eq!(numbers(&list), [0.03, 0.01]);
+        let words = Axis::parse("friction.law", "viscous,coulomb").unwrap();
+        assert_eq!(words.at(1), Value::Text("coulomb".to_owned()));
+        let down = Axis::parse("initial.phi", "1..-1/3").unwrap();
+        assert_eq!(numbers(&down), [1.0, 0.0, -1.0]);
+    }
+
+    #[test]
+    fn samples_lie_on_the_axis() {
+        let axis = Axis::parse("friction.k", "0.01..1/log").unwrap();
+        assert_eq!(axis.count(), None);
+        assert_eq!(axis.sampled(0.0), Value::Number(0.01));
+        let list = Axis::parse("friction.law", "viscous,coulomb").unwrap();
+        assert_eq!(list.sampled(0.49), Value::Text("viscous".to_owned()));
+        assert_eq!(list.sampled(0.5), Value::Text("coulomb".to_owned()));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        for (key, text) in [
+            ("friction.k", ""),
+            ("friction.k", "0.1,,0.2"),
+            ("friction.k", "fast"),
+            ("friction.k", "inf"),
+            ("friction.k", "0..1/1"),
+            ("friction.k", "0..1/"),
+            ("friction.k", "0..1/-3"),
+            ("friction.k", "0..1/3log"),
+            ("friction.k", "0.1..nan/3"),
+            ("friction.k", "0.1../3"),
+            ("friction.l", "0.1"),
+            ("friction-k", "0.1"),
+        ] {
+            assert!(Axis::parse(key, text).is_err(), "{key}={text}");
+        }
+        let error = Axis::parse("friction.kk", "1").unwrap_err().to_string();
+        assert!(error.contains("friction.k"), "{error}");
+    }
+
+    #[test]
+    fn names_in_tables_are_unique() {
+        for key in KEYS {
+            assert_eq!(find_key(&column_name(key)).unwrap().path, key.path);
+            assert_eq!(find_key(key.path).unwrap().path, key.path);
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! What can go wrong with a sweep as a whole. What goes wrong with a row stands in the table.
+
+use crate::archive::sink::SinkError;
+use crate::run::scenario::ScenarioError;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a sweep can't be started, or was not finished.
+#[derive(Debug, Error)]
+pub enum SweepError {
+    /// The spec of the sweep is wrong.
+    #[error("{0}")]
+    Spec(String),
+    /// A scenario that it starts from is wrong.
+    #[error("{name}: {reason}")]
+    Base {
+        /// The preset or file.
+        name: String,
+        /// What is wrong.
+        reason: ScenarioError,
+    },
+    /// A key that scenarios don't have.
+    #[error(transparent)]
+    Key(#[from] ScenarioError),
+    /// What is there belongs to another sweep.
+    #[error(
+        "{} is of another sweep: {change}; choose another name, or remove it",
+        path.display()
+    )]
+    Changed {
+        /// The table, or the directory of its parts.
+        path: PathBuf,
+        /// What differs.
+        change: String,
+    },
+    /// A file that is there is not the table of a sweep.
+    #[error("{} exists and is not the table of a sweep: choose another name", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A part can't be merged.
+    #[error("{} can't be merged: {reason}; remove it and sweep again", path.display())]
+    BadPart {
+        /// The part.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A table can't be read.
+    #[error("{}: {reason}", path.display())]
+    Table {
+        /// The table.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A row failed where none may.
+    #[error("run {run}: {error}")]
+    Row {
+        /// The number of the row.
+        run: u64,
+        /// Why it failed.
+        error: String,
+    },
+    /// The Parquet writer failed.
+    #[error("cannot write Parquet: {0}")]
+    Parquet(#[from] parquet::errors::ParquetError),
+    /// The threads can't be started.
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The file system refused.
+    #[error("cannot {action} {}: {reason}", path.display())]
+    Io {
+        /// What was tried.
+        action: &'static str,
+        /// On what.
+        path: PathBuf,
+        /// Why, according to the system.
+        reason: io::Error,
+    },
+    /// A file can't be published.
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+}
+
+impl SweepError {
+    /// What turns an error of the file system into one that says what was tried.
+    pub(super) fn io(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |reason| Self::Io {
+            action,
+            path,
+            reason,
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! A part of a sweep's table: rows as columns, columns as Parquet.
+
+use super::axis::column_name;
+use super::counts::Counts;
+use super::row::{Row, Run, Watch, row, run_whole};
+use super::spec::Spec;
+use crate::run::outcome::{COLUMNS, Cell, Column, ColumnKind};
+use crate::run::scenario::{Key, Value};
+use arrow_array::builder::{Float64Builder, Int64Builder, StringBuilder};
+use arrow_array::{ArrayRef, RecordBatch};
+use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{Compression, ZstdLevel};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
+use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The number of rows of a part; the last one has what is left.
+pub const PART_ROWS: u64 = 1000;
+
+/// The entry of a file's metadata that says how many of its rows came out how.
+pub(super) const COUNTS_ENTRY: &str = "toprise.counts";
+
+/// A sweep that can be computed row by row.
+pub struct Sweep {
+    spec: Spec,
+    schema: SchemaRef,
+    run: Run,
+}
+
+impl Sweep {
+    /// The sweep that a spec defines.
+    #[must_use]
+    pub fn new(spec: Spec) -> Self {
+        let schema = Arc::new(Schema::new(fields(&spec)));
+        Self {
+            spec,
+            schema,
+            run: run_whole,
+        }
+    }
+
+    /// This sweep with another way to run a scenario: for tests of what happens when that fails.
+    #[must_use]
+    pub fn with_run(self, run: Run) -> Self {
+        Self { run, ..self }
+    }
+
+    /// Which runs it consists of.
+    #[must_use]
+    pub fn spec(&self) -> &Spec {
+        &self.spec
+    }
+
+    /// The columns of the table, with units and meanings as metadata.
+    #[must_use]
+    pub fn schema(&self) -> SchemaRef {
+        self.schema.clone()
+    }
+
+    /// The number of parts.
+    #[must_use]
+    pub fn parts(&self) -> u64 {
+        self.spec.rows().div_ceil(PART_ROWS)
+    }
+
+    /// The rows of a part.
+    #[must_use]
+    pub fn rows_of(&self, part: u64) -> Range<u64> {
+        let start = (part * PART_ROWS).min(self.spec.rows());
+        start..(start + PART_ROWS).min(self.spec.rows())
+    }
+
+    /// Some rows of the table, computed with all threads of the current pool, and how they came out. None if `watch` did
+    /// not let them be finished.
+    ///
+    /// # Panics
+    /// Never: the columns are made for the schema.
+    #[must_use]
+    pub fn batch(&self, rows: Range<u64>, watch: &Watch<'_>) -> Option<(RecordBatch, Counts)> {
+        let computed: Option<Vec<Row>> = rows
+            .clone()
+            .into_par_iter()
+            .map(|index| self.row(index, watch))
+            .collect();
+        let computed = computed?;
+        let mut counts = Counts::default();
+        for (run, row) in rows.clone().zip(&computed) {
+            let result = row.result.as_ref();
+            counts.count(
+                run,
+                result
+                    .map(|outcome| outcome.stop_reason.name())
+                    .map_err(String::as_str),
+            );
+        }
+        let columns = self.columns(rows, &computed);
+        let batch = RecordBatch::try_new(self.schema.clone(), columns);
+        Some((batch.expect("the columns are made for the schema"), counts))
+    }
+
+    /// Some rows of the design: their numbers, bases and what they change, without outcomes.
+    ///
+    /// # Panics
+    /// Never: the columns are made for the schema.
+    #[must_use]
+    pub fn design(&self, rows: Range<u64>) -> RecordBatch {
+        let columns = self.design_columns(rows);
+        let fields = self.schema.fields()[..columns.len()].to_vec();
+        let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), columns);
+        batch.expect("the columns are made for the schema")
+    }
+
+    fn row(&self, index: u64, watch: &Watch<'_>) -> Option<Row> {
+        let values = self.spec.values(index).into_iter();
+        let changes: Vec<_> = self
+            .spec
+            .keys()
+            .iter()
+            .zip(values)
+            .filter_map(|(key, value)| Some((*key, value?)))
+            .collect();
+        let base = &self.spec.base(index).values;
+        let row = row(base, &changes, self.spec.most_steps, self.run, watch)?;
+        (watch.done)(row.result.as_ref().ok().map(|outcome| outcome.stop_reason));
+        Some(row)
+    }
+
+    fn columns(&self, rows: Range<u64>, computed: &[Row]) -> Vec<ArrayRef> {
+        let mut columns = self.design_columns(rows);
+        for column in COLUMNS {
+            let cells = computed.iter().map(|row| {
+                row.result
+                    .as_ref()
+                    .ok()
+                    .and_then(|outcome| column.of(outcome))
+            });
+            columns.push(outcome_column(column, cells));
+        }
+        let mut digests = StringBuilder::new();
+        let mut errors = StringBuilder::new();
+        for row in computed {
+            digests.append_option(row.digest.as_ref());
+            errors.append_option(row.result.as_ref().err());
+        }
+        columns.push(Arc::new(digests.finish()));
+        columns.push(Arc::new(errors.finish()));
+        columns
+    }
+
+    fn design_columns(&self, rows: Range<u64>) -> Vec<ArrayRef> {
+        let mut runs = Int64Builder::new();
+        let mut names = StringBuilder::new();
+        for row in rows.clone() {
+            runs.append_value(row as i64);
+            names.append_value(&self.spec.base(row).name);
+        }
+        let mut columns: Vec<ArrayRef> = vec![Arc::new(runs.finish()), Arc::new(names.finish())];
+        let values: Vec<_> = rows.map(|row| self.spec.values(row)).collect();
+        for (i, key) in self.spec.keys().iter().enumerate() {
+            columns.push(key_column(key, values.iter().map(|row| row[i].as_ref())));
+        }
+        columns
+    }
+}
+
+/// The values of a key.
+fn key_column<'a>(key: &Key, values: impl Iterator<Item = Option<&'a Value>>) -> ArrayRef {
+    if key.kind.is_text() {
+        let mut texts = StringBuilder::new();
+        for value in values {
+            texts.append_option(match value {
+                Some(Value::Text(text)) => Some(text),
+                _ => None,
+            });
+        }
+        return Arc::new(texts.finish());
+    }
+    let mut numbers = Float64Builder::new();
+    for value in values {
+        numbers.append_option(match value {
+            Some(Value::Number(number)) => Some(*number),
+            _ => None,
+        });
+    }
+    Arc::new(numbers.finish())
+}
+
+/// The values of a column of the outcome.
+fn outcome_column(column: &Column, cells: impl Iterator<Item = Option<Cell>>) -> ArrayRef {
+    match column.kind {
+        ColumnKind::Text => {
+            let mut texts = StringBuilder::new();
+            for cell in cells {
+                texts.append_option(match cell {
+                    Some(Cell::Text(text)) => Some(text),
+                    _ => None,
+                });
+            }
+            Arc::new(texts.finish())
+        }
+        ColumnKind::Integer => {
+            let mut numbers = Int64Builder::new();
+            for cell in cells {
+                numbers.append_option(match cell {
+                    Some(Cell::Integer(number)) => Some(number),
+                    _ => None,
+                });
+            }
+            Arc::new(numbers.finish())
+        }
+        ColumnKind::Number => {
+            let mut numbers = Float64Builder::new();
+            for cell in cells {
+                numbers.append_option(match cell {
+                    Some(Cell::Number(number)) => Some(number),
+                    _ => None,
+                });
+            }
+            Arc::new(numbers.finish())
+        }
+    }
+}
+
+/// The columns: number and base of a run, what it changes, its outcome, its digest or error.
+fn fields(spec: &Spec) -> Vec<Field> {
+    let mut fields = vec![
+        field("run", DataType::Int64, "", "number of the row").with_nullable(false),
+        field(
+            "scenario",
+            DataType::Utf8,
+            "",
+            "name of the scenario that the run starts from",
+        )
+        .with_nullable(false),
+    ];
+    fields.extend(spec.keys().iter().map(|key| {
+        let kind = if key.kind.is_text() {
+            DataType::Utf8
+        } else {
+            DataType::Float64
+        };
+        field(&column_name(key), kind, key.unit, key.meaning)
+    }));
+    fields.extend(COLUMNS.iter().map(|column| {
+        let kind = match column.kind {
+            ColumnKind::Text => DataType::Utf8,
+            ColumnKind::Integer => DataType::Int64,
+            ColumnKind::Number => DataType::Float64,
+        };
+        field(column.name, kind, column.unit, column.meaning)
+    }));
+    fields.push(field(
+        "scenario_digest",
+        DataType::Utf8,
+        "",
+        "SHA-256 of the scenario; null if there is none",
+    ));
+    fields.push(field(
+        "error",
+        DataType::Utf8,
+        "",
+        "why there is no outcome; null if there is one",
+    ));
+    fields
+}
+
+fn field(name: &str, kind: DataType, unit: &str, meaning: &str) -> Field {
+    let mut metadata = HashMap::from([("meaning".to_owned(), meaning.to_owned())]);
+    if !unit.is_empty() {
+        metadata.insert("unit".to_owned(), unit.to_owned());
+    }
+    Field::new(name, kind, true).with_metadata(metadata)
+}
+
+/// How files are written: nothing that could differ from one machine or moment to another.
+pub(super) fn properties(entries: Vec<KeyValue>) -> WriterProperties {
+    let level = ZstdLevel::try_new(1).unwrap_or_default();
+    WriterProperties::builder()
+        .set_writer_version(WriterVersion::PARQUET_1_0)
+        .set_created_by("toprise".to_owned())
+        .set_compression(Compression::ZSTD(level))
+        .set_statistics_enabled(EnabledStatistics::Chunk)
+        .set_offset_index_disabled(true)
+        .set_key_value_metadata(Some(entries))
+        .build()
+}
+
+/// The bytes of a part.
+///
+/// # Errors
+/// [`ParquetError`] if the writer fails.
+pub(super) fn bytes(batch: &RecordBatch, counts: &Counts) -> Result<Vec<u8>, ParquetError> {
+    let properties = properties(vec![counts_entry(counts)?]);
+    let mut writer = ArrowWriter::try_new(Vec::new(), batch.schema(), Some(properties))?;
+    writer.write(batch)?;
+    writer.into_inner()
+}
+
+/// The entry that says how many rows came out how.
+pub(super) fn counts_entry(counts: &Counts) -> Result<KeyValue, ParquetError> {
+    let text = serde_json::to_string(counts);
+    let text = text.map_err(|error| ParquetError::General(error.to_string()))?;
+    Ok(KeyValue::new(COUNTS_ENTRY.to_owned(), text))
+}

@@ -1,0 +1,124 @@
+//! Reading columns of a table again.
+
+use super::error::SweepError;
+use arrow_array::cast::AsArray as _;
+use arrow_array::types::{Float64Type, Int64Type};
+use arrow_array::{Array as _, RecordBatch};
+use arrow_schema::{DataType, Schema};
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// Some columns of a table of outcomes.
+#[derive(Clone, Debug)]
+pub struct Columns {
+    path: PathBuf,
+    schema: Schema,
+    batches: Vec<RecordBatch>,
+}
+
+impl Columns {
+    /// Reads the columns of these names, which may be those of keys too.
+    ///
+    /// # Errors
+    /// [`SweepError::Table`] if it is no Parquet file, or a column is missing.
+    pub fn read(path: &Path, names: &[&str]) -> Result<Self, SweepError> {
+        let wrong = |reason: String| SweepError::Table {
+            path: path.to_owned(),
+            reason,
+        };
+        let file = File::open(path).map_err(SweepError::io("read", path))?;
+        let builder = ParquetRecordBatchReaderBuilder::try_new(file)
+            .map_err(|error| wrong(error.to_string()))?;
+        let schema = builder.schema().clone();
+        let all: Vec<&str> = schema
+            .fields()
+            .iter()
+            .map(|field| field.name().as_str())
+            .collect();
+        for name in names {
+            if !all.contains(&plain(name).as_str()) {
+                return Err(wrong(format!(
+                    "there is no column {name}; there are {}",
+                    all.join(", ")
+                )));
+            }
+        }
+        let wanted: Vec<usize> = (0..all.len())
+            .filter(|i| names.iter().any(|name| plain(name) == all[*i]))
+            .collect();
+        let mask = ProjectionMask::roots(builder.parquet_schema(), wanted);
+        let reader = builder
+            .with_projection(mask)
+            .build()
+            .map_err(|error| wrong(error.to_string()))?;
+        let batches: Result<Vec<_>, _> = reader.collect();
+        Ok(Self {
+            path: path.to_owned(),
+            schema: schema.as_ref().clone(),
+            batches: batches.map_err(|error| wrong(error.to_string()))?,
+        })
+    }
+
+    /// The unit of a column; empty if it has none.
+    #[must_use]
+    pub fn unit(&self, name: &str) -> &str {
+        let field = self.schema.field_with_name(&plain(name)).ok();
+        let unit = field.and_then(|field| field.metadata().get("unit"));
+        unit.map_or("", String::as_str)
+    }
+
+    /// The numbers of a column; NaN where there is none.
+    ///
+    /// # Errors
+    /// [`SweepError::Table`] if they are no numbers.
+    pub fn numbers(&self, name: &str) -> Result<Vec<f64>, SweepError> {
+        let mut numbers = Vec::new();
+        for batch in &self.batches {
+            let Some(column) = batch.column_by_name(&plain(name)) else {
+                continue;
+            };
+            let value: &dyn Fn(usize) -> f64 = match column.data_type() {
+                DataType::Float64 => &|row| column.as_primitive::<Float64Type>().value(row),
+                DataType::Int64 => &|row| column.as_primitive::<Int64Type>().value(row) as f64,
+                other => {
+                    return Err(SweepError::Table {
+                        path: self.path.clone(),
+                        reason: format!("{name} holds no numbers, but {other}"),
+                    });
+                }
+            };
+            let rows = 0..column.len();
+            numbers.extend(rows.map(|row| {
+                if column.is_null(row) {
+                    f64::NAN
+                } else {
+                    value(row)
+                }
+            }));
+        }
+        Ok(numbers)
+    }
+
+    /// The cells of a column as texts; none where there is nothing.
+    #[must_use]
+    pub fn texts(&self, name: &str) -> Vec<Option<String>> {
+        if let Ok(numbers) = self.numbers(name) {
+            let text = |number: f64| (!number.is_nan()).then(|| number.to_string());
+            return numbers.into_iter().map(text).collect();
+        }
+        let columns = self
+            .batches
+            .iter()
+            .filter_map(|batch| batch.column_by_name(&plain(name)));
+        let texts = columns.filter_map(|column| column.as_string_opt::<i32>());
+        let cells = texts.flat_map(|column| column.iter().map(|text| text.map(str::to_owned)));
+        cells.collect()
+    }
+}
+
+/// The name of a column, for a key's path too.
+fn plain(name: &str) -> String {
+    name.replace('.', "_")
+}

@@ -1,0 +1,108 @@
+//! One row of a sweep: from values to a scenario to an outcome, or to why there is none.
+
+use crate::run::outcome::{Outcome, outcome};
+use crate::run::scenario::{Key, Scenario, ScenarioError, Value, Values};
+use crate::run::simulation::{SimulationError, StopReason};
+use std::any::Any;
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What a run comes to.
+pub type RunResult = Result<Outcome, SimulationError>;
+
+/// How a scenario is run: [`run_whole`], but for tests.
+pub type Run = fn(&Scenario, &mut dyn FnMut() -> bool) -> RunResult;
+
+/// Watches a sweep from outside. Both functions are called from many threads.
+pub struct Watch<'a> {
+    /// Asked before each step of each run whether to go on.
+    pub carry_on: &'a (dyn Fn() -> bool + Sync),
+    /// Told of each row that is done: why its run stopped, or none for a row with an error.
+    pub done: &'a (dyn Fn(Option<StopReason>) + Sync),
+}
+
+/// What a row comes to.
+pub(super) struct Row {
+    /// What tells the scenario from others; none if there is none.
+    pub(super) digest: Option<String>,
+    /// The outcome, or why there is none.
+    pub(super) result: Result<Outcome, String>,
+}
+
+/// Runs a scenario for its outcome.
+pub(super) fn run_whole(scenario: &Scenario, carry_on: &mut dyn FnMut() -> bool) -> RunResult {
+    outcome(scenario, carry_on)
+}
+
+thread_local! {
+    static IN_ROW: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread computes a row, whose panics are caught and told in the table.
+#[must_use]
+pub fn is_in_row() -> bool {
+    IN_ROW.get()
+}
+
+/// Computes a row, whatever happens in it; none if it was interrupted.
+pub(super) fn row(
+    base: &Values,
+    changes: &[(&'static Key, Value)],
+    most_steps: Option<u64>,
+    run: Run,
+    watch: &Watch<'_>,
+) -> Option<Row> {
+    let scenario = match scenario(base, changes) {
+        Ok(scenario) => scenario,
+        Err(error) => {
+            let result = Err(error.to_string());
+            return Some(Row {
+                digest: None,
+                result,
+            });
+        }
+    };
+    let mut steps = 0;
+    let mut is_over_budget = false;
+    let mut carry_on = || {
+        steps += 1;
+        is_over_budget = most_steps.is_some_and(|most| steps > most);
+        !is_over_budget && (watch.carry_on)()
+    };
+    IN_ROW.set(true);
+    let caught = catch_unwind(AssertUnwindSafe(|| run(&scenario, &mut carry_on)));
+    IN_ROW.set(false);
+    let result = match caught {
+        Err(panic) => Err(format!("panic: {}", words(panic.as_ref()))),
+        Ok(Err(error)) => Err(error.to_string()),
+        Ok(Ok(outcome)) if outcome.stop_reason == StopReason::Interrupted => {
+            if !is_over_budget {
+                return None;
+            }
+            let most = most_steps.unwrap_or_default();
+            Err(format!("not finished within {most} steps"))
+        }
+        Ok(Ok(outcome)) => Ok(outcome),
+    };
+    let digest = Some(scenario.digest());
+    Some(Row { digest, result })
+}
+
+/// The scenario of a row.
+fn scenario(base: &Values, changes: &[(&'static Key, Value)]) -> Result<Scenario, ScenarioError> {
+    let mut values = base.clone();
+    for (key, value) in changes {
+        match value {
+            Value::Text(text) => values.put(key.path, text.as_str())?,
+            Value::Number(number) => values.put(key.path, *number)?,
+        }
+    }
+    Scenario::new(values)
+}
+
+/// What a panic says.
+fn words(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<&str>().copied();
+    let string = || panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(string).unwrap_or("no message")
+}

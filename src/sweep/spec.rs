@@ -1,0 +1,552 @@
+//! The spec of a sweep: which runs it consists of.
+
+use super::axis::{Axis, find_key};
+use super::error::SweepError;
+use super::sample::{Method, Points, most_axes};
+use super::table::Table;
+use crate::run::scenario::{KEYS, Key, PRESETS, Preset, Value, Values};
+use serde::Deserialize;
+use serde_json::{Map, Value as Json, json};
+use std::fs;
+use std::path::Path;
+
+/// The most rows of a sweep: parts are numbered with six digits.
+const MOST_ROWS: u64 = 1_000_000_000;
+
+/// A scenario that runs of a sweep start from. Only with what a row changes need it be complete.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Base {
+    /// Its name in the table.
+    pub name: String,
+    /// Its keys and values.
+    pub values: Values,
+}
+
+impl Base {
+    /// The preset of this name, or the scenario file at this path, with some keys set otherwise.
+    ///
+    /// # Errors
+    /// [`SweepError::Base`] or [`SweepError::Io`] if there is none, or a key can't be set.
+    pub fn open(word: &str, folder: &Path, set: &[(String, String)]) -> Result<Self, SweepError> {
+        let wrong = |reason| SweepError::Base {
+            name: word.to_owned(),
+            reason,
+        };
+        let path = folder.join(word);
+        let is_preset = PRESETS.iter().any(|preset| preset.name == word);
+        let mut values = if is_preset || !path.is_file() {
+            Preset::find(word)
+                .and_then(|preset| preset.values())
+                .map_err(wrong)?
+        } else {
+            let text = fs::read_to_string(&path).map_err(SweepError::io("read", &path))?;
+            Values::from_toml(&text).map_err(wrong)?
+        };
+        for (key, value) in set {
+            values.set(find_key(key)?.path, value).map_err(wrong)?;
+        }
+        let name = match values.get("name") {
+            Some(Value::Text(name)) => name.clone(),
+            _ => word.to_owned(),
+        };
+        Ok(Self { name, values })
+    }
+
+    /// Its keys and values as JSON.
+    fn to_json(&self) -> Json {
+        let keys = KEYS.iter().filter_map(|key| {
+            let value = match self.values.get(key.path)? {
+                Value::Text(text) => json!(text),
+                Value::Number(number) => json!(number),
+            };
+            Some((key.path.to_owned(), value))
+        });
+        Json::Object(keys.collect())
+    }
+}
+
+/// How the rows of each base come about.
+#[derive(Clone, Debug)]
+pub enum Design {
+    /// Every combination of the values of some axes; the last axis varies fastest.
+    Grid(Vec<Axis>),
+    /// Points chosen among the values of some axes.
+    Sample {
+        /// How many.
+        count: u64,
+        /// How they are chosen.
+        method: Method,
+        /// Which of many such choices; 0 is Sobol's sequence itself.
+        seed: u64,
+        /// The axes.
+        axes: Vec<Axis>,
+    },
+    /// The rows of a table.
+    Table(Table),
+}
+
+/// Which runs a sweep consists of.
+#[derive(Clone, Debug)]
+pub struct Spec {
+    bases: Vec<Base>,
+    design: Design,
+    /// A run that takes more steps of the integrator than this has an error instead of an outcome.
+    pub most_steps: Option<u64>,
+    keys: Vec<&'static Key>,
+    rows_per_base: u64,
+    points: Option<Points>,
+}
+
+/// A spec as a file has it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    bases: Vec<String>,
+    #[serde(default)]
+    set: toml::Table,
+    #[serde(default)]
+    over: toml::Table,
+    sample: Option<SampleFile>,
+    table: Option<String>,
+    max_steps: Option<u64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SampleFile {
+    count: u64,
+    #[serde(default)]
+    method: Method,
+    #[serde(default)]
+    seed: u64,
+}
+
+impl Spec {
+    /// A sweep over these bases, the outermost axis.
+    ///
+    /// # Errors
+    /// [`SweepError::Spec`] if bases, axes and sample don't fit together.
+    pub fn new(
+        bases: Vec<Base>,
+        design: Design,
+        most_steps: Option<u64>,
+    ) -> Result<Self, SweepError> {
+        let wrong = |reason: String| Err(SweepError::Spec(reason));
+        if bases.is_empty() {
+            return wrong("a sweep needs at least one preset or scenario file".to_owned());
+        }
+        let (keys, rows, points) = match &design {
+            Design::Grid(axes) => (keys_of(axes), grid_size(axes)?, None),
+            Design::Sample {
+                count,
+                method,
+                seed,
+                axes,
+            } => {
+                check_sample(axes, *method)?;
+                let points = Points::new(*method, *seed, axes.len());
+                (keys_of(axes), *count, Some(points))
+            }
+            Design::Table(table) => (table.keys(), table.rows(), None),
+        };
+        if let Some(twice) = (1..keys.len()).find(|i| {
+            let same = |other: &&Key| other.path == keys[*i].path;
+            keys[..*i].iter().any(same)
+        }) {
+            return wrong(format!("{} varies twice", keys[twice].path));
+        }
+        let all = rows.checked_mul(bases.len() as u64);
+        match all {
+            Some(0) => wrong("there is nothing to run".to_owned()),
+            Some(1..=MOST_ROWS) => Ok(Self {
+                bases,
+                design,
+                most_steps,
+                keys,
+                rows_per_base: rows,
+                points,
+            }),
+            _ => wrong(format!("more than {MOST_ROWS} runs")),
+        }
+    }
+
+    /// Reads a spec from TOML. Files that it names are looked for in `folder`; keys are set in all its bases.
+    ///
+    /// # Errors
+    /// As [`Spec::new`], [`Axis::parse`] and [`Base::open`]; [`SweepError::Spec`] for a text that is no spec.
+    pub fn from_toml(
+        text: &str,
+        folder: &Path,
+        set: &[(String, String)],
+    ) -> Result<Self, SweepError> {
+        let file: File = toml::from_str(text)
+            .map_err(|error| SweepError::Spec(format!("not the spec of a sweep: {error}")))?;
+        let own = file
+            .set
+            .iter()
+            .map(|(key, value)| (key.clone(), plain(value)));
+        let set: Vec<_> = own.chain(set.iter().cloned()).collect();
+        let words = if file.bases.is_empty() {
+            vec!["paper".to_owned()]
+        } else {
+            file.bases
+        };
+        let bases = words.iter().map(|word| Base::open(word, folder, &set));
+        let axes = file.over.iter().map(|(key, value)| {
+            let text = match value {
+                toml::Value::Array(values) => {
+                    values.iter().map(plain).collect::<Vec<_>>().join(",")
+                }
+                value => plain(value),
+            };
+            Axis::parse(key, &text)
+        });
+        let axes = axes.collect::<Result<Vec<_>, _>>()?;
+        let table = file.table.map(|path| Table::read(&folder.join(path)));
+        let sample = file
+            .sample
+            .map(|sample| (sample.count, sample.method, sample.seed));
+        let design = Design::of(axes, sample, table.transpose()?)?;
+        Self::new(bases.collect::<Result<_, _>>()?, design, file.max_steps)
+    }
+
+    /// Whether a TOML text is a spec rather than a scenario.
+    #[must_use]
+    pub fn is_spec(text: &str) -> bool {
+        let table: Option<toml::Table> = text.parse().ok();
+        table.is_some_and(|table| {
+            ["bases", "over", "sample", "table"]
+                .iter()
+                .any(|name| table.contains_key(*name))
+        })
+    }
+
+    /// The number of rows.
+    #[must_use]
+    pub fn rows(&self) -> u64 {
+        self.rows_per_base * self.bases.len() as u64
+    }
+
+    /// The keys that vary, in the order of their columns.
+    #[must_use]
+    pub fn keys(&self) -> &[&'static Key] {
+        &self.keys
+    }
+
+    /// The base of a row.
+    pub(super) fn base(&self, row: u64) -> &Base {
+        &self.bases[(row / self.rows_per_base) as usize]
+    }
+
+    /// What a row changes in its base: a value, or none, for each of [`Spec::keys`].
+    pub(super) fn values(&self, row: u64) -> Vec<Option<Value>> {
+        let row = row % self.rows_per_base;
+        match &self.design {
+            Design::Grid(axes) => {
+                let mut rest = row;
+                let mut values: Vec<_> = axes
+                    .iter()
+                    .rev()
+                    .map(|axis| {
+                        let count = axis.count().unwrap_or(1);
+                        let value = axis.at(rest % count);
+                        rest /= count;
+                        Some(value)
+                    })
+                    .collect();
+                values.reverse();
+                values
+            }
+            Design::Sample { axes, .. } => {
+                let at = |dimension| {
+                    let points = self.points.as_ref();
+                    points.map_or(0.0, |points| points.at(row, dimension))
+                };
+                let axes = axes.iter().enumerate();
+                axes.map(|(i, axis)| Some(axis.sampled(at(i)))).collect()
+            }
+            Design::Table(table) => table.row(row),
+        }
+    }
+
+    /// All that decides about the bytes of the table: what tells this sweep from another.
+    #[must_use]
+    pub fn to_json(&self) -> Json {
+        let axes = |axes: &[Axis]| {
+            let entry = |axis: &Axis| (axis.key.path.to_owned(), json!(axis.text));
+            Json::Object(axes.iter().map(entry).collect())
+        };
+        let bases = |base: &Base| (base.name.clone(), base.to_json());
+        let mut spec = Map::new();
+        let mut put = |name: &str, value| spec.insert(name.to_owned(), value);
+        put("format", json!("toprise-sweep-1"));
+        put("toprise", json!(env!("CARGO_PKG_VERSION")));
+        put("runs", json!(self.rows()));
+        let all: Vec<Json> = self
+            .bases
+            .iter()
+            .map(bases)
+            .map(|(name, values)| json!({"name": name, "scenario": values}))
+            .collect();
+        put("bases", Json::Array(all));
+        match &self.design {
+            Design::Grid(grid) => {
+                put("over", axes(grid));
+            }
+            Design::Sample {
+                count,
+                method,
+                seed,
+                axes: over,
+            } => {
+                put("over", axes(over));
+                put(
+                    "sample",
+                    json!({"count": count, "method": method, "seed": seed}),
+                );
+            }
+            Design::Table(table) => {
+                put("table", json!({"sha256": table.digest()}));
+            }
+        }
+        put("max_steps", json!(self.most_steps));
+        Json::Object(spec)
+    }
+}
+
+impl Design {
+    /// The design that axes, a sample (count, method, seed) or a table make.
+    ///
+    /// # Errors
+    /// [`SweepError::Spec`] if they exclude each other.
+    pub fn of(
+        axes: Vec<Axis>,
+        sample: Option<(u64, Method, u64)>,
+        table: Option<Table>,
+    ) -> Result<Self, SweepError> {
+        match (sample, table) {
+            (None, None) => Ok(Self::Grid(axes)),
+            (Some((count, method, seed)), None) => Ok(Self::Sample {
+                count,
+                method,
+                seed,
+                axes,
+            }),
+            (None, Some(table)) if axes.is_empty() => Ok(Self::Table(table)),
+            (_, Some(_)) => Err(SweepError::Spec(
+                "a table says all that varies: leave the axes and the sample out".to_owned(),
+            )),
+        }
+    }
+}
+
+/// What differs first between the specs of two sweeps, as words; none if they are equal.
+pub(super) fn change(before: &Json, now: &Json) -> Option<String> {
+    changed("", before, now)
+}
+
+fn changed(path: &str, before: &Json, now: &Json) -> Option<String> {
+    let inner = |name: &str| {
+        if path.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{path}.{name}")
+        }
+    };
+    match (before, now) {
+        (Json::Object(old), Json::Object(new)) => {
+            let names = new.keys().chain(old.keys());
+            // The number of runs follows from the rest, which says more.
+            let (last, first): (Vec<_>, Vec<_>) = names.partition(|name| *name == "runs");
+            let mut all = first.into_iter().chain(last);
+            let differing = all.find_map(|name| {
+                let of = |map: &Map<String, Json>| map.get(name).cloned().unwrap_or_default();
+                changed(&inner(name), &of(old), &of(new))
+            });
+            let order = || {
+                let same = old.keys().eq(new.keys());
+                (!same).then(|| format!("the order of {path}"))
+            };
+            differing.or_else(order)
+        }
+        (Json::Array(old), Json::Array(new)) if old.len() == new.len() => {
+            let pairs = old.iter().zip(new).enumerate();
+            pairs
+                .into_iter()
+                .find_map(|(i, (old, new))| changed(&format!("{path}[{i}]"), old, new))
+        }
+        (Json::Array(old), Json::Array(new)) => Some(format!(
+            "{path} had {} entries there, and {} here",
+            old.len(),
+            new.len()
+        )),
+        (old, new) if old == new => None,
+        (Json::Null, new) => Some(format!("{path} = {new} is new")),
+        (old, Json::Null) => Some(format!("{path} = {old} is gone")),
+        (old, new) => Some(format!("{path} = {old} there, and {new} here")),
+    }
+}
+
+fn keys_of(axes: &[Axis]) -> Vec<&'static Key> {
+    axes.iter().map(|axis| axis.key).collect()
+}
+
+/// The number of points of a grid.
+fn grid_size(axes: &[Axis]) -> Result<u64, SweepError> {
+    axes.iter().try_fold(1_u64, |size, axis| {
+        let count = axis.count().ok_or_else(|| {
+            let Axis { key, text, .. } = axis;
+            let name = key.path;
+            SweepError::Spec(format!(
+                "{name}={text}: a grid needs the number of values, as in {name}=a..b/10 or a..b/10log; --sample does not"
+            ))
+        })?;
+        size.checked_mul(count)
+            .filter(|size| *size <= MOST_ROWS)
+            .ok_or_else(|| SweepError::Spec(format!("more than {MOST_ROWS} runs")))
+    })
+}
+
+fn check_sample(axes: &[Axis], method: Method) -> Result<(), SweepError> {
+    let wrong = |reason: String| Err(SweepError::Spec(reason));
+    if axes.is_empty() {
+        return wrong("a sample needs at least one axis: --over KEY=a..b".to_owned());
+    }
+    if axes.len() > most_axes(method) {
+        return wrong(format!(
+            "{} axes are more than the {} that this method has",
+            axes.len(),
+            most_axes(method)
+        ));
+    }
+    match axes.iter().find(|axis| axis.is_counted_range()) {
+        Some(Axis { key, text, .. }) => wrong(format!(
+            "{}={text}: a sample has its own number of values; write a..b or a..b/log",
+            key.path
+        )),
+        None => Ok(()),
+    }
+}
+
+/// A value as it would stand on the command line.
+fn plain(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(text) => text.clone(),
+        value => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paper() -> Vec<Base> {
+        vec![Base::open("paper", Path::new("."), &[]).unwrap()]
+    }
+
+    fn grid(axes: &[(&str, &str)]) -> Spec {
+        let axes = axes
+            .iter()
+            .map(|(key, text)| Axis::parse(key, text).unwrap());
+        Spec::new(paper(), Design::Grid(axes.collect()), None).unwrap()
+    }
+
+    #[test]
+    fn the_last_axis_varies_fastest_and_bases_slowest() {
+        let mut bases = paper();
+        bases.push(Base::open("viscous", Path::new("."), &[]).unwrap());
+        let axes = [("friction.k", "0.1,0.2"), ("initial.psi_dot", "1,2,3")];
+        let axes = axes.map(|(key, text)| Axis::parse(key, text).unwrap());
+        let spec = Spec::new(bases, Design::Grid(axes.to_vec()), None).unwrap();
+        assert_eq!(spec.rows(), 12);
+        let numbers = |row| {
+            let values = spec.values(row).into_iter();
+            values
+                .map(|value| match value {
+                    Some(Value::Number(number)) => number,
+                    other => panic!("{other:?}"),
+                })
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(numbers(0), [0.1, 1.0]);
+        assert_eq!(numbers(1), [0.1, 2.0]);
+        assert_eq!(numbers(3), [0.2, 1.0]);
+        assert_eq!(numbers(6), [0.1, 1.0]);
+        assert_eq!(spec.base(5).name, "paper");
+        assert_eq!(spec.base(6).name, "viscous");
+    }
+
+    #[test]
+    fn a_file_says_what_the_command_line_does() {
+        let text = r#"
+            bases = ["paper"]
+            max_steps = 1000
+            [set]
+            "stop.duration" = 2.5
+            [over]
+            "friction.k" = "0.01..0.1/4log"
+            "initial.psi_dot" = [100, 150.5]
+        "#;
+        assert!(Spec::is_spec(text));
+        assert!(!Spec::is_spec("name = \"a\"\n[top]\nmass = 1"));
+        let read = Spec::from_toml(text, Path::new("."), &[]).unwrap();
+        let set = [("stop.duration".to_owned(), "2.5".to_owned())];
+        let bases = vec![Base::open("paper", Path::new("."), &set).unwrap()];
+        let axes = [
+            ("friction.k", "0.01..0.1/4log"),
+            ("initial.psi_dot", "100,150.5"),
+        ];
+        let axes = axes.map(|(key, text)| Axis::parse(key, text).unwrap());
+        let built = Spec::new(bases, Design::Grid(axes.to_vec()), Some(1000)).unwrap();
+        assert_eq!(change(&read.to_json(), &built.to_json()), None);
+        let error = Spec::from_toml("ovr = 1", Path::new("."), &[]).unwrap_err();
+        assert!(error.to_string().contains("ovr"), "{error}");
+    }
+
+    #[test]
+    fn what_changed_is_named() {
+        let before = grid(&[("friction.k", "0.1,0.2")]).to_json();
+        let told = |axes: &[(&str, &str)]| change(&before, &grid(axes).to_json());
+        assert_eq!(told(&[("friction.k", "0.1,0.2")]), None);
+        assert_eq!(
+            told(&[("friction.k", "0.1,0.3")]).unwrap(),
+            "over.friction.k = \"0.1,0.2\" there, and \"0.1,0.3\" here"
+        );
+        assert_eq!(told(&[]).unwrap(), "over.friction.k = \"0.1,0.2\" is gone");
+        let set = [("top.mass".to_owned(), "0.2".to_owned())];
+        let bases = vec![Base::open("paper", Path::new("."), &set).unwrap()];
+        let axes = vec![Axis::parse("friction.k", "0.1,0.2").unwrap()];
+        let heavier = Spec::new(bases, Design::Grid(axes), None).unwrap();
+        assert_eq!(
+            change(&before, &heavier.to_json()).unwrap(),
+            "bases[0].scenario.top.mass = 0.11 there, and 0.2 here"
+        );
+    }
+
+    #[test]
+    fn what_does_not_fit_together_is_refused() {
+        let axis = |key: &str, text: &str| Axis::parse(key, text).unwrap();
+        let sample = |axes| Design::of(axes, Some((10, Method::Sobol, 0)), None).unwrap();
+        for (design, part) in [
+            (Design::Grid(vec![axis("friction.k", "0.1..1")]), "a..b/10"),
+            (
+                Design::Grid(vec![axis("friction.k", "0.1,1"), axis("friction_k", "1")]),
+                "twice",
+            ),
+            (sample(vec![axis("friction.k", "0.1..1/5")]), "own number"),
+            (sample(vec![]), "at least one axis"),
+            (
+                Design::Grid(vec![
+                    axis("friction.k", "0..1/1000000"),
+                    axis("initial.phi", "0..1/1000000"),
+                ]),
+                "more than",
+            ),
+        ] {
+            let error = Spec::new(paper(), design, None).unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+        assert!(Spec::new(Vec::new(), Design::Grid(Vec::new()), None).is_err());
+    }
+}

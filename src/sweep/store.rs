@@ -1,0 +1,240 @@
+//! Where a sweep is kept: its parts while it grows, its table when it is complete.
+
+use super::counts::Counts;
+use super::error::SweepError;
+use super::part::{COUNTS_ENTRY, Sweep, counts_entry, properties};
+use super::spec::change;
+use crate::archive::publish::{self, Draft, Existing};
+use crate::archive::sink::SinkError;
+use parquet::column::writer::ColumnCloseResult;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::{KeyValue, ParquetMetaData, ParquetMetaDataReader};
+use parquet::file::writer::SerializedFileWriter;
+use serde_json::Value as Json;
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The entry of the table's metadata with the spec.
+const SPEC_ENTRY: &str = "toprise.sweep";
+
+/// The file beside the parts with the spec.
+const SPEC_FILE: &str = "sweep.json";
+
+/// The directory for the parts of a table.
+#[must_use]
+pub fn parts_directory(table: &Path) -> PathBuf {
+    let mut name = table.file_name().map_or_else(OsString::new, OsString::from);
+    name.push(".parts");
+    table.with_file_name(name)
+}
+
+/// The places of a sweep's files.
+pub(super) struct Store<'a> {
+    sweep: &'a Sweep,
+    table: &'a Path,
+    parts: PathBuf,
+}
+
+impl<'a> Store<'a> {
+    pub(super) fn new(sweep: &'a Sweep, table: &'a Path) -> Self {
+        let parts = parts_directory(table);
+        Self {
+            sweep,
+            table,
+            parts,
+        }
+    }
+
+    /// How the rows of the complete table came out; none if there is no table yet.
+    ///
+    /// # Errors
+    /// If a file of that name is something else.
+    pub(super) fn finished(&self) -> Result<Option<Counts>, SweepError> {
+        let table = self.table;
+        if table.symlink_metadata().is_err() {
+            return Ok(None);
+        }
+        let exists = || SweepError::Exists {
+            path: table.to_owned(),
+        };
+        let metadata = metadata(table).map_err(|_| exists())?;
+        let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(exists)?;
+        self.check(table, spec)?;
+        let counts = entry(&metadata, COUNTS_ENTRY).ok_or_else(exists)?;
+        serde_json::from_str(counts).map(Some).map_err(|_| exists())
+    }
+
+    /// Makes the directory of the parts, or finds that it is of this sweep.
+    ///
+    /// # Errors
+    /// [`SweepError::Changed`] if it is of another one.
+    pub(super) fn open(&self) -> Result<(), SweepError> {
+        let path = self.parts.join(SPEC_FILE);
+        if !path.exists() {
+            let text = format!("{:#}\n", self.sweep.spec().to_json());
+            match publish::write(&path, Existing::Keep, text.as_bytes()) {
+                // Another shard was faster.
+                Ok(()) | Err(SinkError::Exists { .. }) => {}
+                Err(error) => return Err(error.into()),
+            }
+        }
+        self.check_parts()
+    }
+
+    /// Finds whether the directory of the parts, if there is one, is of this sweep.
+    ///
+    /// # Errors
+    /// [`SweepError::Changed`] if it is of another one.
+    pub(super) fn check_parts(&self) -> Result<(), SweepError> {
+        let path = self.parts.join(SPEC_FILE);
+        match fs::read_to_string(&path) {
+            Ok(text) => self.check(&self.parts, &text),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            Err(error) => Err(SweepError::io("read", &path)(error)),
+        }
+    }
+
+    /// Refuses what is of another sweep.
+    fn check(&self, path: &Path, spec: &str) -> Result<(), SweepError> {
+        let before: Json = serde_json::from_str(spec).unwrap_or_default();
+        match change(&before, &self.sweep.spec().to_json()) {
+            None => Ok(()),
+            Some(change) => Err(SweepError::Changed {
+                path: path.to_owned(),
+                change,
+            }),
+        }
+    }
+
+    fn part(&self, part: u64) -> PathBuf {
+        self.parts.join(format!("{part:06}.parquet"))
+    }
+
+    /// Whether a part is there.
+    pub(super) fn has(&self, part: u64) -> bool {
+        self.part(part).exists()
+    }
+
+    /// Writes a part: whole, or not at all.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`] if the disk is full, or the like.
+    pub(super) fn write(&self, part: u64, bytes: &[u8]) -> Result<(), SweepError> {
+        let path = self.part(part);
+        // Another process may compute the same part, and comes to the same bytes.
+        let name = format!("{part:06}.{}.partial", std::process::id());
+        let partial = self.parts.join(name);
+        let written = File::create(&partial).and_then(|mut file| {
+            file.write_all(bytes)?;
+            file.sync_all()
+        });
+        let named = written.and_then(|()| fs::rename(&partial, &path));
+        named.map_err(|error| {
+            let _ = fs::remove_file(&partial);
+            SweepError::io("write", &path)(error)
+        })
+    }
+
+    /// Merges all parts into the table by copying their columns, and removes them. Tells how the rows came out.
+    ///
+    /// # Errors
+    /// [`SweepError::BadPart`] for a part that is not what it must be.
+    pub(super) fn merge(&self) -> Result<Counts, SweepError> {
+        let mut counts = Counts::default();
+        let mut schema = None;
+        for part in 0..self.sweep.parts() {
+            let metadata = self.checked(part)?;
+            let own =
+                entry(&metadata, COUNTS_ENTRY).and_then(|text| serde_json::from_str(text).ok());
+            counts.add(own.ok_or_else(|| self.bad(part, "its counts are missing"))?);
+            schema.get_or_insert(metadata);
+        }
+        let Some(first) = schema else {
+            return Ok(counts);
+        };
+        let mut draft = Draft::new(self.table, Existing::Keep)?;
+        self.copy(&mut draft, &first, &counts)?;
+        draft.publish()?;
+        // What is left of them if this fails does no harm.
+        let _ = fs::remove_dir_all(&self.parts);
+        Ok(counts)
+    }
+
+    fn copy(
+        &self,
+        draft: &mut Draft,
+        first: &ParquetMetaData,
+        counts: &Counts,
+    ) -> Result<(), SweepError> {
+        let file = first.file_metadata();
+        let arrow = file.key_value_metadata().into_iter().flatten();
+        let mut entries: Vec<_> = arrow
+            .filter(|entry| entry.key != COUNTS_ENTRY)
+            .cloned()
+            .collect();
+        let spec = self.sweep.spec().to_json().to_string();
+        entries.push(KeyValue::new(SPEC_ENTRY.to_owned(), spec));
+        entries.push(counts_entry(counts)?);
+        let schema = file.schema_descr().root_schema_ptr();
+        let output = BufWriter::new(draft);
+        let mut writer = SerializedFileWriter::new(output, schema, Arc::new(properties(entries)))?;
+        for part in 0..self.sweep.parts() {
+            let path = self.part(part);
+            let metadata = self.checked(part)?;
+            let file = File::open(&path).map_err(SweepError::io("read", &path))?;
+            for group in metadata.row_groups() {
+                let mut copy = writer.next_row_group()?;
+                for column in group.columns() {
+                    let close = ColumnCloseResult {
+                        bytes_written: column.compressed_size() as u64,
+                        rows_written: group.num_rows() as u64,
+                        metadata: column.clone(),
+                        bloom_filter: None,
+                        column_index: None,
+                        offset_index: None,
+                    };
+                    copy.append_column(&file, close)?;
+                }
+                copy.close()?;
+            }
+        }
+        writer.close()?;
+        Ok(())
+    }
+
+    /// The metadata of a part that has the rows that it must have.
+    fn checked(&self, part: u64) -> Result<ParquetMetaData, SweepError> {
+        let path = self.part(part);
+        let metadata = metadata(&path).map_err(|error| self.bad(part, &error.to_string()))?;
+        let rows = self.sweep.rows_of(part);
+        let expected = rows.end - rows.start;
+        let found = metadata.file_metadata().num_rows();
+        if u64::try_from(found) == Ok(expected) {
+            Ok(metadata)
+        } else {
+            Err(self.bad(part, &format!("it has {found} rows, not {expected}")))
+        }
+    }
+
+    fn bad(&self, part: u64, reason: &str) -> SweepError {
+        SweepError::BadPart {
+            path: self.part(part),
+            reason: reason.to_owned(),
+        }
+    }
+}
+
+fn metadata(path: &Path) -> Result<ParquetMetaData, ParquetError> {
+    let file = File::open(path)?;
+    ParquetMetaDataReader::new().parse_and_finish(&file)
+}
+
+/// An entry of a file's metadata.
+fn entry<'a>(metadata: &'a ParquetMetaData, name: &str) -> Option<&'a str> {
+    let entries = metadata.file_metadata().key_value_metadata()?;
+    let found = entries.iter().find(|entry| entry.key == name)?;
+    found.value.as_deref()
+}

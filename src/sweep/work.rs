@@ -1,0 +1,157 @@
+//! Computing what is missing of a sweep, with all processors.
+
+use super::counts::{Counts, RowError};
+use super::error::SweepError;
+use super::part::{Sweep, bytes};
+use super::row::Watch;
+use super::store::Store;
+use arrow_array::RecordBatch;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+
+/// A share of the parts, for one machine of several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which, from 0.
+    pub index: u64,
+    /// Of how many.
+    pub count: u64,
+}
+
+/// How a sweep is computed. Nothing of this changes its bytes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options {
+    /// Number of threads; 0 for one for each processor.
+    pub threads: usize,
+    /// Computes the parts of this share alone, and doesn't merge.
+    pub shard: Option<Shard>,
+    /// Ends at the first row with an error instead of going on.
+    pub fail_fast: bool,
+}
+
+/// What was done.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Finished {
+    /// Whether the table is there. It is not after a shard, nor after an interruption.
+    pub is_merged: bool,
+    /// Whether the sweep was interrupted.
+    pub is_interrupted: bool,
+    /// Number of rows that were computed now; the others were there.
+    pub computed: u64,
+    /// How they came out: all rows of the table, or those computed now if it is not there.
+    pub counts: Counts,
+}
+
+/// A part that is computed, on its way to the disk.
+type Computed = (u64, RecordBatch, Counts);
+
+/// Computes the parts of a sweep that are missing beside `table`, and merges them into it. If the table is there, nothing
+/// is left to do.
+///
+/// # Errors
+/// [`SweepError`] if what is there is of another sweep or can't be written, or, with [`Options::fail_fast`], a row fails.
+/// Parts that are complete stay.
+pub fn run(
+    sweep: &Sweep,
+    table: &Path,
+    options: &Options,
+    watch: &Watch<'_>,
+) -> Result<Finished, SweepError> {
+    let store = Store::new(sweep, table);
+    if let Some(counts) = store.finished()? {
+        return Ok(Finished {
+            is_merged: true,
+            counts,
+            ..Finished::default()
+        });
+    }
+    store.open()?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build()?;
+    let mut finished = Finished::default();
+    // One part is computed while another one is written.
+    let (sender, receiver) = sync_channel(0);
+    let written = thread::scope(|scope| {
+        let writer = scope.spawn(|| write_all(&store, receiver));
+        let computed = pool.install(|| {
+            let mut missing = missing(&store, sweep, options.shard);
+            missing
+                .try_for_each(|part| compute(sweep, part, options, watch, &sender, &mut finished))
+        });
+        drop(sender);
+        let written = writer.join();
+        let written = written.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        written.and(match computed {
+            ControlFlow::Break(Some(RowError { run, error })) => {
+                Err(SweepError::Row { run, error })
+            }
+            ControlFlow::Break(None) | ControlFlow::Continue(()) => Ok(()),
+        })
+    });
+    written?;
+    if options.shard.is_none() && !finished.is_interrupted {
+        finished.counts = store.merge()?;
+        finished.is_merged = true;
+    }
+    Ok(finished)
+}
+
+/// How many rows a run would have to compute; an error if what is there is of another sweep.
+///
+/// # Errors
+/// As [`run`].
+pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u64, SweepError> {
+    let store = Store::new(sweep, table);
+    if store.finished()?.is_some() {
+        return Ok(0);
+    }
+    store.check_parts()?;
+    let rows = missing(&store, sweep, shard).map(|part| sweep.rows_of(part));
+    Ok(rows.map(|rows| rows.end - rows.start).sum())
+}
+
+/// The parts that are not there, in order.
+fn missing(store: &Store<'_>, sweep: &Sweep, shard: Option<Shard>) -> impl Iterator<Item = u64> {
+    let is_own = move |part: &u64| shard.is_none_or(|shard| part % shard.count == shard.index);
+    (0..sweep.parts())
+        .filter(is_own)
+        .filter(|part| !store.has(*part))
+}
+
+/// Computes a part and hands it on. Breaks off if it was interrupted, if it can't be handed on, which the writer tells,
+/// or with an error that ends the sweep.
+fn compute(
+    sweep: &Sweep,
+    part: u64,
+    options: &Options,
+    watch: &Watch<'_>,
+    sender: &SyncSender<Computed>,
+    finished: &mut Finished,
+) -> ControlFlow<Option<RowError>> {
+    let rows = sweep.rows_of(part);
+    let count = rows.end - rows.start;
+    let Some((batch, counts)) = sweep.batch(rows, watch) else {
+        finished.is_interrupted = true;
+        return ControlFlow::Break(None);
+    };
+    if options.fail_fast && counts.first_error.is_some() {
+        return ControlFlow::Break(counts.first_error);
+    }
+    finished.computed += count;
+    finished.counts.add(counts.clone());
+    match sender.send((part, batch, counts)) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(_) => ControlFlow::Break(None),
+    }
+}
+
+/// Writes parts as they come.
+fn write_all(store: &Store<'_>, computed: Receiver<Computed>) -> Result<(), SweepError> {
+    for (part, batch, counts) in computed {
+        store.write(part, &bytes(&batch, &counts)?)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,473 @@
+//! Sweeps: the table is a function of the spec, however it is computed.
+
+use crate::support::scenario;
+use arrow_array::cast::AsArray as _;
+use arrow_array::types::{Float64Type, Int64Type};
+use arrow_array::{Array as _, RecordBatch};
+use assert_cmd::Command;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use sha2::{Digest as _, Sha256};
+use std::fs::{self, File};
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use toprise::run::outcome;
+use toprise::run::outcome::Cell;
+use toprise::run::scenario::Scenario;
+use toprise::sweep::{
+    Axis, Base, Design, Finished, Method, Options, RunResult, Shard, Spec, Sweep, SweepError,
+    Watch, parts_directory, run,
+};
+
+/// Runs that end at once, over a grid of 2,400: three parts.
+fn spec(axes: &[(&str, &str)]) -> Spec {
+    let set = [("stop.duration", "0.002"), ("sampling.period", "0.001")];
+    let set = set.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    let base = Base::open("paper", Path::new(""), &set).unwrap();
+    let axes = axes
+        .iter()
+        .map(|(key, text)| Axis::parse(key, text).unwrap());
+    Spec::new(vec![base], Design::Grid(axes.collect()), None).unwrap()
+}
+
+const AXES: &[(&str, &str)] = &[
+    ("friction.k", "0.005..0.1/40log"),
+    ("initial.psi_dot", "60..200/60"),
+];
+
+fn everything<T>(task: impl FnOnce(&Watch<'_>) -> T) -> T {
+    task(&Watch {
+        carry_on: &|| true,
+        done: &|_| {},
+    })
+}
+
+fn compute(sweep: &Sweep, table: &Path, options: &Options) -> Result<Finished, SweepError> {
+    everything(|watch| run(sweep, table, options, watch))
+}
+
+fn digest(path: &Path) -> String {
+    format!("{:x}", Sha256::digest(fs::read(path).unwrap()))
+}
+
+fn read(path: &Path) -> RecordBatch {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
+    let mut reader = builder.with_batch_size(1_000_000).build().unwrap();
+    let batch = reader.next().unwrap().unwrap();
+    assert!(reader.next().is_none());
+    batch
+}
+
+fn numbers<'a>(table: &'a RecordBatch, name: &str) -> &'a arrow_array::Float64Array {
+    table
+        .column_by_name(name)
+        .unwrap()
+        .as_primitive::<Float64Type>()
+}
+
+fn errors(table: &RecordBatch) -> Vec<(usize, String)> {
+    let column = table.column_by_name("error").unwrap().as_string::<i32>();
+    let rows = (0..column.len()).filter(|row| column.is_valid(*row));
+    rows.map(|row| (row, column.value(row).to_owned()))
+        .collect()
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_how_they_are_computed() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = Sweep::new(spec(AXES));
+    assert_eq!(sweep.parts(), 3);
+    let with = |name: &str, options: &[Options]| {
+        let table = folder.path().join(name);
+        for options in options {
+            compute(&sweep, &table, options).unwrap();
+        }
+        assert!(!parts_directory(&table).exists());
+        digest(&table)
+    };
+    let threads = |threads| Options {
+        threads,
+        ..Options::default()
+    };
+    let shard = |index, count| Options {
+        shard: Some(Shard { index, count }),
+        ..Options::default()
+    };
+    let one = with("one.parquet", &[threads(1)]);
+    assert_eq!(with("two.parquet", &[threads(2)]), one);
+    let shards = [shard(1, 2), shard(0, 2), threads(1)];
+    assert_eq!(with("shards.parquet", &shards), one);
+    // One share of three is left to the sweep that merges.
+    let shards = [shard(2, 3), shard(0, 3), threads(2)];
+    assert_eq!(with("missing.parquet", &shards), one);
+}
+
+#[test]
+fn an_interrupted_sweep_goes_on_where_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = Sweep::new(spec(AXES));
+    let whole = folder.path().join("whole.parquet");
+    compute(&sweep, &whole, &Options::default()).unwrap();
+    let table = folder.path().join("broken.parquet");
+    for most in [500, 700, 1000] {
+        let done = AtomicU64::new(0);
+        let watch = Watch {
+            carry_on: &|| done.load(Ordering::Relaxed) < most,
+            done: &|_| {
+                done.fetch_add(1, Ordering::Relaxed);
+            },
+        };
+        let finished = run(&sweep, &table, &Options::default(), &watch).unwrap();
+        assert!(finished.is_interrupted && !finished.is_merged && !table.exists());
+    }
+    let parts = fs::read_dir(parts_directory(&table)).unwrap().count();
+    assert!((2..=3).contains(&parts), "{parts} files are there");
+    let finished = compute(&sweep, &table, &Options::default()).unwrap();
+    assert!(finished.computed < 2400, "{finished:?}");
+    assert_eq!(finished.counts.stops["duration"], 2400);
+    assert_eq!(digest(&table), digest(&whole));
+    // It is complete, and nothing is left to do.
+    let again = compute(&sweep, &table, &Options::default()).unwrap();
+    assert_eq!((again.computed, again.counts), (0, finished.counts));
+}
+
+#[test]
+fn a_row_is_the_outcome_of_its_scenario() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a.parquet");
+    let axes = [
+        ("friction.k", "0.03..0.3/3log"),
+        ("initial.psi_dot", "170,50"),
+    ];
+    let spec = {
+        let axes = axes.map(|(key, text)| Axis::parse(key, text).unwrap());
+        let bases = ["full-coulomb", "viscous", "free-paper"].map(|name| {
+            let set = [("stop.duration".to_owned(), "0.5".to_owned())];
+            Base::open(name, Path::new(""), &set).unwrap()
+        });
+        Spec::new(bases.to_vec(), Design::Grid(axes.to_vec()), None).unwrap()
+    };
+    compute(&Sweep::new(spec), &table, &Options::default()).unwrap();
+    let table = read(&table);
+    assert_eq!(table.num_rows(), 18);
+    let names = table.column_by_name("scenario").unwrap().as_string::<i32>();
+    let digests = table
+        .column_by_name("scenario_digest")
+        .unwrap()
+        .as_string::<i32>();
+    let runs = table
+        .column_by_name("run")
+        .unwrap()
+        .as_primitive::<Int64Type>();
+    for row in 0..table.num_rows() {
+        assert_eq!(runs.value(row), row as i64);
+        let changes = [
+            ("friction.k", numbers(&table, "friction_k").value(row)),
+            (
+                "initial.psi_dot",
+                numbers(&table, "initial_psi_dot").value(row),
+            ),
+            ("stop.duration", 0.5),
+        ];
+        let changes = changes.map(|(key, number)| (key, format!("{number:?}")));
+        let changes = changes.each_ref().map(|(key, text)| (*key, text.as_str()));
+        let scenario = scenario(names.value(row), &changes);
+        assert_eq!(digests.value(row), scenario.digest());
+        let outcome = outcome(&scenario, || true).unwrap();
+        for name in [
+            "theta",
+            "friction_work",
+            "rise_time",
+            "weak_time",
+            "roll_time",
+            "turns",
+        ] {
+            let column = numbers(&table, name);
+            let found = column.is_valid(row).then(|| column.value(row).to_bits());
+            let expected = match outcome.get(name) {
+                Some(Cell::Number(number)) => Some(number.to_bits()),
+                _ => None,
+            };
+            assert_eq!(found, expected, "row {row}: {name}");
+        }
+    }
+    assert_eq!(errors(&table), []);
+    let schema = table.schema();
+    let field = schema.field_with_name("initial_psi_dot").unwrap();
+    assert_eq!(field.metadata()["unit"], "rad/s");
+}
+
+/// Panics for one scenario and fails for none.
+fn panicking(scenario: &Scenario, carry_on: &mut dyn FnMut() -> bool) -> RunResult {
+    assert!(scenario.rates.psi != 110.0, "a test wants this");
+    outcome(scenario, carry_on)
+}
+
+#[test]
+fn rows_that_fail_say_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a.parquet");
+    // θ = 0 can't be in Euler angles, beyond π is no inclination, and 10 s are over the budget.
+    let axes = [
+        ("stop.duration", "0.002,10"),
+        ("initial.theta", "0,0.5,4"),
+        ("initial.psi_dot", "100..150/6"),
+    ];
+    let mut spec = spec(&axes);
+    spec.most_steps = Some(500);
+    let sweep = Sweep::new(spec).with_run(panicking);
+    let finished = compute(&sweep, &table, &Options::default()).unwrap();
+    let table = read(&table);
+    assert_eq!(table.num_rows(), 36);
+    let told = errors(&table);
+    let rows_with = |part: &str| {
+        let rows = told.iter().filter(|(_, error)| error.contains(part));
+        rows.map(|(row, _)| *row).collect::<Vec<_>>()
+    };
+    let invalid = rows_with("initial.theta");
+    let expected: Vec<usize> = [0..6, 12..18, 18..24, 30..36]
+        .into_iter()
+        .flatten()
+        .collect();
+    assert_eq!(invalid, expected);
+    assert_eq!(rows_with("panic: a test wants this"), [7, 25]);
+    assert_eq!(
+        rows_with("not finished within 500 steps"),
+        [24, 26, 27, 28, 29]
+    );
+    assert_eq!(told.len(), 31);
+    assert_eq!(finished.counts.errors, 31);
+    assert_eq!(finished.counts.first_error.unwrap().run, 0);
+    // No outcome, and no scenario where it is invalid.
+    let theta = numbers(&table, "theta");
+    let digests = table.column_by_name("scenario_digest").unwrap();
+    for (row, error) in &told {
+        assert!(theta.is_null(*row), "row {row}: {error}");
+        assert_eq!(digests.is_null(*row), invalid.contains(row), "row {row}");
+    }
+    assert_eq!(theta.null_count(), 31);
+}
+
+#[test]
+fn a_sweep_may_end_at_the_first_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a.parquet");
+    let sweep = Sweep::new(spec(&[("initial.theta", "0.4,0.5,4,5")]));
+    let options = Options {
+        fail_fast: true,
+        ..Options::default()
+    };
+    let error = compute(&sweep, &table, &options).unwrap_err().to_string();
+    assert!(error.starts_with("run 2: initial.theta = 4"), "{error}");
+    assert!(!table.exists());
+}
+
+#[test]
+fn what_is_there_is_never_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a.parquet");
+    let sweep = |text| Sweep::new(spec(&[("friction.k", text)]));
+    let go = |text| compute(&sweep(text), &table, &Options::default());
+    fs::write(&table, "precious").unwrap();
+    assert!(matches!(go("0.1"), Err(SweepError::Exists { .. })));
+    assert_eq!(fs::read(&table).unwrap(), b"precious");
+    fs::remove_file(&table).unwrap();
+    go("0.1").unwrap();
+    let before = digest(&table);
+    let refused = go("0.2").unwrap_err().to_string();
+    assert!(
+        refused.contains("over.friction.k = \"0.1\" there, and \"0.2\" here"),
+        "{refused}"
+    );
+    assert_eq!(digest(&table), before);
+    // The parts of another sweep that isn't complete.
+    let table = folder.path().join("b.parquet");
+    let options = Options {
+        shard: Some(Shard { index: 0, count: 1 }),
+        ..Options::default()
+    };
+    compute(&sweep("0.1"), &table, &options).unwrap();
+    let refused = compute(&sweep("0.3"), &table, &options).unwrap_err();
+    assert!(matches!(refused, SweepError::Changed { .. }), "{refused}");
+    // A part that was cut off is not merged.
+    let part = parts_directory(&table).join("000000.parquet");
+    let bytes = fs::read(&part).unwrap();
+    fs::write(&part, &bytes[..bytes.len() / 2]).unwrap();
+    let refused = compute(&sweep("0.1"), &table, &Options::default()).unwrap_err();
+    assert!(matches!(refused, SweepError::BadPart { .. }), "{refused}");
+    fs::remove_file(&part).unwrap();
+    compute(&sweep("0.1"), &table, &Options::default()).unwrap();
+    assert_eq!(
+        fs::read(folder.path().join("a.parquet")).unwrap(),
+        fs::read(&table).unwrap()
+    );
+}
+
+#[test]
+fn samples_and_tables_say_what_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let sample = |method, seed| {
+        let axes = [
+            ("friction.k", "0.01..1/log"),
+            ("friction.law", "coulomb,none"),
+        ];
+        let axes = axes.map(|(key, text)| Axis::parse(key, text).unwrap());
+        let design = Design::of(axes.to_vec(), Some((64, method, seed)), None).unwrap();
+        let base = Base::open("paper", Path::new(""), &[]).unwrap();
+        Sweep::new(Spec::new(vec![base], design, None).unwrap()).design(0..64)
+    };
+    let sobol = sample(Method::Sobol, 0);
+    let k = numbers(&sobol, "friction_k");
+    assert_eq!(k.value(0), 0.01);
+    // The second point of Sobol's sequence is the middle.
+    assert!((k.value(1) - 0.1).abs() < 1e-15);
+    let laws = sobol
+        .column_by_name("friction_law")
+        .unwrap()
+        .as_string::<i32>();
+    assert_eq!(laws.iter().filter(|law| *law == Some("none")).count(), 32);
+    assert_ne!(sobol, sample(Method::Sobol, 1));
+    assert_ne!(sample(Method::Random, 1), sample(Method::Random, 2));
+    assert_eq!(sample(Method::Random, 1), sample(Method::Random, 1));
+
+    let csv = folder.path().join("design.csv");
+    fs::write(
+        &csv,
+        "friction_k, initial.psi_dot\n0.01, 100\n,150\n0.02,\n",
+    )
+    .unwrap();
+    let of = |path: &Path| {
+        let table = toprise::sweep::Table::read(path).unwrap();
+        let base = Base::open("paper", Path::new(""), &[]).unwrap();
+        let design = Design::of(Vec::new(), None, Some(table)).unwrap();
+        Spec::new(vec![base], design, None).unwrap()
+    };
+    let spec = of(&csv);
+    let design = Sweep::new(spec.clone()).design(0..3);
+    let k = numbers(&design, "friction_k");
+    assert_eq!((k.value(0), k.is_null(1), k.value(2)), (0.01, true, 0.02));
+    assert!(numbers(&design, "initial_psi_dot").is_null(2));
+    // The same design as Parquet is the same sweep.
+    let file = folder.path().join("design.parquet");
+    let columns = design.project(&[2, 3]).unwrap();
+    let schema = columns.schema();
+    let mut writer =
+        parquet::arrow::ArrowWriter::try_new(File::create(&file).unwrap(), schema, None).unwrap();
+    writer.write(&columns).unwrap();
+    writer.close().unwrap();
+    assert_eq!(of(&file).to_json(), spec.to_json());
+
+    for (text, part) in [
+        ("friction_k\nfast\n", "is no number"),
+        ("friction_kk\n1\n", "friction.k"),
+        ("friction_k\n", "no rows"),
+    ] {
+        fs::write(&csv, text).unwrap();
+        let error = toprise::sweep::Table::read(&csv).unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+/// SciPy's numbers: `tests/data/sobol.py` wrote them.
+#[test]
+fn val_samples_are_the_sobol_sequence_of_scipy() {
+    let data: serde_json::Value = serde_json::from_str(include_str!("../data/sobol.json")).unwrap();
+    let keys = toprise::run::scenario::KEYS.iter();
+    let keys: Vec<_> = keys.filter(|key| !key.kind.is_text()).collect();
+    assert!(keys.len() > 40);
+    let axes = keys
+        .iter()
+        .map(|key| Axis::parse(key.path, "0..1").unwrap());
+    let design = Design::of(axes.collect(), Some((2_000_000, Method::Sobol, 0)), None).unwrap();
+    let base = Base::open("paper", Path::new(""), &[]).unwrap();
+    let sweep = Sweep::new(Spec::new(vec![base], design, None).unwrap());
+    let points = data["points"].as_object().unwrap();
+    assert!(points.len() > 20);
+    for (row, point) in points {
+        let row = row.parse().unwrap();
+        let ours = sweep.design(row..row + 1);
+        for (key, coordinate) in keys.iter().zip(point.as_array().unwrap()) {
+            let column = numbers(&ours, &toprise::sweep::column_name(key));
+            assert_eq!(
+                Some(column.value(0)),
+                coordinate.as_f64(),
+                "{row}, {}",
+                key.path
+            );
+        }
+    }
+}
+
+fn toprise(folder: &Path, line: &str) -> (i32, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_toprise"))
+        .current_dir(folder)
+        .args(line.split_whitespace())
+        .output()
+        .unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    let code = output.status.code().unwrap();
+    (code, text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn the_command_sweeps_resumes_and_reports() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let line = "sweep paper --set stop.duration=0.01 --over initial_theta=0.5,4 -o a.parquet";
+    let (code, answer, notes) = toprise(folder, &format!("{line} --dry-run"));
+    assert_eq!(code, 0, "{notes}");
+    assert!(answer.starts_with("2 runs"), "{answer}");
+    assert_eq!(fs::read_dir(folder).unwrap().count(), 0);
+    let (code, answer, notes) = toprise(folder, &format!("{line} --format json"));
+    assert_eq!(code, 3, "{notes}");
+    let report: serde_json::Value = serde_json::from_str(&answer).unwrap();
+    assert_eq!(report["runs"], 2);
+    assert_eq!(report["outcomes"]["duration"], 1);
+    assert_eq!(report["first_error"]["run"], 1);
+    let (code, answer, _) = toprise(folder, line);
+    assert_eq!(code, 3);
+    assert!(answer.contains("nothing: all of it was there"), "{answer}");
+    let (code, _, told) = toprise(folder, &line.replace("0.01", "0.02"));
+    assert_eq!(code, 2);
+    assert!(
+        told.contains("bases[0].scenario.stop.duration = 0.01 there, and 0.02 here"),
+        "{told}"
+    );
+    let (code, _, told) = toprise(folder, "sweep paper --over friction.k=0.1..1 -o b.parquet");
+    assert_eq!(code, 2);
+    assert!(told.contains("a grid needs the number of values"), "{told}");
+    let spec = "bases = [\"paper\"]\nset = { \"stop.duration\" = 0.01 }\nover = { initial_theta = [0.5, 4] }\n";
+    fs::write(folder.join("spec.toml"), spec).unwrap();
+    let (code, _, notes) = toprise(folder, "sweep spec.toml -o c.parquet");
+    assert_eq!(code, 3, "{notes}");
+    let bytes = |name| fs::read(folder.join(name)).unwrap();
+    assert_eq!(bytes("a.parquet"), bytes("c.parquet"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_cannot_be_written_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    // A file where the folder would have to be: nobody can write there, not even root.
+    fs::write(folder.path().join("a.parquet.parts"), "").unwrap();
+    let sweep = Sweep::new(spec(&[("friction.k", "0.1")]));
+    let error = compute(
+        &sweep,
+        &folder.path().join("a.parquet"),
+        &Options::default(),
+    );
+    let error = error.unwrap_err().to_string();
+    assert!(error.contains("a.parquet.parts"), "{error}");
+}
+
+#[test]
+fn outcomes_have_no_column_of_a_key() {
+    let names: Vec<_> = toprise::run::outcome::COLUMNS
+        .iter()
+        .map(|c| c.name)
+        .collect();
+    for key in toprise::run::scenario::KEYS {
+        let column = toprise::sweep::column_name(key);
+        assert!(!names.contains(&column.as_str()), "{column}");
+        assert!(!["run", "scenario", "scenario_digest", "error"].contains(&column.as_str()));
+    }
+}
