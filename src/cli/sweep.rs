@@ -2,7 +2,6 @@
 
 use super::arguments::{FormArguments, Override, parse_override};
 use super::done::Done;
-use super::given::read_file;
 use super::interrupt::Interrupt;
 use super::numbers::{count, number};
 use super::output;
@@ -10,6 +9,7 @@ use super::page::{Page, Section, Tone};
 use super::progress::Progress;
 use super::report::{self, WrittenFile};
 use super::table::Table as PageTable;
+use crate::archive::given::read_file;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Shard, Spec, Sweep, Table, Watch,

@@ -1,5 +1,6 @@
 //! What can go wrong with a sweep as a whole. What goes wrong with a row stands in the table.
 
+use crate::archive::given::GivenError;
 use crate::archive::sink::SinkError;
 use crate::run::scenario::ScenarioError;
 use std::io;
@@ -20,6 +21,9 @@ pub enum SweepError {
         /// What is wrong.
         reason: ScenarioError,
     },
+    /// A word names no scenario to start from.
+    #[error(transparent)]
+    Given(#[from] GivenError),
     /// A key that scenarios don't have.
     #[error(transparent)]
     Key(#[from] ScenarioError),

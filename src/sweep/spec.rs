@@ -4,11 +4,11 @@ use super::axis::{Axis, find_key};
 use super::error::SweepError;
 use super::sample::{Method, Points, most_axes};
 use super::table::Table;
-use crate::run::scenario::{KEYS, Key, PRESETS, Preset, Value, Values};
+use crate::archive::given;
+use crate::run::scenario::{KEYS, Key, Value, Values};
 use serde::Deserialize;
 use serde_json::{Map, Value as Json, json};
-use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The most rows of a sweep: parts are numbered with six digits.
 const MOST_ROWS: u64 = 1_000_000_000;
@@ -23,25 +23,18 @@ pub struct Base {
 }
 
 impl Base {
-    /// The preset of this name, or the scenario file at this path, with some keys set otherwise.
+    /// The preset of this name, or the scenario of the file or recording at this path, with some keys set otherwise.
     ///
     /// # Errors
-    /// [`SweepError::Base`] or [`SweepError::Io`] if there is none, or a key can't be set.
+    /// [`SweepError::Given`] if there is none, [`SweepError::Base`] if a key can't be set.
     pub fn open(word: &str, folder: &Path, set: &[(String, String)]) -> Result<Self, SweepError> {
         let wrong = |reason| SweepError::Base {
             name: word.to_owned(),
             reason,
         };
         let path = folder.join(word);
-        let is_preset = PRESETS.iter().any(|preset| preset.name == word);
-        let mut values = if is_preset || !path.is_file() {
-            Preset::find(word)
-                .and_then(|preset| preset.values())
-                .map_err(wrong)?
-        } else {
-            let text = fs::read_to_string(&path).map_err(SweepError::io("read", &path))?;
-            Values::from_toml(&text).map_err(wrong)?
-        };
+        let path: PathBuf = if path.is_file() { path } else { word.into() };
+        let mut values = given::values(&path)?;
         for (key, value) in set {
             values.set(find_key(key)?.path, value).map_err(wrong)?;
         }

@@ -443,6 +443,56 @@ fn the_command_sweeps_resumes_and_reports() {
     assert_eq!(bytes("a.parquet"), bytes("c.parquet"));
 }
 
+#[test]
+fn sweeps_are_drawn_as_maps_and_curves() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let sweep = "sweep paper viscous --set stop.duration=0.05 --over friction.k=0.01..1/5log --over initial.theta=0.3..0.5/3 -o a.parquet";
+    let (code, _, notes) = toprise(folder, sweep);
+    assert_eq!(code, 0, "{notes}");
+    let map = "figures --sweep a.parquet --x friction.k --y initial_theta --kinds svg";
+    let (code, _, told) = toprise(folder, &format!("{map} -o both"));
+    assert_eq!(code, 2);
+    assert!(told.contains("choose among them with --where"), "{told}");
+    // Nothing has risen yet: all cells have the colour that says so.
+    let (code, _, told) = toprise(folder, &format!("{map} --where scenario=paper -o risen"));
+    assert_eq!(code, 0, "{told}");
+    let svg = fs::read_to_string(folder.join("risen/sweep.svg")).unwrap();
+    for part in [
+        "not by the end of the run",
+        "friction.k",
+        "initial_theta (rad)",
+        "0.01",
+        "0.1",
+    ] {
+        assert!(svg.contains(part), "{part} is not in the figure");
+    }
+    assert!(!svg.contains("rise_time (s)"));
+    let (code, _, told) = toprise(
+        folder,
+        &format!("{map} --where scenario=paper --show energy -o energy"),
+    );
+    assert_eq!(code, 0, "{told}");
+    let svg = fs::read_to_string(folder.join("energy/sweep.svg")).unwrap();
+    assert!(svg.contains("energy (J)") && !svg.contains("not by the end"));
+    let curves = "figures --sweep a.parquet --x friction_k --show slip_path --where initial_theta=0.4 --kinds svg -o c";
+    let (code, _, told) = toprise(folder, curves);
+    assert_eq!(code, 0, "{told}");
+    let svg = fs::read_to_string(folder.join("c/sweep.svg")).unwrap();
+    for part in ["paper", "viscous", "slip_path (m)"] {
+        assert!(svg.contains(part), "{part} is not in the figure");
+    }
+    let (code, _, told) = toprise(
+        folder,
+        "figures --sweep a.parquet --x friction --kinds svg -o d",
+    );
+    assert_eq!(code, 2);
+    assert!(
+        told.contains("there is no column friction; there are run, scenario"),
+        "{told}"
+    );
+}
+
 #[cfg(unix)]
 #[test]
 fn a_folder_that_cannot_be_written_is_an_error() {
