@@ -215,6 +215,13 @@ pub fn node_to_body(v: &Vector3<f64>, psi: f64) -> Vector3<f64> {
     turn_about_z(v, -psi)
 }
 
+/// A vector's world components turned into its lean components, given the precession φ in rad.
+#[must_use]
+pub fn world_to_lean(v: &Vector3<f64>, phi: f64) -> Vector3<f64> {
+    let (sin, cos) = sin_cos(phi);
+    Vector3::new(sin * v.x - cos * v.y, cos * v.x + sin * v.y, v.z)
+}
+
 /// A vector's lean components turned into its world components, given the precession φ in rad.
 #[must_use]
 pub fn lean_to_world(v: &Vector3<f64>, phi: f64) -> Vector3<f64> {

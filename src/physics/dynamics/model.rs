@@ -111,6 +111,35 @@ impl Model {
         }
     }
 
+    /// The top with a fixed peg that nutates as this one does while its free peg rolls, at an inclination with this cosine;
+    /// exact for small nutations of an axis near the vertical.
+    ///
+    /// With the height `h = R + l cos θ` of the centre of mass its moments of inertia are `A + M h²`, about the contact
+    /// point, and `I_z + M R h`: the centre of mass goes round with the spin, because the peg rolls.
+    #[must_use]
+    pub fn rolling_top(&self, cos: f64) -> Top {
+        let top = &self.top;
+        let height = top.peg_radius + top.center_distance * cos;
+        Top {
+            transverse_moment: top.central_moment() + top.mass * height * height,
+            axial_moment: top.axial_moment + top.mass * top.peg_radius * height,
+            ..*top
+        }
+    }
+
+    /// The period of nutation without friction in a motion with these least and greatest θ (rad), s: see
+    /// [`Top::nutation_period`]. `None` where the motion would not come back.
+    #[must_use]
+    pub fn nutation_period(&self, motion: &Motion, extremes: [f64; 2]) -> Option<f64> {
+        let rolls = self.support.is_free() && motion.phase == Phase::Holding;
+        let top = if rolls {
+            self.rolling_top(motion.tilt.cos)
+        } else {
+            self.nutating_top()
+        };
+        top.nutation_period(&motion.tilt, extremes)
+    }
+
     /// Jellett's integral `l L_n + R L_z′` about the centre of mass, kg m³/s: no force at the point of contact changes
     /// it (J. H. Jellett, A Treatise on the Theory of Friction, 1872).
     #[must_use]

@@ -1,8 +1,7 @@
 //! Nutation cycle by cycle: the averages that show the slow motion.
 
-use crate::physics::dynamics::Motion;
+use crate::physics::dynamics::{Model, Motion};
 use crate::physics::kinematics::Euler;
-use crate::physics::top::Top;
 
 /// How many times longer or shorter a cycle may be than a nutation without friction.
 ///
@@ -53,7 +52,7 @@ impl NutationCycle {
 /// Collects what a cycle needs while it lasts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NutationTracker {
-    top: Top,
+    model: Model,
     /// Cycles finished so far.
     count: u32,
     /// Since the last maximum of θ̇, or since the motion began, which is no beginning of a cycle.
@@ -106,10 +105,10 @@ impl OpenCycle {
     }
 
     /// Whether what ends at `time` can have been one nutation, from one maximum of θ̇ to the next.
-    fn is_nutation(&self, top: &Top, time: f64) -> bool {
+    fn is_nutation(&self, model: &Model, time: f64) -> bool {
         let extremes = [self.theta_min, self.theta_max];
-        let periods = top
-            .nutation_period(&self.motion.tilt, extremes)
+        let periods = model
+            .nutation_period(&self.motion, extremes)
             .map(|period| (time - self.start) / period);
         periods.is_some_and(|periods| (1.0 / PERIOD_FACTOR..=PERIOD_FACTOR).contains(&periods))
     }
@@ -126,9 +125,9 @@ fn widen(least: &mut f64, greatest: &mut f64, value: f64) {
 }
 
 impl NutationTracker {
-    pub(super) fn new(top: Top, time: f64, motion: Motion) -> Self {
+    pub(super) fn new(model: Model, time: f64, motion: Motion) -> Self {
         Self {
-            top,
+            model,
             count: 0,
             open: OpenCycle::new(time, &motion),
             has_begun: false,
@@ -152,7 +151,7 @@ impl NutationTracker {
     pub(super) fn extreme(&mut self, time: f64, motion: &Motion) -> bool {
         self.open.widen(motion);
         let extremes = [self.open.theta_min, self.open.theta_max];
-        let period = self.top.nutation_period(&self.open.motion.tilt, extremes);
+        let period = self.model.nutation_period(&self.open.motion, extremes);
         self.takes_all
             || period.is_none_or(|period| time - self.open.start <= PERIOD_FACTOR * period)
     }
@@ -172,7 +171,7 @@ impl NutationTracker {
         let mut open = std::mem::replace(&mut self.open, OpenCycle::new(time, &motion));
         let has_begun = std::mem::replace(&mut self.has_begun, true);
         open.widen(&motion);
-        let is_nutation = self.takes_all || open.is_nutation(&self.top, time);
+        let is_nutation = self.takes_all || open.is_nutation(&self.model, time);
         if !has_begun || !is_nutation {
             return None;
         }

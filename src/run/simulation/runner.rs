@@ -170,7 +170,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             integrator,
             settings,
             detail,
-            nutation: NutationTracker::new(scenario.model.nutating_top(), 0.0, motion),
+            nutation: NutationTracker::new(scenario.model, 0.0, motion),
             dense: None,
             reference: scenario.angles,
             pending,
