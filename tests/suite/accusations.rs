@@ -8,7 +8,7 @@ use toprise::archive::recording::Recording;
 use toprise::archive::sink::record;
 use toprise::archive::writer::{Form, McapSink};
 use toprise::physics::math::exp;
-use toprise::run::scenario::{KEYS, Kind, Preset, Scenario};
+use toprise::run::scenario::{KEYS, Kind, Preset, Scenario, Values};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::Telemetry;
 
@@ -177,6 +177,61 @@ fn scenario(random: &mut Random, reach: Reach) -> Option<Scenario> {
     Scenario::new(values).ok()
 }
 
+/// A random scenario of a top whose peg is free: all laws and losses, any restitution, drops, throws and tippe tops.
+fn free_scenario(random: &mut Random, reach: Reach) -> Option<Scenario> {
+    let base = scenario(random, reach)?;
+    let top = base.model.top;
+    let mut values = Values::from_toml(&base.to_toml()).unwrap();
+    let has_friction = values.get("friction.dissipation").is_some();
+    values.set("formulation", "body").unwrap();
+    values.set("support.kind", "free").unwrap();
+    values
+        .set(
+            "friction.dissipation",
+            if has_friction { "full" } else { "" },
+        )
+        .unwrap();
+    values
+        .set("stop.on_stick", ["", "continue"][random.below(2)])
+        .unwrap();
+    let mut put = |path: &str, value: f64| values.put(path, value).unwrap();
+    put(
+        "support.restitution",
+        [0.0, 1.0, random.unit(), random.unit()][random.below(4)],
+    );
+    // Three of ten are dropped or thrown.
+    match random.below(10) {
+        0 | 1 => put("initial.height", 0.02 * random.unit()),
+        2 => put("initial.peg_z_dot", 0.5 * random.unit()),
+        _ => {}
+    }
+    match random.below(4) {
+        0 => {
+            put("initial.peg_x_dot", random.symmetric());
+            put("initial.peg_y_dot", random.symmetric());
+        }
+        1 => {
+            put("initial.center_x_dot", 0.0);
+            put("initial.center_y_dot", 0.0);
+        }
+        _ => {}
+    }
+    if random.below(4) == 0 {
+        let radius = 0.005 + 0.03 * random.unit();
+        let distance = -0.9 * radius * random.unit();
+        let own = 0.4 * top.mass * radius * radius;
+        put("top.peg_radius", radius);
+        put("top.center_distance", distance);
+        put("top.axial_moment", own);
+        let central = own * (0.7 + 0.6 * random.unit());
+        put(
+            "top.transverse_moment",
+            central + top.mass * distance * distance,
+        );
+    }
+    Scenario::new(values).ok()
+}
+
 /// What `verify` finds wrong with a recording of a scenario; empty if nothing.
 pub fn accused(scenario: &Scenario, path: &Path) -> Option<String> {
     let _ = std::fs::remove_file(path);
@@ -215,15 +270,18 @@ pub fn accused(scenario: &Scenario, path: &Path) -> Option<String> {
     (!found.is_empty()).then_some(found)
 }
 
+/// Makes a random scenario.
+type Make = fn(&mut Random, Reach) -> Option<Scenario>;
+
 /// Records and verifies `count` random scenarios. Returns how many there were and those that are accused.
-pub fn try_scenarios(seed: u64, count: usize) -> (usize, Vec<String>) {
+fn try_scenarios(seed: u64, count: usize, make: Make) -> (usize, Vec<String>) {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let mut random = Random(seed);
     let (mut tried, mut found) = (0, Vec::new());
     while tried < count {
         let reach = [Reach::Plausible, Reach::Extreme][random.below(2)];
-        let Some(scenario) = scenario(&mut random, reach) else {
+        let Some(scenario) = make(&mut random, reach) else {
             continue;
         };
         tried += 1;
@@ -237,24 +295,37 @@ pub fn try_scenarios(seed: u64, count: usize) -> (usize, Vec<String>) {
 /// How many scenarios the long test tries: `TOPRISE_SCENARIOS=10000 cargo test --test suite -- --ignored accus`.
 const COUNT: &str = "TOPRISE_SCENARIOS";
 
-fn assert_sound(seed: u64, count: usize) {
-    let (tried, found) = try_scenarios(seed, count);
+fn assert_sound(seed: u64, count: usize, make: Make) {
+    let (tried, found) = try_scenarios(seed, count, make);
     println!("tried {tried}, accused {}", found.len());
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
 #[test]
 fn random_scenarios_are_not_accused() {
-    assert_sound(1, 60);
+    assert_sound(1, 60, scenario);
+}
+
+#[test]
+fn random_free_tops_are_not_accused() {
+    assert_sound(3, 60, free_scenario);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn many_random_free_tops_are_not_accused() {
+    assert_sound(4, count().unwrap_or(2000), free_scenario);
+}
+
+/// How many scenarios are asked for.
+fn count() -> Option<usize> {
+    std::env::var(COUNT).ok()?.parse().ok()
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn many_random_scenarios_are_not_accused() {
-    let count = std::env::var(COUNT)
-        .ok()
-        .and_then(|count| count.parse().ok());
-    assert_sound(2, count.unwrap_or(10_000));
+    assert_sound(2, count().unwrap_or(10_000), scenario);
 }
 
 /// Recordings that were once called wrong.

@@ -50,7 +50,7 @@ pub fn scenarios() -> Result<Trial, String> {
 
 /// A preset with some keys far from what they are, and the keys; none if that is no scenario.
 fn random_scenario(random: &mut Random) -> Option<(Scenario, Vec<(String, String)>)> {
-    const KEYS: [(&str, f64, f64); 14] = [
+    const KEYS: [(&str, f64, f64); 19] = [
         ("gravity", 0.1, 100.0),
         ("top.mass", 1e-3, 10.0),
         ("top.transverse_moment", 1e-6, 1.0),
@@ -65,6 +65,12 @@ fn random_scenario(random: &mut Random) -> Option<(Scenario, Vec<(String, String
         ("air.transverse", 1e-9, 1e-2),
         ("air.axial", 1e-9, 1e-2),
         ("air.disc", 1e-9, 1e-2),
+        ("rolling.arm", 1e-6, 1e-3),
+        // What follows is refused where the peg is fixed.
+        ("support.restitution", 1e-3, 1.0),
+        ("initial.height", 1e-6, 0.1),
+        ("initial.peg_x_dot", 1e-3, 1.0),
+        ("initial.peg_z_dot", 1e-3, 1.0),
     ];
     let preset = random.one_of(PRESETS).name;
     let mut values = Preset::find(preset).ok()?.values().ok()?;
