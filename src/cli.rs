@@ -155,9 +155,10 @@ enum Command {
     /// Draw figures for print: those of the paper, and more.
     ///
     /// figure-2, figure-3 and figure-4 are the paper's. The others show the accelerations term by term, the rates
-    /// of regular precession, the torques, the slip and the energy. With several runs each is an overlay; figure-4
-    /// compares the others with the first. Of a sweep (--sweep FILE --x KEY) there is a map over two keys, or curves over
-    /// one.
+    /// of regular precession, the torques, the slip and the energy; of free pegs there are the track of the contact
+    /// point on the table, and the normal force with the height of the peg. With several runs each is an overlay;
+    /// figure-4 compares the others with the first. Of a sweep (--sweep FILE --x KEY) there is a map over two keys, or curves
+    /// over one.
     ///
     /// Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn without what a run lacks.
     Figures(figures::FiguresArguments),

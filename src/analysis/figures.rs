@@ -30,17 +30,18 @@ mod report;
 mod run;
 mod sampling;
 mod time;
+mod track;
 
 #[cfg(feature = "sweep")]
 pub use self::map::{Map, MapAxis};
-pub use self::report::{FigureFile, FiguresReport, Lacking, RunLoss};
+pub use self::report::{FigureFile, FiguresReport, Lacking, LeftOut, RunLoss};
 pub use self::run::Run;
 pub use crate::analysis::plot::drawing::Drawing;
 
 use self::need::Need;
 use crate::analysis::subject::Subject;
 use crate::telemetry::fields::{
-    NumberField, acceleration, contact, energy, nutation, pose, precession, state, torque,
+    NumberField, acceleration, contact, energy, free_peg, nutation, pose, precession, state, torque,
 };
 
 /// A figure that can be drawn of runs.
@@ -56,7 +57,23 @@ pub struct Figure {
     needs: &'static [Need],
     /// The numbers without which parts of the figure are left out.
     uses: &'static [Need],
+    /// The pegs of which the figure says something.
+    pegs: Pegs,
     draw: fn(&[&Run], f64) -> Drawing,
+}
+
+/// Pegs of which a figure says something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pegs {
+    /// All.
+    All,
+    /// Those that are held: what it shows would be something else for a free one.
+    Held {
+        /// Why it says nothing of a free one.
+        because: &'static str,
+    },
+    /// Those that are free: a held one stays where it is.
+    Free,
 }
 
 /// The need for samples of some fields.
@@ -123,6 +140,10 @@ const TORQUES: Need = samples(&[
 
 const SLIP: Need = samples(&[contact::SLIP_SPEED, contact::SLIP_PATH]);
 
+const TRACK: Need = samples(&[contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()]);
+const NORMAL_FORCE: Need = samples(&[contact::NORMAL_FORCE]);
+const GAP: Need = samples(&[free_peg::GAP]);
+
 const ENERGIES: Need = samples(&[
     energy::KINETIC,
     energy::POTENTIAL,
@@ -139,6 +160,7 @@ pub const FIGURES: &[Figure] = &[
         least_runs: 1,
         needs: &[ANGLES],
         uses: &[NUTATIONS, ENVELOPE],
+        pegs: Pegs::All,
         draw: time::motion,
     },
     Figure {
@@ -147,6 +169,7 @@ pub const FIGURES: &[Figure] = &[
         least_runs: 1,
         needs: &[AXIS],
         uses: &[CYCLES],
+        pegs: Pegs::All,
         draw: locus::locus,
     },
     Figure {
@@ -155,6 +178,7 @@ pub const FIGURES: &[Figure] = &[
         least_runs: 2,
         needs: &[THETA, NUTATIONS],
         uses: &[ENVELOPE],
+        pegs: Pegs::All,
         draw: time::compared,
     },
     Figure {
@@ -163,6 +187,9 @@ pub const FIGURES: &[Figure] = &[
         least_runs: 1,
         needs: &[ACCELERATIONS, NUTATIONS],
         uses: &[],
+        pegs: Pegs::Held {
+            because: "the terms are those of a peg that stays in place; a free one adds that of its own acceleration",
+        },
         draw: time::acceleration,
     },
     Figure {
@@ -171,6 +198,9 @@ pub const FIGURES: &[Figure] = &[
         least_runs: 1,
         needs: &[PRECESSION_RATE, ROOTS],
         uses: &[NUTATIONS, ENVELOPE],
+        pegs: Pegs::Held {
+            because: "the rates are those of a peg that stays in place, and a free one also rolls",
+        },
         draw: time::precession,
     },
     Figure {
@@ -179,6 +209,7 @@ pub const FIGURES: &[Figure] = &[
         least_runs: 1,
         needs: &[TORQUES],
         uses: &[CYCLES],
+        pegs: Pegs::All,
         draw: time::torque,
     },
     Figure {
@@ -187,6 +218,7 @@ pub const FIGURES: &[Figure] = &[
         least_runs: 1,
         needs: &[SLIP],
         uses: &[CYCLES],
+        pegs: Pegs::All,
         draw: time::slip,
     },
     Figure {
@@ -195,7 +227,26 @@ pub const FIGURES: &[Figure] = &[
         least_runs: 1,
         needs: &[ENERGIES],
         uses: &[CYCLES],
+        pegs: Pegs::All,
         draw: time::energy,
+    },
+    Figure {
+        name: "track",
+        title: "The track of the contact point of a free peg on the table, from above",
+        least_runs: 1,
+        needs: &[TRACK],
+        uses: &[],
+        pegs: Pegs::Free,
+        draw: track::track,
+    },
+    Figure {
+        name: "hops",
+        title: "The normal force on a free peg, and its height above the table",
+        least_runs: 1,
+        needs: &[NORMAL_FORCE, GAP],
+        uses: &[CYCLES],
+        pegs: Pegs::Free,
+        draw: time::hops,
     },
 ];
 
@@ -226,6 +277,22 @@ impl Figure {
     #[must_use]
     pub fn missing(&self, run: &Run) -> Option<String> {
         self.needs.iter().find_map(|need| run.missing(need))
+    }
+
+    /// Why the figure says nothing of a run, whatever the run has recorded.
+    #[must_use]
+    pub fn says_nothing(&self, run: &Run) -> Option<&'static str> {
+        match self.pegs {
+            Pegs::Held { because } if run.has_free_peg => Some(because),
+            Pegs::Free if !run.has_free_peg => Some("the peg is held: it stays where it is"),
+            Pegs::All | Pegs::Held { .. } | Pegs::Free => None,
+        }
+    }
+
+    /// Whether the figure is about free pegs only.
+    #[must_use]
+    pub fn is_about_free_pegs(&self) -> bool {
+        self.pegs == Pegs::Free
     }
 
     /// Draws the figure with a width in mm. Several runs are drawn over one another; what a run lacks is left out.

@@ -9,7 +9,7 @@ use super::progress::Progress;
 use super::report;
 use super::table::Table;
 use crate::analysis::figures::{
-    Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, Run, RunLoss,
+    Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, LeftOut, Run, RunLoss,
 };
 #[cfg(feature = "sweep")]
 use crate::analysis::figures::{Map, MapAxis};
@@ -216,7 +216,20 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     let mut drawn = Vec::new();
     for figure in figures {
         let count = arguments.count(figure, runs.len());
-        let (able, lacking) = divided(figure, &runs[..count]);
+        let (told, silent): (Vec<&Run>, Vec<&Run>) = runs[..count]
+            .iter()
+            .partition(|run| figure.says_nothing(run).is_none());
+        // Of held pegs nobody expects figures of free ones.
+        let is_expected = !figure.is_about_free_pegs() || !arguments.only.is_empty();
+        let silent = silent.into_iter().filter(|_| is_expected);
+        report.left_out.extend(silent.filter_map(|run| {
+            Some(LeftOut {
+                figure: figure.name,
+                run: run.name.clone(),
+                because: figure.says_nothing(run)?,
+            })
+        }));
+        let (able, lacking) = divided(figure, &told);
         report
             .lacking
             .extend(lacking.into_iter().map(|(run, missing)| Lacking {
@@ -232,7 +245,14 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     }
     warn(&report);
     if drawn.is_empty() {
-        bail!("nothing can be drawn");
+        match report.left_out.first() {
+            Some(LeftOut {
+                figure,
+                run,
+                because,
+            }) => bail!("nothing can be drawn: {figure} says nothing of {run}; {because}"),
+            None => bail!("nothing can be drawn"),
+        }
     }
     report.files = write_all(arguments, &drawn)?;
     report::print(&report, arguments.form.format(), || page(&report))?;
@@ -261,13 +281,21 @@ fn page(report: &FiguresReport) -> Page {
     let wrote = |file: &FigureFile| ("wrote", report::file_line(&file.path, file.bytes));
     let mut section = Section::default();
     section.table(Table::of_facts(report.files.iter().map(wrote).collect()));
+    for LeftOut {
+        figure,
+        run,
+        because,
+    } in &report.left_out
+    {
+        section.line(format!("left out: {figure} of {run}; {because}"));
+    }
     Page::of(section)
 }
 
 /// Divides runs into those that a figure can be drawn of, and the others with what they lack.
-fn divided<'a>(figure: &Figure, runs: &'a [Run]) -> (Vec<&'a Run>, Vec<(&'a Run, String)>) {
+fn divided<'a>(figure: &Figure, runs: &[&'a Run]) -> (Vec<&'a Run>, Vec<(&'a Run, String)>) {
     let (mut able, mut lacking) = (Vec::new(), Vec::new());
-    for run in runs {
+    for run in runs.iter().copied() {
         match figure.missing(run) {
             None => able.push(run),
             Some(missing) => lacking.push((run, missing)),

@@ -135,11 +135,42 @@ fn check_svg(svg: &str, (width, height): (f64, f64), what: &str) {
 }
 
 #[test]
+fn figures_that_say_nothing_of_a_peg_are_left_out_with_a_reason() {
+    let (held, free) = (short("paper"), short("drop"));
+    for figure in FIGURES {
+        assert_eq!(
+            figure.says_nothing(&held).is_some(),
+            figure.is_about_free_pegs(),
+            "{}",
+            figure.name
+        );
+    }
+    let silent: Vec<_> = FIGURES
+        .iter()
+        .filter(|figure| figure.says_nothing(&free).is_some())
+        .map(|figure| figure.name)
+        .collect();
+    assert_eq!(silent, ["acceleration", "precession"]);
+    let directory = tempdir().unwrap();
+    let asked = figures(&directory, &["paper", "--only", "track"]);
+    let error = error_of(&mut { asked }, 2);
+    assert!(error.contains("the peg is held"), "{error}");
+}
+
+#[test]
 fn every_figure_is_an_svg_image_and_a_png_of_its_size() {
     let runs = [short("paper"), short("full-coulomb"), short("frictionless")];
-    let runs: Vec<_> = runs.iter().collect();
+    let held: Vec<_> = runs.iter().collect();
+    let [free, tippe] = [short("drop"), short("tippe-top")];
+    let free = vec![&free, &tippe];
     for figure in FIGURES {
-        for runs in [&runs[..1], &runs] {
+        let runs = if figure.is_about_free_pegs() {
+            &free
+        } else {
+            &held
+        };
+        assert!(runs.iter().all(|run| figure.says_nothing(run).is_none()));
+        for runs in [&runs[..1], &runs[..]] {
             if runs.len() < figure.least_runs {
                 continue;
             }

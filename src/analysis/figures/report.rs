@@ -10,6 +10,8 @@ pub struct FiguresReport {
     pub files: Vec<FigureFile>,
     /// What runs lack of what figures need: these figures were drawn without them, or not at all.
     pub lacking: Vec<Lacking>,
+    /// What was left out because a figure says nothing of a run.
+    pub left_out: Vec<LeftOut>,
     /// What could not be read of the runs.
     pub losses: Vec<RunLoss>,
 }
@@ -38,6 +40,17 @@ pub struct Lacking {
     pub figure: &'static str,
     /// The topic, its messages or the field.
     pub missing: String,
+}
+
+/// A run that a figure says nothing of, whatever it has recorded.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct LeftOut {
+    /// Name of the run.
+    pub run: String,
+    /// Name of the figure.
+    pub figure: &'static str,
+    /// Why.
+    pub because: &'static str,
 }
 
 /// Something of a run that could not be read.

@@ -45,6 +45,8 @@ pub struct Run {
     pub name: String,
     /// What is missing, in sentences: the run was interrupted, or parts of the file can't be read.
     pub losses: Vec<String>,
+    /// Whether the peg is free.
+    pub(super) has_free_peg: bool,
     tracks: Vec<Track>,
     means: Vec<Means>,
 }
@@ -68,7 +70,10 @@ impl Run {
         let needs: Vec<_> = needs
             .filter(|need| subject.has_topic(need.topic()))
             .collect();
-        let mut run = Self::new(name, &needs);
+        let mut run = Self {
+            has_free_peg: subject.is_of_free_peg(),
+            ..Self::new(name, &needs)
+        };
         let mut topics: Vec<_> = needs.iter().map(|need| need.topic()).collect();
         topics.sort_unstable();
         topics.dedup();
@@ -107,6 +112,7 @@ impl Run {
         let mut run = Self {
             name: name.to_owned(),
             losses: Vec::new(),
+            has_free_peg: false,
             tracks: Vec::new(),
             means: Vec::new(),
         };
@@ -254,7 +260,9 @@ impl Run {
             .map(move |((_, start), (_, period))| Cycle {
                 start,
                 period,
-                is_nutation: period <= LONGEST * std::mem::replace(&mut before, period),
+                // That of a free peg takes longer from where it rolls.
+                is_nutation: self.has_free_peg
+                    || period <= LONGEST * std::mem::replace(&mut before, period),
             })
     }
 

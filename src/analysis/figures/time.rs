@@ -10,7 +10,7 @@ use crate::analysis::plot::range::{extremes, overlap};
 use crate::analysis::plot::shape::Point;
 use crate::analysis::plot::text::Text;
 use crate::telemetry::fields::{
-    NumberField, acceleration as terms_of, contact, energy as energies, nutation,
+    NumberField, acceleration as terms_of, contact, energy as energies, free_peg, nutation,
     precession as rates, state, torque as torques,
 };
 
@@ -369,6 +369,13 @@ pub(super) fn slip(runs: &[&Run], width: f64) -> Drawing {
     let speed = Terms::new(runs, "|*v*|", "m/s").term("slip speed", series(contact::SLIP_SPEED));
     let path = Terms::new(runs, "*s*", "m").term("path slipped", series(contact::SLIP_PATH));
     terms(runs, vec![speed, path]).draw(width)
+}
+
+/// The normal force and the height of the peg above the table.
+pub(super) fn hops(runs: &[&Run], width: f64) -> Drawing {
+    let force = Terms::new(runs, "*N*", "N").term("normal force", series(contact::NORMAL_FORCE));
+    let gap = Terms::new(runs, "*h*", "m").term("height of the peg", series(free_peg::GAP));
+    terms(runs, vec![force, gap]).draw(width)
 }
 
 /// A change of the energy by less than this part is the integrator's.

@@ -1,0 +1,89 @@
+//! The track of the contact point on the table.
+
+use super::looks::{self, Looks};
+use super::run::Run;
+use crate::analysis::plot::drawing::Drawing;
+use crate::analysis::plot::frame::{self, Frame, Quantity};
+use crate::analysis::plot::legend::{self, Entry};
+use crate::analysis::plot::range::extremes;
+use crate::analysis::plot::shape::{Bounds, Point};
+use crate::analysis::plot::style::{LINE, MARGIN};
+use crate::telemetry::fields::contact;
+
+/// The greatest side of the square, mm.
+const LARGEST: f64 = 110.0;
+
+/// The air around the track, as a part of its extent.
+const AIR: f64 = 0.05;
+
+/// Horizontal places, as on axes.
+const X: Quantity = Quantity {
+    symbol: "*x*",
+    unit: "m",
+};
+const Y: Quantity = Quantity {
+    symbol: "*y*",
+    unit: "m",
+};
+
+/// Draws the tracks of the contact points from above.
+pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
+    let looks = Looks { runs: runs.len() };
+    let tracks: Vec<Vec<Point>> = runs.iter().map(|run| places(run)).collect();
+    let mut drawing = Drawing::new(width);
+    let mut legend = looks::legend(runs, Looks::run_in_legend);
+    legend.extend([Entry::dot(false, "start"), Entry::dot(true, "end")]);
+    let top = legend::draw_at_top(&mut drawing, &legend) + LINE + 0.6;
+    let ranges = ranges(&tracks);
+    let square = |left: f64, side: f64| Bounds {
+        left,
+        top,
+        right: left + side,
+        bottom: top + side,
+    };
+    let usable = width - 2.0 * MARGIN;
+    // The room that the numbers need hardly depends on the size of the frame.
+    let trial = Frame::square(square(0.0, 0.7 * usable.min(LARGEST)), ranges);
+    let room = frame::room_left(&trial.y, Y);
+    let side = (usable - room - frame::ROOM_RIGHT).min(LARGEST);
+    let frame = Frame::square(square(MARGIN + room, side), ranges);
+    for (index, (run, track)) in runs.iter().zip(&tracks).enumerate() {
+        let stroke = looks.run_in_legend(index);
+        let meaning = format!("{}: track of the contact point", run.name);
+        drawing.group(&meaning, frame.path(track, stroke));
+        let ends = [(track.first(), false), (track.last(), true)];
+        let dots = ends.into_iter().filter_map(|(place, is_end)| {
+            Some(legend::dot(frame.place(*place?), is_end, stroke.colour))
+        });
+        drawing.group("start and end", dots.collect());
+    }
+    frame.draw(&mut drawing);
+    frame.name_x(&mut drawing, X);
+    frame.name_y(&mut drawing, Y, frame::ticks_width(&frame.y));
+    drawing.height = top + side + frame::ROOM_BELOW + MARGIN;
+    drawing
+}
+
+/// The places of a run's contact point, without those that are not known.
+fn places(run: &Run) -> Vec<Point> {
+    let [x, y] =
+        [contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()].map(|field| run.series(field));
+    let both = x.into_iter().zip(y).map(|((_, x), (_, y))| (x, y));
+    both.filter(|(x, y)| x.is_finite() && y.is_finite())
+        .collect()
+}
+
+/// The ranges of x and y, of one size, with some air around the tracks.
+fn ranges(tracks: &[Vec<Point>]) -> [(f64, f64); 2] {
+    let all = || tracks.iter().flatten();
+    let [x, y] = [
+        extremes(all().map(|place| place.0)),
+        extremes(all().map(|place| place.1)),
+    ];
+    let size = (x.1 - x.0).max(y.1 - y.0);
+    let half = if size > 0.0 { (0.5 + AIR) * size } else { 1e-3 };
+    [x, y].map(|(low, high)| {
+        let middle = 0.5 * (low + high);
+        (middle - half, middle + half)
+    })
+}
