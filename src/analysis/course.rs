@@ -3,16 +3,22 @@
 pub(crate) mod curve;
 
 mod cycle;
+mod event;
+mod peg;
 mod report;
 mod work;
 
 pub(crate) use self::cycle::Cycle;
+pub(crate) use self::event::Event;
+pub use self::peg::{Doing, PegReport};
+pub(crate) use self::peg::{PegCourse, Spell};
 pub use self::report::CourseReport;
 
 use self::curve::Curve;
 use self::cycle::{Ranges, THETA, THETA_DOT, widen};
 use self::work::NodeWork;
 use crate::archive::format::{Entries, STOP_REASON, STOP_TIME};
+use crate::physics::dynamics::Support;
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::Message;
@@ -20,19 +26,6 @@ use crate::telemetry::fields::{
     CONTACT, ENERGY, EVENTS, MOMENTUM, NUTATION, STATE, TORQUE, contact, energy, events, momentum,
     nutation, state,
 };
-
-/// An event of a run.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Event {
-    pub(crate) name: String,
-    pub(crate) description: String,
-    /// Time, s.
-    pub(crate) time: f64,
-    /// Inclination θ, rad.
-    pub(crate) theta: f64,
-    /// φ̇ and ψ̇, rad/s.
-    pub(crate) rates: [f64; 2],
-}
 
 /// What happened in a run, collected message by message.
 #[derive(Clone, Debug, Default)]
@@ -55,6 +48,8 @@ pub(crate) struct Course {
     friction_work: Option<f64>,
     momentum: Option<(f64, f64)>,
     slip_path: Option<f64>,
+    /// What the peg did, if it is free.
+    pub(crate) peg: Option<PegCourse>,
 }
 
 impl Course {
@@ -62,6 +57,9 @@ impl Course {
     pub(crate) fn take(&mut self, message: &Message<'_>) {
         self.messages += 1;
         self.last_ns = self.last_ns.max(message.time_ns);
+        if let Some(peg) = &mut self.peg {
+            peg.take(message);
+        }
         match message.topic() {
             STATE => self.state(message),
             TORQUE => {
@@ -105,12 +103,6 @@ impl Course {
         if are_known == [true; 4] {
             self.tilt = Some((message.time_ns, Tilt::from_rates(theta, rates)));
         }
-    }
-
-    /// The state, if it is this message that has told it.
-    pub(crate) fn new_tilt(&self, message: &Message<'_>) -> Option<&Tilt> {
-        let (time_ns, tilt) = self.tilt.as_ref()?;
-        (message.topic() == STATE && *time_ns == message.time_ns).then_some(tilt)
     }
 
     fn energy(&mut self, message: &Message<'_>) {
@@ -159,13 +151,40 @@ impl Course {
     }
 
     fn event(&mut self, message: &Message<'_>) {
-        self.events.push(Event {
+        let event = Event {
             name: events::NAME.of(message).to_owned(),
             description: events::DESCRIPTION.of(message).to_owned(),
             time: events::TIME.of(message),
             theta: events::THETA.of(message),
             rates: [events::PHI_DOT, events::PSI_DOT].map(|field| field.of(message)),
-        });
+        };
+        if let Some(peg) = &mut self.peg {
+            peg.event(&event);
+        }
+        self.events.push(event);
+    }
+
+    /// The course of a run of a top with this support.
+    pub(crate) fn of(support: Support) -> Self {
+        Self {
+            peg: support.is_free().then(PegCourse::default),
+            ..Self::default()
+        }
+    }
+
+    /// Takes in the end of the run.
+    pub(crate) fn finish(&mut self, end: Option<Entries>) {
+        self.end = end;
+        if let Some(peg) = &mut self.peg {
+            peg.finish();
+        }
+    }
+
+    /// When the run stopped, or the time of its last message if that isn't known, s.
+    pub(crate) fn stop_time(&self) -> f64 {
+        let entry = self.end.as_ref().and_then(|end| end.get(STOP_TIME));
+        let known = entry.and_then(|time| time.parse::<f64>().ok());
+        known.unwrap_or(self.last_ns as f64 / 1e9)
     }
 
     /// The number of nutations that there have been, over the times (s) at which they end.
@@ -217,15 +236,24 @@ impl Course {
             energy_first: self.energy.map(|energy| energy[0]),
             energy_last: self.energy.map(|energy| energy[1]),
             friction_work: self.friction_work,
-            friction_work_node: self.work_node.or(self.work.work()),
+            // Beside what it does about these axes, friction moves a free peg.
+            friction_work_node: self
+                .work_node
+                .or(self.work.work())
+                .filter(|_| self.peg.is_none()),
             slip_path: self.slip_path,
             spin_rate_last: last
                 .map_or_else(|| self.rate_at(stop_time, |r| r.psi), |e| Some(e.rates[1])),
             precession_rate_last: last
                 .map_or_else(|| self.rate_at(stop_time, |r| r.phi), |e| Some(e.rates[0])),
             last_sample: self.tilt.as_ref().map(|(time_ns, _)| *time_ns as f64 / 1e9),
-            vertical_momentum_drift: self.momentum.map(|(first, drift)| drift / first.abs()),
+            // Friction turns a top whose peg is free about the vertical too.
+            vertical_momentum_drift: self
+                .momentum
+                .filter(|_| self.peg.is_none())
+                .map(|(first, drift)| drift / first.abs()),
             energy_imbalance: self.energy.map(|_| self.imbalance),
+            peg: self.peg.as_ref().map(|peg| peg.report(self.stop_time())),
         }
     }
 }

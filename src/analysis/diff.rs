@@ -75,6 +75,7 @@ mod summary;
 mod tale;
 mod told_average;
 mod told_motion;
+mod told_peg;
 mod verdict;
 
 pub use self::averages::{Averaged, Deviation, EitherWay};
@@ -100,7 +101,7 @@ pub use self::times::MessageTimes;
 pub use self::tolerance::{Tolerance, Tolerances, full_name};
 pub use self::topic::{BytesDifference, ChannelDifference, TextDifference};
 pub use self::verdict::Verdict;
-pub use crate::analysis::course::CourseReport;
+pub use crate::analysis::course::{CourseReport, PegReport};
 pub use crate::analysis::subject::Subject;
 
 use self::field::seconds;
@@ -130,11 +131,6 @@ pub fn compare_observed<'a>(
     observer: &mut dyn Observer,
 ) -> Result<Report, DiffError> {
     let runs = [a.into(), b.into()];
-    for (run, name) in runs.into_iter().zip(["A", "B"]) {
-        if run.is_of_free_peg() {
-            return Err(DiffError::FreePeg { run: name });
-        }
-    }
     let plan = ComparisonPlan::new(runs, options)?;
     let findings = read_both(runs, &plan, &options.tolerances, observer)?;
     let floor = match findings.common_end() {

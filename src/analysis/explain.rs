@@ -18,6 +18,7 @@
 //! ```
 
 mod facts;
+mod peg;
 mod pieces;
 mod stages;
 mod story;

@@ -149,6 +149,82 @@ const RUNS: &[(&str, &str, &[(&str, &str)])] = &[
             ("stop.duration", "3"),
         ],
     ),
+    ("free-paper", "free-paper", &[]),
+    ("free-rolls", "free-rolls", &[]),
+    ("free-viscous", "free-viscous", &[]),
+    ("drop", "drop", &[]),
+    ("tippe-top", "tippe-top", &[]),
+    ("tippe-top-hangs", "tippe-top-hangs", &[]),
+    (
+        "bounces-elastically",
+        "drop",
+        &[("support.restitution", "1"), ("stop.duration", "0.5")],
+    ),
+    (
+        "free-without-friction",
+        "free-paper",
+        &[("friction.k", "0"), ("stop.duration", "2")],
+    ),
+    (
+        "free-without-spin",
+        "free-paper",
+        &[
+            ("initial.psi_dot", "0"),
+            ("initial.phi_dot", "0"),
+            ("stop.duration", "2"),
+        ],
+    ),
+    (
+        "free-with-hardly-any-friction",
+        "free-paper",
+        &[("friction.k", "0.0005"), ("stop.duration", "5")],
+    ),
+    (
+        "free-with-much-friction",
+        "free-paper",
+        &[
+            ("friction.k", "0.3"),
+            ("support.restitution", "0.5"),
+            ("stop.duration", "2"),
+        ],
+    ),
+    (
+        "free-mirrored",
+        "free-paper",
+        &[
+            ("initial.psi_dot", "-170"),
+            ("initial.phi_dot", "-1.75"),
+            ("stop.duration", "8"),
+        ],
+    ),
+    (
+        "free-and-short",
+        "free-paper",
+        &[("stop.duration", "0.015")],
+    ),
+    (
+        "tippe-top-with-little-friction",
+        "tippe-top",
+        &[("friction.k", "0.001"), ("stop.duration", "3")],
+    ),
+    (
+        "free-with-rolling-resistance",
+        "free-paper",
+        &[
+            ("friction.k", "0.1"),
+            ("rolling.arm", "2.1e-4"),
+            ("stop.duration", "12"),
+        ],
+    ),
+    (
+        "free-regularised",
+        "free-paper",
+        &[
+            ("friction.law", "coulomb-sqrt"),
+            ("friction.smoothing_speed", "0.007"),
+            ("stop.duration", "8"),
+        ],
+    ),
     (
         "loose-tolerances",
         "frictionless",
@@ -187,7 +263,7 @@ fn regress_stories() {
         )
     };
     // Told side by side, for some take seconds; compared one after the other.
-    let (first, second) = RUNS.split_at(8);
+    let (first, second) = RUNS.split_at(25);
     let stories = thread::scope(|scope| {
         let first = scope.spawn(|| first.iter().map(tell).collect::<Vec<_>>());
         let second: Vec<_> = second.iter().map(tell).collect();

@@ -1,5 +1,6 @@
 //! The report of what happened in one run.
 
+use super::peg::PegReport;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -24,7 +25,7 @@ pub struct CourseReport {
     pub friction_work: Option<f64>,
     /// Work of friction about the line of nodes (on the nutation), the perpendicular n × e_N (on the precession) and
     /// the symmetry axis (on the spin), J: as the integrator summed it, or in recordings of the first version of the telemetry
-    /// integrated from the samples.
+    /// integrated from the samples. None where the peg is free.
     pub friction_work_node: Option<[f64; 3]>,
     /// Length of the path that the contact point slipped, m.
     pub slip_path: Option<f64>,
@@ -32,8 +33,10 @@ pub struct CourseReport {
     pub spin_rate_last: Option<f64>,
     /// Precession rate φ̇ when the run stopped, rad/s.
     pub precession_rate_last: Option<f64>,
-    /// Largest change of the angular momentum about the vertical, as a part of its first value.
+    /// Largest change of the angular momentum about the vertical, as a part of its first value; none where the peg is free.
     pub vertical_momentum_drift: Option<f64>,
     /// Largest difference between the energy and the first energy plus the work of friction, J.
     pub energy_imbalance: Option<f64>,
+    /// What the peg did, if it is free.
+    pub peg: Option<PegReport>,
 }

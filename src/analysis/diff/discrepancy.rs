@@ -2,11 +2,14 @@
 //!
 //! Both models are given the states that A went through, and their torques and accelerations there are compared, by
 //! the functions that the integrator calls. So the difference of the models shows by itself, free of the phase and the
-//! drift that it causes.
+//! drift that it causes. Of a peg that is free those states count in which it slides: in the air there is no contact, and
+//! whether a contact point at rest rolls is no matter of its state alone.
 
 use super::moments::Moments;
-use crate::physics::dynamics::Model;
-use crate::physics::kinematics::Tilt;
+use crate::physics::dynamics::{Integrals, Model, Motion, Peg, Phase};
+use crate::physics::kinematics::{Euler, Tilt, world_to_lean};
+use crate::telemetry::Message;
+use crate::telemetry::fields::{CONTACT, FREE_PEG, STATE, contact, free_peg, state};
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -56,6 +59,9 @@ pub struct Residual {
 #[derive(Clone, Debug)]
 pub(super) struct Residuals {
     models: [Model; 2],
+    /// A's last state, as far as it has been told, with its time (ns).
+    motion: Option<(u64, Motion)>,
+    slides: bool,
     states: u64,
     tallies: [ResidualSums; QUANTITIES.len()],
 }
@@ -69,13 +75,14 @@ struct ResidualSums {
     own: Moments,
 }
 
-/// What a model does in a state: the torque of friction in the node frame (N m), the frictional and the whole
-/// accelerations (rad/s²).
-fn action(model: &Model, tilt: &Tilt) -> [f64; QUANTITIES.len() - 1] {
-    let contact = model.contact(tilt);
+/// What a model does in a state: the torque of friction about the peg's centre in the node frame (N m), the frictional and
+/// the whole accelerations (rad/s²).
+fn action(model: &Model, motion: &Motion) -> [f64; QUANTITIES.len() - 1] {
+    let tilt = &motion.tilt;
+    let contact = model.contact_in(motion);
     let torque = tilt.lean_to_node(&model.friction_torque(&contact, tilt));
-    let accelerations = model.accelerations(&contact, tilt);
-    let (frictional, total) = (accelerations.frictional, accelerations.total());
+    let frictional = model.accelerations(&contact, tilt).frictional;
+    let total = model.euler_accelerations(&contact, motion);
     [
         torque.x,
         torque.y,
@@ -89,6 +96,21 @@ fn action(model: &Model, tilt: &Tilt) -> [f64; QUANTITIES.len() - 1] {
     ]
 }
 
+/// The motion of a top whose peg is at rest in the state that a message tells.
+fn motion(message: &Message<'_>, radius: f64) -> Option<Motion> {
+    let euler = |[phi, theta, psi]: [f64; 3]| Euler { phi, theta, psi };
+    let angles = [state::PHI, state::THETA, state::PSI].map(|field| field.of(message));
+    let rates = [state::PHI_DOT, state::THETA_DOT, state::PSI_DOT].map(|field| field.of(message));
+    let is_known = angles[1].is_finite() && rates.iter().all(|rate| !rate.is_nan());
+    is_known.then(|| Motion {
+        angles: euler(angles),
+        tilt: Tilt::from_rates(angles[1], euler(rates)),
+        peg: Peg::fixed(radius),
+        phase: Phase::Sliding,
+        integrals: Integrals::default(),
+    })
+}
+
 /// The quantities of an action, or of the difference of two: the magnitude of the torque comes first.
 fn quantities(action: [f64; QUANTITIES.len() - 1]) -> [f64; QUANTITIES.len()] {
     let magnitude = Vector3::new(action[0], action[1], action[2]).norm();
@@ -96,17 +118,45 @@ fn quantities(action: [f64; QUANTITIES.len() - 1]) -> [f64; QUANTITIES.len()] {
 }
 
 impl Residuals {
-    pub(super) fn new(a: Model, b: Model) -> Self {
-        Self {
+    /// None where B's model says nothing at A's states: where B's peg is fixed, and A's moves.
+    pub(super) fn new(a: Model, b: Model) -> Option<Self> {
+        let is_defined = b.support.is_free() || !a.support.is_free();
+        is_defined.then_some(Self {
             models: [a, b],
+            motion: None,
+            slides: false,
             states: 0,
             tallies: [ResidualSums::default(); QUANTITIES.len()],
+        })
+    }
+
+    /// Takes in a message of A.
+    pub(super) fn take(&mut self, message: &Message<'_>) {
+        let is_free = self.models[0].support.is_free();
+        match message.topic() {
+            STATE => {
+                self.motion = motion(message, self.models[0].top.peg_radius)
+                    .map(|motion| (message.time_ns, motion));
+                if let Some((_, motion)) = self.motion.filter(|_| !is_free) {
+                    self.add(message.time_ns, &motion);
+                }
+            }
+            CONTACT => self.slides = contact::REGIME.of(message) == 1.0,
+            FREE_PEG if self.slides => {
+                if let Some((time_ns, mut motion)) = self.motion
+                    && time_ns == message.time_ns
+                {
+                    let velocity = free_peg::VELOCITY.of(message);
+                    motion.peg.velocity_lean = world_to_lean(&velocity, motion.angles.phi);
+                    self.add(time_ns, &motion);
+                }
+            }
+            _ => {}
         }
     }
 
-    /// Takes in a state of A.
-    pub(super) fn add(&mut self, time_ns: u64, tilt: &Tilt) {
-        let [a, b] = self.models.map(|model| action(&model, tilt));
+    fn add(&mut self, time_ns: u64, motion: &Motion) {
+        let [a, b] = self.models.map(|model| action(&model, motion));
         let differences = quantities(std::array::from_fn(|i| b[i] - a[i]));
         self.states += 1;
         for ((tally, difference), a) in self.tallies.iter_mut().zip(differences).zip(quantities(a))

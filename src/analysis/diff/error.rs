@@ -32,15 +32,6 @@ pub enum DiffError {
         /// Topics that both have.
         common: String,
     },
-    /// The peg of one of the tops is free.
-    #[error(
-        "the peg of {run} is free (support.kind = \"free\"): diff only knows what differences between fixed pegs mean yet; \
-         verify, info, figures and view take it"
-    )]
-    FreePeg {
-        /// Which run: A or B.
-        run: &'static str,
-    },
     /// There is nothing to compare.
     #[error("they have no topic in common: A has {a}; B has {b}")]
     NoCommonTopics {

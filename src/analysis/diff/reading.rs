@@ -21,6 +21,7 @@ use super::touch::Touches;
 use crate::analysis::course::Course;
 use crate::analysis::subject::{Ended, Subject};
 use crate::archive::sink::SinkError;
+use crate::physics::dynamics::Support;
 use crate::telemetry::fields::ENERGY;
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic};
@@ -121,14 +122,16 @@ impl<'p> Reading<'p> {
     ) -> Result<Self, DiffError> {
         let models = runs.map(|run| run.scenario().map(|scenario| scenario.model));
         let residuals = match models {
-            [Some(a), Some(b)] => Some(Residuals::new(a, b)),
+            [Some(a), Some(b)] => Residuals::new(a, b),
             _ => None,
         };
+        let supports = models.map(|model| model.map_or(Support::FixedPeg, |model| model.support));
         let topics = plan.topics.iter().zip(&plan.rules);
         let topics = topics.map(|(topic, rule)| Some(ComparedTopic::new(topic, rule.clone()?)));
         let mut reading = Self {
             findings: Findings {
-                runs: [(); 2].map(|()| RunFindings {
+                runs: supports.map(|support| RunFindings {
+                    course: Course::of(support),
                     touches: Touches::new(plan.levels.common),
                     ..RunFindings::default()
                 }),
@@ -214,7 +217,7 @@ impl<'p> Reading<'p> {
         run.frontier.is_ended = true;
         run.losses = ended.losses;
         run.remarks = remarks;
-        run.course.end = ended.end;
+        run.course.finish(ended.end);
     }
 
     fn take(&mut self, side: Side, batch: Batch) -> Result<(), DiffError> {
@@ -250,9 +253,8 @@ impl<'p> Reading<'p> {
             self.observer.message(side, &seen)?;
             if side == Side::A
                 && let Some(residuals) = &mut self.findings.residuals
-                && let Some(tilt) = run.course.new_tilt(&seen)
             {
-                residuals.add(time_ns, tilt);
+                residuals.take(&seen);
             }
         }
         message.time_ns = self.plan.clock.time(side, time_ns);
@@ -313,7 +315,9 @@ impl<'p> Reading<'p> {
             compared.lane.finish();
         }
         for run in &mut self.findings.runs {
-            end_with_nutation(&mut run.course.cycles);
+            if run.course.peg.is_none() {
+                end_with_nutation(&mut run.course.cycles);
+            }
         }
         if !self.plan.are_ours {
             self.check_patterns()?;

@@ -6,11 +6,14 @@ use super::setup::KeyDifference;
 use super::tale::{Tale, counted};
 use super::told_average::{averaged, nutation};
 use super::told_motion::motion;
+use super::told_peg::finding;
 use super::tolerance::full_name;
 use super::topic::ChannelDifference;
 use super::verdict::Verdict;
 use crate::analysis::phrase::{self, list, quantity, significant};
 
+/// The key that says what holds the peg.
+const SUPPORT: &str = "support.kind";
 /// Most keys that are told one by one.
 const KEYS_TOLD: usize = 3;
 /// Most topics or fields that are named in a list.
@@ -29,10 +32,16 @@ impl Report {
             return sentences;
         }
         if self.happened.is_some() {
-            sentences.extend(setup(tale));
             match same_motion(self) {
-                Some(same) => sentences.push(same),
-                None => sentences.extend(differences(tale)),
+                Some(same) => {
+                    sentences.extend(setup(tale));
+                    sentences.push(same);
+                }
+                None => {
+                    sentences.extend(finding(tale));
+                    sentences.extend(setup(tale));
+                    sentences.extend(differences(tale));
+                }
             }
         } else if self.verdict == Verdict::Different {
             sentences.extend(largest(self));
@@ -302,7 +311,9 @@ fn incomplete(Tale { report, a, b }: Tale<'_>) -> Option<String> {
 }
 
 fn setup(tale: Tale<'_>) -> Option<String> {
-    let keys: Vec<_> = tale.keys().collect();
+    let mut keys: Vec<_> = tale.keys().collect();
+    // Nothing changes a run as much as what holds the peg.
+    keys.sort_by_key(|key| key.key != SUPPORT);
     let told = keys.iter().take(KEYS_TOLD).map(|key| told(key, tale));
     let told: Vec<String> = told.collect();
     match keys.len() {
@@ -317,6 +328,7 @@ fn setup(tale: Tale<'_>) -> Option<String> {
 
 fn told(key: &KeyDifference, Tale { a, b, .. }: Tale<'_>) -> String {
     let value = |value: &Option<String>| match value {
+        None if key.key == SUPPORT => "fixed".to_owned(),
         Some(value) if key.unit.is_empty() => value.clone(),
         Some(value) => format!("{value} {}", key.unit),
         None => "nothing".to_owned(),
@@ -325,8 +337,21 @@ fn told(key: &KeyDifference, Tale { a, b, .. }: Tale<'_>) -> String {
     format!("{} ({a}: {x}, {b}: {y})", key.key)
 }
 
-fn discrepancy(Tale { report, a, .. }: Tale<'_>) -> Option<String> {
-    let found = report.discrepancy.as_ref()?;
+/// Why models are not compared at equal states.
+fn moving(report: &Report, a: &str, b: &str) -> Option<String> {
+    let [of_a, of_b] = [&report.a, &report.b].map(|run| run.course.as_ref());
+    let is_undefined = of_a?.peg.is_some() && of_b?.peg.is_none();
+    is_undefined.then(|| {
+        format!(
+            "The models are not compared at {a}'s states, in which the peg moves: {b}'s is held."
+        )
+    })
+}
+
+fn discrepancy(Tale { report, a, b }: Tale<'_>) -> Option<String> {
+    let Some(found) = report.discrepancy.as_ref() else {
+        return moving(report, a, b);
+    };
     let torque = found.quantities.first()?;
     if found
         .quantities

@@ -104,6 +104,8 @@ fn cycles(run: Subject<'_>) -> Course {
         course.take(message);
         ControlFlow::Continue(())
     });
-    end_with_nutation(&mut course.cycles);
+    if !run.is_of_free_peg() {
+        end_with_nutation(&mut course.cycles);
+    }
     course
 }

@@ -56,8 +56,13 @@ pub(super) fn motion(tale: Tale<'_>) -> Vec<String> {
     };
     let mut told = Vec::new();
     told.extend(passage(tale, happened));
-    let rise = reaching(tale, Reaching::rise(happened));
-    let fall = reaching(tale, Reaching::fall(happened));
+    // What only one of two did, one of them with a free peg, stands in the finding.
+    let has_free_peg = tale
+        .courses()
+        .is_some_and(|courses| courses.iter().any(|(_, course)| course.peg.is_some()));
+    let is_told = |times: &Reaching| has_free_peg && times.times.contains(&None);
+    let [rise, fall] = [Reaching::rise(happened), Reaching::fall(happened)]
+        .map(|times| reaching(tale, times, is_told));
     let is_told = |name: &str| rise.as_ref().is_some_and(|rise| rise.tells_end_of(name));
     let falls = [(tale.a, happened.fallen_a), (tale.b, happened.fallen_b)];
     let are_told = falls
@@ -143,7 +148,14 @@ impl Reached {
 }
 
 /// When θ first touches a level in one and in the other.
-fn reaching(tale: Tale<'_>, reaching: Reaching) -> Option<Reached> {
+fn reaching(
+    tale: Tale<'_>,
+    reaching: Reaching,
+    is_told: impl Fn(&Reaching) -> bool,
+) -> Option<Reached> {
+    if is_told(&reaching) {
+        return None;
+    }
     let level = angle(reaching.level?);
     let verb = reaching.verb;
     let [(a, of_a), (b, of_b)] = tale.courses()?;
@@ -213,7 +225,7 @@ fn both(tale: Tale<'_>, reaching: &Reaching, level: &str, [x, y]: [f64; 2]) -> S
 const CLOCK: f64 = 1e-9;
 
 /// By how much events can be apart without its meaning anything, s: the integrators' errors, where they are known.
-fn event_error(tale: Tale<'_>) -> f64 {
+pub(super) fn event_error(tale: Tale<'_>) -> f64 {
     let floor = tale.report.floor.as_ref();
     CLOCK + floor.map_or(0.0, |floor| floor.a.event_shift + floor.b.event_shift)
 }

@@ -30,12 +30,6 @@ pub enum ExplainError {
         /// The channel.
         missing: Topic,
     },
-    /// The peg is free.
-    #[error(
-        "the peg of this top is free (support.kind = \"free\"): explain only knows the story of a fixed peg yet; verify, \
-         info, figures and view take it"
-    )]
-    FreePeg,
     /// The run is empty.
     #[error("it has fewer than two samples")]
     Empty,
@@ -111,18 +105,15 @@ pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
             .scenario()
             .map_err(|error| ExplainError::NoScenario(error.to_string()))?,
     };
-    if scenario.model.support.is_free() {
-        return Err(ExplainError::FreePeg);
-    }
-    let mut course = Course::default();
-    let mut pieces = Pieces::new(scenario.model.top);
+    let mut course = Course::of(scenario.model.support);
+    let mut pieces = Pieces::new(scenario.model);
     let ended = subject.read(&Topics::All, &mut |message, _| {
         course.take(message);
         pieces.take(message);
         ControlFlow::Continue(())
     });
     pieces.finish();
-    course.end = ended.end;
+    course.finish(ended.end);
     let mut losses = ended.losses;
     if let Subject::Recording(recording) = subject {
         losses.splice(0..0, recording.losses().iter().map(ToString::to_string));

@@ -1,13 +1,14 @@
 //! The pieces of a run over which means are exact: its nutations, and the motion without nutation between them.
 
 use super::totals::{Totals, is_vertical};
+use crate::physics::dynamics::Model;
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
 use crate::run::simulation::EventKind;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
-    ACCELERATION, CONTACT, EVENTS, MOMENTUM, NUTATION, STATE, acceleration, events, momentum,
-    nutation, state,
+    ACCELERATION, CENTER_OF_MASS, CONTACT, EVENTS, MOMENTUM, NUTATION, STATE, acceleration,
+    center_of_mass, contact, events, momentum, nutation, state,
 };
 
 /// What lasts longer than this many periods of nutation without being a nutation is a motion of its own; what is shorter
@@ -28,6 +29,8 @@ pub(super) struct Piece {
     pub(super) nutations: u64,
     /// Whether the contact point sticks.
     pub(super) sticks: bool,
+    /// Whether the peg rolls from its beginning on.
+    pub(super) rolls: bool,
     /// Mean inclination, rad.
     pub(super) theta: f64,
     /// Mean Euler rates, rad/s.
@@ -39,6 +42,41 @@ pub(super) struct Piece {
     /// Means of the angular momenta about the axis and the vertical over its samples, kg m²/s, or what is between those
     /// around it if it has none; NaN where they are not recorded. They change by friction alone, slowly.
     pub(super) momenta: [f64; 2],
+    /// What its samples tell of the contact; NaN where it has none.
+    pub(super) contact: Contact,
+    /// Half the range of θ̇, rad/s; NaN where it isn't recorded.
+    pub(super) swing: f64,
+}
+
+/// The contact during a nutation, as samples show it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Contact {
+    /// Mean slip speed, m/s.
+    pub(super) slip: f64,
+    /// Least and greatest normal force, N.
+    pub(super) loads: [f64; 2],
+}
+
+impl Contact {
+    const NONE: Self = Self {
+        slip: f64::NAN,
+        loads: [f64::NAN; 2],
+    };
+
+    fn of(states: &[State]) -> Self {
+        let loads = || states.iter().map(|state| state.contact[1]);
+        match states {
+            [] => Self::NONE,
+            _ => Self {
+                slip: states.iter().map(|state| state.contact[0]).sum::<f64>()
+                    / states.len() as f64,
+                loads: [
+                    loads().fold(f64::INFINITY, f64::min),
+                    loads().fold(f64::NEG_INFINITY, f64::max),
+                ],
+            },
+        }
+    }
 }
 
 /// What follows from a mean motion. NaN where it is not defined: while the contact point sticks, near upright, where
@@ -103,6 +141,7 @@ impl Piece {
             to: last.to,
             nutations: pieces.iter().map(|piece| piece.nutations).sum(),
             sticks: pieces.iter().any(|piece| piece.sticks),
+            rolls: pieces.iter().all(|piece| piece.rolls),
             theta: mean(|p| p.theta),
             rates: Euler {
                 phi: mean(|p| p.rates.phi),
@@ -115,6 +154,8 @@ impl Piece {
                 demanded: mean(|p| p.regular.demanded),
             },
             momenta: [f64::NAN; 2],
+            contact: Contact::NONE,
+            swing: f64::NAN,
         })
     }
 }
@@ -129,6 +170,8 @@ pub(super) struct Point {
     /// Whether it is a mean.
     pub(super) is_mean: bool,
     pub(super) sticks: bool,
+    /// Whether the peg rolls.
+    pub(super) rolls: bool,
 }
 
 /// A state.
@@ -139,11 +182,15 @@ struct State {
     rates: Euler,
     friction: f64,
     momenta: [f64; 2],
+    /// Slip speed (m/s) and normal force (N).
+    contact: [f64; 2],
 }
 
 /// Collects the pieces of a run, message by message.
 #[derive(Clone, Debug)]
 pub(super) struct Pieces {
+    model: Model,
+    /// The top as it nutates.
     top: Top,
     pub(super) pieces: Vec<Piece>,
     pub(super) path: Vec<Point>,
@@ -152,6 +199,10 @@ pub(super) struct Pieces {
     /// The last angular momenta about the axis and the vertical (kg m²/s), with their time (s).
     momenta: Option<(f64, [f64; 2])>,
     sticks: bool,
+    /// From when on the peg rolls, s.
+    rolls_from: Option<f64>,
+    /// The angular momentum about the axis, kg m²/s, in the last message about it.
+    axial: f64,
     pub(super) totals: Totals,
     /// The first and the last state: time (s) and inclination (rad).
     pub(super) ends: Option<[(f64, f64); 2]>,
@@ -161,14 +212,17 @@ pub(super) struct Pieces {
 }
 
 impl Pieces {
-    pub(super) fn new(top: Top) -> Self {
+    pub(super) fn new(model: Model) -> Self {
         Self {
-            top,
+            model,
+            top: model.nutating_top(),
             pieces: Vec::new(),
             path: Vec::new(),
             open: Vec::new(),
             momenta: None,
             sticks: false,
+            rolls_from: None,
+            axial: f64::NAN,
             totals: Totals::default(),
             ends: None,
             range: [f64::INFINITY, f64::NEG_INFINITY],
@@ -186,8 +240,24 @@ impl Pieces {
                 }
                 self.totals.acceleration(message);
             }
-            CONTACT => self.totals.contact(message),
-            MOMENTUM => self.momentum(message),
+            CONTACT => {
+                self.totals.contact(message);
+                if let Some(last) = self.open.last_mut() {
+                    last.contact =
+                        [contact::SLIP_SPEED, contact::NORMAL_FORCE].map(|field| field.of(message));
+                }
+            }
+            MOMENTUM => {
+                self.axial = momentum::AXIAL.of(message);
+                if !self.model.support.is_free() {
+                    self.momentum(message.time_ns, momentum::VERTICAL.of(message));
+                }
+            }
+            // That of a free top about its centre of mass is what friction and weight alone change.
+            CENTER_OF_MASS => {
+                let vertical = center_of_mass::ANGULAR_MOMENTUM.of(message).z;
+                self.momentum(message.time_ns, vertical);
+            }
             NUTATION => self.nutation(message),
             EVENTS => self.event(message),
             _ => {}
@@ -215,6 +285,7 @@ impl Pieces {
             },
             friction: f64::NAN,
             momenta: [f64::NAN; 2],
+            contact: [f64::NAN; 2],
         };
         let theta = state.angles.theta;
         // A hole in the recording is no motion without nutation.
@@ -243,9 +314,9 @@ impl Pieces {
         }
     }
 
-    fn momentum(&mut self, message: &Message<'_>) {
-        let now = message.time_ns as f64 / 1e9;
-        let momenta = [momentum::AXIAL, momentum::VERTICAL].map(|field| field.of(message));
+    fn momentum(&mut self, time_ns: u64, vertical: f64) {
+        let now = time_ns as f64 / 1e9;
+        let momenta = [self.axial, vertical];
         if let Some(last) = self.open.last_mut() {
             last.momenta = momenta;
         }
@@ -277,16 +348,32 @@ impl Pieces {
             psi: value(nutation::PSI_DOT_MEAN),
         };
         let friction = value(nutation::PHI_DDOT_FRICTIONAL_MEAN);
+        let [slowest, fastest] =
+            [nutation::THETA_DOT_MIN, nutation::THETA_DOT_MAX].map(|field| field.of(message));
+        let is_held = !self.model.support.is_free();
+        let rolls = self.rolls_from.is_some_and(|from| start >= from);
         let piece = Piece {
             from: start,
             to: start + period,
             nutations: 1,
             sticks: false,
+            rolls,
             theta,
             rates,
             friction,
-            regular: Regular::at(&self.top, theta, rates, friction),
+            regular: match rolls {
+                true => Regular::NONE,
+                // A free peg's own acceleration is in φ̈ too, so that nothing follows from friction's term alone.
+                false => Regular::at(
+                    &self.top,
+                    theta,
+                    rates,
+                    if is_held { friction } else { 0.0 },
+                ),
+            },
             momenta,
+            contact: Contact::of(&self.open),
+            swing: 0.5 * (fastest - slowest),
         };
         self.open.clear();
         // Recordings of the first version took falls for nutations; damaged ones may hold anything.
@@ -296,6 +383,7 @@ impl Pieces {
                 theta: piece.theta,
                 is_mean: true,
                 sticks: false,
+                rolls,
             });
             self.pieces.push(piece);
         }
@@ -303,8 +391,12 @@ impl Pieces {
 
     fn is_nutation(&self, message: &Message<'_>, piece: &Piece) -> bool {
         let extremes = [nutation::THETA_MIN, nutation::THETA_MAX].map(|field| field.of(message));
-        let period = self.top.nutation_period(&piece.tilt(), extremes);
         let is_known = piece.theta.is_finite() && piece.duration() > 0.0;
+        // Free pegs came later; a cycle may begin in sliding and end in rolling.
+        if self.model.support.is_free() {
+            return is_known;
+        }
+        let period = self.top.nutation_period(&piece.tilt(), extremes);
         is_known && period.is_none_or(|period| piece.duration() <= PERIODS * period)
     }
 
@@ -315,6 +407,14 @@ impl Pieces {
                 self.close(time);
                 self.open.clear();
                 self.sticks = true;
+            }
+            Some(EventKind::RollBegins) => {
+                self.close(time);
+                self.rolls_from = Some(time);
+            }
+            Some(EventKind::RollEnds) => {
+                self.close(time);
+                self.rolls_from = None;
             }
             Some(EventKind::SlipResumes | EventKind::Rest) => {
                 self.close(time);
@@ -336,6 +436,14 @@ impl Pieces {
         if duration <= 0.0 || (!self.sticks && duration <= PERIODS * self.period(&states)) {
             return;
         }
+        // What nods and is no nutation has been broken by impacts, or by rolling that begins or ends: its mean says nothing.
+        let nods = states
+            .windows(2)
+            .filter(|pair| pair[0].rates.theta * pair[1].rates.theta < 0.0)
+            .count();
+        if self.model.support.is_free() && nods > 1 {
+            return;
+        }
         let area: f64 = states
             .windows(2)
             .map(|pair| {
@@ -355,6 +463,7 @@ impl Pieces {
             to: last.time,
             nutations: 0,
             sticks: self.sticks,
+            rolls: self.rolls_from.is_some_and(|from| first.time >= from),
             theta,
             rates,
             friction,
@@ -363,13 +472,17 @@ impl Pieces {
                 false => Regular::at(&self.top, theta, rates, friction),
             },
             momenta: [f64::NAN; 2],
+            contact: Contact::NONE,
+            swing: f64::NAN,
         });
         let sticks = self.sticks;
+        let rolls_from = self.rolls_from;
         let points = states.iter().map(|state| Point {
             time: state.time,
             theta: state.angles.theta,
             is_mean: false,
             sticks,
+            rolls: rolls_from.is_some_and(|from| state.time >= from),
         });
         self.path.extend(points);
     }
@@ -391,8 +504,11 @@ impl Pieces {
             },
         );
         let nutation = self.pieces.iter().rev().find(|piece| piece.nutations > 0);
-        self.top
-            .nutation_period(&tilt, extremes)
+        let top = match self.rolls_from {
+            Some(_) => self.model.rolling_top(tilt.cos),
+            None => self.top,
+        };
+        top.nutation_period(&tilt, extremes)
             .or(nutation.map(Piece::duration))
             .unwrap_or(f64::INFINITY)
     }

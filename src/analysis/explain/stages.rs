@@ -86,6 +86,7 @@ impl Stage {
 pub(super) fn stages(path: &[Point], events: &[Event], floor: f64) -> Vec<Stage> {
     let mut stages = Vec::new();
     let mut pace = 0.0;
+    let all = range(path);
     for part in path.chunk_by(|a, b| regime(a) == regime(b)) {
         match regime(&part[0]) {
             Regime::Stuck => stages.push(whole(Kind::Sticks, part)),
@@ -101,7 +102,11 @@ pub(super) fn stages(path: &[Point], events: &[Event], floor: f64) -> Vec<Stage>
                 };
                 stages.push(Stage { kind, ..stage });
             }
-            Regime::Inclined => {
+            // A peg that rolls without losses neither rises nor sinks.
+            Regime::Rolling if range(part) <= NOTABLE * all => {
+                stages.push(whole(Kind::Stays, part));
+            }
+            Regime::Inclined | Regime::Rolling => {
                 legs(part, floor, &mut stages);
                 let (first, last) = (
                     &part[part.len().saturating_sub(PACE)],
@@ -157,6 +162,7 @@ fn legs_before(stages: &mut [Stage], time: f64) -> Option<&mut Stage> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Regime {
     Inclined,
+    Rolling,
     Upright,
     Stuck,
 }
@@ -164,6 +170,8 @@ enum Regime {
 fn regime(point: &Point) -> Regime {
     if point.sticks {
         Regime::Stuck
+    } else if point.rolls {
+        Regime::Rolling
     } else if point.theta < UPRIGHT {
         Regime::Upright
     } else {
@@ -171,31 +179,31 @@ fn regime(point: &Point) -> Regime {
     }
 }
 
+/// Greatest inclination less the least, rad.
+fn range(path: &[Point]) -> f64 {
+    let thetas = || path.iter().map(|point| point.theta);
+    thetas().fold(f64::NEG_INFINITY, f64::max) - thetas().fold(f64::INFINITY, f64::min)
+}
+
 /// A part of the path as one stage.
 fn whole(kind: Kind, part: &[Point]) -> Stage {
     let least = part.iter().min_by(|a, b| a.theta.total_cmp(&b.theta));
     let (first, last) = (part[0], part[part.len() - 1]);
     let least = least.unwrap_or(&first);
-    let greatest = part
-        .iter()
-        .map(|point| point.theta)
-        .fold(f64::NEG_INFINITY, f64::max);
     Stage {
         kind,
         from: first.time,
         to: last.time,
         thetas: [first.theta, last.theta],
         least: (least.theta, least.time),
-        range: greatest - least.theta,
+        range: range(part),
         is_mean: part.iter().all(|point| point.is_mean),
     }
 }
 
 /// Divides a part of the path where θ turns.
 fn legs(part: &[Point], floor: f64, stages: &mut Vec<Stage>) {
-    let thetas = || part.iter().map(|point| point.theta);
-    let range = thetas().fold(f64::NEG_INFINITY, f64::max) - thetas().fold(f64::INFINITY, f64::min);
-    let floor = floor.max(NOTABLE * range);
+    let floor = floor.max(NOTABLE * range(part));
     let (mut start, mut turn) = (0, 0);
     let mut is_rising = None;
     for (index, point) in part.iter().enumerate() {
@@ -236,6 +244,7 @@ mod tests {
                 theta: *theta,
                 is_mean: true,
                 sticks: false,
+                rolls: false,
             })
             .collect()
     }

@@ -35,6 +35,16 @@ pub struct Chapter {
     pub table: Option<(Vec<String>, Vec<Vec<String>>)>,
 }
 
+/// A chapter of sentences that belong together; none if there are none.
+pub(super) fn chapter(heading: &'static str, sentences: Vec<String>) -> Option<Chapter> {
+    let chapter = Chapter {
+        heading,
+        sentences,
+        ..Chapter::default()
+    };
+    Some(chapter).filter(|chapter| !chapter.sentences.is_empty())
+}
+
 /// Means over a stage of a run: over whole nutations, or over a motion without nutation.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StageReport {

@@ -1,38 +1,51 @@
 //! Turns the facts of a run into sentences.
 
 use super::facts::Facts;
+use super::peg;
 use super::stages::{Kind, Stage};
-use super::story::{Chapter, Story};
+use super::story::{Chapter, Story, chapter};
 use super::why;
 use crate::analysis::course::{CourseReport, Cycle, Event};
 use crate::analysis::phrase::{list, moment, pair, quantity, significant};
 use crate::physics::friction::Dissipation;
 use crate::physics::kinematics::Tilt;
-use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, Simulation, StopReason};
-use crate::telemetry::fields::{CONTACT, MOMENTUM, NUTATION};
-use std::f64::consts::{PI, TAU};
+use crate::telemetry::fields::{CENTER_OF_MASS, CONTACT, FREE_PEG, IMPACTS, MOMENTUM, NUTATION};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// The duration for which the top is followed with the whole torque, as a multiple of the run's.
 const LONGER: f64 = 3.0;
 
 pub(super) fn tell(facts: &Facts) -> Story {
     let course = facts.course.report();
-    let precession = why::precession_report(facts);
-    // The rates of regular precession are those of a top whose peg is held.
     let is_free = facts.scenario.model.support.is_free();
-    let chapters = [
-        beginning(&facts.scenario),
-        axis(facts),
-        precession
-            .as_ref()
-            .and_then(|report| why::precession(facts, report)),
-        why::motion(facts).filter(|_| !is_free),
-        energy(facts, &course),
-        dropped(facts, &course),
-        events(facts),
-        left_out(facts, precession.is_none()),
-    ];
+    // The acceleration of a free peg is in φ̈ beside the terms.
+    let precession = (!is_free).then(|| why::precession_report(facts)).flatten();
+    let chapters = if is_free {
+        [
+            beginning(facts),
+            axis(facts),
+            peg::course(facts),
+            peg::motion(facts),
+            peg::energy(facts, &course),
+            None,
+            events(facts),
+            left_out(facts, false),
+        ]
+    } else {
+        [
+            beginning(facts),
+            axis(facts),
+            precession
+                .as_ref()
+                .and_then(|report| why::precession(facts, report)),
+            why::motion(facts),
+            energy(facts, &course),
+            dropped(facts, &course),
+            events(facts),
+            left_out(facts, precession.is_none()),
+        ]
+    };
     Story {
         title: title(facts, &course),
         chapters: chapters.into_iter().flatten().collect(),
@@ -50,24 +63,44 @@ fn title(facts: &Facts, course: &CourseReport) -> String {
     let starts_upright = |index: usize, kind: Kind| index == 0 && kind == Kind::Passes;
     let stages = facts.stages.iter().enumerate();
     let told = stages.filter(|(index, stage)| !starts_upright(*index, stage.kind));
-    for verb in told.filter_map(|(_, stage)| stage.kind.verb()) {
+    let is_tippe = facts.scenario.model.top.center_distance < 0.0;
+    let verb = |stage: &Stage| {
+        let verb = stage.kind.verb()?;
+        Some(if is_tippe {
+            peg::tippe_verb(verb, stage.thetas)
+        } else {
+            verb
+        })
+    };
+    for verb in told.filter_map(|(_, stage)| verb(stage)) {
         if verbs.last().is_none_or(|last| last != verb) {
             verbs.push(verb.to_owned());
         }
     }
+    // What comes to roll and stays as it is has risen before.
+    if facts.course.peg.is_some() && verbs.len() > 1 {
+        verbs.retain(|verb| Some(verb.as_str()) != Kind::Stays.verb());
+    }
     // A life of many turns is told below.
     if verbs.len() > 6 {
         verbs.drain(3..verbs.len() - 3);
+        verbs.dedup();
     }
     let is_rise = verbs.len() == 1 && verbs[0] == "rises";
     match course.rise_time {
-        Some(time) if is_rise => return format!("{name}: the top rises in {}", moment(time)),
+        Some(time) if is_rise && facts.course.peg.is_none() => {
+            return format!("{name}: the top rises in {}", moment(time));
+        }
         _ => {}
     }
     let told = if verbs.is_empty() {
         format!("{} of a top's life", moment(end))
     } else {
         format!("in {} the top {}", moment(end), list(&verbs))
+    };
+    let told = match peg::verbs(facts) {
+        Some(peg) => format!("{told}; {peg}"),
+        None => told,
     };
     if facts.is_cut {
         return format!(
@@ -78,17 +111,10 @@ fn title(facts: &Facts, course: &CourseReport) -> String {
     format!("{name}: {told}")
 }
 
-pub(super) fn chapter(heading: &'static str, sentences: Vec<String>) -> Option<Chapter> {
-    let chapter = Chapter {
-        heading,
-        sentences,
-        ..Chapter::default()
-    };
-    Some(chapter).filter(|chapter| !chapter.sentences.is_empty())
-}
-
-fn beginning(scenario: &Scenario) -> Option<Chapter> {
+fn beginning(facts: &Facts) -> Option<Chapter> {
+    let scenario = &facts.scenario;
     let (top, theta, rates) = (&scenario.model.top, scenario.angles.theta, &scenario.rates);
+    let starts_aloft = scenario.start().peg_position.z > top.peg_radius;
     let mut sentences = vec![
         format!(
             "A top of {} leans by θ = {} ({}°), spins at ψ̇ = {} ({} turns a minute) and precesses at φ̇ = {}.",
@@ -100,11 +126,21 @@ fn beginning(scenario: &Scenario) -> Option<Chapter> {
             quantity(rates.phi, 3, "rad/s"),
         ),
         format!(
-            "It stands on a ball with a radius of {}, whose lowest point slips over the table at {}.",
+            "It {} a ball with a radius of {}, whose lowest point {} at {}.",
+            if starts_aloft { "ends in" } else { "stands on" },
             quantity(1e3 * top.peg_radius, 2, "mm"),
+            if starts_aloft {
+                "moves over the table below"
+            } else {
+                "slips over the table"
+            },
             quantity(scenario.slip_speed_at_start(), 3, "m/s"),
         ),
     ];
+    if scenario.model.support.is_free() {
+        sentences.extend(peg::beginning(scenario));
+        return chapter("The top", sentences);
+    }
     let start = Tilt::from_rates(theta, *rates);
     let force = scenario.model.contact(&start).force.norm();
     if force > 0.0 {
@@ -124,6 +160,9 @@ fn axis(facts: &Facts) -> Option<Chapter> {
     let mut stages: Vec<&Stage> = facts.stages.iter().collect();
     stages.sort_by(|a, b| a.from.total_cmp(&b.from));
     let mut sentences: Vec<String> = stages.into_iter().filter_map(stage).collect();
+    if facts.scenario.model.top.center_distance < 0.0 {
+        sentences = stages_of_tippe(facts);
+    }
     if facts.pieces.path.is_empty() {
         sentences.insert(0, no_nutation(facts)?);
     }
@@ -148,6 +187,32 @@ fn no_nutation(facts: &Facts) -> Option<String> {
         significant(least, 4),
         quantity(greatest, 4, "rad"),
     ))
+}
+
+/// What the axis of a tippe top did: its centre of mass is lowest upright, so it does not rise toward there.
+fn stages_of_tippe(facts: &Facts) -> Vec<String> {
+    let mut stages: Vec<&Stage> = facts.stages.iter().collect();
+    stages.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let told = |one: &Stage| {
+        let sentence = stage(one)?;
+        let turns = match one.kind {
+            Kind::Rises => "straightened up",
+            Kind::Sinks | Kind::Falls if one.thetas[0] < FRAC_PI_2 && one.thetas[1] > FRAC_PI_2 => {
+                "turned over"
+            }
+            Kind::Sinks | Kind::Falls => "leaned farther",
+            Kind::Stays => {
+                let stays = "the top neither turned over nor straightened up";
+                return Some(sentence.replace("the axis neither rose nor sank", stays));
+            }
+            _ => return Some(sentence),
+        };
+        let verbs = ["the axis rose", "the axis sank", "the top fell"];
+        Some(verbs.iter().fold(sentence, |told, verb| {
+            told.replace(verb, &format!("the top {turns}"))
+        }))
+    };
+    stages.into_iter().filter_map(told).collect()
 }
 
 fn stage(stage: &Stage) -> Option<String> {
@@ -430,7 +495,7 @@ fn events(facts: &Facts) -> Option<Chapter> {
             format!(
                 "The top has fallen to {} rad, spinning at {}.",
                 significant(event.theta, 5),
-                quantity(event.rates[1], 4, "rad/s")
+                quantity(facts.or_zero(event.rates[1], 1.0), 4, "rad/s")
             )
         } else {
             event.description.clone()
@@ -463,18 +528,25 @@ fn left_out(facts: &Facts, lacks_precession: bool) -> Option<Chapter> {
         };
         sentences.push(format!("What friction does to the precession: {why}."));
     }
-    if facts.scenario.model.support.is_free() {
-        sentences.push(
-            "Why the axis moves: the rates of regular precession are known for a held peg only."
-                .to_owned(),
-        );
-    }
-    for (topic, what) in [
+    let always = [
         (MOMENTUM, "How the angular momenta incline the axis"),
         (NUTATION, "The averaged motion"),
         (CONTACT, "The path that the contact point slipped"),
-    ] {
-        if !facts.topics.contains(&topic) {
+    ];
+    let of_free_peg = [
+        (
+            CENTER_OF_MASS,
+            "The angular momentum about the centre of mass",
+        ),
+        (
+            FREE_PEG,
+            "The height of the peg, Jellett's integral and what took the energy",
+        ),
+        (IMPACTS, "The impacts"),
+    ];
+    let is_free = facts.scenario.model.support.is_free();
+    for (topic, what) in always.iter().chain(of_free_peg.iter().filter(|_| is_free)) {
+        if !facts.topics.contains(topic) {
             sentences.push(format!("{what}: {topic} is not recorded."));
         }
     }

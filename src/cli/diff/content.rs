@@ -3,7 +3,7 @@
 use crate::analysis::diff::{
     Budget, ChannelDifference, ComparedRun, CourseReport, Deviation, EventKindDifference,
     EventMoment, FieldDifference, Growth, GrowthLaw, Happened, IntegratorError, KeyDifference,
-    Matrix, MessageTimes, PairContext, Parting, QuantityKind, Report, Residual, Signals,
+    Matrix, MessageTimes, PairContext, Parting, PegReport, QuantityKind, Report, Residual, Signals,
     TextDifference, Verdict, full_name,
 };
 use crate::analysis::phrase::{
@@ -404,9 +404,17 @@ fn budget_rows(found: &Happened, a: &CourseReport, b: &CourseReport) -> Vec<Vec<
     let work = |budget: &Option<Budget>, course: &CourseReport, axis: usize| {
         let recorded = budget.and_then(|budget| budget.friction_work_node);
         recorded
+            .filter(|_| course.peg.is_none())
             .or(course.friction_work_node)
             .map(|work| work[axis])
     };
+    let peg = |of: fn(&PegReport) -> Option<f64>| [a, b].map(|run| run.peg.as_ref().and_then(of));
+    let [flights_a, flights_b] = peg(|peg| Some(peg.flights as f64));
+    let [impacts_a, impacts_b] = peg(|peg| Some(peg.impacts as f64));
+    let [air_a, air_b] = peg(|peg| Some(peg.time_in_air));
+    let [rolling_a, rolling_b] = peg(|peg| Some(peg.time_rolling));
+    let [roll_a, roll_b] = peg(|peg| peg.first_roll);
+    let [jellett_a, jellett_b] = peg(|peg| Some(peg.jellett_drift? / peg.jellett?.abs()));
     let work_of_a = |axis: usize| work(&found.budget_a, a, axis);
     let work_of_b = |axis: usize| work(&found.budget_b, b, axis);
     let quantities = [
@@ -434,6 +442,11 @@ fn budget_rows(found: &Happened, a: &CourseReport, b: &CourseReport) -> Vec<Vec<
             in_common(friction(common_a)),
             in_common(friction(common_b)),
         ),
+        ("flights of the peg", flights_a, flights_b),
+        ("impacts of the peg", impacts_a, impacts_b),
+        ("time in the air [s]", air_a, air_b),
+        ("first rolls at [s]", roll_a, roll_b),
+        ("time rolling [s]", rolling_a, rolling_b),
         (
             "path slipped by the last sample [m]",
             a.slip_path,
@@ -455,6 +468,11 @@ fn budget_rows(found: &Happened, a: &CourseReport, b: &CourseReport) -> Vec<Vec<
             b.vertical_momentum_drift,
         ),
         (
+            "drift of Jellett's integral, relative",
+            jellett_a,
+            jellett_b,
+        ),
+        (
             "energy unaccounted for [J]",
             a.energy_imbalance,
             b.energy_imbalance,
@@ -465,7 +483,12 @@ fn budget_rows(found: &Happened, a: &CourseReport, b: &CourseReport) -> Vec<Vec<
         .filter(|(_, a, b)| a.is_some() || b.is_some());
     known
         .map(|(name, a, b)| {
-            let is_count = name == "nutation cycles";
+            let is_count = [
+                "nutation cycles",
+                "flights of the peg",
+                "impacts of the peg",
+            ]
+            .contains(&name);
             let cell = |value: Option<f64>| match value {
                 None => "–".to_owned(),
                 Some(value) if is_count => format!("{value}"),

@@ -1,0 +1,327 @@
+//! What a free peg did: where it slid, rolled and flew, how it landed, and what it lost.
+
+use super::curve::extreme;
+use super::event::Event;
+use crate::run::simulation::EventKind;
+use crate::telemetry::Message;
+use crate::telemetry::fields::{
+    CONTACT, ENERGY, FREE_PEG, IMPACTS, STATE, contact, energy, free_peg, impacts, state,
+};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// What a peg does for a while.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Doing {
+    /// Slides over the table.
+    Slides,
+    /// Rolls on it: the contact point does not slip.
+    Rolls,
+    /// Is in the air, or touches the table in impacts only.
+    Flies,
+}
+
+/// A time in which a peg does one thing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Spell {
+    pub(crate) doing: Doing,
+    /// When it begins and ends, s.
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// Inclination θ when it begins, rad.
+    pub(crate) theta: f64,
+    /// φ̇ and ψ̇ then, rad/s.
+    pub(crate) rates: [f64; 2],
+}
+
+impl Spell {
+    pub(crate) fn duration(&self) -> f64 {
+        self.to - self.from
+    }
+}
+
+/// An impact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Impact {
+    /// When, s.
+    pub(crate) time: f64,
+    /// How fast the peg came down, m/s.
+    pub(crate) speed: f64,
+}
+
+/// What is recorded while a peg rolls, from the first sample in which it does to the last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rolled {
+    /// The time of the first and the last sample, s.
+    pub(crate) span: [f64; 2],
+    /// Least and greatest θ, rad.
+    pub(crate) thetas: [f64; 2],
+    /// Energy in the first and the last sample, J.
+    pub(crate) energies: [f64; 2],
+    /// Routh's integral in the first sample, and how far it was from that at most, kg m²/s.
+    pub(crate) routh: [f64; 2],
+    /// The greatest friction force as a part of the normal force.
+    pub(crate) grip: f64,
+}
+
+/// The last state: its time (s), and θ with θ̇.
+type Leaning = (f64, [f64; 2]);
+
+/// What a free peg did, collected message by message.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PegCourse {
+    /// What it does from some time on.
+    turns: Vec<(Doing, Event)>,
+    pub(crate) impacts: Vec<Impact>,
+    /// The height above the table of the highest sample in each flight from impact to impact (m), with its time (s).
+    pub(crate) peaks: Vec<(f64, f64)>,
+    flies_at_first: bool,
+    has_begun: bool,
+    leaning: Option<Leaning>,
+    energy: f64,
+    rolling: Option<Rolled>,
+    rolls: bool,
+    pub(crate) rolled: Vec<Rolled>,
+    /// Jellett's integral in the first sample, and how far it was from that at most, kg m³/s.
+    pub(crate) jellett: Option<[f64; 2]>,
+    /// What sliding, other losses, restitution and friction in impacts have taken, J.
+    pub(crate) lost: Option<[f64; 4]>,
+    /// Kinetic energy of the centre of mass in the first and the last sample, J.
+    pub(crate) translational: Option<[f64; 2]>,
+    /// The contact point in the first sample, and how far it has been from there at most, m.
+    pub(crate) travelled: Option<([f64; 2], f64)>,
+}
+
+impl PegCourse {
+    /// Takes in a message of the table.
+    pub(super) fn take(&mut self, message: &Message<'_>) {
+        let time = message.time_ns as f64 / 1e9;
+        match message.topic() {
+            STATE => self.state(message, time),
+            ENERGY => self.energy = energy::TOTAL.of(message),
+            CONTACT => self.contact(message),
+            FREE_PEG => self.free_peg(message, time),
+            IMPACTS => {
+                self.impacts.push(Impact {
+                    time: impacts::TIME.of(message),
+                    speed: -impacts::BEFORE.of(message).z,
+                });
+                self.peaks.push((f64::NEG_INFINITY, f64::NAN));
+            }
+            _ => {}
+        }
+    }
+
+    /// Takes in an event.
+    pub(super) fn event(&mut self, event: &Event) {
+        let doing = match EventKind::find(&event.name) {
+            Some(EventKind::LiftOff) => Doing::Flies,
+            Some(EventKind::Landing | EventKind::RollEnds) => Doing::Slides,
+            Some(EventKind::RollBegins) => Doing::Rolls,
+            _ => return,
+        };
+        if self.turns.is_empty() {
+            self.flies_at_first |= event.name == EventKind::Landing.name();
+        }
+        if doing == Doing::Flies {
+            self.peaks.push((f64::NEG_INFINITY, f64::NAN));
+        }
+        self.rolls = doing == Doing::Rolls;
+        self.rolled.extend(self.rolling.take());
+        self.turns.push((doing, event.clone()));
+    }
+
+    fn state(&mut self, message: &Message<'_>, time: f64) {
+        let now = [state::THETA, state::THETA_DOT].map(|field| field.of(message));
+        let before = self.leaning.replace((time, now));
+        if let (Some(rolling), Some((last, then))) = (&mut self.rolling, before) {
+            let between = extreme(then, now, time - last).unwrap_or(f64::NAN);
+            for theta in [now[0], between] {
+                super::cycle::widen(&mut rolling.thetas, theta);
+            }
+        }
+    }
+
+    fn contact(&mut self, message: &Message<'_>) {
+        let point = contact::CONTACT_POINT.of(message);
+        let (first, farthest) = self.travelled.get_or_insert(([point.x, point.y], 0.0));
+        let away = crate::physics::math::hypot(point.x - first[0], point.y - first[1]);
+        *farthest = farthest.max(away);
+        if let Some(rolling) = &mut self.rolling {
+            let grip =
+                contact::FRICTION_FORCE.of(message).norm() / contact::NORMAL_FORCE.of(message);
+            rolling.grip = rolling.grip.max(grip);
+        }
+    }
+
+    fn free_peg(&mut self, message: &Message<'_>, time: f64) {
+        let gap = free_peg::GAP.of(message);
+        if !self.has_begun {
+            self.has_begun = true;
+            self.flies_at_first |= gap > 0.0;
+        }
+        if gap > 0.0 {
+            if self.peaks.is_empty() {
+                self.peaks.push((f64::NEG_INFINITY, f64::NAN));
+            }
+            if let Some(peak) = self.peaks.last_mut().filter(|(peak, _)| gap > *peak) {
+                *peak = (gap, time);
+            }
+        }
+        let jellett = free_peg::JELLETT.of(message);
+        let [first, drift] = self.jellett.get_or_insert([jellett, 0.0]);
+        *drift = drift.max((jellett - *first).abs());
+        let translational = free_peg::TRANSLATIONAL.of(message);
+        let [_, last] = self.translational.get_or_insert([translational; 2]);
+        *last = translational;
+        let lost = [
+            free_peg::LOST_SLIDING,
+            free_peg::LOST_LOSSES,
+            free_peg::LOST_RESTITUTION,
+            free_peg::LOST_IMPACT_FRICTION,
+        ];
+        self.lost = Some(lost.map(|field| field.of(message)));
+        self.roll(free_peg::ROUTH.of(message), time);
+    }
+
+    fn roll(&mut self, routh: f64, time: f64) {
+        if !self.rolls {
+            return;
+        }
+        let (theta, energy) = (
+            self.leaning.map_or(f64::NAN, |(_, now)| now[0]),
+            self.energy,
+        );
+        let rolling = self.rolling.get_or_insert(Rolled {
+            span: [time; 2],
+            thetas: [theta; 2],
+            energies: [energy; 2],
+            routh: [routh, 0.0],
+            grip: 0.0,
+        });
+        rolling.span[1] = time;
+        rolling.energies[1] = energy;
+        let drift = (routh - rolling.routh[0]).abs();
+        rolling.routh[1] = rolling.routh[1].max(drift);
+    }
+
+    /// Takes in the end of the run.
+    pub(super) fn finish(&mut self) {
+        self.rolled.extend(self.rolling.take());
+        self.peaks.retain(|(height, _)| height.is_finite());
+    }
+
+    /// What the peg did from the start to `end`, s, one thing after the other.
+    pub(crate) fn spells(&self, end: f64) -> Vec<Spell> {
+        let first = if self.flies_at_first {
+            Doing::Flies
+        } else {
+            Doing::Slides
+        };
+        let mut spells = vec![Spell {
+            doing: first,
+            from: 0.0,
+            to: end,
+            theta: f64::NAN,
+            rates: [f64::NAN; 2],
+        }];
+        for (doing, event) in &self.turns {
+            if let Some(last) = spells.last_mut() {
+                last.to = event.time;
+            }
+            spells.push(Spell {
+                doing: *doing,
+                from: event.time,
+                to: end,
+                theta: event.theta,
+                rates: event.rates,
+            });
+        }
+        // What begins and ends at one moment was a name for it only.
+        spells.retain(|spell| spell.to > spell.from);
+        let mut joined: Vec<Spell> = Vec::new();
+        for spell in spells {
+            match joined.last_mut() {
+                Some(last) if last.doing == spell.doing => last.to = spell.to,
+                _ => joined.push(spell),
+            }
+        }
+        joined
+    }
+
+    pub(super) fn report(&self, end: f64) -> PegReport {
+        let spells = self.spells(end);
+        let of = |doing: Doing| spells.iter().filter(move |spell| spell.doing == doing);
+        let time_of = |doing: Doing| of(doing).map(Spell::duration).sum();
+        let last = spells.last();
+        let highest = self.peaks.iter().map(|(height, _)| *height);
+        let rolls = last.filter(|spell| spell.doing == Doing::Rolls);
+        let rolled = rolls.and(self.rolled.last());
+        let [sliding, losses, restitution, friction] =
+            self.lost.map_or([None; 4], |lost| lost.map(Some));
+        PegReport {
+            flights: of(Doing::Flies).count() as u64,
+            time_in_air: time_of(Doing::Flies),
+            time_rolling: time_of(Doing::Rolls),
+            time_sliding: time_of(Doing::Slides),
+            highest: highest.fold(None, |most: Option<f64>, height| {
+                Some(most.map_or(height, |most| most.max(height)))
+            }),
+            impacts: self.impacts.len() as u64,
+            first_roll: of(Doing::Rolls).next().map(|spell| spell.from),
+            doing_last: last.map(|spell| spell.doing),
+            rolls_from: rolls.map(|spell| spell.from),
+            rolls_at: rolls.map(|spell| spell.theta),
+            rolling_theta: rolled.map(|rolled| rolled.thetas),
+            lost_sliding: sliding,
+            lost_losses: losses,
+            lost_restitution: restitution,
+            lost_impact_friction: friction,
+            jellett: self.jellett.map(|[first, _]| first),
+            jellett_drift: self.jellett.map(|[_, drift]| drift),
+            farthest: self.travelled.map(|(_, farthest)| farthest),
+        }
+    }
+}
+
+/// What a free peg did in one run.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct PegReport {
+    /// How many times the peg was in the air, bounces not counted.
+    pub flights: u64,
+    /// Time in the air, impacts between bounces included, s.
+    pub time_in_air: f64,
+    /// Time in which the peg rolled, s.
+    pub time_rolling: f64,
+    /// Time in which the peg slid, s.
+    pub time_sliding: f64,
+    /// Height above the table of the highest sample, m.
+    pub highest: Option<f64>,
+    /// Number of impacts.
+    pub impacts: u64,
+    /// When the peg first rolled, s.
+    pub first_roll: Option<f64>,
+    /// What the peg did at the end of the run.
+    pub doing_last: Option<Doing>,
+    /// From when on the peg rolled to the end of the run, s; none if it did something else then.
+    pub rolls_from: Option<f64>,
+    /// Inclination θ at that moment, rad.
+    pub rolls_at: Option<f64>,
+    /// Least and greatest θ in the samples since then, rad.
+    pub rolling_theta: Option<[f64; 2]>,
+    /// Energy that friction took along the path slipped, J.
+    pub lost_sliding: Option<f64>,
+    /// Energy that rolling resistance, drilling and air took, J.
+    pub lost_losses: Option<f64>,
+    /// Energy lost by compression and restitution in impacts, J.
+    pub lost_restitution: Option<f64>,
+    /// Energy lost by friction in impacts, J.
+    pub lost_impact_friction: Option<f64>,
+    /// Jellett's integral at first, kg m³/s.
+    pub jellett: Option<f64>,
+    /// How far Jellett's integral was from that at most, kg m³/s.
+    pub jellett_drift: Option<f64>,
+    /// How far the contact point was from where it began at most, in samples, m.
+    pub farthest: Option<f64>,
+}
