@@ -148,6 +148,13 @@ pub(crate) fn symbol(field: &str) -> &str {
     }
 }
 
+/// A number of things.
+#[must_use]
+pub(crate) fn counted(count: u64, thing: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{ending}")
+}
+
 /// A list of items, with commas and an "and".
 #[must_use]
 pub(crate) fn list(items: &[String]) -> String {

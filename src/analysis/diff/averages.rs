@@ -21,7 +21,8 @@ const QUANTITIES: [NumberField; 4] = [
     state::PSI_DOT,
 ];
 
-/// Two runs no longer nutate together when they are apart by this part of a nutation.
+/// Two runs no longer nutate together when they are apart by this part of a nutation: from a quarter on, one rises while the
+/// other falls.
 const DECORRELATED: f64 = 0.25;
 
 /// Section c: the averaged motion, at the middle of each of A's nutation cycles.

@@ -1,8 +1,8 @@
 //! What differs between two runs beside values that are all the same.
 
 use super::setup::{CONDITION, ENCODING, SetupDifferences};
-use super::tale::counted;
 use super::topic::ChannelDifference;
+use crate::analysis::phrase::counted;
 
 /// What differs beside the values, in words.
 pub(super) fn beside(setup: &SetupDifferences, channels: &[ChannelDifference]) -> Vec<String> {

@@ -13,7 +13,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Matches whose shifts are smaller by this factor are better than matches in order.
+/// Matches whose shifts are smaller by this factor are better than matches in order. The nearest events are about a quarter
+/// of a period apart whatever they are, so they are believed only where those in order are apart by more than a period.
 const SMALLER: f64 = 0.25;
 /// Events of one kind.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]

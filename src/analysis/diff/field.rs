@@ -7,7 +7,8 @@ use crate::telemetry::payload::Value;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// More doubles between two numbers than these are no rounding.
+/// More doubles between two numbers than these are no rounding: a sum of thousands of terms, as long as a run has steps,
+/// loses some thousand units of the last place, not 2^16.
 const ROUNDING_ULPS: u64 = 1 << 16;
 
 /// A field that both have.

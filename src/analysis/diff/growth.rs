@@ -10,9 +10,10 @@ use serde::Serialize;
 
 /// Most windows that are kept.
 const WINDOWS: usize = 256;
-/// With fewer windows than this, nothing can be said.
+/// With fewer windows than this, nothing can be said: two laws with two parameters each fit a few points about equally.
 const FEWEST: usize = 8;
-/// A power law with a smaller exponent is none: the difference is bounded.
+/// A power law with a smaller exponent is none: over the two or three decades of time from the first nutation of a run to
+/// its end the difference would grow by a factor of 2.5 to 4, as the beat of two nutations can.
 const SMALLEST_EXPONENT: f64 = 0.2;
 /// A law is named if it leaves no more than this part of the variance that the other one leaves. With a hundred windows,
 /// a third of which are independent, that is a likelihood ratio of 2^(33/2), 1e5; and a constant leaves all of it.

@@ -6,9 +6,11 @@ use crate::telemetry::fields::NumberField;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A field parts where its difference first reaches this part of its largest magnitude.
+/// A field parts where its difference first reaches this part of its largest magnitude: well above the tolerances of
+/// integration, 1e-12 by default, and what grows from them, well below what can be seen.
 const PARTED: f64 = 1e-6;
-/// Where the integrators' errors are larger, the difference must be so many times as large as they are.
+/// Where the integrators' errors are larger, the difference must be so many times as large as they are: the
+/// times of threshold crossings are then off by a tenth at most where differences grow in proportion to time.
 const ABOVE_FLOOR: f64 = 10.0;
 
 /// When a field parted.

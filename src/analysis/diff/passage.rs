@@ -10,9 +10,11 @@ use crate::physics::integrate::zero;
 use crate::physics::math::{atan2, cos};
 use std::f64::consts::{PI, TAU};
 
-/// A motion goes somewhere if its averages change by so many times their errors: less may be nothing but errors.
+/// A motion goes somewhere if its averages change by so many times their errors: the errors are estimates, which may
+/// miss by a factor of a few ([`averaging_error`] is that of one phase), and less may be nothing but errors.
 const CLEAR: f64 = 10.0;
-/// So many levels are tried, evenly from the farthest to the start.
+/// So many levels are tried, evenly from the farthest to the start: a shift that is only clear between two of them is
+/// not clear over a sixteenth of the way.
 const LEVELS: u32 = 16;
 /// How much smaller the error of a cubic between four points is than where the middle one of five is left out: the
 /// products of the distances are 4 and at most 0.94 (between the last two points).
@@ -55,9 +57,10 @@ impl Passage {
     /// Finds how both averaged motions pass the farthest level that both reach, if they go anywhere, and the same way.
     /// `integrators` are the errors of A's and B's averaged θ, rad.
     pub(super) fn find(a: &Course, b: &Course, integrators: [f64; 2]) -> Option<Self> {
+        let courses = common([a, b]);
         [Way::Rising, Way::Falling]
             .into_iter()
-            .find_map(|way| Self::on_the_way(way, [a, b], integrators))
+            .find_map(|way| Self::on_the_way(way, courses, integrators))
     }
 
     /// The passage of the farthest level at which the shift is larger than its uncertainty, or of the farthest. There a
@@ -130,6 +133,24 @@ impl Passage {
         let reach = (highest - lowest) * self.period / (last - first);
         let counterpart = extended(&self.to, level, reach)?;
         Some((counterpart, self.period))
+    }
+}
+
+/// Two runs; where one is the beginning of the other only that: the averages that follow would bend the curve through the
+/// last of those that both have, as if they were shifted.
+fn common<'c>([a, b]: [&'c Course; 2]) -> [&'c Course; 2] {
+    let (short, long) = if a.cycles.len() <= b.cycles.len() {
+        (a, b)
+    } else {
+        (b, a)
+    };
+    let is_same = |(x, y): (&Cycle, &Cycle)| {
+        x.start == y.start && x.period == y.period && x.means[0] == y.means[0]
+    };
+    if short.cycles.iter().zip(&long.cycles).all(is_same) {
+        [short, short]
+    } else {
+        [a, b]
     }
 }
 

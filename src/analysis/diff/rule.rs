@@ -22,7 +22,8 @@ use crate::telemetry::side::Side;
 /// A file with so many times more messages is finer; with fewer, the clocks jitter or one lacks some: a message that has
 /// none to be interpolated between is told as missing.
 const FINER: f64 = 1.5;
-/// In files that toprise did not write, a distance of so many usual ones is a gap.
+/// In files that toprise did not write, a distance of so many usual ones is a gap: jitter and single messages that are lost
+/// make two or three.
 const GAP: u64 = 5;
 
 /// How the messages of a topic are paired.

@@ -3,14 +3,14 @@
 use super::floor::Floor;
 use super::report::Report;
 use super::setup::KeyDifference;
-use super::tale::{Tale, counted};
+use super::tale::Tale;
 use super::told_average::{averaged, nutation};
 use super::told_motion::motion;
 use super::told_peg::finding;
 use super::tolerance::full_name;
 use super::topic::ChannelDifference;
 use super::verdict::Verdict;
-use crate::analysis::phrase::{self, list, quantity, significant};
+use crate::analysis::phrase::{self, counted, list, quantity, significant};
 
 /// The key that says what holds the peg.
 const SUPPORT: &str = "support.kind";

@@ -37,12 +37,6 @@ impl<'r> Tale<'r> {
     }
 }
 
-/// A number of things.
-pub(super) fn counted(count: u64, thing: &str) -> String {
-    let ending = if count == 1 { "" } else { "s" };
-    format!("{count} {thing}{ending}")
-}
-
 /// An angle, rad.
 pub(super) fn angle(value: f64) -> String {
     quantity(value, 3, "rad")

@@ -16,7 +16,7 @@ use crate::telemetry::Topics;
 use crate::telemetry::fields::NUTATION;
 use std::ops::ControlFlow;
 
-/// With fewer nutation cycles, curves through them mean nothing.
+/// With fewer nutation cycles there is no cubic through them, and no curve to follow.
 const FEWEST_CYCLES: usize = 4;
 
 /// A time, finer than whole nanoseconds.

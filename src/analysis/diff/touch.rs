@@ -10,7 +10,8 @@ use crate::run::simulation::EventKind;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, STATE, events, state};
 
-/// Events meet `stop.theta_risen` and `stop.theta_fallen` to within rounding, rad.
+/// Events meet `stop.theta_risen` and `stop.theta_fallen` to within rounding, rad: they are refined to the resolution of
+/// a step, some 1e-16 s, at which θ changes by far less than this.
 pub(super) const SAME_LEVEL: f64 = 1e-9;
 
 /// The level at which θ counts as risen and the one at which it counts as fallen, rad; none where neither run has one.

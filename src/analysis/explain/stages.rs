@@ -8,9 +8,11 @@ use crate::run::simulation::{EventKind, UPRIGHT};
 /// about.
 const NOTABLE: f64 = 0.02;
 /// An axis that stays near upright this many times as long as it takes, at the pace at which it came, from there to
-/// upright and back sleeps; otherwise it passes.
+/// upright and back sleeps; otherwise it passes. One that passes stays once as long; nutation about upright, which may make the
+/// pace seem faster than it is, some times as long.
 const ASLEEP: f64 = 5.0;
-/// The number of points of the path from which that pace is taken; a top that starts upright sleeps if it is there for as
+/// The number of points of the path from which that pace is taken: enough for their mean to be that of the drift, few enough
+/// for the pace to be that near upright; a top that starts upright sleeps if it is there for as
 /// many.
 const PACE: usize = 10;
 

@@ -13,7 +13,8 @@ use crate::run::simulation::{EventKind, Simulation, StopReason};
 use crate::telemetry::fields::{CENTER_OF_MASS, CONTACT, FREE_PEG, IMPACTS, MOMENTUM, NUTATION};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// The duration for which the top is followed with the whole torque, as a multiple of the run's.
+/// The duration for which the top is followed with the whole torque, as a multiple of the run's. The presets that leave out
+/// a part of it end no later with the whole, to a thousandth; three times leave room for others.
 const LONGER: f64 = 3.0;
 
 pub(super) fn tell(facts: &Facts) -> Story {

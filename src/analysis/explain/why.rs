@@ -18,7 +18,8 @@ const NEAR: f64 = 0.05;
 /// The terms of φ̈ are told, with four digits, if their integrals add up to its change to this part of the largest. No
 /// tolerance holds for them, and near the vertical they are larger than anything that one holds for.
 const CLOSED: f64 = 5e-4;
-/// A change of φ̇ that is less than this part of what friction did to it is small beside it.
+/// A change of φ̇ that is less than this part of what friction did to it is small beside it: four fifths and more have been
+/// answered, and so it may be said that the answer keeps φ̇.
 const SMALL: f64 = 0.2;
 /// Beside what friction did to it, φ̇ has stayed as it was if it changed by less than this part: the θ̇ that cancels friction
 /// is then that which keeps φ̇ to as much.
@@ -112,6 +113,21 @@ impl Facts {
             .collect()
     }
 
+    /// The last of these nutations: which it is, if it is not the last of all.
+    fn last_nutation(&self) -> &'static str {
+        let pieces = self.pieces.pieces.iter();
+        let all = pieces.filter(|piece| piece.nutations > 0).count();
+        match self.pieces.totals.until {
+            Some((Until::Vertical, _)) if self.nutations().len() < all => {
+                "the last before the axis came within 0.01 rad of the vertical"
+            }
+            Some((Until::Stick, _)) if self.nutations().len() < all => {
+                "the last before the contact point stuck"
+            }
+            _ => "the last",
+        }
+    }
+
     /// The rate of regular precession that the averaged φ̇ kept to, with the greatest difference, rad/s.
     fn followed(&self) -> Option<(Root, f64)> {
         let nutations = self.nutations();
@@ -167,15 +183,17 @@ pub(super) fn precession(facts: &Facts, report: &PrecessionReport) -> Option<Cha
     let change = report.last - report.first;
     let friction = report.frictional;
     let span = match facts.pieces.totals.until {
-        Some((Until::Vertical, time)) => format!(
-            "Until the axis came within 0.01 rad of the vertical, at {},",
-            moment(time)
-        ),
-        Some((Until::Stick, time)) => {
-            format!("Until the contact point stuck, at {},", moment(time))
+        Some((Until::Vertical, _)) => {
+            ", the last sample before the axis came within 0.01 rad of the vertical,"
         }
-        None => format!("From {} to {}", moment(report.from), moment(report.to)),
+        Some((Until::Stick, _)) => ", the last sample before the contact point stuck,",
+        None => "",
     };
+    let span = format!(
+        "From {} to {}{span}",
+        moment(report.from),
+        moment(report.to)
+    );
     let mut sentences = Vec::new();
     let size = report.first.abs().max(report.last.abs()).max(change.abs());
     if friction.abs() <= facts.floor(size) {
@@ -213,7 +231,8 @@ pub(super) fn precession(facts: &Facts, report: &PrecessionReport) -> Option<Cha
     }
     if let [first, .., last] = facts.nutations().as_slice() {
         sentences.push(format!(
-            "From the first nutation to the last the averaged φ̇ {}.",
+            "From the first nutation to {} the averaged φ̇ {}.",
+            facts.last_nutation(),
             facts.went([first.rates.phi, last.rates.phi], "rad/s")
         ));
     }
@@ -286,8 +305,9 @@ fn roots(facts: &Facts) -> Vec<String> {
                 )
             };
             format!(
-                "at the inclination and spin of the nutations, from the first to the last, the slow one {} and the fast \
+                "at the inclination and spin of the nutations, from the first to {}, the slow one {} and the fast \
                  one {}",
+                facts.last_nutation(),
                 rates(0),
                 rates(1)
             )
@@ -322,7 +342,11 @@ fn roots(facts: &Facts) -> Vec<String> {
             };
             let name = root.name();
             Some(format!(
-                "Averaged over each nutation φ̇ kept to the {name} rate, {how}."
+                "Averaged over each {} φ̇ kept to the {name} rate, {how}.",
+                match facts.last_nutation() {
+                    "the last" => "nutation",
+                    _ => "of these nutations",
+                }
             ))
         }
         (_, None) => Some("Averaged over nutations φ̇ did not keep to either.".to_owned()),
@@ -386,8 +410,9 @@ fn momenta(facts: &Facts) -> Vec<String> {
         |piece: &Piece| regular_inclination(facts.top(), root, piece.momenta, piece.theta);
     if let (Some(begun), Some(ended)) = (inclination(first), inclination(last)) {
         sentences.push(format!(
-            "From the first nutation to the last the inclination of regular precession at the {} rate with these momenta \
+            "From the first nutation to {} the inclination of regular precession at the {} rate with these momenta \
              {}, and that of the axis, averaged, {}.",
+            facts.last_nutation(),
             root.name(),
             facts.went([begun, ended], "rad"),
             facts.went([first.theta, last.theta], "rad"),
