@@ -2174,7 +2174,8 @@ fn a_recording_out_of_order_is_identical_to_itself() {
         assert!(report.is_complete);
         let notes = report.notes.join("\n");
         assert!(
-            notes.contains("B: 1 message that repeats another or goes back in time"),
+            notes.contains("B: ")
+                && notes.contains("back in time, the first in /top/state at t = 0.3 s"),
             "{notes}"
         );
     }
