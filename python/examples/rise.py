@@ -42,8 +42,24 @@ report = toprise.diff(run, "full-coulomb")
 print(report.summary)
 
 # %% [markdown]
-# Half the friction: does it take twice as long?
+# Half the friction: does it take twice as long? And with less spin?
 
 # %%
 for k in (0.03, 0.015):
     print(k, toprise.outcome("paper", {"friction.k": k})["rise_time"], "s")
+
+# %%
+spec = {
+    "bases": ["paper"],
+    "set": {"integrator.relative_tolerance": 1e-9, "integrator.absolute_tolerance": 1e-9},
+    "over": {"friction.k": "0.02..0.08/7log", "initial.psi_dot": "100..180/5"},
+}
+print(toprise.sweep(spec, "map.parquet", progress=True))
+
+# %%
+import pyarrow.parquet
+
+from toprise import plot
+
+axes = plot.map(pyarrow.parquet.read_table("map.parquet"), "friction_k", "initial_psi_dot")
+axes.figure.savefig("map.png")

@@ -14,6 +14,7 @@ import_exception!(toprise._errors, RecordingError);
 import_exception!(toprise._errors, RecordingWarning);
 import_exception!(toprise._errors, ScenarioError);
 import_exception!(toprise._errors, SimulationError);
+import_exception!(toprise._errors, SweepError);
 
 /// What is wrong with a scenario.
 pub fn scenario(error: impl Display) -> PyErr {

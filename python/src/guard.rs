@@ -42,6 +42,15 @@ pub fn compute<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(Interrupt) -> T + Send + 'static,
 ) -> PyResult<T> {
+    compute_watched(py, |_| Ok(()), work)
+}
+
+/// As [`compute`], with a look at the work now and then; an error of it ends the work too.
+pub fn compute_watched<T: Send + 'static>(
+    py: Python<'_>,
+    look: impl Fn(Python<'_>) -> PyResult<()>,
+    work: impl FnOnce(Interrupt) -> T + Send + 'static,
+) -> PyResult<T> {
     let interrupt = Interrupt::default();
     let given = interrupt.clone();
     let (sender, mut receiver) = channel();
@@ -61,7 +70,7 @@ pub fn compute<T: Send + 'static>(
                 return Err(failure(panic.as_deref()));
             }
             (Err(RecvTimeoutError::Timeout), None) => {
-                if let Err(error) = py.check_signals() {
+                if let Err(error) = py.check_signals().and_then(|()| look(py)) {
                     interrupt.ask();
                     raised = Some((error, Instant::now()));
                 }

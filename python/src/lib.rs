@@ -6,6 +6,8 @@ mod guard;
 mod outcome;
 mod run;
 mod scenario;
+mod stream;
+mod sweep;
 mod table;
 mod view;
 
@@ -20,6 +22,8 @@ mod _toprise {
     use crate::run::{Run, read, run};
     #[pymodule_export]
     use crate::scenario::Scenario;
+    #[pymodule_export]
+    use crate::sweep::{design, outcome_columns, outcomes, rows, sweep};
     #[pymodule_export]
     use crate::table::Table;
 

@@ -43,13 +43,18 @@ impl<'py> FromPyObject<'_, 'py> for Base<'py> {
 impl Base<'_> {
     /// The scenario with some keys set.
     pub fn scenario(self, overrides: Option<&Bound<'_, PyMapping>>) -> PyResult<Checked> {
+        match (self, overrides) {
+            (Self::Scenario(scenario), None) => Ok(scenario.get().0.clone()),
+            (base, overrides) => Checked::new(base.values(overrides)?).map_err(errors::scenario),
+        }
+    }
+
+    /// Its keys and values with some of them set; whether they fit together is not checked.
+    pub fn values(self, overrides: Option<&Bound<'_, PyMapping>>) -> PyResult<Values> {
         let mut values = match self {
             Self::Scenario(scenario) => {
-                let Scenario(scenario) = scenario.get();
-                if overrides.is_none() {
-                    return Ok(scenario.clone());
-                }
-                Values::from_toml(&scenario.to_toml()).map_err(errors::scenario)?
+                let text = scenario.get().0.to_toml();
+                Values::from_toml(&text).map_err(errors::scenario)?
             }
             Self::Word(word) => values(&word).map_err(errors::given)?,
         };
@@ -59,7 +64,7 @@ impl Base<'_> {
                 set(&mut values, &key, &value)?;
             }
         }
-        Checked::new(values).map_err(errors::scenario)
+        Ok(values)
     }
 }
 

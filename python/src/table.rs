@@ -30,22 +30,32 @@ const MEANING: &str = "meaning";
 /// How many rows at either end `_repr_html_` shows.
 const SHOWN: usize = 4;
 
-/// The messages of a topic, one a row and one field a column, in SI units and radians.
+/// Rows and columns, in SI units and radians: the messages of a topic, one a row, or the outcomes of many runs.
 ///
 /// It speaks the Arrow PyCapsule interface: `polars.DataFrame(table)`, `pyarrow.table(table)`,
 /// `pandas.DataFrame.from_arrow(table)` and DuckDB's `FROM table` read it without copying a number.
 /// `table.numpy("theta")` is one column for NumPy.
 ///
-/// Columns of every table are `time_ns` (exact simulation time, ns), `sequence` (number of the sample, event or nutation)
+/// Columns of every topic's table are `time_ns` (exact simulation time, ns), `sequence` (number of the sample, event or nutation)
 /// and `time` (s). The others are the fields of the topic, with `_` in place of dots: `omega_body_x`. Unit, frame and
 /// meaning stand in the Arrow fields' metadata.
 #[pyclass(frozen, module = "toprise")]
 pub struct Table {
-    topic: Topic,
+    name: String,
+    meaning: String,
     rows: RecordBatch,
 }
 
 impl Table {
+    /// A table of these rows.
+    pub fn new(name: &str, meaning: &str, rows: RecordBatch) -> Self {
+        Self {
+            name: name.to_owned(),
+            meaning: meaning.to_owned(),
+            rows,
+        }
+    }
+
     fn index(&self, name: &str) -> PyResult<usize> {
         let schema = self.rows.schema_ref();
         let mut fields = schema.fields().iter();
@@ -54,7 +64,7 @@ impl Table {
         });
         found.ok_or_else(|| {
             let names = self.column_names().join(", ");
-            let text = format!("{} has no column {name}; columns: {names}", self.topic);
+            let text = format!("{} has no column {name}; columns: {names}", self.name);
             PyKeyError::new_err(text)
         })
     }
@@ -66,7 +76,9 @@ impl Table {
     /// A value as text.
     fn cell(column: &ArrayRef, row: usize) -> String {
         let any = column.as_any();
-        if let Some(column) = any.downcast_ref::<Float64Array>() {
+        if column.is_null(row) {
+            String::new()
+        } else if let Some(column) = any.downcast_ref::<Float64Array>() {
             format!("{:?}", column.value(row))
         } else if let Some(column) = any.downcast_ref::<Int64Array>() {
             column.value(row).to_string()
@@ -81,16 +93,16 @@ impl Table {
 
 #[pymethods]
 impl Table {
-    /// The topic, as in `/top/state`.
+    /// The topic, as in `/top/state`, or what else the table is called.
     #[getter]
-    fn topic(&self) -> &'static str {
-        self.topic.name()
+    fn name(&self) -> &str {
+        &self.name
     }
 
-    /// What the topic carries.
+    /// What the table holds.
     #[getter]
-    fn meaning(&self) -> &'static str {
-        self.topic.info().meaning
+    fn meaning(&self) -> &str {
+        &self.meaning
     }
 
     /// The names of the columns.
@@ -113,8 +125,9 @@ impl Table {
 
     /// A column as a NumPy array of shape (rows,).
     ///
-    /// Numbers are a read-only view of the table's memory (float64; int64 for `time_ns` and `sequence`), texts a copy. Names
-    /// with dots are understood too: `omega_body.x`.
+    /// Numbers are a read-only view of the table's memory (float64; int64 for `time_ns`, `sequence` and counts), texts a copy.
+    /// So are columns in which values are missing, as in outcomes: NaN stands for a number, None for a text. Names with dots
+    /// are understood too: `omega_body.x`.
     fn numpy<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         view::numpy(py, self.rows.column(self.index(name)?))
     }
@@ -148,8 +161,7 @@ impl Table {
         let (rows, columns) = (self.rows.num_rows(), self.rows.num_columns());
         let mut text = format!(
             "Table {}: {}\n{rows} rows × {columns} columns",
-            self.topic,
-            self.meaning()
+            self.name, self.meaning
         );
         let names = self.column_names();
         let widest = names.iter().map(String::len).max().unwrap_or_default();
@@ -165,8 +177,8 @@ impl Table {
         let rows = self.rows.num_rows();
         let mut html = format!(
             "<table><caption>{}: {} ({rows} rows)</caption><thead><tr>",
-            self.topic,
-            escaped(self.meaning())
+            escaped(&self.name),
+            escaped(&self.meaning)
         );
         for field in self.rows.schema_ref().fields() {
             let (unit, meaning) = (Self::about(field, UNIT), Self::about(field, MEANING));
@@ -281,10 +293,8 @@ impl Columns {
         let about = [("topic", info.topic), (MEANING, info.meaning)];
         let about = about.map(|(key, value)| (key.to_owned(), value.to_owned()));
         let schema: SchemaRef = Arc::new(Schema::new_with_metadata(fields, HashMap::from(about)));
-        Ok(Table {
-            topic: self.topic,
-            rows: RecordBatch::try_new(schema, columns).map_err(refused)?,
-        })
+        let rows = RecordBatch::try_new(schema, columns).map_err(refused)?;
+        Ok(Table::new(info.topic, info.meaning, rows))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Columns as NumPy arrays, without a copy.
 
 use arrow_array::{Array as _, ArrayRef, Float64Array, Int64Array, StringArray};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -32,18 +33,25 @@ impl View {
     }
 }
 
-/// A column as a NumPy array: numbers as a read-only view, texts as a copy.
+/// A column as a NumPy array: numbers as a read-only view; as a copy texts, and columns in which values are missing.
 pub fn numpy<'py>(py: Python<'py>, column: &ArrayRef) -> PyResult<Bound<'py, PyAny>> {
     let numpy = py.import("numpy")?;
     let any = column.as_any();
-    let (address, kind) = if let Some(column) = any.downcast_ref::<Float64Array>() {
+    let is_whole = column.null_count() == 0;
+    let (address, kind) = if let Some(texts) = any.downcast_ref::<StringArray>() {
+        let kind = if is_whole { "str" } else { "object" };
+        let texts = PyList::new(py, texts.iter().collect::<Vec<_>>())?;
+        return numpy.call_method1("array", (texts, kind));
+    } else if !is_whole {
+        let numbers = PyList::new(py, with_nan(column))?;
+        return numpy.call_method1("array", (numbers, "float64"));
+    } else if let Some(column) = any.downcast_ref::<Float64Array>() {
         (column.values().as_ptr() as usize, "f8")
     } else if let Some(column) = any.downcast_ref::<Int64Array>() {
         (column.values().as_ptr() as usize, "i8")
     } else {
-        let texts = any.downcast_ref::<StringArray>();
-        let texts = PyList::new(py, texts.into_iter().flatten().collect::<Vec<_>>())?;
-        return numpy.call_method1("array", (texts, "str"));
+        let text = format!("a column of type {} has no view", column.data_type());
+        return Err(PyTypeError::new_err(text));
     };
     let view = View {
         _column: column.clone(),
@@ -52,4 +60,15 @@ pub fn numpy<'py>(py: Python<'py>, column: &ArrayRef) -> PyResult<Bound<'py, PyA
         kind,
     };
     numpy.call_method1("asarray", (view,))
+}
+
+/// The numbers of a column, with NaN for those that are missing.
+fn with_nan(column: &ArrayRef) -> Vec<f64> {
+    let any = column.as_any();
+    if let Some(column) = any.downcast_ref::<Float64Array>() {
+        return column.iter().map(|n| n.unwrap_or(f64::NAN)).collect();
+    }
+    let integers = any.downcast_ref::<Int64Array>();
+    let number = |integer: Option<i64>| integer.map_or(f64::NAN, |integer| integer as f64);
+    integers.into_iter().flatten().map(number).collect()
 }

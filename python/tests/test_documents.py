@@ -43,4 +43,5 @@ def test_what_documents_show_runs(name, tmp_path):
 def test_the_example_runs(tmp_path):
     told = runs((ROOT / "python/examples/rise.py").read_text(), tmp_path)
     assert "24.719" in told and "friction.dissipation" in told
-    assert (tmp_path / "rise.png").stat().st_size > 10_000
+    for picture in ("rise.png", "map.png"):
+        assert (tmp_path / picture).stat().st_size > 10_000

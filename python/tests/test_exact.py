@@ -25,7 +25,7 @@ GOLDEN = dict(
 def fields(table):
     """The columns that are fields of messages."""
     own = {"time_ns", "sequence"}
-    if table.topic not in ("/events", "/top/impact"):
+    if table.name not in ("/events", "/top/impact"):
         own.add("time")
     return [name for name in table.column_names if name not in own]
 

@@ -57,7 +57,7 @@ def test_a_whole_recording_is_read_in_silence(reference):
 def test_a_run_is_a_mapping_of_topics(brief):
     assert "/top/state" in brief and "/top/impact" not in brief
     assert list(brief) == brief.topics == brief.keys() and len(brief) == 10
-    assert brief.events.topic == "/events" and brief.nutations.topic == "/top/nutation"
+    assert brief.events.name == "/events" and brief.nutations.name == "/top/nutation"
     with pytest.raises(KeyError, match="/top/impact; topics: /top/state, "):
         brief["/top/impact"]
     with pytest.raises(KeyError, match="no column thet; columns: time_ns, "):

@@ -2,7 +2,9 @@
 
 import gc
 
+import duckdb
 import numpy as np
+import pandas
 import polars as pl
 import pyarrow as pa
 import pytest
@@ -38,7 +40,7 @@ def test_views_are_read_only_and_outlive_the_run():
 
 def test_a_table_knows_its_units(brief):
     table = brief["/top/pose"]
-    assert table.topic == "/top/pose" and len(table) == 101
+    assert table.name == "/top/pose" and len(table) == 101
     assert table.units["omega_body_x"] == "rad/s"
     schema = pa.schema(table)
     field = schema.field("omega_body_x")
@@ -100,8 +102,6 @@ def test_what_is_shown_names_columns_and_units(brief):
 
 
 def test_duckdb_and_pandas_read_tables(brief):
-    duckdb = pytest.importorskip("duckdb")
-    pandas = pytest.importorskip("pandas")
     state = brief["/top/state"]
     found = duckdb.sql("SELECT count(*), max(theta) FROM state").fetchall()
     assert found == [(101, state.numpy("theta").max())]

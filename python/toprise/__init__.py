@@ -17,6 +17,7 @@ from ._errors import (
     RecordingWarning,
     ScenarioError,
     SimulationError,
+    SweepError,
 )
 from ._reports import (
     AnyRun,
@@ -29,6 +30,7 @@ from ._reports import (
     presets,
     verify,
 )
+from ._sweeps import Outcomes, design, outcomes, sweep
 from ._toprise import VERSION as __version__
 from ._toprise import Run, Scenario, Table, outcome, read, run
 
@@ -38,6 +40,7 @@ __all__ = [
     "DiffReport",
     "Error",
     "InternalError",
+    "Outcomes",
     "RecordingError",
     "RecordingWarning",
     "Report",
@@ -46,14 +49,18 @@ __all__ = [
     "ScenarioError",
     "SimulationError",
     "Story",
+    "SweepError",
     "Table",
     "VerifyReport",
     "__version__",
+    "design",
     "diff",
     "explain",
     "outcome",
+    "outcomes",
     "presets",
     "read",
     "run",
+    "sweep",
     "verify",
 ]

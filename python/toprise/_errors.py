@@ -21,6 +21,10 @@ class DiffError(Error, ValueError):
     """Runs that can't be compared or explained."""
 
 
+class SweepError(Error, ValueError):
+    """A sweep that can't be started or written."""
+
+
 class InternalError(Error, RuntimeError):
     """A defect of toprise itself; please report it."""
 

@@ -4,7 +4,24 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Final, SupportsFloat, final
 
-__all__ = ["VERSION", "Run", "Scenario", "Table", "diff", "explain", "outcome", "presets", "read", "run", "verify"]
+__all__ = [
+    "VERSION",
+    "Run",
+    "Scenario",
+    "Table",
+    "design",
+    "diff",
+    "explain",
+    "outcome",
+    "outcome_columns",
+    "outcomes",
+    "presets",
+    "read",
+    "rows",
+    "run",
+    "sweep",
+    "verify",
+]
 
 VERSION: Final[str]
 
@@ -44,7 +61,7 @@ class Scenario:
 @final
 class Table:
     @property
-    def topic(self) -> str: ...
+    def name(self) -> str: ...
     @property
     def meaning(self) -> str: ...
     @property
@@ -112,3 +129,24 @@ def diff(
 def explain(run: Run | Scenario | str | os.PathLike[str]) -> str: ...
 def verify(path: str | os.PathLike[str], *, reproduce: bool) -> str: ...
 def presets() -> list[tuple[str, str]]: ...
+def outcomes(
+    table: object,
+    base: Scenario | str | os.PathLike[str],
+    *,
+    keep: Sequence[str],
+    threads: int,
+    max_steps: int | None,
+) -> Table: ...
+def outcome_columns(keys: Sequence[str]) -> Table: ...
+def design(text: str, folder: str | os.PathLike[str], start: int, stop: int | None) -> Table: ...
+def rows(text: str, folder: str | os.PathLike[str]) -> tuple[int, int]: ...
+def sweep(
+    text: str,
+    folder: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    threads: int,
+    shard: tuple[int, int] | None,
+    fail_fast: bool,
+    progress: Callable[[int, int], object] | None,
+) -> str: ...

@@ -161,9 +161,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         if arguments.dry_run {
             return Ok((Finished::default(), estimate));
         }
-        if left > 0 {
-            output::note(&announcement(&sweep, left, estimate));
-        }
+        output::note(&announcement(&sweep, left, estimate));
         let tally = Tally::new(left);
         let watch = Watch {
             carry_on: &carry_on,
@@ -292,20 +290,14 @@ fn quietly<T>(task: impl FnOnce() -> T) -> T {
 }
 
 fn announcement(sweep: &Sweep, left: u64, estimate: Option<f64>) -> String {
-    let runs = runs(sweep.spec().rows());
+    let runs = count(sweep.spec().rows());
     let left = if left == sweep.spec().rows() {
         String::new()
     } else {
         format!(", {} of them left", count(left))
     };
     let estimate = estimate.map_or_else(String::new, |seconds| format!("; {}", about(seconds)));
-    format!("{runs}{left}{estimate}")
-}
-
-/// A number of runs.
-fn runs(number: u64) -> String {
-    let noun = if number == 1 { "run" } else { "runs" };
-    format!("{} {noun}", count(number))
+    format!("{runs} runs{left}{estimate}")
 }
 
 /// A time that is not known well.
@@ -370,7 +362,7 @@ impl SweepReport {
             facts.push(("first error", format!("run {}: {}", error.run, error.error)));
         }
         if arguments.dry_run {
-            facts.push(("left", runs(left)));
+            facts.push(("left", format!("{} runs", count(left))));
             if let Some(seconds) = self.estimate {
                 let threads = arguments.threads();
                 facts.push(("time", format!("{}, {threads} at once", about(seconds))));
@@ -379,8 +371,8 @@ impl SweepReport {
             let computed = match self.computed {
                 0 => "nothing: all of it was there".to_owned(),
                 computed => format!(
-                    "{} in {} s, {} a second",
-                    runs(computed),
+                    "{} runs in {} s, {} runs/s",
+                    count(computed),
                     number(self.wall_time, 2),
                     number(computed as f64 / self.wall_time, 1)
                 ),
@@ -410,26 +402,26 @@ impl SweepReport {
     }
 
     fn title(&self, arguments: &SweepArguments) -> (String, Tone) {
-        let runs = runs(self.runs);
+        let runs = count(self.runs);
         if self.interrupted {
-            (format!("{runs}: interrupted"), Tone::Weak)
+            (format!("{runs} runs: interrupted"), Tone::Weak)
         } else if arguments.dry_run {
-            (runs, Tone::Neutral)
+            (format!("{runs} runs"), Tone::Neutral)
         } else if let Some(Shard { index, count }) =
             arguments.shard.filter(|_| self.table.is_none())
         {
             (
-                format!("{runs}: shard {index} of {count} is done"),
+                format!("{runs} runs: shard {index} of {count} is done"),
                 Tone::Good,
             )
         } else if self.errors > 0 {
             let errors = count(self.errors);
             (
-                format!("{runs}, {errors} of them without an outcome"),
+                format!("{runs} runs, {errors} of them without an outcome"),
                 Tone::Weak,
             )
         } else {
-            (runs, Tone::Good)
+            (format!("{runs} runs"), Tone::Good)
         }
     }
 }

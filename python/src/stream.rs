@@ -1,0 +1,126 @@
+//! Tables of other libraries, through the Arrow PyCapsule interface.
+
+use arrow_array::ffi::{FFI_ArrowArray, from_ffi_and_data_type};
+use arrow_array::ffi_stream::FFI_ArrowArrayStream;
+use arrow_array::{RecordBatch, RecordBatchOptions, StructArray};
+use arrow_schema::ffi::FFI_ArrowSchema;
+use arrow_schema::{ArrowError, DataType, Schema, SchemaRef};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyCapsule;
+use std::ffi::{CStr, c_int};
+use std::sync::Arc;
+
+/// A table of Arrow: its schema and its rows.
+pub struct Given {
+    pub schema: SchemaRef,
+    pub batches: Vec<RecordBatch>,
+}
+
+impl<'py> FromPyObject<'_, 'py> for Given {
+    type Error = PyErr;
+
+    /// Takes what has `__arrow_c_stream__`, as tables of pyarrow, Polars, pandas and DuckDB have, or `__arrow_c_array__`, as
+    /// single batches have.
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if given.hasattr("__arrow_c_stream__")? {
+            let capsule = given.call_method0("__arrow_c_stream__")?;
+            return read_stream(capsule.cast::<PyCapsule>()?);
+        }
+        if given.hasattr("__arrow_c_array__")? {
+            let capsules = given.call_method0("__arrow_c_array__")?;
+            let (schema, array): (Bound<'_, PyCapsule>, Bound<'_, PyCapsule>) =
+                capsules.extract()?;
+            return read_batch(&schema, &array);
+        }
+        Err(PyTypeError::new_err(format!(
+            "a table is one of pyarrow, Polars, pandas, DuckDB or another library with Arrow's PyCapsule interface, not {}",
+            given.get_type()
+        )))
+    }
+}
+
+#[allow(unsafe_code)]
+fn read_stream(capsule: &Bound<'_, PyCapsule>) -> PyResult<Given> {
+    let pointer = capsule.pointer_checked(Some(c"arrow_array_stream"))?;
+    // SAFETY: a capsule of this name points to a stream, by the PyCapsule interface. It is moved out, and what is left behind is
+    // marked as released, so that the capsule does not release it again.
+    let mut stream = unsafe { FFI_ArrowArrayStream::from_raw(pointer.cast().as_ptr()) };
+    let (Some(get_schema), Some(get_next)) = (stream.get_schema, stream.get_next) else {
+        return Err(PyValueError::new_err(
+            "the table's stream has been read already",
+        ));
+    };
+    let mut schema = FFI_ArrowSchema::empty();
+    // SAFETY: both functions are called as the C stream interface asks: with the stream that they belong to, which is not
+    // released yet, and a place for what they give.
+    let code = unsafe { get_schema(&raw mut stream, &raw mut schema) };
+    check(code, &mut stream)?;
+    let schema = Arc::new(Schema::try_from(&schema).map_err(refused)?);
+    let mut batches = Vec::new();
+    loop {
+        let mut array = FFI_ArrowArray::empty();
+        // SAFETY: as above.
+        let code = unsafe { get_next(&raw mut stream, &raw mut array) };
+        check(code, &mut stream)?;
+        if array.is_released() {
+            return Ok(Given { schema, batches });
+        }
+        batches.push(batch(array, &schema)?);
+    }
+}
+
+/// The error that a stream tells of, if a call returned one.
+#[allow(unsafe_code)]
+fn check(code: c_int, stream: &mut FFI_ArrowArrayStream) -> PyResult<()> {
+    if code == 0 {
+        return Ok(());
+    }
+    if let Some(raised) = Python::attach(PyErr::take) {
+        return Err(raised);
+    }
+    let told = stream.get_last_error.and_then(|told| {
+        // SAFETY: the stream is its own; the text, if there is one, ends with a zero and lives until the next call.
+        unsafe {
+            let text = told(stream);
+            (!text.is_null()).then(|| CStr::from_ptr(text).to_string_lossy().into_owned())
+        }
+    });
+    let text = told.unwrap_or_else(|| format!("the table's stream failed with code {code}"));
+    Err(PyValueError::new_err(text))
+}
+
+#[allow(unsafe_code)]
+fn read_batch(schema: &Bound<'_, PyCapsule>, array: &Bound<'_, PyCapsule>) -> PyResult<Given> {
+    let schema = schema.pointer_checked(Some(c"arrow_schema"))?;
+    let array = array.pointer_checked(Some(c"arrow_array"))?;
+    // SAFETY: capsules of these names point to a schema and an array, by the PyCapsule interface; both are moved out, and what
+    // is left behind is marked as released.
+    let (schema, array) = unsafe {
+        (
+            FFI_ArrowSchema::from_raw(schema.cast().as_ptr()),
+            FFI_ArrowArray::from_raw(array.cast().as_ptr()),
+        )
+    };
+    let schema = Arc::new(Schema::try_from(&schema).map_err(refused)?);
+    let batches = vec![batch(array, &schema)?];
+    Ok(Given { schema, batches })
+}
+
+/// A batch of rows, wherever its numbers begin in memory.
+#[allow(unsafe_code)]
+fn batch(array: FFI_ArrowArray, schema: &SchemaRef) -> PyResult<RecordBatch> {
+    let kind = DataType::Struct(schema.fields().clone());
+    // SAFETY: whoever made the array made the schema for it.
+    let mut data = unsafe { from_ffi_and_data_type(array, kind) }.map_err(refused)?;
+    // What has been through pickle, as in Dask, need not be aligned.
+    data.align_buffers();
+    let rows = data.len();
+    let columns = StructArray::from(data).into_parts().1;
+    let options = RecordBatchOptions::new().with_row_count(Some(rows));
+    RecordBatch::try_new_with_options(schema.clone(), columns, &options).map_err(refused)
+}
+
+fn refused(error: ArrowError) -> PyErr {
+    PyValueError::new_err(format!("the table can't be read: {error}"))
+}

@@ -1,0 +1,241 @@
+//! Sweeps: the outcomes of many runs.
+
+use crate::errors::{self, SweepError};
+use crate::guard::{Interrupt, compute, compute_watched};
+use crate::scenario::Base;
+use crate::stream::Given;
+use crate::table::Table;
+use arrow_array::{ArrayRef, RecordBatch, new_null_array};
+use arrow_schema::{ArrowError, DataType, Field, FieldRef, Schema};
+use arrow_select::concat::concat_batches;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rayon::ThreadPoolBuilder;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use toprise::run::scenario::{Value, Values};
+use toprise::run::simulation::StopReason;
+use toprise::sweep::{self as sweeps, Design, Options, Shard, Spec, Sweep, Watch};
+
+/// The column of a sweep's table with the number of a row: what is given keeps its own.
+const RUN: &str = "run";
+/// The column of a sweep's table with the name of a row's base.
+const SCENARIO: &str = "scenario";
+
+/// What a table of outcomes is called.
+const OUTCOMES: (&str, &str) = ("outcomes", "the outcome of each run, or why there is none");
+
+/// The outcomes of runs that a table defines; see `toprise.outcomes`.
+#[pyfunction]
+#[pyo3(signature = (table, base, *, keep, threads, max_steps))]
+pub fn outcomes(
+    py: Python<'_>,
+    table: Given,
+    base: Base<'_>,
+    keep: Vec<String>,
+    threads: usize,
+    max_steps: Option<u64>,
+) -> PyResult<Table> {
+    let values = base.values(None)?;
+    let given = concat_batches(&table.schema, &table.batches).map_err(refused)?;
+    let (kept, keys): (Vec<usize>, Vec<usize>) = (0..given.num_columns())
+        .filter(|column| given.schema_ref().field(*column).name() != SCENARIO)
+        .partition(|column| {
+            let name = given.schema_ref().field(*column).name();
+            name == RUN || keep.contains(name)
+        });
+    let kept = given.project(&kept).map_err(refused)?;
+    let keys = given.project(&keys).map_err(refused)?;
+    let rows = keys.num_rows();
+    let sweep = if rows == 0 {
+        sweep_over(&one_empty_row(&keys)?, &values, max_steps)?
+    } else {
+        sweep_over(&keys, &values, max_steps)?
+    };
+    let computed = compute(py, move |interrupt| {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|error| error.to_string())?;
+        let computed = pool.install(|| rows_of(&sweep, rows as u64, &interrupt));
+        computed.ok_or_else(|| "interrupted".to_owned())
+    })?;
+    let computed = computed.map_err(SweepError::new_err)?;
+    Ok(named(beside(&kept, &computed).map_err(refused)?))
+}
+
+/// The first rows of a sweep; none if it was interrupted.
+fn rows_of(sweep: &Sweep, rows: u64, interrupt: &Interrupt) -> Option<RecordBatch> {
+    let watch = Watch {
+        carry_on: &|| !interrupt.is_asked(),
+        done: &|_| {},
+    };
+    sweep.batch(0..rows, &watch).map(|(batch, _)| batch)
+}
+
+/// What is kept of a table, and beside it the columns of a sweep but for the number of the row.
+fn beside(kept: &RecordBatch, computed: &RecordBatch) -> Result<RecordBatch, ArrowError> {
+    let is_wanted = |field: &FieldRef| field.name() != RUN;
+    let own = computed
+        .schema_ref()
+        .fields()
+        .iter()
+        .zip(computed.columns());
+    let own = own.filter(|(field, _)| is_wanted(field));
+    let kept = kept.schema_ref().fields().iter().zip(kept.columns());
+    let (fields, columns): (Vec<FieldRef>, Vec<ArrayRef>) = kept
+        .chain(own)
+        .map(|(field, column)| (field.clone(), column.clone()))
+        .unzip();
+    RecordBatch::try_new(Arc::new(Schema::new(fields)), columns)
+}
+
+/// The columns of outcomes of runs in which these keys vary, as a table without rows; see `toprise.Outcomes.schema`.
+#[pyfunction]
+pub fn outcome_columns(keys: Vec<String>) -> PyResult<Table> {
+    let kind = |name: &String| {
+        let key = sweeps::find_key(name).map_err(refused_sweep)?;
+        let kind = if key.kind.is_text() {
+            DataType::Utf8
+        } else {
+            DataType::Float64
+        };
+        Ok(Field::new(name, kind, true))
+    };
+    let fields = keys.iter().map(kind).collect::<PyResult<Vec<_>>>()?;
+    let none = RecordBatch::new_empty(Arc::new(Schema::new(fields)));
+    let sweep = sweep_over(&one_empty_row(&none)?, &Values::default(), None)?;
+    let columns = RecordBatch::new_empty(sweep.schema());
+    let nothing = RecordBatch::new_empty(Arc::new(Schema::empty()));
+    Ok(named(beside(&nothing, &columns).map_err(refused)?))
+}
+
+/// A row in which every key is left as it is: a design has at least one.
+fn one_empty_row(keys: &RecordBatch) -> PyResult<RecordBatch> {
+    let fields = keys.schema_ref().fields().iter();
+    let (fields, columns): (Vec<Field>, Vec<ArrayRef>) = fields
+        .map(|field| {
+            let column = new_null_array(field.data_type(), 1);
+            (field.as_ref().clone().with_nullable(true), column)
+        })
+        .unzip();
+    let options = arrow_array::RecordBatchOptions::new().with_row_count(Some(1));
+    RecordBatch::try_new_with_options(Arc::new(Schema::new(fields)), columns, &options)
+        .map_err(refused)
+}
+
+/// The sweep over the rows of a table.
+fn sweep_over(keys: &RecordBatch, values: &Values, max_steps: Option<u64>) -> PyResult<Sweep> {
+    let name = match values.get("name") {
+        Some(Value::Text(name)) => name.clone(),
+        _ => String::new(),
+    };
+    let values = values.clone();
+    let table = sweeps::Table::from_batches(std::slice::from_ref(keys));
+    let table = table.map_err(errors::scenario)?;
+    let bases = vec![sweeps::Base { name, values }];
+    let spec = Spec::new(bases, Design::Table(table), max_steps).map_err(refused_sweep)?;
+    Ok(Sweep::new(spec))
+}
+
+fn named(rows: RecordBatch) -> Table {
+    let (name, meaning) = OUTCOMES;
+    Table::new(name, meaning, rows)
+}
+
+/// Reads the spec of a sweep; files that it names are looked for in `folder`.
+fn read_spec(text: &str, folder: &Path) -> PyResult<Sweep> {
+    let spec = Spec::from_toml(text, folder, &[]).map_err(refused_sweep)?;
+    Ok(Sweep::new(spec))
+}
+
+/// Rows of a design; see `toprise.design`.
+#[pyfunction]
+#[pyo3(signature = (text, folder, start, stop))]
+pub fn design(text: &str, folder: PathBuf, start: u64, stop: Option<u64>) -> PyResult<Table> {
+    let sweep = read_spec(text, &folder)?;
+    let rows = sweep.spec().rows();
+    let stop = stop.unwrap_or(rows);
+    if start > stop || stop > rows {
+        return Err(PyValueError::new_err(format!(
+            "rows {start} to {stop}: the sweep has {rows}"
+        )));
+    }
+    let meaning = "the runs of a sweep";
+    Ok(Table::new("design", meaning, sweep.design(start..stop)))
+}
+
+/// The number of rows of a sweep, and of a part.
+#[pyfunction]
+pub fn rows(text: &str, folder: PathBuf) -> PyResult<(u64, u64)> {
+    let sweep = read_spec(text, &folder)?;
+    Ok((sweep.spec().rows(), sweeps::PART_ROWS))
+}
+
+/// Computes a sweep; see `toprise.sweep`. Now and then `progress` is told how many runs are done, of how many.
+#[pyfunction]
+#[pyo3(signature = (text, folder, out, *, threads, shard, fail_fast, progress))]
+#[allow(clippy::too_many_arguments)]
+pub fn sweep(
+    py: Python<'_>,
+    text: &str,
+    folder: PathBuf,
+    out: PathBuf,
+    threads: usize,
+    shard: Option<(u64, u64)>,
+    fail_fast: bool,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<String> {
+    let sweep = read_spec(text, &folder)?;
+    let shard = shard.map(|(index, count)| Shard { index, count });
+    if let Some(Shard { index, count }) = shard.filter(|shard| shard.index >= shard.count) {
+        let text = format!("shard ({index}, {count}): the first must be less than the second");
+        return Err(PyValueError::new_err(text));
+    }
+    let options = Options {
+        threads,
+        shard,
+        fail_fast,
+    };
+    let left = sweeps::left_to_do(&sweep, &out, shard).map_err(refused_sweep)?;
+    let done = Arc::new(AtomicU64::new(0));
+    let counted = done.clone();
+    let tell = |_: Python<'_>| match &progress {
+        Some(progress) => progress
+            .call1((done.load(Ordering::Relaxed), left))
+            .map(|_| ()),
+        None => Ok(()),
+    };
+    let finished = compute_watched(py, tell, move |interrupt| {
+        let count = |_: Option<StopReason>| {
+            counted.fetch_add(1, Ordering::Relaxed);
+        };
+        let watch = Watch {
+            carry_on: &|| !interrupt.is_asked(),
+            done: &count,
+        };
+        sweeps::run(&sweep, &out, &options, &watch)
+    })?;
+    tell(py)?;
+    let finished = finished.map_err(refused_sweep)?;
+    let answer = serde_json::json!({
+        "runs": left,
+        "is_merged": finished.is_merged,
+        "stops": finished.counts.stops,
+        "errors": finished.counts.errors,
+        "first_error": finished.counts.first_error,
+    });
+    Ok(answer.to_string())
+}
+
+fn refused_sweep(error: sweeps::SweepError) -> PyErr {
+    match error {
+        sweeps::SweepError::Key(error) => errors::scenario(error),
+        sweeps::SweepError::Given(error) => errors::given(error),
+        error @ sweeps::SweepError::Base { .. } => errors::scenario(error),
+        error => SweepError::new_err(error.to_string()),
+    }
+}
+
+fn refused(error: ArrowError) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}

@@ -1,0 +1,55 @@
+"""Maps of sweeps."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import numpy as np
+import pandas
+import polars as pl
+import pyarrow as pa
+import pytest
+from matplotlib.collections import QuadMesh
+
+import toprise
+import toprise.plot
+
+#: Some rise, some do not, one is wrong, some loop.
+ROWS = {
+    "friction_k": [0.01, 0.02, 0.04] * 2,
+    "initial_psi_dot": [100.0] * 3 + [150.0] * 3,
+    "rise_time": [3.0, None, 1.0, None, 2.0, None],
+    "loops": [0, 0, 2, 0, 1, None],
+    "stop_reason": ["risen", "fallen", "risen", "duration", "risen", None],
+}
+
+
+@pytest.mark.parametrize("library", [pa.table, pl.DataFrame, pandas.DataFrame])
+def test_a_map_shows_values_and_why_there_are_none(library):
+    axes = toprise.plot.map(library(ROWS), "friction_k", "initial_psi_dot")
+    meshes = [part for part in axes.collections if isinstance(part, QuadMesh)]
+    shown = meshes[0].get_array()
+    assert np.ma.filled(shown, -1).tolist() == [[3.0, -1, 1.0], [-1, 2.0, -1]]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == [
+        "duration",
+        "failed",
+        "fallen",
+    ]
+    assert len(meshes) == 4 and len(axes.collections) == 5, "and the line around loops"
+    assert axes.get_xscale() == "log" and axes.get_yscale() == "linear"
+
+
+def test_a_map_of_a_table_names_units():
+    table = pa.table({"friction_k": [0.01, 0.02], "initial_psi_dot": [100.0, 100.0]})
+    brief = toprise.Scenario("paper", {"stop.duration": 0.01})
+    axes = toprise.plot.map(
+        toprise.outcomes(table, brief), "friction_k", "initial_psi_dot", color="theta"
+    )
+    assert axes.get_ylabel() == "initial_psi_dot, rad/s" and axes.get_xlabel() == "friction_k"
+    assert axes.get_legend() is None
+
+
+def test_what_is_no_grid_is_refused():
+    lacking = pl.DataFrame(ROWS).head(5)
+    with pytest.raises(ValueError, match="no grid"):
+        toprise.plot.map(lacking, "friction_k", "initial_psi_dot")

@@ -1,0 +1,94 @@
+"""Maps of sweeps with Matplotlib: `pip install toprise[plot]`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.patches import Patch
+
+from ._toprise import Table
+
+#: Colours of runs that have no value, by their `stop_reason`; "failed" are those with an error.
+_COLORS = {
+    "fallen": "#b2182b",
+    "duration": "#bdbdbd",
+    "failed": "#1a1a1a",
+}
+_OTHER = "#74a9cf"
+
+
+def map(  # noqa: A001: it is the name of what it draws
+    table: Any,
+    x: str,
+    y: str,
+    color: str = "rise_time",
+    ax: Axes | None = None,
+) -> Axes:
+    """Draws a column of a grid of outcomes over two others.
+
+    `table` is a `Table`, or what pyarrow, Polars or pandas make of a sweep's file; `x` and `y` name the columns of two keys, such
+    as `friction_k`, whose every combination has one row. Rows without a value in `color` are coloured by why their runs
+    stopped. A line surrounds the runs in which the axis loops. Axes are logarithmic where the values of a key are.
+    """
+    xs, ys, values = (_column(table, name).astype(float) for name in (x, y, color))
+    found = _column(table, "stop_reason").astype(object)
+    reasons = np.array([reason if isinstance(reason, str) else "failed" for reason in found])
+    is_without = ~np.isfinite(values)
+    columns, column = np.unique(xs, return_inverse=True)
+    rows, row = np.unique(ys, return_inverse=True)
+    if len(columns) * len(rows) != len(xs) or len(set(zip(column, row))) != len(xs):
+        raise ValueError(f"{x} and {y} are no grid of one run for each pair of values")
+
+    ax = ax or plt.subplots()[1]
+    grid = np.full((len(rows), len(columns)), np.nan)
+    grid[row, column] = values
+    if np.isfinite(grid).any():
+        mesh = ax.pcolormesh(columns, rows, np.ma.masked_invalid(grid), shading="nearest")
+        ax.figure.colorbar(mesh, ax=ax, label=_label(table, color))
+    legend = []
+    for reason in sorted(set(reasons[is_without])):
+        mask = np.full(grid.shape, np.nan)
+        mask[row, column] = np.where(is_without & (reasons == reason), 1.0, np.nan)
+        shade = _COLORS.get(reason, _OTHER)
+        ax.pcolormesh(
+            columns, rows, np.ma.masked_invalid(mask), shading="nearest", cmap=ListedColormap([shade])
+        )
+        legend.append(Patch(color=shade, label=reason))
+    loops = np.zeros(grid.shape)
+    loops[row, column] = np.nan_to_num(_column(table, "loops").astype(float))
+    if len(rows) > 1 and len(columns) > 1 and (loops > 0).any() and (loops == 0).any():
+        ax.contour(columns, rows, loops > 0, levels=[0.5], colors="white", linewidths=1)
+    if legend:
+        ax.legend(handles=legend)
+    ax.set(xlabel=_label(table, x), ylabel=_label(table, y))
+    if _is_logarithmic(columns):
+        ax.set_xscale("log")
+    if _is_logarithmic(rows):
+        ax.set_yscale("log")
+    return ax
+
+
+def _column(table: Any, name: str) -> Any:
+    return table.numpy(name) if isinstance(table, Table) else np.asarray(table[name])
+
+
+def _label(table: Any, name: str) -> str:
+    unit = table.units[name] if isinstance(table, Table) else ""
+    return f"{name}, {unit}" if unit else name
+
+
+def _is_logarithmic(values: Any) -> bool:
+    """Whether the ratios of neighbours are alike, and not their differences."""
+    if len(values) < 3 or values[0] <= 0:
+        return False
+
+    def is_even(values: Any) -> bool:
+        steps = np.diff(values)
+        # The values are rounded; nobody sees a millionth.
+        return bool(np.ptp(steps) < 1e-6 * steps[0])
+
+    return is_even(np.log(values)) and not is_even(values)
