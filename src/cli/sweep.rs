@@ -161,7 +161,9 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         if arguments.dry_run {
             return Ok((Finished::default(), estimate));
         }
-        output::note(&announcement(&sweep, left, estimate));
+        if left > 0 {
+            output::note(&announcement(&sweep, left, estimate));
+        }
         let tally = Tally::new(left);
         let watch = Watch {
             carry_on: &carry_on,
@@ -290,14 +292,20 @@ fn quietly<T>(task: impl FnOnce() -> T) -> T {
 }
 
 fn announcement(sweep: &Sweep, left: u64, estimate: Option<f64>) -> String {
-    let runs = count(sweep.spec().rows());
+    let runs = runs(sweep.spec().rows());
     let left = if left == sweep.spec().rows() {
         String::new()
     } else {
         format!(", {} of them left", count(left))
     };
     let estimate = estimate.map_or_else(String::new, |seconds| format!("; {}", about(seconds)));
-    format!("{runs} runs{left}{estimate}")
+    format!("{runs}{left}{estimate}")
+}
+
+/// A number of runs.
+fn runs(number: u64) -> String {
+    let noun = if number == 1 { "run" } else { "runs" };
+    format!("{} {noun}", count(number))
 }
 
 /// A time that is not known well.
@@ -362,7 +370,7 @@ impl SweepReport {
             facts.push(("first error", format!("run {}: {}", error.run, error.error)));
         }
         if arguments.dry_run {
-            facts.push(("left", format!("{} runs", count(left))));
+            facts.push(("left", runs(left)));
             if let Some(seconds) = self.estimate {
                 let threads = arguments.threads();
                 facts.push(("time", format!("{}, {threads} at once", about(seconds))));
@@ -371,8 +379,8 @@ impl SweepReport {
             let computed = match self.computed {
                 0 => "nothing: all of it was there".to_owned(),
                 computed => format!(
-                    "{} runs in {} s, {} runs/s",
-                    count(computed),
+                    "{} in {} s, {} a second",
+                    runs(computed),
                     number(self.wall_time, 2),
                     number(computed as f64 / self.wall_time, 1)
                 ),
@@ -402,26 +410,26 @@ impl SweepReport {
     }
 
     fn title(&self, arguments: &SweepArguments) -> (String, Tone) {
-        let runs = count(self.runs);
+        let runs = runs(self.runs);
         if self.interrupted {
-            (format!("{runs} runs: interrupted"), Tone::Weak)
+            (format!("{runs}: interrupted"), Tone::Weak)
         } else if arguments.dry_run {
-            (format!("{runs} runs"), Tone::Neutral)
+            (runs, Tone::Neutral)
         } else if let Some(Shard { index, count }) =
             arguments.shard.filter(|_| self.table.is_none())
         {
             (
-                format!("{runs} runs: shard {index} of {count} is done"),
+                format!("{runs}: shard {index} of {count} is done"),
                 Tone::Good,
             )
         } else if self.errors > 0 {
             let errors = count(self.errors);
             (
-                format!("{runs} runs, {errors} of them without an outcome"),
+                format!("{runs}, {errors} of them without an outcome"),
                 Tone::Weak,
             )
         } else {
-            (format!("{runs} runs"), Tone::Good)
+            (runs, Tone::Good)
         }
     }
 }

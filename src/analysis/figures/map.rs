@@ -236,7 +236,10 @@ impl Map {
             .map(|(outcome, colour)| Entry::area(*colour, &outcome_words(outcome)))
             .collect();
         if is_looping {
-            key.push(Entry::line(contour(), "the axis loops on one side"));
+            key.push(Entry::line(
+                contour(),
+                "edge of the runs that loop, which the ticks point to",
+            ));
         }
         let legend_room = legend::draw_at_top(&mut drawing, &key);
         let has_bar = !shades.levels.is_empty();
@@ -341,22 +344,29 @@ impl Map {
             one.zip(other).is_some_and(|(one, other)| one != other)
         };
         let mut lines = Vec::new();
-        let mut line = |from: Point, to: Point| {
-            lines.push(Shape::Line {
-                points: vec![frame.place(from), frame.place(to)],
-                stroke: contour(),
-            });
+        // An edge, and from its middle a tick in a direction.
+        let mut line = |from: Point, to: Point, (right, up): (f64, f64)| {
+            let (from, to) = (frame.place(from), frame.place(to));
+            let (x, y) = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
+            let tick = vec![(x, y), (x + right * EDGE_TICK, y - up * EDGE_TICK)];
+            for points in [vec![from, to], tick] {
+                lines.push(Shape::Line {
+                    points,
+                    stroke: contour(),
+                });
+            }
         };
+        let toward = |here: Option<bool>| if here == Some(true) { -1.0 } else { 1.0 };
         for row in 0..axes[1].levels.len() {
             for column in 0..columns {
                 let here = loops(column, row);
                 if column + 1 < columns && differ(here, loops(column + 1, row)) {
                     let x = xs[column + 1];
-                    line((x, ys[row]), (x, ys[row + 1]));
+                    line((x, ys[row]), (x, ys[row + 1]), (toward(here), 0.0));
                 }
                 if row + 1 < axes[1].levels.len() && differ(here, loops(column, row + 1)) {
                     let y = ys[row + 1];
-                    line((xs[column], y), (xs[column + 1], y));
+                    line((xs[column], y), (xs[column + 1], y), (0.0, toward(here)));
                 }
             }
         }
@@ -382,7 +392,7 @@ impl Map {
             let value = bar.y.low + middle * (bar.y.high - bar.y.low);
             Shape::Area {
                 points: Bounds {
-                    top: bottom - step,
+                    top: (bottom - step - OVERLAP).max(bounds.top),
                     bottom,
                     ..bounds
                 }
@@ -512,6 +522,12 @@ impl Map {
 const STRIP: f64 = 1.2;
 const STRIP_GAP: f64 = 0.5;
 
+/// The length of the ticks at the edge of what loops, mm.
+const EDGE_TICK: f64 = 0.9;
+
+/// Areas reach so far below their upper and right neighbours, which are drawn later, mm: no seams show.
+const OVERLAP: f64 = 0.15;
+
 /// The line around what loops.
 fn contour() -> crate::analysis::plot::shape::Stroke {
     style::line(style::BLACK, MEDIUM)
@@ -578,7 +594,7 @@ fn draw_cells(
     let columns = axes[0].levels.len();
     let mut shapes = Vec::new();
     for row in 0..axes[1].levels.len() {
-        // Neighbours of one colour are one area: no seams, and smaller files.
+        // Neighbours of one colour are one area: smaller files.
         let mut start = 0;
         while start < columns {
             let fill = |column: usize| cells[row * columns + column].map(colour);
@@ -592,6 +608,8 @@ fn draw_cells(
             }
             let (left, bottom) = frame.place((xs[start], ys[row]));
             let (right, top) = frame.place((xs[end], ys[row + 1]));
+            let right = (right + OVERLAP).min(frame.bounds.right);
+            let top = (top - OVERLAP).max(frame.bounds.top);
             shapes.push(Shape::Area {
                 points: Bounds {
                     left,
