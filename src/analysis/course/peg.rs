@@ -65,6 +65,9 @@ pub(crate) struct Rolled {
     pub(crate) grip: f64,
 }
 
+/// The regime of a peg in the air, as `/top/contact` has it.
+const FLYING: f64 = 2.0;
+
 /// The last state: its time (s), and θ with θ̇.
 type Leaning = (f64, [f64; 2]);
 
@@ -144,6 +147,8 @@ impl PegCourse {
     }
 
     fn contact(&mut self, message: &Message<'_>) {
+        // A peg that is thrown up begins at the table, but in the air.
+        self.flies_at_first |= self.travelled.is_none() && contact::REGIME.of(message) == FLYING;
         let point = contact::CONTACT_POINT.of(message);
         let (first, farthest) = self.travelled.get_or_insert(([point.x, point.y], 0.0));
         let away = crate::physics::math::hypot(point.x - first[0], point.y - first[1]);

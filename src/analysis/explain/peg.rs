@@ -688,7 +688,13 @@ pub(super) fn beginning(scenario: &Scenario) -> Vec<String> {
     let start = scenario.start();
     let mut told = Vec::new();
     let height = start.peg_position.z - top.peg_radius;
-    told.push(if height > 0.0 {
+    let upward = start.peg_velocity.z;
+    told.push(if height <= 0.0 && upward > 0.0 {
+        format!(
+            "The peg is free to move, and is thrown up from the table at {}.",
+            quantity(upward, 3, "m/s")
+        )
+    } else if height > 0.0 {
         format!(
             "The peg is free to move, and begins {} above the table.",
             length(height)

@@ -63,7 +63,11 @@ fn title(facts: &Facts, course: &CourseReport) -> String {
     let mut verbs: Vec<String> = Vec::new();
     let starts_upright = |index: usize, kind: Kind| index == 0 && kind == Kind::Passes;
     let stages = facts.stages.iter().enumerate();
-    let told = stages.filter(|(index, stage)| !starts_upright(*index, stage.kind));
+    let told = stages.filter(|(index, stage)| {
+        // One nutation doesn't tell where the axis goes.
+        let is_moment = stage.kind == Kind::Stays && stage.from == stage.to;
+        !starts_upright(*index, stage.kind) && !is_moment
+    });
     let is_tippe = facts.scenario.model.top.center_distance < 0.0;
     let verb = |stage: &Stage| {
         let verb = stage.kind.verb()?;
@@ -115,7 +119,10 @@ fn title(facts: &Facts, course: &CourseReport) -> String {
 fn beginning(facts: &Facts) -> Option<Chapter> {
     let scenario = &facts.scenario;
     let (top, theta, rates) = (&scenario.model.top, scenario.angles.theta, &scenario.rates);
-    let starts_aloft = scenario.start().peg_position.z > top.peg_radius;
+    let start = scenario.start();
+    let is_free = scenario.model.support.is_free();
+    let starts_aloft = start.peg_position.z > top.peg_radius || start.peg_velocity.z > 0.0;
+    let rests = is_free && scenario.slip_speed_at_start() == 0.0;
     let mut sentences = vec![
         format!(
             "A top of {} leans by θ = {} ({}°), spins at ψ̇ = {} ({} turns a minute) and precesses at φ̇ = {}.",
@@ -127,15 +134,14 @@ fn beginning(facts: &Facts) -> Option<Chapter> {
             quantity(rates.phi, 3, "rad/s"),
         ),
         format!(
-            "It {} a ball with a radius of {}, whose lowest point {} at {}.",
+            "It {} a ball with a radius of {}, whose lowest point {}.",
             if starts_aloft { "ends in" } else { "stands on" },
             quantity(1e3 * top.peg_radius, 2, "mm"),
-            if starts_aloft {
-                "moves over the table below"
-            } else {
-                "slips over the table"
+            match quantity(scenario.slip_speed_at_start(), 3, "m/s") {
+                speed if starts_aloft => format!("moves over the table below at {speed}"),
+                _ if rests => "is at rest on the table".to_owned(),
+                speed => format!("slips over the table at {speed}"),
             },
-            quantity(scenario.slip_speed_at_start(), 3, "m/s"),
         ),
     ];
     if scenario.model.support.is_free() {
@@ -241,6 +247,11 @@ fn stage(stage: &Stage) -> Option<String> {
             format!("{span} the axis sank: θ{averaged} grew from {first} to {last} rad.")
         }
         Kind::Falls => format!("{span} the top fell: θ grew from {first} to {last} rad."),
+        Kind::Stays if from == to => format!(
+            "In the one nutation around {}, θ averaged {}.",
+            moment(from),
+            quantity(thetas[0], 6, "rad"),
+        ),
         Kind::Stays => format!(
             "{span} the axis neither rose nor sank: θ{averaged} stayed at {}, to {}.",
             quantity(thetas[0], 6, "rad"),
