@@ -5,7 +5,8 @@ use crate::guard::{Interrupt, compute, compute_watched};
 use crate::scenario::Base;
 use crate::stream::Given;
 use crate::table::Table;
-use arrow_array::{ArrayRef, RecordBatch, new_null_array};
+use arrow_array::cast::AsArray as _;
+use arrow_array::{Array, ArrayRef, RecordBatch, new_null_array};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Schema};
 use arrow_select::concat::concat_batches;
 use pyo3::exceptions::PyValueError;
@@ -39,6 +40,7 @@ pub fn outcomes(
 ) -> PyResult<Table> {
     let values = base.values(None)?;
     let given = concat_batches(&table.schema, &table.batches).map_err(refused)?;
+    refuse_two_bases(&given)?;
     let (kept, keys): (Vec<usize>, Vec<usize>) = (0..given.num_columns())
         .filter(|column| given.schema_ref().field(*column).name() != SCENARIO)
         .partition(|column| {
@@ -61,6 +63,38 @@ pub fn outcomes(
     })?;
     let computed = computed.map_err(SweepError::new_err)?;
     Ok(named(beside(&kept, &computed).map_err(refused)?))
+}
+
+/// Refuses rows of several bases, as a sweep's table may have them: here all are runs of one.
+fn refuse_two_bases(given: &RecordBatch) -> PyResult<()> {
+    let Some(names) = given.column_by_name(SCENARIO) else {
+        return Ok(());
+    };
+    let mut names = (0..names.len()).filter_map(|row| word(names.as_ref(), row));
+    let first = names.next();
+    match names.find(|name| first.as_ref() != Some(name)) {
+        Some(other) => Err(PyValueError::new_err(format!(
+            "the column scenario names several bases, {} and {other}: choose the rows of one, and give that as base",
+            first.unwrap_or_default()
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// A word of a column of words.
+fn word(array: &dyn Array, row: usize) -> Option<String> {
+    if let Some(dictionary) = array.as_any_dictionary_opt() {
+        let place = (!dictionary.is_null(row)).then(|| dictionary.normalized_keys()[row])?;
+        return word(dictionary.values().as_ref(), place);
+    }
+    let word = match array.data_type() {
+        _ if array.is_null(row) => return None,
+        DataType::Utf8 => array.as_string::<i32>().value(row),
+        DataType::LargeUtf8 => array.as_string::<i64>().value(row),
+        DataType::Utf8View => array.as_string_view().value(row),
+        _ => return None,
+    };
+    Some(word.to_owned())
 }
 
 /// The first rows of a sweep; none if it was interrupted.

@@ -121,6 +121,9 @@ def test_tables_that_make_no_sense_are_refused():
         toprise.outcomes(pa.table({"friction_k": [[1.0]]}), BRIEF)
     with pytest.raises(toprise.ScenarioError, match="friction_k"):
         toprise.outcomes(pa.table({"friction_k": ["much"]}), BRIEF)
+    bases = {"scenario": pa.array(["paper", "viscous"]).dictionary_encode(), "friction_k": [0.03, 0.03]}
+    with pytest.raises(ValueError, match="several bases, paper and viscous"):
+        toprise.outcomes(pa.table(bases), BRIEF)
     with pytest.raises(TypeError, match="PyCapsule interface, not"):
         toprise.outcomes([0.03], BRIEF)
 

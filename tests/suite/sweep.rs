@@ -479,7 +479,7 @@ fn sweeps_are_drawn_as_maps_and_curves() {
     let (code, _, told) = toprise(folder, curves);
     assert_eq!(code, 0, "{told}");
     let svg = fs::read_to_string(folder.join("c/sweep.svg")).unwrap();
-    for part in ["paper", "viscous", "slip_path (m)"] {
+    for part in ["paper", "viscous", "slip_path ("] {
         assert!(svg.contains(part), "{part} is not in the figure");
     }
     let (code, _, told) = toprise(

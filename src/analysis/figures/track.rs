@@ -42,10 +42,12 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
         bottom: top + side,
     };
     let usable = width - 2.0 * MARGIN;
-    // The room that the numbers need hardly depends on the size of the frame.
-    let trial = Frame::square(square(0.0, 0.7 * usable.min(LARGEST)), ranges);
-    let room = frame::room_left(&trial.y, Y);
-    let side = (usable - room - frame::ROOM_RIGHT).min(LARGEST);
+    // A larger frame has other numbers, which may need more room.
+    let room_at = |side: f64| frame::room_left(&Frame::square(square(0.0, side), ranges).y, Y);
+    let side_beside = |room: f64| (usable - room - frame::ROOM_RIGHT).min(LARGEST);
+    let room = room_at(0.7 * usable.min(LARGEST));
+    let room = room.max(room_at(side_beside(room)));
+    let side = side_beside(room);
     let frame = Frame::square(square(MARGIN + room, side), ranges);
     for (index, (run, track)) in runs.iter().zip(&tracks).enumerate() {
         let stroke = looks.run_in_legend(index);
