@@ -27,7 +27,6 @@ def sweep(spec: Spec, out: str | os.PathLike[str], *, retries: int = 5) -> dict[
     parts = -(-rows // part_rows)
     path = os.path.abspath(out)
 
-    @ray.remote(num_cpus=1, max_retries=retries)
     def compute(part: int) -> int:
         # A share of one part; it is left alone if it is there.
         answer = _toprise.sweep(
@@ -36,5 +35,6 @@ def sweep(spec: Spec, out: str | os.PathLike[str], *, retries: int = 5) -> dict[
         return len(answer)
 
     if not os.path.exists(path):
-        ray.get([compute.remote(part) for part in range(parts)])
+        task: Any = ray.remote(num_cpus=1, max_retries=retries)(compute)
+        ray.get([task.remote(part) for part in range(parts)])
     return sweep_here(spec, path)
