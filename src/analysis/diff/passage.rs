@@ -138,7 +138,7 @@ impl Passage {
 
 /// Two runs; where one is the beginning of the other only that: the averages that follow would bend the curve through the
 /// last of those that both have, as if they were shifted.
-fn common<'c>([a, b]: [&'c Course; 2]) -> [&'c Course; 2] {
+fn common([a, b]: [&Course; 2]) -> [&Course; 2] {
     let (short, long) = if a.cycles.len() <= b.cycles.len() {
         (a, b)
     } else {

@@ -201,7 +201,9 @@ fn channel_differences(a: &Recording, b: &Recording) -> Vec<String> {
             of_topic.push(&channel.metadata);
         }
         // The order of channels means nothing.
-        channels.values_mut().for_each(|of_topic| of_topic.sort());
+        for of_topic in channels.values_mut() {
+            of_topic.sort();
+        }
         channels
     });
     let in_both = of_a

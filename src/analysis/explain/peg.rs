@@ -62,7 +62,7 @@ impl Facts {
                 .iter()
                 .filter(|piece| piece.nutations > 0)
         };
-        let before = nutations().filter(|piece| piece.from <= time).last();
+        let before = nutations().rfind(|piece| piece.from <= time);
         let one = before.or_else(|| nutations().next());
         one.map_or(0.0, |piece| piece.duration() / piece.nutations as f64)
     }
@@ -473,19 +473,16 @@ fn steady_sliding(facts: &Facts, roll: &Spell) -> Option<String> {
         .pieces
         .pieces
         .iter()
-        .filter(|piece| piece.nutations == 1 && !piece.rolls && piece.to <= roll.from)
-        .last()?;
+        .rfind(|piece| piece.nutations == 1 && !piece.rolls && piece.to <= roll.from)?;
     let axial = before.momenta[0];
     let psi = roll.rates[1];
     let slow = top.gravity_moment() / axial;
     let surface = top.peg_radius * psi - top.center_distance * slow;
     let sine = (k * axial / (top.mass * top.center_distance * surface)).abs();
     let turned = turned_until(facts, roll.from)?;
-    let begun = format!(
-        "The peg's surface runs over the table at (Rψ̇ − lφ̇) sin θ. Friction turns with the precession and drives the centre \
+    let begun = "The peg's surface runs over the table at (Rψ̇ − lφ̇) sin θ. Friction turns with the precession and drives the centre \
          of mass round a circle, in steady sliding at k g/φ̇; where the two are equal nothing slips any more. With φ̇ = \
-         M g l/L_n that is so at sin θ = k L_n/[M l (Rψ̇ − lφ̇)]"
-    );
+         M g l/L_n that is so at sin θ = k L_n/[M l (Rψ̇ − lφ̇)]";
     if turned < TAU {
         return Some(format!(
             "{begun}. Here the force had turned by {} only when the peg came to roll, inclined by {}: the sliding had not \
@@ -494,19 +491,20 @@ fn steady_sliding(facts: &Facts, roll: &Spell) -> Option<String> {
             quantity(roll.theta, 4, "rad"),
         ));
     }
-    if !(sine < 1.0) {
-        return None;
-    }
-    Some(format!(
-        "{begun}, here at θ = {}; the peg came to roll at {}, at θ = {}.",
-        quantity(
-            crate::physics::math::atan2(sine, (1.0 - sine * sine).sqrt()),
-            3,
-            "rad"
-        ),
-        moment(roll.from),
-        quantity(roll.theta, 4, "rad"),
-    ))
+    // Without it, as where the numbers are not finite, the sliding can't come to its end so.
+    let is_reached = sine < 1.0;
+    is_reached.then(|| {
+        format!(
+            "{begun}, here at θ = {}; the peg came to roll at {}, at θ = {}.",
+            quantity(
+                crate::physics::math::atan2(sine, (1.0 - sine * sine).sqrt()),
+                3,
+                "rad"
+            ),
+            moment(roll.from),
+            quantity(roll.theta, 4, "rad"),
+        )
+    })
 }
 
 /// By how much the precession has turned from the first nutation to a time, rad.
