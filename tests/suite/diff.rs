@@ -2060,7 +2060,7 @@ fn a_flipped_bit_costs_a_chunk_and_no_more() {
     let chunks = records(&bytes).into_iter();
     let chunks: Vec<_> = chunks.filter(|(opcode, _)| *opcode == 6).collect();
     let (_, chunk) = &chunks[chunks.len() / 2];
-    bytes[(chunk.start + chunk.end) / 2] ^= 1;
+    bytes[usize::midpoint(chunk.start, chunk.end)] ^= 1;
     let broken_path = directory.path().join("b.mcap");
     fs::write(&broken_path, &bytes).unwrap();
     let report = compare(&whole, &Recording::open(&broken_path).unwrap(), &quick()).unwrap();

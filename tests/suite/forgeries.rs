@@ -552,7 +552,7 @@ impl Forgery {
         let (_, schema) = self.id(topic);
         self.each(|record| match record {
             Record::Schema(id, name, encoding, data) if *id == schema => {
-                change(name, encoding, data)
+                change(name, encoding, data);
             }
             _ => {}
         });
@@ -619,7 +619,7 @@ impl Forgery {
     fn definition(&mut self, topic: &str) -> Record {
         let mut found = None;
         self.channel(topic, |channel| {
-            found = Some(Record::Channel(channel.clone()))
+            found = Some(Record::Channel(channel.clone()));
         });
         found.unwrap()
     }
@@ -990,7 +990,7 @@ fn what_stands_beside_the_messages_follows_from_the_scenario_or_is_listed() {
                 },
             ),
             ("a profile", Refused("profile"), |f| {
-                f.profile = "ros2".to_owned()
+                f.profile = "ros2".to_owned();
             }),
             ("no version of toprise", Refused("no version"), |f| {
                 f.library = "toprise/best".to_owned();
@@ -1039,7 +1039,7 @@ fn channels_and_schemas_are_those_of_toprise() {
             }),
             ("swapped views", Refused("follows from the data"), |f| {
                 f.channel("/view/spin_rate", |channel| {
-                    channel.topic = "swap".to_owned()
+                    channel.topic = "swap".to_owned();
                 });
                 f.channel("/view/precession_rate", |channel| {
                     channel.topic = "/view/spin_rate".to_owned();
@@ -1103,7 +1103,7 @@ fn channels_and_schemas_are_those_of_toprise() {
             ),
             ("another name of a schema", Refused("schema"), |f| {
                 f.schema("/top/state", |name, _, _| {
-                    *name = "toprise.Speed".to_owned()
+                    *name = "toprise.Speed".to_owned();
                 });
             }),
             ("another language of a schema", Refused("schema"), |f| {
@@ -1170,7 +1170,7 @@ fn channels_and_schemas_are_those_of_toprise() {
             }),
             ("several encodings", Refused("encoded"), |f| {
                 f.channel("/top/state", |channel| {
-                    channel.encoding = "protobuf".to_owned()
+                    channel.encoding = "protobuf".to_owned();
                 });
             }),
             (
@@ -1219,7 +1219,7 @@ fn channels_and_schemas_are_those_of_toprise() {
                 };
             }),
             ("a channel that was dropped", Dropped("/top/energy"), |f| {
-                f.leave_out("/top/energy")
+                f.leave_out("/top/energy");
             }),
             (
                 "a channel that was dropped, as told",
@@ -1232,7 +1232,7 @@ fn channels_and_schemas_are_those_of_toprise() {
                 },
             ),
             ("a view that was dropped", Dropped("/tf"), |f| {
-                f.leave_out("/tf")
+                f.leave_out("/tf");
             }),
             (
                 "views that were dropped",
@@ -1435,7 +1435,7 @@ fn messages_are_those_of_the_simulation_byte_by_byte() {
             ("an unknown field", Refused("/top/energy message"), |f| {
                 // Field 99, a varint.
                 f.messages("/top/energy", |message| {
-                    message.data.extend([0x98, 0x06, 1])
+                    message.data.extend([0x98, 0x06, 1]);
                 });
             }),
             ("a number", Refused("simulated again"), |f| {

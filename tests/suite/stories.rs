@@ -5,8 +5,14 @@ use crate::support::scenario;
 use std::thread;
 use toprise::analysis::explain::{Story, explain};
 
-/// Name, preset, and keys that are set otherwise.
-const RUNS: &[(&str, &str, &[(&str, &str)])] = &[
+/// The name of a story, its preset, and keys that are set otherwise.
+type StoryOf = (
+    &'static str,
+    &'static str,
+    &'static [(&'static str, &'static str)],
+);
+
+const RUNS: &[StoryOf] = &[
     ("paper", "paper", &[]),
     ("precession-term-only", "paper-precession-term-only", &[]),
     ("spin-term-only", "paper-spin-term-only", &[]),
