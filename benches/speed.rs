@@ -16,6 +16,7 @@ use toprise::archive::recording::{Recording, Selection};
 use toprise::archive::sink::{Sink, record};
 use toprise::archive::writer::{Form, McapSink};
 use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};
+use toprise::run::outcome;
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::encoding::Encoding;
@@ -214,6 +215,53 @@ fn laws(criterion: &mut Criterion) {
     }
 }
 
+/// A preset with keys set otherwise.
+fn changed(preset: &str, keys: &[(&str, &str)]) -> Scenario {
+    let mut values = Preset::find(preset)
+        .and_then(Preset::values)
+        .expect("the preset is sound");
+    for (key, value) in keys {
+        values.set(key, value).expect("the key exists");
+    }
+    Scenario::new(values).expect("the scenario is sound")
+}
+
+/// Outcomes: the paper's whole rise, the same top held and free, and a peg that bounces to rest or doesn't bounce.
+fn outcomes(criterion: &mut Criterion) {
+    let viscous = [
+        ("friction.law", "viscous"),
+        ("friction.viscous_speed", "0.5"),
+        ("stop.duration", "5"),
+    ];
+    let held = [&[("formulation", "body")][..], &viscous].concat();
+    let all = [
+        ("paper's rise", changed("paper", &[])),
+        ("5 s, held, viscous", changed("full-coulomb", &held)),
+        (
+            "5 s, free, viscous",
+            changed("free-viscous", &[("stop.duration", "5")]),
+        ),
+        (
+            "drop, e = 0",
+            changed("drop", &[("support.restitution", "0")]),
+        ),
+        (
+            "drop, e = 0.98",
+            changed("drop", &[("support.restitution", "0.98")]),
+        ),
+    ];
+    let mut group = criterion.benchmark_group("outcome");
+    group.sample_size(20);
+    for (name, scenario) in all {
+        let of = |scenario| outcome(scenario, || true).expect("the run succeeds");
+        if let Some(free) = of(&scenario).free {
+            println!("{name}: {} impacts", free.impacts);
+        }
+        group.bench_function(name, |b| b.iter(|| black_box(of(&scenario))));
+    }
+    group.finish();
+}
+
 /// A preset's run, recorded in both encodings.
 fn recorded(preset: &str, directory: &Path) -> [Recording; 2] {
     let scenario = Preset::find(preset)
@@ -315,5 +363,7 @@ fn figures(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, integrator, runs, laws, recordings, diffs, figures);
+criterion_group!(
+    benches, integrator, runs, laws, outcomes, recordings, diffs, figures
+);
 criterion_main!(benches);
