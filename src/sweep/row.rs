@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// What a run comes to.
 pub type RunResult = Result<Outcome, SimulationError>;
 
-/// How a scenario is run: [`run_whole`], but for tests.
+/// How a scenario is run: `run_whole`, but for tests.
 pub type Run = fn(&Scenario, &mut dyn FnMut() -> bool) -> RunResult;
 
 /// Watches a sweep from outside. Both functions are called from many threads.
