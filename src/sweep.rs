@@ -27,5 +27,5 @@ pub use row::{Run, RunResult, Watch, is_in_row};
 pub use sample::Method;
 pub use spec::{Base, Design, Spec};
 pub use store::parts_directory;
-pub use table::Table;
+pub use table::{Table, word};
 pub use work::{Finished, Options, Shard, left_to_do, run};

@@ -5,7 +5,6 @@ use crate::guard::{Interrupt, compute, compute_watched};
 use crate::scenario::Base;
 use crate::stream::Given;
 use crate::table::Table;
-use arrow_array::cast::AsArray as _;
 use arrow_array::{Array, ArrayRef, RecordBatch, new_null_array};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Schema};
 use arrow_select::concat::concat_batches;
@@ -70,7 +69,7 @@ fn refuse_two_bases(given: &RecordBatch) -> PyResult<()> {
     let Some(names) = given.column_by_name(SCENARIO) else {
         return Ok(());
     };
-    let mut names = (0..names.len()).filter_map(|row| word(names.as_ref(), row));
+    let mut names = (0..names.len()).filter_map(|row| sweeps::word(names.as_ref(), row));
     let first = names.next();
     match names.find(|name| first.as_ref() != Some(name)) {
         Some(other) => Err(PyValueError::new_err(format!(
@@ -79,22 +78,6 @@ fn refuse_two_bases(given: &RecordBatch) -> PyResult<()> {
         ))),
         None => Ok(()),
     }
-}
-
-/// A word of a column of words.
-fn word(array: &dyn Array, row: usize) -> Option<String> {
-    if let Some(dictionary) = array.as_any_dictionary_opt() {
-        let place = (!dictionary.is_null(row)).then(|| dictionary.normalized_keys()[row])?;
-        return word(dictionary.values().as_ref(), place);
-    }
-    let word = match array.data_type() {
-        _ if array.is_null(row) => return None,
-        DataType::Utf8 => array.as_string::<i32>().value(row),
-        DataType::LargeUtf8 => array.as_string::<i64>().value(row),
-        DataType::Utf8View => array.as_string_view().value(row),
-        _ => return None,
-    };
-    Some(word.to_owned())
 }
 
 /// The first rows of a sweep; none if it was interrupted.

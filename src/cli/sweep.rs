@@ -10,6 +10,7 @@ use super::progress::Progress;
 use super::report::{self, WrittenFile};
 use super::table::Table as PageTable;
 use crate::archive::given::read_file;
+use crate::archive::publish::is_same_file;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Shard, Spec, Sweep, Table, Watch,
@@ -152,6 +153,7 @@ pub(crate) struct SweepReport {
 /// Computes a sweep.
 pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
     let began = Instant::now();
+    arguments.refuse_parts()?;
     let sweep = Sweep::new(arguments.spec()?);
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
     let interrupt = Interrupt::watch()?;
@@ -198,6 +200,26 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
 }
 
 impl SweepArguments {
+    /// Refuses a design that would be taken for a part of the sweep.
+    fn refuse_parts(&self) -> Result<(), Error> {
+        let parts = parts_directory(&self.output);
+        let Some(table) = &self.table else {
+            return Ok(());
+        };
+        let is_part = table.extension().is_some_and(|kind| kind == "parquet")
+            && table
+                .parent()
+                .is_some_and(|folder| is_same_file(folder, &parts));
+        if is_part {
+            bail!(
+                "{} is in {}, where this sweep keeps its parts: move it, or choose another -o",
+                table.display(),
+                parts.display()
+            );
+        }
+        Ok(())
+    }
+
     /// The spec that the arguments make, or that their file holds.
     fn spec(&self) -> Result<Spec, Error> {
         if let [word] = &self.bases[..]

@@ -11,9 +11,9 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::writer::SerializedFileWriter;
 use serde_json::Value as Json;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write as _};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -29,6 +29,22 @@ pub fn parts_directory(table: &Path) -> PathBuf {
     let mut name = table.file_name().map_or_else(OsString::new, OsString::from);
     name.push(".parts");
     table.with_file_name(name)
+}
+
+/// Whether a file in the directory of parts has a name that a sweep gives: the spec, a part, or the hidden draft of one.
+fn is_of_sweep(name: &OsStr) -> bool {
+    let name = name.to_string_lossy();
+    let (own, is_draft) = match name.strip_prefix('.') {
+        Some(own) => (own, true),
+        None => (&*name, false),
+    };
+    let numbered = own.trim_start_matches(|c: char| c.is_ascii_digit());
+    let part = numbered
+        .strip_prefix(".parquet")
+        .filter(|_| numbered.len() < own.len());
+    let rest = part.or_else(|| own.strip_prefix(SPEC_FILE));
+    // A draft has some more letters.
+    rest.is_some_and(|rest| is_draft || rest.is_empty())
 }
 
 /// The places of a sweep's files.
@@ -121,21 +137,13 @@ impl<'a> Store<'a> {
     /// Writes a part: whole, or not at all.
     ///
     /// # Errors
-    /// [`SweepError::Io`] if the disk is full, or the like.
+    /// [`SweepError::Sink`] if the disk is full, or the like.
     pub(super) fn write(&self, part: u64, bytes: &[u8]) -> Result<(), SweepError> {
-        let path = self.part(part);
-        // Another process may compute the same part, and comes to the same bytes.
-        let name = format!("{part:06}.{}.partial", std::process::id());
-        let partial = self.parts.join(name);
-        let written = File::create(&partial).and_then(|mut file| {
-            file.write_all(bytes)?;
-            file.sync_all()
-        });
-        let named = written.and_then(|()| fs::rename(&partial, &path));
-        named.map_err(|error| {
-            let _ = fs::remove_file(&partial);
-            SweepError::io("write", &path)(error)
-        })
+        match publish::write(&self.part(part), Existing::Keep, bytes) {
+            // Another process that computes the same part was faster, and came to the same bytes.
+            Ok(()) | Err(SinkError::Exists { .. }) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
     }
 
     /// Merges all parts into the table by copying their columns, and removes them. Tells how the rows came out.
@@ -158,9 +166,18 @@ impl<'a> Store<'a> {
         let mut draft = Draft::new(self.table, Existing::Keep)?;
         self.copy(&mut draft, &first, &counts)?;
         draft.publish()?;
-        // What is left of them if this fails does no harm.
-        let _ = fs::remove_dir_all(&self.parts);
+        self.clear();
         Ok(counts)
+    }
+
+    /// Removes the parts, what was left of them by processes that were killed, and the directory unless there is
+    /// something else in it. What is left if this fails does no harm.
+    fn clear(&self) {
+        let entries = fs::read_dir(&self.parts).into_iter().flatten().flatten();
+        for entry in entries.filter(|entry| is_of_sweep(&entry.file_name())) {
+            let _ = fs::remove_file(entry.path());
+        }
+        let _ = fs::remove_dir(&self.parts);
     }
 
     fn copy(

@@ -150,6 +150,25 @@ fn from_csv(file: File) -> Result<Table, String> {
     Ok(Table { columns, rows })
 }
 
+/// The text in a row of a column of any of Arrow's kinds of texts; none if it has none.
+#[must_use]
+pub fn word(array: &dyn Array, row: usize) -> Option<String> {
+    if let Some(dictionary) = array.as_any_dictionary_opt() {
+        let place = dictionary
+            .is_valid(row)
+            .then(|| dictionary.normalized_keys()[row])?;
+        return word(dictionary.values().as_ref(), place);
+    }
+    let word = match array.data_type() {
+        _ if array.is_null(row) => return None,
+        DataType::Utf8 => array.as_string::<i32>().value(row),
+        DataType::LargeUtf8 => array.as_string::<i64>().value(row),
+        DataType::Utf8View => array.as_string_view().value(row),
+        _ => return None,
+    };
+    Some(word.to_owned())
+}
+
 /// A cell of a column for this key.
 fn cell(key: &Key, array: &dyn Array, row: usize) -> Result<Option<Value>, String> {
     if let DataType::Dictionary(..) = array.data_type() {
@@ -165,9 +184,9 @@ fn cell(key: &Key, array: &dyn Array, row: usize) -> Result<Option<Value>, Strin
     }
     let value = match array.data_type() {
         DataType::Null => return Ok(None),
-        DataType::Utf8 => Value::Text(array.as_string::<i32>().value(row).to_owned()),
-        DataType::LargeUtf8 => Value::Text(array.as_string::<i64>().value(row).to_owned()),
-        DataType::Utf8View => Value::Text(array.as_string_view().value(row).to_owned()),
+        DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => {
+            Value::Text(word(array, row).unwrap_or_default())
+        }
         DataType::Float64 => Value::Number(array.as_primitive::<Float64Type>().value(row)),
         DataType::Float32 => {
             Value::Number(f64::from(array.as_primitive::<Float32Type>().value(row)))

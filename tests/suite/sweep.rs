@@ -493,6 +493,42 @@ fn sweeps_are_drawn_as_maps_and_curves() {
     );
 }
 
+#[test]
+fn what_others_keep_beside_the_parts_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let parts = folder.join("a.parquet.parts");
+    fs::create_dir(&parts).unwrap();
+    // The draft of a part, which a process that was killed has left, goes; nothing else does.
+    for name in [
+        ".000000.parquet.x1.tmp",
+        "design.csv",
+        "1.parquet.bak",
+        "sweep.json~",
+    ] {
+        fs::write(parts.join(name), "initial.theta\n0.4\n").unwrap();
+    }
+    let line =
+        "sweep paper --table a.parquet.parts/design.csv --set stop.duration=0.01 -o a.parquet";
+    let (code, _, told) = toprise(folder, line);
+    assert_eq!(code, 0, "{told}");
+    let mut left: Vec<_> = fs::read_dir(&parts)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
+    left.sort();
+    assert_eq!(left, ["1.parquet.bak", "design.csv", "sweep.json~"]);
+    // A table that has the name of a part would be taken for one.
+    let table = folder.join("b.parquet.parts/000000.parquet");
+    fs::create_dir(table.parent().unwrap()).unwrap();
+    fs::copy(folder.join("a.parquet"), &table).unwrap();
+    let line = "sweep paper --table b.parquet.parts/000000.parquet -o b.parquet";
+    let (code, _, told) = toprise(folder, line);
+    assert_eq!(code, 2);
+    assert!(told.contains("where this sweep keeps its parts"), "{told}");
+    assert!(table.exists());
+}
+
 #[cfg(unix)]
 #[test]
 fn a_folder_that_cannot_be_written_is_an_error() {
