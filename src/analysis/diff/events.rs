@@ -350,6 +350,18 @@ mod tests {
     }
 
     #[test]
+    fn matches_in_order_give_way_to_shifts_of_less_than_a_quarter() {
+        let a: Vec<f64> = (0..10).map(f64::from).collect();
+        // Those in order are apart by 1 + `shift`, their neighbours by `shift`: a quarter of it for one of 1/3.
+        for (shift, count) in [(0.32, 9), (0.35, 10)] {
+            let b: Vec<f64> = a.iter().map(|t| t + 1.0 + shift).collect();
+            let matches = match_times(&a, &b);
+            assert_eq!(matches.len(), count, "{shift}");
+            assert!(matches.iter().all(|(i, j)| i + count == j + 10));
+        }
+    }
+
+    #[test]
     fn events_at_the_end_of_the_longer_run_have_no_counterpart() {
         assert_eq!(match_times(&[1.0, 2.0, 3.0], &[1.1, 2.1]), [(0, 0), (1, 1)]);
         assert_eq!(match_times(&[], &[1.0]), []);

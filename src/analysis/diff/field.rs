@@ -315,4 +315,13 @@ mod tests {
         // Anything at all.
         assert_eq!(tally.reached(0.0), Some(1));
     }
+
+    #[test]
+    fn ulps_are_told_of_roundings_only() {
+        for (distance, told) in [(1, Some(1)), (65_535, Some(65_535)), (65_536, None)] {
+            let mut tally = FieldTally::new(Tolerance::default());
+            tally.add(0, 1.0, f64::from_bits(1.0_f64.to_bits() + distance));
+            assert_eq!(tally.report("x", "", false).ulp, told);
+        }
+    }
 }
