@@ -257,7 +257,11 @@ fn the_rest_of_a_damaged_recording_is_saved_and_can_be_completed() {
 
     let saved = directory.path().join("saved.mcap");
     let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
-    assert!(recovered.lost.as_ref().unwrap().contains("messages from"));
+    let lost = recovered.lost.unwrap();
+    assert!(
+        lost.starts_with("messages from") && !lost.contains(';'),
+        "{lost}"
+    );
     let report = verify(
         &Recording::open(&saved).unwrap(),
         Options::default(),
@@ -281,6 +285,36 @@ fn the_rest_of_a_damaged_recording_is_saved_and_can_be_completed() {
     );
     assert!(matches!(error, Err(RecoverError::Whole)));
     assert!(!again.exists());
+}
+
+#[test]
+fn a_recording_that_ends_before_its_channels_says_whether_it_can_be_completed() {
+    let whole = recorded("0.02", &[], Form::default());
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("cut.mcap");
+    let saved = directory.path().join("saved.mcap");
+    let first_chunk = chunks(&whole)[0].start;
+    // Each record is an opcode, the length of its body, and the body; the header stands behind the magic.
+    let mut ends = vec![8];
+    while let Some(end) = ends.last().filter(|end| **end < first_chunk) {
+        let length = whole[end + 1..end + 9].try_into().unwrap();
+        ends.push(end + 9 + u64::from_le_bytes(length) as usize);
+    }
+    let mut completed = 0;
+    for end in &ends[1..] {
+        fs::write(&path, &whole[..*end]).unwrap();
+        let recording = Recording::open(&path).unwrap();
+        let error = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap_err();
+        assert!(matches!(error, RecoverError::Nothing { .. }), "{error}");
+        let is_completed = complete(&recording, &saved, Existing::Replace, &|_| {}).is_ok();
+        assert_eq!(error.to_string().contains("--complete"), is_completed);
+        if is_completed {
+            assert!(fs::read(&saved).unwrap() == whole);
+            fs::remove_file(&saved).unwrap();
+            completed += 1;
+        }
+    }
+    assert!(completed > 0 && completed < ends.len() - 1);
 }
 
 /// Saves a changed recording; gives what it says is lost, and whether it is the original again.
