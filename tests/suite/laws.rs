@@ -4,6 +4,7 @@ use crate::support::{Run, archive, assert_near, scenario};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
+use std::f64::consts::PI;
 use toprise::analysis::verify::{Options, Verdict, verify};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
@@ -133,6 +134,23 @@ proptest! {
             let rounding = 4.0 * f64::EPSILON * torque.norm() * omega.norm();
             prop_assert!(torque.dot(&omega) <= rounding);
         }
+    }
+
+    #[test]
+    fn val_the_largest_torque_of_the_contact_is_met(
+        tilt in state(), losses in losses(), normal_force in 1e-3..10.0_f64,
+    ) {
+        // Without slip neither the resistance to rolling nor drilling depends on how fast the top turns.
+        let torque = losses.at_contact(normal_force, &tilt.omega_lean);
+        let rolling = losses.rolling_arm * normal_force;
+        let Drilling { k, patch_radius } = losses.drilling;
+        let drilling = 3.0 * PI / 16.0 * k * normal_force * patch_radius;
+        // Some ten roundings of products and a root.
+        let rounding = 10.0 * f64::EPSILON * (rolling + drilling);
+        prop_assert!((torque.xy().norm() - rolling).abs() <= rounding);
+        prop_assert!((torque.z.abs() - drilling).abs() <= rounding);
+        prop_assert!((losses.of_contact(normal_force) - (rolling + drilling)).abs() <= rounding);
+        prop_assert_eq!(Losses::default().of_contact(normal_force), 0.0);
     }
 
     #[test]

@@ -244,8 +244,6 @@ fn verifying_finds_one_bit_of_one_number() {
 
 #[test]
 fn verifying_judges_the_physics_by_itself() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
     let scenario = short();
     for (topic, field, factor, check) in [
         ("/top/energy", "total", 1.0 + 1e-6, "energy balance"),
@@ -285,25 +283,58 @@ fn verifying_judges_the_physics_by_itself() {
             "torque of the force",
         ),
     ] {
-        let info = channels().iter().find(|c| c.topic == topic).unwrap();
-        let number = info.number_index(field).unwrap();
-        let mut forged = Forgery::new(&path, &scenario);
-        for mut message in simulated(&scenario) {
-            if channels()[message.channel].topic == topic && message.sequence >= 50 {
-                message.numbers[number] *= factor;
-            }
-            forged.write(&message);
-        }
-        forged.finish();
-        let recording = Recording::open(&path).unwrap();
-        let report = verify(&recording, Options { reproduce: false }, &|_| {});
-        let failed = report
-            .checks
-            .iter()
-            .filter(|c| c.verdict == Verdict::Failed);
-        let failed: Vec<_> = failed.map(|c| c.name).collect();
+        let failed = failed_laws(&scenario, topic, field, factor);
         assert!(failed.contains(&check), "{topic}.{field}: {failed:?}");
     }
+}
+
+#[test]
+fn verifying_judges_the_torque_of_each_loss() {
+    let losses: [&[(&str, &str)]; 3] = [
+        &[("rolling.arm", "1e-5")],
+        &[("drilling.k", "0.1"), ("drilling.patch_radius", "1e-3")],
+        &[("air.axial", "1e-6"), ("air.transverse", "1e-6")],
+    ];
+    for loss in losses {
+        let overrides = [
+            &[("stop.duration", "0.1"), ("friction.dissipation", "full")],
+            loss,
+        ];
+        let scenario = scenario("paper", &overrides.concat());
+        for topic in [
+            ("/top/torque", "friction_body.x"),
+            ("/top/torque", "friction_node.z"),
+        ] {
+            let failed = failed_laws(&scenario, topic.0, topic.1, 1.0 + 1e-9);
+            assert!(
+                failed.contains(&"torque of friction"),
+                "{loss:?}: {failed:?}"
+            );
+        }
+    }
+}
+
+/// The laws that a run breaks if a number in its messages from the fiftieth on is multiplied by a factor.
+fn failed_laws(scenario: &Scenario, topic: &str, field: &str, factor: f64) -> Vec<&'static str> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let info = channels().iter().find(|c| c.topic == topic).unwrap();
+    let number = info.number_index(field).unwrap();
+    let mut forged = Forgery::new(&path, scenario);
+    for mut message in simulated(scenario) {
+        if channels()[message.channel].topic == topic && message.sequence >= 50 {
+            message.numbers[number] *= factor;
+        }
+        forged.write(&message);
+    }
+    forged.finish();
+    let recording = Recording::open(&path).unwrap();
+    let report = verify(&recording, Options { reproduce: false }, &|_| {});
+    let failed = report
+        .checks
+        .iter()
+        .filter(|check| check.verdict == Verdict::Failed);
+    failed.map(|check| check.name).collect()
 }
 
 /// A recording with any content, complete with a digest that fits it.
