@@ -14,6 +14,7 @@ use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
 use toprise::physics::math::{exp, ln};
 use toprise::run::scenario::Scenario;
+use toprise::telemetry::Topic;
 use toprise::telemetry::encoding::Encoding;
 use toprise::telemetry::fields::{EVENTS, NumberField, STATE, events};
 
@@ -946,6 +947,21 @@ fn a_file_that_lost_its_origin_is_compared_with_a_scenario() {
     let report = compare(&other, &scenario, &quick()).unwrap();
     assert_eq!(report.happened, None);
     assert_eq!(channel(&report, "/top/state").pairs, 501);
+    // Views are nothing that is simulated.
+    for channel in report
+        .signals
+        .channels
+        .iter()
+        .filter(|c| Topic::find(&c.topic).is_some())
+    {
+        assert!(channel.pairs > 0, "{}", channel.topic);
+        assert_eq!(
+            (channel.only_in_a, channel.only_in_b),
+            (0, 0),
+            "{}",
+            channel.topic
+        );
+    }
     assert!(
         report.summary[0].starts_with("What both have is the same"),
         "{:?}",

@@ -120,6 +120,8 @@ fn what_agrees_in_parts_is_not_equal() {
     let agreeing = ["diff", &a, &b, "--topics", "/odom", "--abs", "1.1e-4"];
     let (text, _) = ends(&directory, &agreeing, 3);
     assert!(text.contains("Agreeing"), "{text}");
+    assert!(text.contains("A has 100 messages in between"), "{text}");
+    assert!(!text.contains("B has"), "{text}");
     let (text, _) = ends(
         &directory,
         &[&agreeing[..], &["--format", "junit"]].concat(),
