@@ -4,6 +4,7 @@ use crate::damage::chunks;
 use crate::support::{Run, archive, scenario};
 use assert_cmd::Command;
 use proptest::prelude::*;
+use std::collections::BTreeSet;
 use std::fs;
 use std::ops::Range;
 use tempfile::tempdir;
@@ -95,6 +96,37 @@ fn val_friction_drives_the_rise() {
         precession.frictional
     );
     assert!(told.contains(&expected), "{told}");
+}
+
+/// The sign of θ̈ at the start follows from where φ̇ is among the rates of regular precession; the simulation has its own.
+#[test]
+fn val_the_start_lies_where_the_simulation_says() {
+    let mut places = BTreeSet::new();
+    // A prolate and an oblate top: above the axial moment and below it.
+    for transverse_moment in ["3e-4", "1e-4"] {
+        for psi_dot in ["-170", "170"] {
+            for phi_dot in ["-2000", "-20", "-0.5", "0.5", "20", "2000"] {
+                let overrides = [
+                    ("top.transverse_moment", transverse_moment),
+                    ("top.axial_moment", "1.1e-4"),
+                    ("initial.psi_dot", psi_dot),
+                    ("initial.phi_dot", phi_dot),
+                    ("stop.duration", "0.001"),
+                ];
+                let scenario = scenario("frictionless", &overrides);
+                let story = explain(&scenario).unwrap();
+                let told = text(chapter(&story, "Why the axis moves"));
+                let theta = Run::of(&scenario).samples[0].euler_accelerations.theta;
+                let sign = if theta > 0.0 { "positive" } else { "negative" };
+                let found = ["below both", "between them", "above both"]
+                    .into_iter()
+                    .find(|place| told.contains(&format!(", {place}: θ̈ was {sign}.")));
+                let place = found.unwrap_or_else(|| panic!("{overrides:?}: {told}"));
+                places.insert((transverse_moment, place));
+            }
+        }
+    }
+    assert_eq!(places.len(), 6, "{places:?}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Figures: what they show, their bytes, and the command that draws them.
 
-use crate::support::{archive, scenario};
+use crate::support::{archive, assert_near, scenario};
 use assert_cmd::Command;
 use roxmltree::{Document, Node};
 use sha2::{Digest, Sha256};
@@ -531,6 +531,29 @@ fn regress_bytes() {
         (*name, (*svg).to_owned(), (*png).to_owned())
     };
     assert_eq!(found, GOLDEN.iter().map(golden).collect::<Vec<_>>());
+}
+
+#[test]
+fn tracks_fill_the_width_up_to_eleven_centimetres() {
+    let run = short("drop");
+    let edges = |width: f64| {
+        let svg = Figure::find("track").unwrap().draw(&[&run], width).svg();
+        let (xs, ys): (Vec<f64>, Vec<f64>) = places(&svg, "frame").into_iter().unzip();
+        [xs, ys].map(|of| {
+            let least = of.iter().copied().fold(f64::INFINITY, f64::min);
+            let greatest = of.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            [least / 100.0, greatest / 100.0]
+        })
+    };
+    for width in [60.0, 85.0, 120.0] {
+        let [[left, right], [top, bottom]] = edges(width);
+        // Numbers and a label stand to the left, half a number may stick out to the right.
+        assert!(left > 0.0 && left < 20.0, "{left} of {width}");
+        assert!(right < width && right > width - 5.0, "{right} of {width}");
+        assert_near("a square", right - left, bottom - top, 0.02);
+    }
+    let [[left, right], _] = edges(170.0);
+    assert_near("the largest side, mm", right - left, 110.0, 0.02);
 }
 
 #[test]
