@@ -13,8 +13,9 @@ use crate::archive::given::read_file;
 use crate::archive::publish::is_same_file;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
-    Axis, Base, Counts, Design, Finished, Method, Options, Shard, Spec, Sweep, Table, Watch,
-    is_in_row, left_to_do, parts_directory, run,
+    Axis, Base, Choice, Counts, Design, Finished, Method, Options, Recorded, Recordings, Shard,
+    Spec, Sweep, Table, Watch, check_recordings, is_in_row, left_to_do, parts_directory,
+    recordings_directory, run,
 };
 use anyhow::{Context as _, Error, bail};
 use clap::{Args, ValueEnum};
@@ -82,6 +83,16 @@ pub(super) struct SweepArguments {
     #[arg(long, value_name = "N")]
     max_steps: Option<u64>,
 
+    /// Store whole recordings of the runs whose rows fulfil a condition: a column or key, one of < <= > >= = !=, and a
+    /// number, a word or null, as in 'rise_time > 30', 'stop_reason = fallen' or 'weak_time != null'. Of several, all must
+    /// hold. They go into a directory beside the table, as out.parquet.runs/000042.mcap for run 42.
+    #[arg(long, value_name = "CONDITION")]
+    keep: Vec<String>,
+
+    /// Store whole recordings of the first N runs that have an outcome; with --keep, of the first N that it chooses.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    record: Option<u64>,
+
     /// End at the first row with an error.
     #[arg(long)]
     fail_fast: bool,
@@ -142,6 +153,8 @@ pub(crate) struct SweepReport {
     errors: u64,
     /// The first run that has an error; absent if none has.
     first_error: Option<crate::sweep::RowError>,
+    /// Whole recordings of chosen runs; absent unless --keep or --record asks for them, and the rows are there.
+    recordings: Option<RecordingsReport>,
     /// Whether the sweep was interrupted.
     interrupted: bool,
     /// How long the runs that are left are expected to take, s, estimated from a few of them; absent unless asked for.
@@ -150,12 +163,29 @@ pub(crate) struct SweepReport {
     wall_time: f64,
 }
 
+/// Whole recordings of chosen runs.
+#[derive(Debug, Serialize, JsonSchema)]
+struct RecordingsReport {
+    /// The directory that they are in.
+    directory: String,
+    /// Number of chosen runs: of the table, or of the share that --shard names.
+    chosen: u64,
+    /// Number of recordings that were written now; the others were there, or are left.
+    written: u64,
+    /// Number of recordings written now that end early, because the motion could not be recorded to its end.
+    failed: u64,
+}
+
 /// Computes a sweep.
 pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
     let began = Instant::now();
     arguments.refuse_parts()?;
     let sweep = Sweep::new(arguments.spec()?);
+    let choice = arguments.choice(&sweep)?;
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
+    if choice.is_some() {
+        check_recordings(&sweep, &arguments.output)?;
+    }
     let interrupt = Interrupt::watch()?;
     let carry_on = || !interrupt.is_asked();
     let told = quietly(|| {
@@ -176,6 +206,10 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         finished.map(|finished| (finished, estimate))
     });
     let (finished, estimate) = told?;
+    let computing = began.elapsed();
+    let choice = choice.filter(|_| !finished.is_interrupted && !arguments.dry_run);
+    let recorded = choice.map(|choice| arguments.record(&sweep, &choice, &carry_on));
+    let recorded = recorded.transpose()?;
     let report = SweepReport {
         runs: sweep.spec().rows(),
         computed: finished.computed,
@@ -185,18 +219,32 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         outcomes: finished.counts.stops,
         errors: finished.counts.errors,
         first_error: finished.counts.first_error,
-        interrupted: finished.is_interrupted,
+        interrupted: finished.is_interrupted
+            || recorded
+                .as_ref()
+                .is_some_and(|(_, done)| done.is_interrupted),
+        recordings: recorded.map(|(chosen, done)| RecordingsReport {
+            directory: recordings_directory(&arguments.output)
+                .display()
+                .to_string(),
+            chosen,
+            written: done.written,
+            failed: done.failed.len() as u64,
+        }),
         estimate: estimate.filter(|_| arguments.dry_run),
         wall_time: began.elapsed().as_secs_f64(),
     };
     report::print(&report, arguments.form.format(), || {
-        report.page(arguments, left)
+        report.page(arguments, left, computing)
     })?;
-    Ok(if report.errors > 0 || report.interrupted {
-        Done::WithLosses
-    } else {
-        Done::Well
-    })
+    let has_losses = report.errors > 0 || report.interrupted;
+    Ok(
+        if has_losses || report.recordings.is_some_and(|all| all.failed > 0) {
+            Done::WithLosses
+        } else {
+            Done::Well
+        },
+    )
 }
 
 impl SweepArguments {
@@ -252,6 +300,40 @@ impl SweepArguments {
         let mut spec = Spec::from_toml(text, folder, &self.overrides)?;
         spec.most_steps = self.max_steps.or(spec.most_steps);
         Ok(spec)
+    }
+
+    /// Which runs are recorded; none if that isn't asked for.
+    fn choice(&self, sweep: &Sweep) -> Result<Option<Choice>, Error> {
+        if self.keep.is_empty() && self.record.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Choice::parse(&self.keep, self.record, sweep)?))
+    }
+
+    /// Writes the recordings that are missing; tells how many runs are chosen, and what was done.
+    fn record(
+        &self,
+        sweep: &Sweep,
+        choice: &Choice,
+        carry_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(u64, Recorded), Error> {
+        let recordings = Recordings::find(sweep, &self.output, choice, self.shard)?;
+        let missing = recordings.missing();
+        if missing > 0 {
+            output::note(&format!("recording {}", runs(missing)));
+        }
+        let progress = Progress::of_runs(missing);
+        let watch = Watch {
+            carry_on,
+            done: &|_| progress.add(1),
+        };
+        let recorded = recordings.write(&self.options(), &watch);
+        progress.finish();
+        let recorded = recorded?;
+        for (run, reason) in &recorded.failed {
+            output::warn(&format!("the recording of run {run} ends early: {reason}"));
+        }
+        Ok((recordings.chosen(), recorded))
     }
 
     fn options(&self) -> Options {
@@ -381,8 +463,27 @@ fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
     words.join(", ")
 }
 
+impl RecordingsReport {
+    fn line(&self) -> String {
+        let Self {
+            chosen,
+            written,
+            directory,
+            ..
+        } = self;
+        match chosen {
+            0 => "no run is chosen".to_owned(),
+            _ => format!(
+                "{} in {directory}, {} written now",
+                runs(*chosen),
+                count(*written)
+            ),
+        }
+    }
+}
+
 impl SweepReport {
-    fn page(&self, arguments: &SweepArguments, left: u64) -> Page {
+    fn page(&self, arguments: &SweepArguments, left: u64, computing: Duration) -> Page {
         let mut facts = Vec::new();
         let outcomes = summary(&self.outcomes, self.errors);
         if !outcomes.is_empty() {
@@ -398,13 +499,14 @@ impl SweepReport {
                 facts.push(("time", format!("{}, {threads} at once", about(seconds))));
             }
         } else {
+            let computing = computing.as_secs_f64();
             let computed = match self.computed {
                 0 => "nothing: all of it was there".to_owned(),
                 computed => format!(
                     "{} in {} s, {} a second",
                     runs(computed),
-                    number(self.wall_time, 2),
-                    number(computed as f64 / self.wall_time, 1)
+                    number(computing, 2),
+                    number(computed as f64 / computing, 1)
                 ),
             };
             facts.push(("computed", computed));
@@ -420,6 +522,9 @@ impl SweepReport {
                 "the same command goes on"
             };
             facts.push(("", how.to_owned()));
+        }
+        if let Some(recordings) = &self.recordings {
+            facts.push(("recordings", recordings.line()));
         }
         let mut section = Section::default();
         section.table(PageTable::of_facts(facts));

@@ -33,7 +33,7 @@ pub enum SweepError {
         path.display()
     )]
     Changed {
-        /// The table, or the directory of its parts.
+        /// The table, or a directory beside it.
         path: PathBuf,
         /// What differs.
         change: String,
@@ -49,6 +49,19 @@ pub enum SweepError {
     BadPart {
         /// The part.
         path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A file that has the name of a run's recording is something else.
+    #[error(
+        "{} is not the whole recording of run {run}: {reason}; remove it and sweep again",
+        path.display()
+    )]
+    BadRecording {
+        /// The file.
+        path: PathBuf,
+        /// The number of the row.
+        run: u64,
         /// What is wrong with it.
         reason: String,
     },
@@ -90,6 +103,12 @@ pub enum SweepError {
 }
 
 impl SweepError {
+    /// The error of a row.
+    pub(super) fn row(run: u64, error: &dyn std::error::Error) -> Self {
+        let error = error.to_string();
+        Self::Row { run, error }
+    }
+
     /// What turns an error of the file system into one that says what was tried.
     pub(super) fn io(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();

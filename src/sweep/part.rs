@@ -5,7 +5,7 @@ use super::counts::Counts;
 use super::row::{Row, Run, Watch, row, run_whole};
 use super::spec::Spec;
 use crate::run::outcome::{COLUMNS, Cell, Column, ColumnKind};
-use crate::run::scenario::{Key, Value};
+use crate::run::scenario::{Key, Scenario, ScenarioError, Value};
 use arrow_array::builder::{Float64Builder, Int64Builder, StringBuilder};
 use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
@@ -115,17 +115,25 @@ impl Sweep {
         batch.expect("the columns are made for the schema")
     }
 
+    /// The scenario of a row.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] if what the row changes makes none.
+    pub fn scenario(&self, row: u64) -> Result<Scenario, ScenarioError> {
+        let mut values = self.spec.base(row).values.clone();
+        for (key, value) in self.spec.keys().iter().zip(self.spec.values(row)) {
+            match value {
+                Some(Value::Text(text)) => values.put(key.path, text)?,
+                Some(Value::Number(number)) => values.put(key.path, number)?,
+                None => {}
+            }
+        }
+        Scenario::new(values)
+    }
+
     fn row(&self, index: u64, watch: &Watch<'_>) -> Option<Row> {
-        let values = self.spec.values(index).into_iter();
-        let changes: Vec<_> = self
-            .spec
-            .keys()
-            .iter()
-            .zip(values)
-            .filter_map(|(key, value)| Some((*key, value?)))
-            .collect();
-        let base = &self.spec.base(index).values;
-        let row = row(base, &changes, self.spec.most_steps, self.run, watch)?;
+        let scenario = self.scenario(index);
+        let row = row(scenario, self.spec.most_steps, self.run, watch)?;
         (watch.done)(row.result.as_ref().ok().map(|outcome| outcome.stop_reason));
         Some(row)
     }

@@ -24,14 +24,46 @@ impl Columns {
     /// # Errors
     /// [`SweepError::Table`] if it is no Parquet file, or a column is missing.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, SweepError> {
-        let wrong = |reason: String| SweepError::Table {
-            path: path.to_owned(),
+        let (mut columns, batches) = Self::open(path, names)?;
+        for batch in batches {
+            columns.batches.push(batch?);
+        }
+        Ok(columns)
+    }
+
+    /// Reads the columns of these names some rows at a time, so that memory does not grow with the table.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(super) fn pieces(
+        path: &Path,
+        names: &[&str],
+    ) -> Result<impl Iterator<Item = Result<Self, SweepError>>, SweepError> {
+        let (empty, batches) = Self::open(path, names)?;
+        Ok(batches.map(move |batch| {
+            let batches = vec![batch?];
+            Ok(Self {
+                batches,
+                ..empty.clone()
+            })
+        }))
+    }
+
+    /// The columns without a row, and what reads their rows.
+    fn open(
+        path: &Path,
+        names: &[&str],
+    ) -> Result<(Self, impl Iterator<Item = Result<RecordBatch, SweepError>>), SweepError> {
+        let path = path.to_owned();
+        let of_path = path.clone();
+        let wrong = move |reason: String| SweepError::Table {
+            path: of_path.clone(),
             reason,
         };
-        let file = File::open(path).map_err(SweepError::io("read", path))?;
+        let file = File::open(&path).map_err(SweepError::io("read", &path))?;
         let builder = ParquetRecordBatchReaderBuilder::try_new(file)
             .map_err(|error| wrong(error.to_string()))?;
-        let schema = builder.schema().clone();
+        let schema = builder.schema().as_ref().clone();
         let all: Vec<&str> = schema
             .fields()
             .iter()
@@ -53,12 +85,13 @@ impl Columns {
             .with_projection(mask)
             .build()
             .map_err(|error| wrong(error.to_string()))?;
-        let batches: Result<Vec<_>, _> = reader.collect();
-        Ok(Self {
-            path: path.to_owned(),
-            schema: schema.as_ref().clone(),
-            batches: batches.map_err(|error| wrong(error.to_string()))?,
-        })
+        let batches = reader.map(move |batch| batch.map_err(|error| wrong(error.to_string())));
+        let columns = Self {
+            path,
+            schema,
+            batches: Vec::new(),
+        };
+        Ok((columns, batches))
     }
 
     /// The unit of a column; empty if it has none.
@@ -119,6 +152,6 @@ impl Columns {
 }
 
 /// The name of a column, for a key's path too.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     name.replace('.', "_")
 }

@@ -1,7 +1,7 @@
 //! One row of a sweep: from values to a scenario to an outcome, or to why there is none.
 
 use crate::run::outcome::{Outcome, outcome};
-use crate::run::scenario::{Key, Scenario, ScenarioError, Value, Values};
+use crate::run::scenario::{Scenario, ScenarioError};
 use crate::run::simulation::{SimulationError, StopReason};
 use std::any::Any;
 use std::cell::Cell;
@@ -46,13 +46,12 @@ pub fn is_in_row() -> bool {
 
 /// Computes a row, whatever happens in it; none if it was interrupted.
 pub(super) fn row(
-    base: &Values,
-    changes: &[(&'static Key, Value)],
+    scenario: Result<Scenario, ScenarioError>,
     most_steps: Option<u64>,
     run: Run,
     watch: &Watch<'_>,
 ) -> Option<Row> {
-    let scenario = match scenario(base, changes) {
+    let scenario = match scenario {
         Ok(scenario) => scenario,
         Err(error) => {
             let result = Err(error.to_string());
@@ -86,18 +85,6 @@ pub(super) fn row(
     };
     let digest = Some(scenario.digest());
     Some(Row { digest, result })
-}
-
-/// The scenario of a row.
-fn scenario(base: &Values, changes: &[(&'static Key, Value)]) -> Result<Scenario, ScenarioError> {
-    let mut values = base.clone();
-    for (key, value) in changes {
-        match value {
-            Value::Text(text) => values.put(key.path, text.as_str())?,
-            Value::Number(number) => values.put(key.path, *number)?,
-        }
-    }
-    Scenario::new(values)
 }
 
 /// What a panic says.

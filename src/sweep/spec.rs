@@ -227,6 +227,11 @@ impl Spec {
         &self.keys
     }
 
+    /// The bases, the outermost axis.
+    pub(super) fn bases(&self) -> impl Iterator<Item = &Base> {
+        self.bases.iter()
+    }
+
     /// The base of a row.
     pub(super) fn base(&self, row: u64) -> &Base {
         &self.bases[(row / self.rows_per_base) as usize]

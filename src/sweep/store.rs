@@ -1,34 +1,28 @@
 //! Where a sweep is kept: its parts while it grows, its table when it is complete.
 
 use super::counts::Counts;
+use super::directory::{self, SPEC_FILE};
 use super::error::SweepError;
 use super::part::{COUNTS_ENTRY, Sweep, counts_entry, properties};
-use super::spec::change;
 use crate::archive::publish::{self, Draft, Existing};
 use crate::archive::sink::SinkError;
 use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::writer::SerializedFileWriter;
-use serde_json::Value as Json;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::fs::{self, File};
-use std::io::{self, BufWriter};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The entry of the table's metadata with the spec.
 const SPEC_ENTRY: &str = "toprise.sweep";
 
-/// The file beside the parts with the spec.
-const SPEC_FILE: &str = "sweep.json";
-
 /// The directory for the parts of a table.
 #[must_use]
 pub fn parts_directory(table: &Path) -> PathBuf {
-    let mut name = table.file_name().map_or_else(OsString::new, OsString::from);
-    name.push(".parts");
-    table.with_file_name(name)
+    directory::beside(table, ".parts")
 }
 
 /// Whether a file in the directory of parts has a name that a sweep gives: the spec, a part, or the hidden draft of one.
@@ -78,7 +72,7 @@ impl<'a> Store<'a> {
         };
         let metadata = metadata(table).map_err(|_| exists())?;
         let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(exists)?;
-        self.check(table, spec)?;
+        directory::refuse_other(table, spec, self.sweep.spec())?;
         let counts = entry(&metadata, COUNTS_ENTRY).ok_or_else(exists)?;
         serde_json::from_str(counts).map(Some).map_err(|_| exists())
     }
@@ -88,16 +82,7 @@ impl<'a> Store<'a> {
     /// # Errors
     /// [`SweepError::Changed`] if it is of another one.
     pub(super) fn open(&self) -> Result<(), SweepError> {
-        let path = self.parts.join(SPEC_FILE);
-        if !path.exists() {
-            let text = format!("{:#}\n", self.sweep.spec().to_json());
-            match publish::write(&path, Existing::Keep, text.as_bytes()) {
-                // Another shard was faster.
-                Ok(()) | Err(SinkError::Exists { .. }) => {}
-                Err(error) => return Err(error.into()),
-            }
-        }
-        self.check_parts()
+        directory::claim(&self.parts, self.sweep.spec())
     }
 
     /// Finds whether the directory of the parts, if there is one, is of this sweep.
@@ -105,27 +90,11 @@ impl<'a> Store<'a> {
     /// # Errors
     /// [`SweepError::Changed`] if it is of another one.
     pub(super) fn check_parts(&self) -> Result<(), SweepError> {
-        let path = self.parts.join(SPEC_FILE);
-        match fs::read_to_string(&path) {
-            Ok(text) => self.check(&self.parts, &text),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            Err(error) => Err(SweepError::io("read", &path)(error)),
-        }
+        directory::check(&self.parts, self.sweep.spec())
     }
 
-    /// Refuses what is of another sweep.
-    fn check(&self, path: &Path, spec: &str) -> Result<(), SweepError> {
-        let before: Json = serde_json::from_str(spec).unwrap_or_default();
-        match change(&before, &self.sweep.spec().to_json()) {
-            None => Ok(()),
-            Some(change) => Err(SweepError::Changed {
-                path: path.to_owned(),
-                change,
-            }),
-        }
-    }
-
-    fn part(&self, part: u64) -> PathBuf {
+    /// The file of a part.
+    pub(super) fn part(&self, part: u64) -> PathBuf {
         self.parts.join(format!("{part:06}.parquet"))
     }
 

@@ -20,6 +20,13 @@ pub struct Shard {
     pub count: u64,
 }
 
+impl Shard {
+    /// Whether a part is in this share.
+    pub(super) fn has(self, part: u64) -> bool {
+        part % self.count == self.index
+    }
+}
+
 /// How a sweep is computed. Nothing of this changes its bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
@@ -115,7 +122,7 @@ pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u
 
 /// The parts that are not there, in order.
 fn missing(store: &Store<'_>, sweep: &Sweep, shard: Option<Shard>) -> impl Iterator<Item = u64> {
-    let is_own = move |part: &u64| shard.is_none_or(|shard| part % shard.count == shard.index);
+    let is_own = move |part: &u64| shard.is_none_or(|shard| shard.has(*part));
     (0..sweep.parts())
         .filter(is_own)
         .filter(|part| !store.has(*part))

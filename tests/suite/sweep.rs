@@ -7,6 +7,7 @@ use arrow_array::{Array as _, RecordBatch};
 use assert_cmd::Command;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use sha2::{Digest as _, Sha256};
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,8 +15,8 @@ use toprise::run::outcome;
 use toprise::run::outcome::Cell;
 use toprise::run::scenario::Scenario;
 use toprise::sweep::{
-    Axis, Base, Design, Finished, Method, Options, RunResult, Shard, Spec, Sweep, SweepError,
-    Watch, parts_directory, run,
+    Axis, Base, Choice, Design, Finished, Method, Options, Recorded, Recordings, RunResult, Shard,
+    Spec, Sweep, SweepError, Watch, check_recordings, parts_directory, recordings_directory, run,
 };
 
 /// Runs that end at once, over a grid of 2,400: three parts.
@@ -441,6 +442,228 @@ fn the_command_sweeps_resumes_and_reports() {
     assert_eq!(code, 3, "{notes}");
     let bytes = |name| fs::read(folder.join(name)).unwrap();
     assert_eq!(bytes("a.parquet"), bytes("c.parquet"));
+}
+
+/// The files of a directory, by their names.
+fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = fs::read_dir(directory).unwrap().map(Result::unwrap);
+    let file = |entry: fs::DirEntry| {
+        let name = entry.file_name().into_string().unwrap();
+        (name, fs::read(entry.path()).unwrap())
+    };
+    entries.map(file).collect()
+}
+
+fn choice(conditions: &[&str], most: Option<u64>, sweep: &Sweep) -> Choice {
+    let conditions: Vec<_> = conditions.iter().map(|text| (*text).to_owned()).collect();
+    Choice::parse(&conditions, most, sweep).unwrap()
+}
+
+/// Writes the recordings that are missing; tells how many were chosen.
+fn store(
+    sweep: &Sweep,
+    table: &Path,
+    choice: &Choice,
+    options: &Options,
+) -> Result<(u64, Recorded), SweepError> {
+    let recordings = Recordings::find(sweep, table, choice, options.shard)?;
+    let recorded = everything(|watch| recordings.write(options, watch))?;
+    Ok((recordings.chosen(), recorded))
+}
+
+#[test]
+fn recordings_are_those_of_the_rows_that_fulfil_all_conditions() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = Sweep::new(spec(AXES));
+    let table = folder.path().join("a.parquet");
+    compute(&sweep, &table, &Options::default()).unwrap();
+    let rows = read(&table);
+    let (k, psi_dot) = (numbers(&rows, "friction_k"), numbers(&rows, "psi_dot"));
+    let rises = rows.column_by_name("rise_time").unwrap();
+    let fulfil =
+        |row: &usize| k.value(*row) <= 0.006 && psi_dot.value(*row) > 180.0 && rises.is_null(*row);
+    let expected: Vec<usize> = (0..rows.num_rows()).filter(fulfil).collect();
+    assert!((20..60).contains(&expected.len()), "{}", expected.len());
+    let conditions = ["friction.k <= 0.006", "psi_dot>180", "rise_time = null"];
+    let names = |rows: &[usize]| {
+        let names = rows.iter().map(|row| format!("{row:06}.mcap"));
+        let mut names: Vec<_> = names.collect();
+        names.push("sweep.json".to_owned());
+        names
+    };
+    let all = choice(&conditions, None, &sweep);
+    let (chosen, recorded) = store(&sweep, &table, &all, &Options::default()).unwrap();
+    assert_eq!(chosen, expected.len() as u64);
+    assert_eq!(recorded.written, chosen);
+    let whole = files(&recordings_directory(&table));
+    assert!(whole.keys().eq(&names(&expected)));
+
+    // The first of them, from threads and shards.
+    let first = &expected[..7];
+    for (name, options) in [
+        ("threads", vec![(1, None)]),
+        ("shards", vec![(2, Some(1)), (1, Some(0)), (2, None)]),
+    ] {
+        let table = folder.path().join(name);
+        let some = choice(&conditions, Some(7), &sweep);
+        for (threads, shard) in options {
+            let shard = shard.map(|index| Shard { index, count: 2 });
+            let options = Options {
+                threads,
+                shard,
+                ..Options::default()
+            };
+            compute(&sweep, &table, &options).unwrap();
+            let (chosen, _) = store(&sweep, &table, &some, &options).unwrap();
+            // Another share could have seven before these.
+            assert_eq!(chosen, if shard.is_some() { 0 } else { 7 });
+        }
+        let some = files(&recordings_directory(&table));
+        assert!(some.keys().eq(&names(first)), "{name}");
+        assert!(some.iter().all(|(name, bytes)| whole[name] == *bytes));
+    }
+}
+
+#[test]
+fn a_shard_records_what_is_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = Sweep::new(spec(AXES));
+    let table = folder.path().join("a.parquet");
+    let options = |index| Options {
+        shard: Some(Shard { index, count: 2 }),
+        ..Options::default()
+    };
+    // Rows 1000 to 1999 are the second part, and so of shard 1.
+    let around = choice(&["run >= 997", "run < 1005"], None, &sweep);
+    for (index, expected) in [(0, 3), (1, 5)] {
+        compute(&sweep, &table, &options(index)).unwrap();
+        let (chosen, _) = store(&sweep, &table, &around, &options(index)).unwrap();
+        assert_eq!(chosen, expected, "shard {index}");
+    }
+    // The first rows are the first whatever the others come to.
+    let few = choice(&[], Some(3), &sweep);
+    let (chosen, _) = store(&sweep, &table, &few, &options(0)).unwrap();
+    assert_eq!(chosen, 3);
+    // Once it is merged, a shard finds its rows in the table.
+    compute(&sweep, &table, &Options::default()).unwrap();
+    let chosen = [0, 1].map(|index| store(&sweep, &table, &around, &options(index)).unwrap().0);
+    assert_eq!(chosen, [3, 5]);
+    let (all, recorded) = store(&sweep, &table, &around, &Options::default()).unwrap();
+    assert_eq!((all, recorded.written), (8, 0));
+}
+
+#[test]
+fn recordings_are_kept_and_completed_but_never_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = Sweep::new(spec(&[
+        ("friction.k", "0.1,0.2,0.3,0.4"),
+        ("initial.theta", "0.5,4"),
+    ]));
+    let table = folder.path().join("a.parquet");
+    compute(&sweep, &table, &Options::default()).unwrap();
+    let all = choice(&[], Some(10), &sweep);
+    let go = || store(&sweep, &table, &all, &Options::default());
+    // It is interrupted after two, and leaves nothing unfinished.
+    let done = AtomicU64::new(0);
+    let watch = Watch {
+        carry_on: &|| done.load(Ordering::Relaxed) < 2,
+        done: &|_| {
+            done.fetch_add(1, Ordering::Relaxed);
+        },
+    };
+    let one = Options {
+        threads: 1,
+        ..Options::default()
+    };
+    let recordings = Recordings::find(&sweep, &table, &all, None).unwrap();
+    let recorded = recordings.write(&one, &watch).unwrap();
+    assert!(recorded.is_interrupted);
+    assert_eq!(recorded.written, 2);
+    let directory = recordings_directory(&table);
+    assert_eq!(files(&directory).len(), 3);
+    // Rows without an outcome have no recording.
+    let (chosen, recorded) = go().unwrap();
+    assert_eq!((chosen, recorded.written), (4, 2));
+    let whole = files(&directory);
+    let names = [
+        "000000.mcap",
+        "000002.mcap",
+        "000004.mcap",
+        "000006.mcap",
+        "sweep.json",
+    ];
+    assert!(whole.keys().eq(&names));
+    assert_eq!(go().unwrap().1, Recorded::default());
+    // What was cut off, or is of another run, is refused and stays.
+    let path = directory.join("000004.mcap");
+    let cut = &whole["000004.mcap"][..3000];
+    for (bytes, part) in [
+        (cut, "interrupted"),
+        (&whole["000002.mcap"][..], "another scenario"),
+        (&b"text"[..], "MCAP"),
+    ] {
+        fs::write(&path, bytes).unwrap();
+        let told = go().unwrap_err().to_string();
+        assert!(
+            told.contains("is not the whole recording of run 4"),
+            "{told}"
+        );
+        assert!(told.contains(part), "{told}");
+        assert_eq!(fs::read(&path).unwrap(), bytes);
+    }
+    fs::remove_file(&path).unwrap();
+    assert_eq!(go().unwrap().1.written, 1);
+    assert_eq!(files(&directory), whole);
+    // A sweep of other values under the same name is another one.
+    let other = Sweep::new(spec(&[("friction.k", "0.1,0.2")]));
+    let refused = check_recordings(&other, &table).unwrap_err();
+    assert!(matches!(refused, SweepError::Changed { .. }), "{refused}");
+}
+
+#[test]
+fn the_command_records_runs_as_run_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let sweep = "sweep paper --set stop.duration=0.1 --over friction.k=0.01,0.03 --over initial.theta=0.4,4";
+    let (code, answer, told) = toprise(
+        folder,
+        &format!("{sweep} --keep friction.k>0.02 --format json -o a.parquet"),
+    );
+    assert_eq!(code, 3, "{told}");
+    let report: serde_json::Value = serde_json::from_str(&answer).unwrap();
+    let expected = serde_json::json!({
+        "directory": "a.parquet.runs", "chosen": 1, "written": 1, "failed": 0,
+    });
+    assert_eq!(report["recordings"], expected);
+    let run = "run paper -q --set stop.duration=0.1 --set friction.k=0.03 --set initial.theta=0.4 -o b.mcap";
+    #[cfg(feature = "rerun")]
+    let run = &format!("{run} --no-rrd");
+    let (code, _, told) = toprise(folder, run);
+    assert_eq!(code, 0, "{told}");
+    let bytes = |name| fs::read(folder.join(name)).unwrap();
+    assert_eq!(bytes("a.parquet.runs/000002.mcap"), bytes("b.mcap"));
+    // The table is that of a sweep without recordings.
+    let (code, answer, _) = toprise(folder, &format!("{sweep} --format json -o c.parquet"));
+    assert_eq!(code, 3);
+    assert_eq!(bytes("a.parquet"), bytes("c.parquet"));
+    let report: serde_json::Value = serde_json::from_str(&answer).unwrap();
+    assert!(report["recordings"].is_null());
+    // What is wrong is told before anything is computed.
+    let (code, _, told) = toprise(
+        folder,
+        &format!("{sweep} --keep friction.mu=1 -o d.parquet"),
+    );
+    assert_eq!(code, 2);
+    assert!(
+        told.contains("there is no column friction.mu; there are run, scenario, friction_k"),
+        "{told}"
+    );
+    assert!(!folder.join("d.parquet.parts").exists());
+    // Nothing chosen, no directory.
+    let (code, answer, _) = toprise(folder, &format!("{sweep} --keep rise_time<1 -o c.parquet"));
+    assert_eq!(code, 3);
+    assert!(answer.contains("no run is chosen"), "{answer}");
+    assert!(!folder.join("c.parquet.runs").exists());
 }
 
 #[test]

@@ -1,0 +1,65 @@
+//! The directories beside a sweep's table. Each has a file that says of which sweep it is.
+
+use super::error::SweepError;
+use super::spec::{Spec, change};
+use crate::archive::publish::{self, Existing};
+use crate::archive::sink::SinkError;
+use serde_json::Value as Json;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+/// The file with the spec.
+pub(super) const SPEC_FILE: &str = "sweep.json";
+
+/// The directory that has the table's name and a suffix.
+pub(super) fn beside(table: &Path, suffix: &str) -> PathBuf {
+    let mut name = table.file_name().map_or_else(OsString::new, OsString::from);
+    name.push(suffix);
+    table.with_file_name(name)
+}
+
+/// Makes a directory of this sweep, or finds that it is one.
+///
+/// # Errors
+/// [`SweepError::Changed`] if it is of another sweep.
+pub(super) fn claim(directory: &Path, spec: &Spec) -> Result<(), SweepError> {
+    let path = directory.join(SPEC_FILE);
+    if !path.exists() {
+        let text = format!("{:#}\n", spec.to_json());
+        match publish::write(&path, Existing::Keep, text.as_bytes()) {
+            // Another process was faster.
+            Ok(()) | Err(SinkError::Exists { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+    check(directory, spec)
+}
+
+/// Finds whether a directory, if there is one, is of this sweep.
+///
+/// # Errors
+/// [`SweepError::Changed`] if it is of another sweep.
+pub(super) fn check(directory: &Path, spec: &Spec) -> Result<(), SweepError> {
+    let path = directory.join(SPEC_FILE);
+    match fs::read_to_string(&path) {
+        Ok(text) => refuse_other(directory, &text, spec),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(SweepError::io("read", &path)(error)),
+    }
+}
+
+/// Refuses what has the spec of another sweep.
+///
+/// # Errors
+/// [`SweepError::Changed`].
+pub(super) fn refuse_other(path: &Path, text: &str, spec: &Spec) -> Result<(), SweepError> {
+    let before: Json = serde_json::from_str(text).unwrap_or_default();
+    match change(&before, &spec.to_json()) {
+        None => Ok(()),
+        Some(change) => Err(SweepError::Changed {
+            path: path.to_owned(),
+            change,
+        }),
+    }
+}

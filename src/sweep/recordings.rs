@@ -1,0 +1,243 @@
+//! Whole recordings of some runs of a sweep, in a directory beside its table.
+//!
+//! Which runs follows from the table, and each recording from its row; so recordings depend on threads and shards as
+//! little as the table does, and what is missing can be written at any time.
+
+use super::choice::Choice;
+use super::directory;
+use super::error::SweepError;
+use super::part::{PART_ROWS, Sweep};
+use super::row::Watch;
+use super::store::Store;
+use super::work::{Options, Shard};
+use crate::archive::format::SCENARIO_DIGEST;
+use crate::archive::publish::{Draft, Existing};
+use crate::archive::recording::{Condition, Recording};
+use crate::archive::sink::{RecordError, Sink, SinkError, record};
+use crate::archive::writer::{Form, McapSink};
+use crate::run::scenario::Scenario;
+use crate::run::simulation::{RunEnd, Simulation, StopReason};
+use crate::telemetry::Telemetry;
+use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+/// The directory for the recordings of a table's runs.
+#[must_use]
+pub fn recordings_directory(table: &Path) -> PathBuf {
+    directory::beside(table, ".runs")
+}
+
+/// Refuses a directory of recordings that belongs to another sweep.
+///
+/// # Errors
+/// [`SweepError::Changed`].
+pub fn check_recordings(sweep: &Sweep, table: &Path) -> Result<(), SweepError> {
+    directory::check(&recordings_directory(table), sweep.spec())
+}
+
+/// Recordings of chosen runs: which there must be, and which of them are missing.
+pub struct Recordings<'a> {
+    sweep: &'a Sweep,
+    directory: PathBuf,
+    chosen: u64,
+    missing: Vec<u64>,
+}
+
+/// What was recorded.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recorded {
+    /// Number of recordings that were written.
+    pub written: u64,
+    /// Runs whose recordings end early because their motion could not be recorded to its end, and why.
+    pub failed: Vec<(u64, String)>,
+    /// Whether it was interrupted.
+    pub is_interrupted: bool,
+}
+
+impl<'a> Recordings<'a> {
+    /// Finds the chosen runs in the table, or in the parts of a share: of these only runs that are among the chosen ones
+    /// whatever the other shares come to.
+    ///
+    /// # Errors
+    /// [`SweepError::Table`] if the table can't be read, [`SweepError::BadRecording`] if something else has the name of a
+    /// recording.
+    pub fn find(
+        sweep: &'a Sweep,
+        table: &Path,
+        choice: &Choice,
+        shard: Option<Shard>,
+    ) -> Result<Self, SweepError> {
+        let chosen = match shard {
+            None => chosen(table, choice)?,
+            Some(shard) => chosen_of_shard(sweep, table, choice, shard)?,
+        };
+        let mut recordings = Self {
+            sweep,
+            directory: recordings_directory(table),
+            chosen: chosen.len() as u64,
+            missing: Vec::new(),
+        };
+        for run in chosen {
+            if !recordings.has(run)? {
+                recordings.missing.push(run);
+            }
+        }
+        Ok(recordings)
+    }
+
+    /// The number of chosen runs.
+    #[must_use]
+    pub fn chosen(&self) -> u64 {
+        self.chosen
+    }
+
+    /// The number of them that have no recording yet.
+    #[must_use]
+    pub fn missing(&self) -> u64 {
+        self.missing.len() as u64
+    }
+
+    /// Writes the missing recordings with all threads.
+    ///
+    /// # Errors
+    /// [`SweepError::Sink`] if the disk is full, or the like. Recordings that are complete stay.
+    pub fn write(&self, options: &Options, watch: &Watch<'_>) -> Result<Recorded, SweepError> {
+        if self.missing.is_empty() {
+            return Ok(Recorded::default());
+        }
+        directory::claim(&self.directory, self.sweep.spec())?;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(options.threads)
+            .build()?;
+        let write = |run: &u64| self.write_one(*run, watch);
+        let all: Result<Vec<_>, _> = pool.install(|| self.missing.par_iter().map(write).collect());
+        let mut recorded = Recorded::default();
+        for (end, run) in all?.into_iter().zip(&self.missing) {
+            match end {
+                Some(failure) => {
+                    recorded.written += 1;
+                    recorded.failed.extend(failure.map(|why| (*run, why)));
+                }
+                None => recorded.is_interrupted = true,
+            }
+        }
+        Ok(recorded)
+    }
+
+    fn path(&self, run: u64) -> PathBuf {
+        self.directory.join(format!("{run:06}.mcap"))
+    }
+
+    fn scenario(&self, run: u64) -> Result<Scenario, SweepError> {
+        let scenario = self.sweep.scenario(run);
+        scenario.map_err(|error| SweepError::row(run, &error))
+    }
+
+    /// Whether the recording of a run is there.
+    fn has(&self, run: u64) -> Result<bool, SweepError> {
+        let path = self.path(run);
+        if path.symlink_metadata().is_err() {
+            return Ok(false);
+        }
+        let reason = match Recording::open(&path) {
+            Err(error) => error.to_string(),
+            Ok(recording) => {
+                let condition = recording.condition();
+                let of = recording.run().and_then(|run| run.get(SCENARIO_DIGEST));
+                if condition != Condition::Whole {
+                    condition.name().to_owned()
+                } else if of != Some(&self.scenario(run)?.digest()) {
+                    "it is of another scenario".to_owned()
+                } else {
+                    return Ok(true);
+                }
+            }
+        };
+        Err(SweepError::BadRecording { path, run, reason })
+    }
+
+    /// Records a run as `toprise run` does. None if it was interrupted; otherwise why it ends early, if it does.
+    fn write_one(&self, run: u64, watch: &Watch<'_>) -> Result<Option<Option<String>>, SweepError> {
+        let mut is_interrupted = !(watch.carry_on)();
+        if is_interrupted {
+            return Ok(None);
+        }
+        let draft = match Draft::new(&self.path(run), Existing::Keep) {
+            // Another process was faster, and came to the same bytes.
+            Err(SinkError::Exists { .. }) => return Ok(Some(None)),
+            draft => draft?,
+        };
+        let scenario = self.scenario(run)?;
+        let mut telemetry = Telemetry::default();
+        let mut sink = McapSink::create_in(draft, &scenario, &telemetry, Form::default())?;
+        let simulation = Simulation::new(&scenario);
+        let mut simulation = simulation.map_err(|error| SweepError::row(run, &error))?;
+        let mut sinks: [&mut dyn Sink; 1] = [&mut sink];
+        let ended = record(&mut simulation, &mut telemetry, &mut sinks, |_, _| {
+            is_interrupted = !(watch.carry_on)();
+            Ok(match is_interrupted {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            })
+        });
+        if is_interrupted {
+            return Ok(None);
+        }
+        let (end, failure) = match ended {
+            Ok(end) => (end, None),
+            Err(RecordError::Sink(error)) => return Err(error.into()),
+            Err(error) => {
+                let stop = StopReason::Failed;
+                let end = simulation.end();
+                (RunEnd { stop, ..end }, Some(error.to_string()))
+            }
+        };
+        match sink.finish(&end) {
+            Ok(_) | Err(SinkError::Exists { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
+        (watch.done)(Some(end.stop));
+        Ok(Some(failure))
+    }
+}
+
+/// The chosen runs of a table.
+fn chosen(table: &Path, choice: &Choice) -> Result<Vec<u64>, SweepError> {
+    let mut chosen = Vec::new();
+    let is_enough = |chosen: &Vec<u64>| choice.most.is_some_and(|most| chosen.len() as u64 >= most);
+    choice.each(table, |run| {
+        if !is_enough(&chosen) {
+            chosen.push(run);
+        }
+        !is_enough(&chosen)
+    })?;
+    Ok(chosen)
+}
+
+/// The chosen runs of a share. Of the first N, those whose numbers are below N: what other shares have before them is
+/// not known here.
+fn chosen_of_shard(
+    sweep: &Sweep,
+    table: &Path,
+    choice: &Choice,
+    shard: Shard,
+) -> Result<Vec<u64>, SweepError> {
+    let mut chosen = Vec::new();
+    let mut take = |run: u64| {
+        let is_certain = choice.most.is_none_or(|most| run < most);
+        if is_certain && shard.has(run / PART_ROWS) {
+            chosen.push(run);
+        }
+        is_certain
+    };
+    if table.exists() {
+        choice.each(table, take)?;
+    } else {
+        let store = Store::new(sweep, table);
+        for part in (0..sweep.parts()).filter(|part| shard.has(*part)) {
+            choice.each(&store.part(part), &mut take)?;
+        }
+    }
+    Ok(chosen)
+}
