@@ -7,7 +7,10 @@
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, RunEnd, SimulationError, StopReason, Tally, tallied};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
+use serde_json::Map;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// What happened in a run, and how it ended. SI units and radians.
@@ -137,6 +140,37 @@ impl Serialize for Outcome {
     }
 }
 
+/// The members are the columns; those that can have no value are absent then.
+impl JsonSchema for Outcome {
+    fn schema_name() -> Cow<'static, str> {
+        "Outcome".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut properties = Map::new();
+        let mut required = Vec::new();
+        for column in COLUMNS {
+            let schema = match column.kind {
+                ColumnKind::Text => generator.subschema_for::<StopReason>(),
+                ColumnKind::Integer => generator.subschema_for::<i64>(),
+                ColumnKind::Number => generator.subschema_for::<f64>(),
+            };
+            let mut property = schema.to_value();
+            property["description"] = column.told("absent").into();
+            properties.insert(column.name.to_owned(), property);
+            if !column.may_be_null() {
+                required.push(column.name);
+            }
+        }
+        json_schema!({
+            "type": "object",
+            "description": "What happened in a run, and how it ended: the columns of a sweep's table.",
+            "properties": properties,
+            "required": required,
+        })
+    }
+}
+
 /// What the values of a column are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColumnKind {
@@ -178,6 +212,26 @@ impl Column {
     #[must_use]
     pub fn of(&self, outcome: &Outcome) -> Option<Cell> {
         (self.read)(outcome)
+    }
+
+    /// Whether it can have no value.
+    fn may_be_null(&self) -> bool {
+        self.meaning.contains("null")
+    }
+
+    /// Its meaning and unit as a sentence, with another word for null.
+    fn told(&self, null: &str) -> String {
+        let meaning = self.meaning.replace("null", null);
+        let (what, unless) = match meaning.split_once(';') {
+            Some((what, unless)) => (what, format!(";{unless}")),
+            None => (&*meaning, String::new()),
+        };
+        let unit = match self.unit {
+            "" => String::new(),
+            unit => format!(", {unit}"),
+        };
+        let (first, rest) = what.split_at(what.chars().next().map_or(0, char::len_utf8));
+        format!("{}{rest}{unit}{unless}.", first.to_uppercase())
     }
 }
 

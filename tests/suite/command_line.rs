@@ -1,5 +1,6 @@
 //! The program as a process: exit codes, streams, signals.
 
+use crate::support::scenario;
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
@@ -196,8 +197,12 @@ fn summaries_are_json_where_a_program_reads_them() {
         toprise(&directory).args(SHORT).args(["--format", "json"]),
     ))
     .unwrap();
-    assert_eq!(run["stop_reason"], "duration");
     assert_eq!(run["samples"], 201);
+    // The members of its outcome are the columns of a sweep.
+    let scenario = scenario("paper", &[("stop.duration", "0.2")]);
+    let outcome = toprise::run::outcome(&scenario, || true).unwrap();
+    assert_eq!(run["outcome"], serde_json::to_value(&outcome).unwrap());
+    assert_eq!(run["outcome"]["stop_reason"], "duration");
     let path = run["mcap"]["path"].as_str().unwrap();
     let info: Value = serde_json::from_str(&answer(
         toprise(&directory).args(["info", path, "--format", "json"]),

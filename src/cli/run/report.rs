@@ -5,6 +5,7 @@ use crate::cli::numbers::{count, number};
 use crate::cli::page::{Page, Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
+use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventCount, RunEnd, StopReason, Tally};
 use schemars::JsonSchema;
@@ -32,30 +33,18 @@ pub(crate) struct RunReport {
     scenario: String,
     /// SHA-256 of the scenario.
     scenario_digest: String,
-    /// Why the run ended.
-    stop_reason: StopReason,
-    /// When, s.
-    stop_time: f64,
-    /// The motion at that moment.
-    state: FinalState,
-    /// Total energy at the start, J.
-    energy_at_start: f64,
-    /// Total energy at the end, J.
-    energy: f64,
-    /// Work of friction, J.
-    friction_work: f64,
-    /// Path that the contact point has slipped, m.
-    slip_path: f64,
+    /// What happened, and how it ended.
+    outcome: Outcome,
+    /// Angle of precession at the end, rad.
+    phi: f64,
+    /// Angle of spin at the end, rad.
+    psi: f64,
     /// Number of samples.
     samples: u64,
     /// Time from one sample to the next, s.
     sample_period: f64,
-    /// Number of whole nutation cycles.
-    nutations: u64,
     /// How often each kind of event happened, in the order of their first times.
     events: Vec<EventCount>,
-    /// Steps of the integrator.
-    steps_accepted: u64,
     /// Steps that the integrator tried and found too long.
     steps_rejected: u64,
     /// Evaluations of the equations of motion.
@@ -72,23 +61,6 @@ pub(crate) struct RunReport {
     identical_to: Option<String>,
 }
 
-/// Euler angles (z-x-z), rad, and their rates, rad/s, at the end of a run.
-#[derive(Debug, Serialize, JsonSchema)]
-struct FinalState {
-    /// Precession.
-    phi: f64,
-    /// Inclination.
-    theta: f64,
-    /// Spin.
-    psi: f64,
-    /// Rate of precession.
-    phi_dot: f64,
-    /// Rate of nutation.
-    theta_dot: f64,
-    /// Rate of spin.
-    psi_dot: f64,
-}
-
 impl RunReport {
     pub(super) fn of(
         scenario: &Scenario,
@@ -103,29 +75,15 @@ impl RunReport {
             rrd,
             ..
         } = finished;
-        let (angles, rates) = (&end.motion.angles, &end.motion.tilt.rates);
         Self {
             scenario: scenario.name().to_owned(),
             scenario_digest: scenario.digest(),
-            stop_reason: end.stop,
-            stop_time: end.time,
-            state: FinalState {
-                phi: angles.phi,
-                theta: angles.theta,
-                psi: angles.psi,
-                phi_dot: rates.phi,
-                theta_dot: rates.theta,
-                psi_dot: rates.psi,
-            },
-            energy_at_start: end.energy_at_start,
-            energy: end.energy,
-            friction_work: end.motion.integrals.friction_work,
-            slip_path: end.motion.integrals.slip_path,
+            outcome: Outcome::new(scenario, end, counts),
+            phi: end.motion.angles.phi,
+            psi: end.motion.angles.psi,
             samples: end.samples,
             sample_period: scenario.sample_period_ns as f64 / 1e9,
-            nutations: end.nutations,
             events: counts.counts().to_vec(),
-            steps_accepted: end.statistics.accepted,
             steps_rejected: end.statistics.rejected,
             evaluations: end.statistics.evaluations,
             wall_time: wall.as_secs_f64(),
@@ -161,10 +119,10 @@ impl RunReport {
             title: format!(
                 "{}: {} at t = {} s",
                 self.scenario,
-                self.stop_reason.sentence(),
-                number(self.stop_time, 6)
+                self.outcome.stop_reason.sentence(),
+                number(self.outcome.stop_time, 6)
             ),
-            tone: match self.stop_reason {
+            tone: match self.outcome.stop_reason {
                 StopReason::Interrupted | StopReason::Failed => Tone::Weak,
                 _ => Tone::Good,
             },
@@ -174,30 +132,36 @@ impl RunReport {
     }
 
     fn angles(&self) -> String {
-        let turns = self.state.phi / std::f64::consts::TAU;
         format!(
             "θ = {} rad after {} turns of precession",
-            number(self.state.theta, 4),
-            number(turns, 2)
+            number(self.outcome.theta, 4),
+            number(self.outcome.turns, 2)
         )
     }
 
     fn rates(&self) -> String {
+        let rates = &self.outcome.rates;
         format!(
             "φ̇ = {}, θ̇ = {}, ψ̇ = {} rad/s",
-            number(self.state.phi_dot, 4),
-            number(self.state.theta_dot, 5),
-            number(self.state.psi_dot, 3)
+            number(rates.phi, 4),
+            number(rates.theta, 5),
+            number(rates.psi, 3)
         )
     }
 
     fn energy_balance(&self) -> String {
+        let Outcome {
+            energy_at_start,
+            energy,
+            friction_work,
+            ..
+        } = self.outcome;
         format!(
             "{} J → {} J ({} J, friction did {} J)",
-            number(self.energy_at_start, 6),
-            number(self.energy, 6),
-            number(self.energy - self.energy_at_start, 6),
-            number(self.friction_work, 6)
+            number(energy_at_start, 6),
+            number(energy, 6),
+            number(energy - energy_at_start, 6),
+            number(friction_work, 6)
         )
     }
 
@@ -224,19 +188,19 @@ impl RunReport {
             "{} samples at {} Hz, {} nutation cycles, {} events",
             count(self.samples),
             1.0 / self.sample_period,
-            count(self.nutations),
+            count(self.outcome.nutations),
             count(self.events.iter().map(|event| event.count).sum())
         )
     }
 
     fn took(&self) -> String {
-        let share = self.wall_time / self.stop_time;
+        let share = self.wall_time / self.outcome.stop_time;
         let share = if share < SLOWEST {
             format!(", {share:.3} of the simulated time")
         } else {
             String::new()
         };
-        let steps = count(self.steps_accepted);
+        let steps = count(self.outcome.steps);
         format!("{:.2} s{share}; {steps} integration steps", self.wall_time)
     }
 }
