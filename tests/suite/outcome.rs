@@ -83,6 +83,33 @@ proptest! {
     }
 }
 
+/// A top that falls among tops that rise: the dips of its nutation just miss `stop.theta_risen`, whatever the variables and
+/// tolerances of the integration. Documented in docs/sweep.md.
+#[test]
+fn a_fall_between_rises_is_no_artefact() {
+    for (formulation, tolerance) in [("euler", "1e-12"), ("body", "1e-10")] {
+        let end = |k| {
+            let changes = [
+                ("initial.psi_dot", "60"),
+                ("friction.k", k),
+                ("formulation", formulation),
+                ("integrator.relative_tolerance", tolerance),
+                ("integrator.absolute_tolerance", tolerance),
+            ];
+            let run = Run::of(&scenario("paper", &changes));
+            let minima = run.events_of(EventKind::NutationMinimum);
+            let least = minima.map(|event| event.motion.angles.theta);
+            (run.end.stop, least.fold(f64::INFINITY, f64::min))
+        };
+        assert_eq!(end("0.0925").0, StopReason::Risen);
+        assert_eq!(end("0.0945").0, StopReason::Risen);
+        let (stop, least) = end("0.0935");
+        assert_eq!(stop, StopReason::Fallen);
+        // 20 % above the threshold.
+        assert!((0.0239..0.0241).contains(&least), "{least}");
+    }
+}
+
 #[test]
 fn an_outcome_that_is_broken_off_says_so() {
     let scenario = scenario("paper", &[]);

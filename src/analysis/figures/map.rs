@@ -13,6 +13,10 @@ use crate::physics::math::log10;
 /// Values that differ at least so many times are drawn over their logarithms, if their spacing says nothing else.
 const LOGARITHMIC: f64 = 30.0;
 
+/// Colours show logarithms from here on: evenly spread over the values, all below a tenth of the greatest would share a
+/// tenth of the [`SHADES`].
+const LOGARITHMIC_COLOURS: f64 = 10.0;
+
 /// Spacings that differ by less than this part are equal.
 const EVEN: f64 = 1e-6;
 
@@ -91,7 +95,17 @@ struct Along {
 
 impl Along {
     fn new(values: &[f64]) -> Self {
-        let is_log = is_logarithmic(values);
+        Self::of(values, is_logarithmic(values))
+    }
+
+    /// Values as colours show them.
+    fn of_colours(values: &[f64]) -> Self {
+        let (least, greatest) = extremes(values.iter().copied());
+        let is_log = least > 0.0 && greatest >= LOGARITHMIC_COLOURS * least;
+        Self::of(values, is_log)
+    }
+
+    fn of(values: &[f64], is_log: bool) -> Self {
         let place = |value: &f64| if is_log { log10(*value) } else { *value };
         let places: Vec<f64> = values.iter().map(place).collect();
         let mut levels: Vec<f64> = places.iter().copied().filter(|p| p.is_finite()).collect();
@@ -215,7 +229,7 @@ impl Map {
     fn plane(&self, y: &MapAxis, width: f64) -> Result<Drawing, String> {
         let (across, upward) = (Along::new(&self.x.values), Along::new(&y.values));
         let cells = self.cells(y, &across, &upward)?;
-        let shades = Along::new(&self.color.values);
+        let shades = Along::of_colours(&self.color.values);
         let colours = self.outcome_colours();
         let range = extremes(shades.levels.iter().copied());
         let of = |run: usize| {
@@ -238,7 +252,7 @@ impl Map {
         if is_looping {
             key.push(Entry::line(
                 contour(),
-                "edge of the runs that loop, which the ticks point to",
+                "edge of the runs that loop; ticks point to them",
             ));
         }
         let legend_room = legend::draw_at_top(&mut drawing, &key);
@@ -624,4 +638,29 @@ fn draw_cells(
         }
     }
     drawing.group("runs", shapes);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widely_spread_values_are_drawn_over_their_logarithms() {
+        let is_log =
+            |values: &[f64]| [Along::new(values), Along::of_colours(values)].map(|a| a.is_log);
+        // From thirtyfold on along axes, from tenfold on in colours, and never with zeros or negative numbers.
+        for (values, expected) in [
+            (vec![1.0, 4.0, 9.0], [false, false]),
+            (vec![1.0, 4.0, f64::NAN, 10.0], [false, true]),
+            (vec![1.0, 4.0, 30.0], [true, true]),
+            (vec![0.0, 4.0, 100.0], [false, false]),
+            (vec![-1.0, 4.0, 100.0], [false, false]),
+            // A grid says how it is spaced.
+            (vec![1.0, 2.0, 4.0], [true, false]),
+            (vec![1.0, 20.5, 40.0], [false, true]),
+            (vec![f64::NAN], [false, false]),
+        ] {
+            assert_eq!(is_log(&values), expected, "{values:?}");
+        }
+    }
 }
