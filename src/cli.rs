@@ -168,8 +168,8 @@ enum Command {
     /// spread over machines with --shard, is completed by the same command; the bytes of the table are the same
     /// however it was computed.
     ///
-    /// Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs have an error instead, or the
-    /// sweep was interrupted.
+    /// Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs have an error instead, a recording ends
+    /// early, or the sweep was interrupted.
     #[cfg(feature = "sweep")]
     Sweep(sweep::SweepArguments),
     /// Say what is in a recording, or in any MCAP file.
