@@ -55,6 +55,16 @@ pub struct Recorded {
     pub is_interrupted: bool,
 }
 
+/// How the recording of a run ended.
+enum End {
+    /// The run is recorded; or another process has done so.
+    Whole,
+    /// It is recorded up to where its motion could not be recorded further, and why.
+    Early(String),
+    /// It was interrupted, and nothing is left of it.
+    Interrupted,
+}
+
 impl<'a> Recordings<'a> {
     /// Finds the chosen runs in the table, or in the parts of a share: of these only runs that are among the chosen ones
     /// whatever the other shares come to.
@@ -115,11 +125,12 @@ impl<'a> Recordings<'a> {
         let mut recorded = Recorded::default();
         for (end, run) in all?.into_iter().zip(&self.missing) {
             match end {
-                Some(failure) => {
+                End::Whole => recorded.written += 1,
+                End::Early(why) => {
                     recorded.written += 1;
-                    recorded.failed.extend(failure.map(|why| (*run, why)));
+                    recorded.failed.push((*run, why));
                 }
-                None => recorded.is_interrupted = true,
+                End::Interrupted => recorded.is_interrupted = true,
             }
         }
         Ok(recorded)
@@ -157,15 +168,15 @@ impl<'a> Recordings<'a> {
         Err(SweepError::BadRecording { path, run, reason })
     }
 
-    /// Records a run as `toprise run` does. None if it was interrupted; otherwise why it ends early, if it does.
-    fn write_one(&self, run: u64, watch: &Watch<'_>) -> Result<Option<Option<String>>, SweepError> {
+    /// Records a run as `toprise run` does.
+    fn write_one(&self, run: u64, watch: &Watch<'_>) -> Result<End, SweepError> {
         let mut is_interrupted = !(watch.carry_on)();
         if is_interrupted {
-            return Ok(None);
+            return Ok(End::Interrupted);
         }
         let draft = match Draft::new(&self.path(run), Existing::Keep) {
             // Another process was faster, and came to the same bytes.
-            Err(SinkError::Exists { .. }) => return Ok(Some(None)),
+            Err(SinkError::Exists { .. }) => return Ok(End::Whole),
             draft => draft?,
         };
         let scenario = self.scenario(run)?;
@@ -182,15 +193,15 @@ impl<'a> Recordings<'a> {
             })
         });
         if is_interrupted {
-            return Ok(None);
+            return Ok(End::Interrupted);
         }
-        let (end, failure) = match ended {
-            Ok(end) => (end, None),
+        let (end, how) = match ended {
+            Ok(end) => (end, End::Whole),
             Err(RecordError::Sink(error)) => return Err(error.into()),
             Err(error) => {
                 let stop = StopReason::Failed;
                 let end = simulation.end();
-                (RunEnd { stop, ..end }, Some(error.to_string()))
+                (RunEnd { stop, ..end }, End::Early(error.to_string()))
             }
         };
         match sink.finish(&end) {
@@ -198,7 +209,7 @@ impl<'a> Recordings<'a> {
             Err(error) => return Err(error.into()),
         }
         (watch.done)(Some(end.stop));
-        Ok(Some(failure))
+        Ok(how)
     }
 }
 
