@@ -21,6 +21,7 @@ mod outlet;
 mod pair;
 mod palette;
 mod plots;
+mod properties;
 mod rrd;
 mod scene;
 #[cfg(feature = "web-viewer")]

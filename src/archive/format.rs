@@ -8,6 +8,7 @@
 //! Beside the channels of the table there are those for viewers ([`crate::telemetry::views`]), which the content
 //! digest leaves out.
 
+use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::RunEnd;
 use crate::telemetry::encoding::Encoding;
@@ -158,6 +159,15 @@ pub fn end_entries(end: &RunEnd) -> Entries {
         ("smallest_step", format!("{:?}", statistics.smallest_step)),
         ("largest_step", format!("{:?}", statistics.largest_step)),
     ])
+}
+
+/// Whether the end record of a recording tells the end of a run with this outcome.
+#[must_use]
+pub fn is_end_of(end: &Entries, outcome: &Outcome) -> bool {
+    let is = |key: &str, value: &str| end.get(key).is_some_and(|told| told == value);
+    is(STOP_REASON, outcome.stop_reason.name())
+        && is(STOP_TIME, &format!("{:?}", outcome.stop_time))
+        && is(STEPS, &outcome.steps.to_string())
 }
 
 fn entries<const N: usize>(entries: [(&str, String); N]) -> Entries {

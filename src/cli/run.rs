@@ -19,6 +19,8 @@ use super::output;
 use super::report::print;
 use crate::archive::sink::{RecordError, Sink, record};
 use crate::archive::writer::McapSink;
+#[cfg(feature = "rerun")]
+use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{Record, RunEnd, Simulation, StopReason, Tally};
 use crate::telemetry::Telemetry;
@@ -109,7 +111,12 @@ impl Recorder<'_> {
         drop(sinks);
         let archived = archive.finish(&end)?;
         #[cfg(feature = "rerun")]
-        let rrd = viewer.finish();
+        let rrd = {
+            if !matches!(end.stop, StopReason::Interrupted | StopReason::Failed) {
+                viewer.tell_outcome(&Outcome::new(scenario, &end, &counts));
+            }
+            viewer.finish()
+        };
         #[cfg(not(feature = "rerun"))]
         let rrd: Result<_, Error> = Ok(None);
         // The archive is whole without it.

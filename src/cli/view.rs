@@ -9,10 +9,13 @@ use super::progress::Progress;
 use super::report::{self, WrittenFile};
 use super::table::Table;
 use super::viewer::{self, Target, ViewerArguments};
+use crate::archive::format::is_end_of;
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
 use crate::rerun::{Destinations, Identity, Live, MISSING_VIEWER, Playback, RerunSink};
+use crate::run::outcome;
+use crate::run::outcome::Outcome;
 use crate::telemetry::Topics;
 use anyhow::{Context as _, Error, anyhow, bail};
 use clap::Args;
@@ -273,6 +276,9 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
         }
     })
     .with_context(context)?;
+    if let Some(outcome) = outcome_of(recording, way) {
+        sink.tell_outcome(&outcome);
+    }
     let interrupted = draft.take_if(|_| interrupt.is_asked());
     let rrd = viewer::complete(sink.finish(), draft)?;
     if let Some(draft) = interrupted {
@@ -289,6 +295,18 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
         losses: replayed.losses.iter().map(ToString::to_string).collect(),
         rrd,
     })
+}
+
+/// What came of the run, where the whole of a whole recording is shown: the outcome of its scenario, if that ends as the
+/// recording does.
+fn outcome_of(recording: &Recording, way: &Way<'_>) -> Option<Outcome> {
+    let is_span = way.selection.from_ns.is_some() || way.selection.to_ns.is_some();
+    if is_span || recording.condition() != Condition::Whole {
+        return None;
+    }
+    let (scenario, end) = (recording.scenario().ok()?, recording.end()?);
+    let outcome = outcome(&scenario, || !way.interrupt.is_asked()).ok()?;
+    is_end_of(end, &outcome).then_some(outcome)
 }
 
 fn identity(recording: &Recording, name: &str) -> Result<Identity, Error> {

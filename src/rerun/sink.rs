@@ -12,8 +12,10 @@ use super::look::Look;
 use super::message::APPLICATION;
 use super::outlet::{Destinations, Outlet};
 use super::pair::PairIdentity;
+use super::properties;
 use super::track::{Collect, Flush};
 use crate::archive::sink::{Sink, SinkError};
+use crate::run::outcome::Outcome;
 use crate::telemetry::Message;
 use crate::telemetry::side::Side;
 
@@ -41,6 +43,12 @@ impl Stream<Entities> {
         let mut outlet = open(id, name, destinations, layout);
         let entities = Entities::new(identity, &Look::Alone, &mut outlet);
         Self { entities, outlet }
+    }
+
+    /// Tells what came of the run, as properties of the recording: `outcome:rise_time` and so on.
+    pub fn tell_outcome(&mut self, outcome: &Outcome) {
+        let values = properties::of_outcome(outcome);
+        self.outlet.send_static(properties::entity(), &values);
     }
 }
 

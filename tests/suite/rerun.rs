@@ -77,6 +77,30 @@ fn a_run_gives_the_same_bytes_again_and_from_its_archive() {
 }
 
 #[test]
+fn the_outcome_is_a_property_of_whole_runs() {
+    let directory = tempdir().unwrap();
+    let outcomes = |arguments: &[&str], rrd: &str| {
+        let mut program = toprise(directory.path());
+        program.args(arguments).args(["--rrd", rrd]);
+        program.assert().success();
+        let bytes = fs::read(directory.path().join(rrd)).unwrap();
+        let messages = DecoderApp::decode_eager(&bytes[..]).unwrap();
+        let chunks = messages.filter_map(|message| match message.unwrap() {
+            LogMsg::ArrowMsg(_, message) => Some(Chunk::from_arrow_msg(&message).unwrap()),
+            _ => None,
+        });
+        let told = chunks.filter(|c| c.entity_path().to_string() == "/__properties/outcome");
+        told.count()
+    };
+    let run = ["run", "--set", "stop.duration=0.1", "-o", "a.mcap"];
+    assert_eq!(outcomes(&run, "a.rrd"), 1);
+    assert_eq!(outcomes(&["view", "a.mcap"], "whole.rrd"), 1);
+    // What came of a run is not what came of a part of it.
+    let part = ["view", "a.mcap", "--to", "0.05"];
+    assert_eq!(outcomes(&part, "part.rrd"), 0);
+}
+
+#[test]
 fn the_footer_tells_of_every_chunk() {
     let directory = tempdir().unwrap();
     toprise(directory.path())

@@ -7,6 +7,7 @@ use crate::cli::output;
 use crate::cli::report::WrittenFile;
 use crate::cli::viewer;
 use crate::rerun::{Destinations, Identity, Live, Playback, RerunSink};
+use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::telemetry::{Telemetry, Topic};
 use anyhow::Error;
@@ -41,6 +42,13 @@ impl RunViewer {
     /// The sink, if there is one.
     pub(super) fn sink(&mut self) -> Option<&mut dyn Sink> {
         self.sink.as_mut().map(|sink| sink as &mut dyn Sink)
+    }
+
+    /// Tells what came of the run.
+    pub(super) fn tell_outcome(&mut self, outcome: &Outcome) {
+        if let Some(sink) = &mut self.sink {
+            sink.tell_outcome(outcome);
+        }
     }
 
     /// Ends the stream; tells of the file, if there is one.

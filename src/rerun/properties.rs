@@ -1,0 +1,64 @@
+//! Properties of a recording: what came of the run, by which a catalog of recordings can choose among them.
+
+use std::sync::Arc;
+
+use rerun::external::arrow::array::{ArrayRef, Float64Array, Int64Array, StringArray};
+use rerun::{AnyValues, EntityPath};
+
+use crate::run::outcome::{COLUMNS, Cell, Outcome};
+
+/// The name of the property that outcomes are. A catalog calls their members `property:outcome:rise_time` and so on.
+const OUTCOME: &str = "outcome";
+
+/// The entity of the outcome.
+pub(super) fn entity() -> EntityPath {
+    EntityPath::properties().join(&EntityPath::from(OUTCOME))
+}
+
+/// An outcome, with a component for each column of [`COLUMNS`] that has a value.
+pub(super) fn of_outcome(outcome: &Outcome) -> AnyValues {
+    let named = COLUMNS
+        .iter()
+        .filter_map(|column| Some((column.name, array(column.of(outcome)?))));
+    named.fold(AnyValues::default(), |values, (name, array)| {
+        values.with_component_from_data(name, array)
+    })
+}
+
+fn array(cell: Cell) -> ArrayRef {
+    match cell {
+        Cell::Text(text) => Arc::new(StringArray::from(vec![text])),
+        Cell::Integer(number) => Arc::new(Int64Array::from(vec![number])),
+        Cell::Number(number) => Arc::new(Float64Array::from(vec![number])),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::outcome;
+    use crate::run::scenario::Preset;
+    use rerun::AsComponents as _;
+
+    #[test]
+    fn every_column_that_has_a_value_becomes_a_component() {
+        let scenario = Preset::find("paper").unwrap().scenario().unwrap();
+        let outcome = outcome(&scenario, || true).unwrap();
+        let batches = of_outcome(&outcome).as_serialized_batches();
+        let names: Vec<_> = batches
+            .iter()
+            .map(|batch| batch.descriptor.component.to_string())
+            .collect();
+        let expected: Vec<_> = COLUMNS
+            .iter()
+            .filter(|column| column.of(&outcome).is_some())
+            .map(|column| column.name)
+            .collect();
+        assert_eq!(names, expected);
+        assert!(names.contains(&"rise_time".to_owned()));
+        assert!(!names.contains(&"hops".to_owned()), "the peg is fixed");
+        let rise = batches[names.iter().position(|name| name == "rise_time").unwrap()].clone();
+        let rise: Float64Array = rise.array.to_data().into();
+        assert_eq!(Some(rise.value(0)), outcome.rise_time);
+    }
+}
