@@ -36,7 +36,7 @@ pub use few_integrals::FewIntegrals;
 pub use formulation::{Entry, Formulation, Guard, Passage};
 pub use free::FreeRotation;
 pub use impact::Impact;
-pub use integrals::{INTEGRALS, Integrals, TERMS_SINE, TermIntegrals};
+pub use integrals::{INTEGRALS, Integrals, Kept, TERMS_SINE, TermIntegrals};
 pub use model::Model;
 pub use motion::{Dissipated, Motion, Peg, Start};
 pub use support::{Phase, Support};

@@ -197,9 +197,16 @@ pub fn euler_angles(quaternion: &Quaternion<f64>, reference: Euler) -> Euler {
     };
     Euler {
         phi: half_sum + half_difference,
-        theta: 2.0 * atan2(hypot(x, y), hypot(w, z)),
+        theta: inclination(quaternion),
         psi: half_sum - half_difference,
     }
+}
+
+/// Inclination θ of an orientation, rad. The quaternion need not be of unit length.
+#[must_use]
+pub fn inclination(quaternion: &Quaternion<f64>) -> f64 {
+    let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
+    2.0 * atan2(hypot(x, y), hypot(w, z))
 }
 
 /// Turns the components of a vector about the z axis by `angle` rad.

@@ -1,14 +1,21 @@
 //! Variables without a singularity: orientation as a quaternion and angular momentum.
 
+#![allow(
+    clippy::inline_always,
+    reason = "the derivative is unrolled where it is called with few integrals, so that the others cost nothing"
+)]
+
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entry, Formulation, Guard, Passage};
-use super::integrals::{INTEGRALS, Integrals, integrals, with_integrals};
+use super::integrals::{INTEGRALS, Integrals, Kept, integrals, with_integrals};
 use super::lean::Lean;
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
 use crate::physics::integrate::{IntegrateError, System};
-use crate::physics::kinematics::{Euler, Tilt, euler_angles, lean_to_world, world_from_body};
+use crate::physics::kinematics::{
+    Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
+};
 use crate::physics::math::atan2;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
@@ -63,23 +70,7 @@ impl System<SIZE> for BodyRotation {
 
     #[inline]
     fn derivative(&self, _t: f64, y: &[f64; SIZE]) -> [f64; SIZE] {
-        let q = quaternion(y);
-        let lean = Lean::of(&q);
-        let tilt = self.tilt(&lean, &momentum(y));
-        let contact = self.model.contact(&tilt);
-        let friction = self.model.friction_torque(&contact, &tilt);
-        let torque = lean.in_world(&(self.model.top.gravity_torque(&tilt) + friction));
-        let omega = lean.in_world(&tilt.omega_lean);
-        let turning = Quaternion::from_imag(omega) * q * 0.5;
-        let theta = atan2(lean.sin, lean.cos);
-        let terms = self.model.accelerations(&contact, &tilt);
-        let integrands = self
-            .model
-            .integrands(&contact, &friction, &tilt, &terms, theta);
-        let first = [
-            turning.i, turning.j, turning.k, turning.w, torque.x, torque.y, torque.z,
-        ];
-        with_integrals(first, &integrands)
+        self.slope(y, Kept::All)
     }
 }
 
@@ -124,10 +115,45 @@ impl Formulation<SIZE> for BodyRotation {
         fixed::start(Self::new(*model), state, start, may_hold)
     }
 
+    #[inline(always)]
+    fn slope(&self, y: &[f64; SIZE], kept: Kept) -> [f64; SIZE] {
+        let q = quaternion(y);
+        let lean = Lean::of(&q);
+        let tilt = self.tilt(&lean, &momentum(y));
+        let contact = self.model.contact(&tilt);
+        let friction = self.model.friction_torque(&contact, &tilt);
+        let torque = lean.in_world(&(self.model.top.gravity_torque(&tilt) + friction));
+        let omega = lean.in_world(&tilt.omega_lean);
+        let turning = Quaternion::from_imag(omega) * q * 0.5;
+        let integrands = match kept {
+            Kept::All => {
+                let theta = atan2(lean.sin, lean.cos);
+                let terms = self.model.accelerations(&contact, &tilt);
+                self.model
+                    .integrands(&contact, &friction, &tilt, &terms, theta)
+            }
+            Kept::Few => self.model.few_integrands(&contact, &friction, &tilt),
+        };
+        let first = [
+            turning.i, turning.j, turning.k, turning.w, torque.x, torque.y, torque.z,
+        ];
+        with_integrals(first, &integrands)
+    }
+
     fn motion(&self, y: &[f64; SIZE], reference: Euler) -> Motion {
+        Motion {
+            angles: euler_angles(&quaternion(y), reference),
+            ..self.motion_without_turns(y, reference)
+        }
+    }
+
+    fn motion_without_turns(&self, y: &[f64; SIZE], reference: Euler) -> Motion {
         let q = quaternion(y);
         Motion {
-            angles: euler_angles(&q, reference),
+            angles: Euler {
+                theta: inclination(&q),
+                ..reference
+            },
             tilt: self.tilt(&Lean::of(&q), &momentum(y)),
             peg: Peg::fixed(self.model.top.peg_radius),
             phase: self.phase,

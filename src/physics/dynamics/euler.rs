@@ -1,8 +1,13 @@
 //! The paper's own variables: Euler angles and their rates, equations (7).
 
+#![allow(
+    clippy::inline_always,
+    reason = "the derivative is unrolled where it is called with few integrals, so that the others cost nothing"
+)]
+
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entry, Formulation, Guard, Passage};
-use super::integrals::{INTEGRALS, Integrals, integrals, with_integrals};
+use super::integrals::{INTEGRALS, Integrals, Kept, integrals, with_integrals};
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
@@ -39,27 +44,7 @@ impl System<SIZE> for EulerAngles {
 
     #[inline]
     fn derivative(&self, _t: f64, y: &[f64; SIZE]) -> [f64; SIZE] {
-        let rates = rates(y);
-        let tilt = Tilt::from_rates(y[1], rates);
-        let contact = self.model.contact(&tilt);
-        let terms = self.model.accelerations(&contact, &tilt);
-        let mut acceleration = terms.total();
-        if self.phase == Phase::Holding {
-            (acceleration.theta, acceleration.psi) = (0.0, 0.0);
-        }
-        let torque = self.model.friction_torque(&contact, &tilt);
-        let integrands = self
-            .model
-            .integrands(&contact, &torque, &tilt, &terms, y[1]);
-        let first = [
-            rates.phi,
-            rates.theta,
-            rates.psi,
-            acceleration.phi,
-            acceleration.theta,
-            acceleration.psi,
-        ];
-        with_integrals(first, &integrands)
+        self.slope(y, Kept::All)
     }
 }
 
@@ -107,6 +92,34 @@ impl Formulation<SIZE> for EulerAngles {
         fixed::start(Self::new(*model), state, start, may_hold)
     }
 
+    #[inline(always)]
+    fn slope(&self, y: &[f64; SIZE], kept: Kept) -> [f64; SIZE] {
+        let rates = rates(y);
+        let tilt = Tilt::from_rates(y[1], rates);
+        let contact = self.model.contact(&tilt);
+        let terms = self.model.accelerations(&contact, &tilt);
+        let mut acceleration = terms.total();
+        if self.phase == Phase::Holding {
+            (acceleration.theta, acceleration.psi) = (0.0, 0.0);
+        }
+        let torque = self.model.friction_torque(&contact, &tilt);
+        let integrands = match kept {
+            Kept::All => self
+                .model
+                .integrands(&contact, &torque, &tilt, &terms, y[1]),
+            Kept::Few => self.model.few_integrands(&contact, &torque, &tilt),
+        };
+        let first = [
+            rates.phi,
+            rates.theta,
+            rates.psi,
+            acceleration.phi,
+            acceleration.theta,
+            acceleration.psi,
+        ];
+        with_integrals(first, &integrands)
+    }
+
     fn motion(&self, y: &[f64; SIZE], _reference: Euler) -> Motion {
         let angles = angles(y);
         Motion {
@@ -116,6 +129,11 @@ impl Formulation<SIZE> for EulerAngles {
             phase: self.phase,
             integrals: integrals(y),
         }
+    }
+
+    fn motion_without_turns(&self, y: &[f64; SIZE], reference: Euler) -> Motion {
+        // Here φ and ψ cost nothing.
+        self.motion(y, reference)
     }
 
     fn world_from_body(&self, y: &[f64; SIZE]) -> UnitQuaternion<f64> {

@@ -1,7 +1,7 @@
 //! A formulation that carries few running integrals along: what an outcome needs costs less to integrate.
 
 use super::formulation::{Entry, Formulation, Guard, Passage};
-use super::integrals::INTEGRALS;
+use super::integrals::{INTEGRALS, Kept};
 use super::model::Model;
 use super::motion::{Motion, Start};
 use super::support::Phase;
@@ -10,7 +10,7 @@ use crate::physics::kinematics::Euler;
 use nalgebra::UnitQuaternion;
 
 /// How many of the [`INTEGRALS`] are kept: the work of friction and the path slipped.
-const KEPT: usize = 2;
+const FEW: usize = 2;
 
 /// The formulation `F`, whose states have `FULL` numbers, with the work of friction and the path slipped as its only
 /// running integrals. A motion's other integrals are 0; everything else is that of `F`, to the last bit, because
@@ -22,8 +22,8 @@ impl<F: Formulation<FULL>, const FULL: usize, const N: usize> System<N> for FewI
     const CONTROLLED: usize = F::CONTROLLED;
 
     #[inline]
-    fn derivative(&self, t: f64, y: &[f64; N]) -> [f64; N] {
-        narrowed(&self.0.derivative(t, &widened(y)))
+    fn derivative(&self, _t: f64, y: &[f64; N]) -> [f64; N] {
+        self.slope(y, Kept::Few)
     }
 }
 
@@ -38,8 +38,18 @@ impl<F: Formulation<FULL>, const FULL: usize, const N: usize> Formulation<N>
     }
 
     #[inline]
+    fn slope(&self, state: &[f64; N], _kept: Kept) -> [f64; N] {
+        narrowed(&self.0.slope(&widened(state), Kept::Few))
+    }
+
+    #[inline]
     fn motion(&self, state: &[f64; N], reference: Euler) -> Motion {
         self.0.motion(&widened(state), reference)
+    }
+
+    #[inline]
+    fn motion_without_turns(&self, state: &[f64; N], reference: Euler) -> Motion {
+        self.0.motion_without_turns(&widened(state), reference)
     }
 
     fn world_from_body(&self, state: &[f64; N]) -> UnitQuaternion<f64> {
@@ -85,7 +95,7 @@ impl<F: Formulation<FULL>, const FULL: usize, const N: usize> Formulation<N>
 #[inline]
 fn widened<const N: usize, const FULL: usize>(state: &[f64; N]) -> [f64; FULL] {
     const {
-        assert!(N + INTEGRALS == FULL + KEPT);
+        assert!(N + INTEGRALS == FULL + FEW);
     }
     let mut full = [0.0; FULL];
     full[..N].copy_from_slice(state);

@@ -1,6 +1,7 @@
 //! What a choice of variables has to offer: equations, phases, and what happens between them.
 
 use super::impact::Impact;
+use super::integrals::Kept;
 use super::model::Model;
 use super::motion::{Motion, Start};
 use super::support::Phase;
@@ -82,9 +83,16 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     /// a top that turns as a whole from the start.
     fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Passage>);
 
+    /// [`System::derivative`], with the running integrals that are kept.
+    fn slope(&self, state: &[f64; N], kept: Kept) -> [f64; N];
+
     /// The motion that a state describes. `reference` are Euler angles of a moment ago, from which φ
     /// and ψ go on without jumps of whole turns.
     fn motion(&self, state: &[f64; N], reference: Euler) -> Motion;
+
+    /// [`Formulation::motion`] with φ and ψ as they were in `reference`. Cheaper, where only the inclination and the
+    /// velocities matter.
+    fn motion_without_turns(&self, state: &[f64; N], reference: Euler) -> Motion;
 
     /// The orientation in a state: turns body components into world components.
     fn world_from_body(&self, state: &[f64; N]) -> UnitQuaternion<f64>;

@@ -9,14 +9,16 @@ use super::accelerations::accelerations_about;
 use super::fixed::NO_SLIP;
 use super::formulation::{Entry, Formulation, Guard, Passage};
 use super::impact::{Impact, impact};
-use super::integrals::{INTEGRALS, Integrals, TermIntegrals, integrals, with_integrals};
+use super::integrals::{INTEGRALS, Integrals, Kept, TermIntegrals, integrals, with_integrals};
 use super::lean::Lean;
 use super::model::Model;
 use super::motion::{Dissipated, Motion, Peg, Start, slip_of_law};
 use super::reaction::{FreeBody, Inertia, Reaction};
 use super::support::{Phase, Support};
 use crate::physics::integrate::{IntegrateError, System};
-use crate::physics::kinematics::{Euler, Tilt, euler_angles, lean_to_world, world_from_body};
+use crate::physics::kinematics::{
+    Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
+};
 use crate::physics::math::{atan2, hypot};
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
@@ -118,7 +120,7 @@ impl FreeRotation {
 
     /// What the running integrals grow by per second, where the losses have this power, W.
     #[inline(always)]
-    fn integrands(&self, parts: &Parts, reaction: &Reaction, losses: f64) -> Integrals {
+    fn integrands(&self, parts: &Parts, reaction: &Reaction, losses: f64, kept: Kept) -> Integrals {
         let Parts { lean, tilt, .. } = parts;
         let top = &self.model.top;
         let (mut slip_path, mut slip_work) = (0.0, 0.0);
@@ -127,18 +129,25 @@ impl FreeRotation {
             slip_path = hypot(slip.x, slip.y);
             slip_work = reaction.friction.force.dot(&slip);
         }
+        let few = Integrals {
+            friction_work: slip_work + losses,
+            slip_path,
+            ..Integrals::default()
+        };
+        if kept == Kept::Few {
+            return few;
+        }
         // About the peg's centre, as for a fixed peg.
         let to_contact = Vector3::new(0.0, 0.0, -top.peg_radius);
         let friction =
             to_contact.cross(&reaction.friction.force) + reaction.friction.couple + reaction.air;
         let torque = tilt.lean_to_node(&friction);
         Integrals {
-            friction_work: slip_work + losses,
-            slip_path,
             theta: atan2(lean.sin, lean.cos),
             work_node: torque.component_mul(&tilt.omega_node()),
             slip_work,
             terms: TermIntegrals::of(&accelerations_about(top, &torque, tilt), tilt),
+            ..few
         }
     }
 
@@ -296,47 +305,9 @@ impl FreeRotation {
 impl System<SIZE> for FreeRotation {
     const CONTROLLED: usize = CONTROLLED;
 
-    #[inline(always)]
+    #[inline]
     fn derivative(&self, _t: f64, y: &State) -> State {
-        let parts = self.parts(y);
-        let Parts {
-            lean,
-            tilt,
-            velocity,
-            arm,
-        } = &parts;
-        let top = &self.model.top;
-        let reaction = self.reaction(&parts);
-        let torque = lean.in_world(&(reaction.torque(arm) * self.inertia.per_transverse));
-        let turning = Quaternion::from_imag(lean.in_world(&tilt.omega_lean)) * quaternion(y) * 0.5;
-        let moving = lean.in_world(velocity);
-        let mut acceleration = lean.in_world(&(reaction.force() * self.inertia.per_mass));
-        acceleration.z -= top.gravity;
-        let (mut rise, mut fall) = (moving.z, acceleration.z);
-        if self.phase != Phase::Flying {
-            // What follows from the inclination is not integrated.
-            (rise, fall) = (0.0, 0.0);
-        }
-        let losses = (reaction.friction.couple + reaction.air).dot(&tilt.omega_lean);
-        let first: [f64; CONTROLLED + DISSIPATED] = [
-            turning.i,
-            turning.j,
-            turning.k,
-            turning.w,
-            torque.x,
-            torque.y,
-            torque.z,
-            moving.x,
-            moving.y,
-            rise,
-            acceleration.x,
-            acceleration.y,
-            fall,
-            0.0,
-            0.0,
-            -losses,
-        ];
-        with_integrals(first, &self.integrands(&parts, &reaction, losses))
+        self.slope(y, Kept::All)
     }
 }
 
@@ -382,7 +353,57 @@ impl Formulation<SIZE> for FreeRotation {
         (formulation, state, passage)
     }
 
+    #[inline(always)]
+    fn slope(&self, y: &State, kept: Kept) -> State {
+        let parts = self.parts(y);
+        let Parts {
+            lean,
+            tilt,
+            velocity,
+            arm,
+        } = &parts;
+        let top = &self.model.top;
+        let reaction = self.reaction(&parts);
+        let torque = lean.in_world(&(reaction.torque(arm) * self.inertia.per_transverse));
+        let turning = Quaternion::from_imag(lean.in_world(&tilt.omega_lean)) * quaternion(y) * 0.5;
+        let moving = lean.in_world(velocity);
+        let mut acceleration = lean.in_world(&(reaction.force() * self.inertia.per_mass));
+        acceleration.z -= top.gravity;
+        let (mut rise, mut fall) = (moving.z, acceleration.z);
+        if self.phase != Phase::Flying {
+            // What follows from the inclination is not integrated.
+            (rise, fall) = (0.0, 0.0);
+        }
+        let losses = (reaction.friction.couple + reaction.air).dot(&tilt.omega_lean);
+        let first: [f64; CONTROLLED + DISSIPATED] = [
+            turning.i,
+            turning.j,
+            turning.k,
+            turning.w,
+            torque.x,
+            torque.y,
+            torque.z,
+            moving.x,
+            moving.y,
+            rise,
+            acceleration.x,
+            acceleration.y,
+            fall,
+            0.0,
+            0.0,
+            -losses,
+        ];
+        with_integrals(first, &self.integrands(&parts, &reaction, losses, kept))
+    }
+
     fn motion(&self, y: &State, reference: Euler) -> Motion {
+        Motion {
+            angles: euler_angles(&quaternion(y), reference),
+            ..self.motion_without_turns(y, reference)
+        }
+    }
+
+    fn motion_without_turns(&self, y: &State, reference: Euler) -> Motion {
         let top = &self.model.top;
         let parts = self.parts(y);
         let Parts {
@@ -399,7 +420,10 @@ impl Formulation<SIZE> for FreeRotation {
             velocity_lean.z = 0.0;
         }
         Motion {
-            angles: euler_angles(&quaternion(y), reference),
+            angles: Euler {
+                theta: inclination(&quaternion(y)),
+                ..reference
+            },
             tilt: *tilt,
             peg: Peg {
                 position,
@@ -451,7 +475,10 @@ impl Formulation<SIZE> for FreeRotation {
             Guard::Grip => self.grip(&reaction()),
             Guard::NormalForce => reaction().normal,
             Guard::Gap => motion.peg.position.z - top.peg_radius,
-            Guard::Mobility => reaction().mobility - JAMMED,
+            Guard::Mobility => {
+                let body = self.body(motion.tilt);
+                body.mobility(&motion.law_slip(&slip)) - JAMMED
+            }
             Guard::Rolling => {
                 hypot(motion.tilt.omega_lean.x, motion.tilt.omega_lean.y) - NO_ROLLING
             }

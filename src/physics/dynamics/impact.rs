@@ -67,6 +67,8 @@ impl Impact {
 /// Impulses, moments, work of the normal force and energy lost by friction, as multiples of what the impact's
 /// velocity makes of them.
 const SIZE: usize = 8;
+/// What is looked for depends on so many of them: on all but the energy lost by friction.
+const NEEDED: usize = 7;
 type State = [f64; SIZE];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,6 +97,7 @@ struct Progress {
 }
 
 impl Process<'_> {
+    #[inline]
     fn progress(&self, y: &State) -> Progress {
         let top = self.body.top;
         let unit = top.mass * self.speed;
@@ -113,11 +116,13 @@ impl Process<'_> {
         }
     }
 
+    #[inline]
     fn slip(velocity: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(velocity.x, velocity.y, 0.0)
     }
 
     /// Friction per newton second of normal impulse, and by how much the slip slows the process down.
+    #[inline]
     fn friction(&self, now: &Progress) -> (Wrench, f64) {
         let slip = Self::slip(&now.velocity);
         let friction = self.body.friction;
@@ -305,16 +310,18 @@ impl<'a> Course<'a> {
         }
     }
 
-    fn value(&self, mark: Mark, y: &State) -> f64 {
+    /// The value of what is looked for, in a state in which the contact point has this velocity, m/s.
+    #[inline]
+    fn value(&self, mark: Mark, y: &State, velocity: &Vector3<f64>) -> f64 {
         let process = self.integrator.system();
         match mark {
-            Mark::Compressed => process.progress(y).velocity.z / process.speed,
+            Mark::Compressed => velocity.z / process.speed,
             Mark::Restituted => {
                 let given_back = self.restitution * self.restitution;
                 y[6] - self.compression.unwrap_or_default() * (1.0 - given_back)
             }
             Mark::SlipStopped => {
-                let slip = Process::slip(&process.progress(y).velocity).norm();
+                let slip = Process::slip(velocity).norm();
                 slip / process.scale() - SLIP_STOPPED
             }
         }
@@ -369,11 +376,14 @@ impl<'a> Course<'a> {
     }
 
     fn first_mark(&mut self, dense: &Dense<SIZE>) -> Option<(f64, Mark)> {
-        let states = KNOTS.map(|s| dense.at(s));
-        let mut watches = std::mem::take(&mut self.watches);
+        let state = |s| dense.first_at(NEEDED, s);
+        let velocity = |y: &State| self.integrator.system().progress(y).velocity;
+        let states = KNOTS.map(state);
+        let velocities = states.each_ref().map(velocity);
+        let mut watches = self.watches.clone();
         let mut first: Option<(f64, Mark)> = None;
         for (mark, tracker) in &mut watches {
-            let values = states.map(|y| self.value(*mark, &y));
+            let values = std::array::from_fn(|i| self.value(*mark, &states[i], &velocities[i]));
             let wanted = match mark {
                 Mark::SlipStopped => Slope::Falling,
                 Mark::Compressed | Mark::Restituted => Slope::Rising,
@@ -382,7 +392,10 @@ impl<'a> Course<'a> {
             tracker.scan(
                 &KNOTS,
                 &values,
-                |s| self.value(*mark, &dense.at(s)),
+                |s| {
+                    let y = state(s);
+                    self.value(*mark, &y, &velocity(&y))
+                },
                 &mut found,
             );
             let crossing = found.iter().find(|crossing| crossing.slope == wanted);

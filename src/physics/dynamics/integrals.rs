@@ -12,6 +12,15 @@ use nalgebra::Vector3;
 /// How many running integrals travel with the motion: see [`Integrals`].
 pub const INTEGRALS: usize = 11;
 
+/// Which of the running integrals a derivative has to have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// All of them.
+    All,
+    /// The work of friction and the path slipped; the others may be 0.
+    Few,
+}
+
 /// Integrals over the motion so far, from the start of the run. They are carried along by the
 /// integrator and never influence the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]

@@ -227,6 +227,21 @@ impl Model {
         }
     }
 
+    /// What the running integrals that are always kept grow by per second; 0 for the others.
+    #[inline(always)]
+    pub(super) fn few_integrands(
+        &self,
+        contact: &Contact,
+        friction_torque: &Vector3<f64>,
+        tilt: &Tilt,
+    ) -> Integrals {
+        Integrals {
+            friction_work: friction_torque.dot(&tilt.omega_lean),
+            slip_path: contact.slip_speed,
+            ..Integrals::default()
+        }
+    }
+
     /// What the running integrals grow by per second.
     #[inline(always)]
     pub(super) fn integrands(
@@ -239,12 +254,11 @@ impl Model {
     ) -> Integrals {
         let torque = tilt.lean_to_node(friction_torque);
         Integrals {
-            friction_work: friction_torque.dot(&tilt.omega_lean),
-            slip_path: contact.slip_speed,
             theta,
             work_node: torque.component_mul(&tilt.omega_node()),
             slip_work: contact.force.dot(&contact.slip),
             terms: TermIntegrals::of(accelerations, tilt),
+            ..self.few_integrands(contact, friction_torque, tilt)
         }
     }
 }

@@ -91,10 +91,6 @@ pub(super) struct Reaction {
     pub(super) friction: Wrench,
     /// Torque of the air, N m.
     pub(super) air: Vector3<f64>,
-    /// How much upward acceleration a newton of normal force gives the contact point with the friction that it brings,
-    /// as a fraction of what it gives without. Where it is not positive no normal force keeps the peg out of the
-    /// table: the peg jams (P. Painlevé, C. R. Acad. Sci. 121 (1895) 112).
-    pub(super) mobility: f64,
 }
 
 impl Reaction {
@@ -196,7 +192,6 @@ impl<'a> FreeBody<'a> {
             normal: 0.0,
             friction: Wrench::default(),
             air: self.air(),
-            mobility: 1.0,
         }
     }
 
@@ -211,8 +206,16 @@ impl<'a> FreeBody<'a> {
             normal,
             friction: per_newton * normal,
             air,
-            mobility: answer.z / self.response.up,
         }
+    }
+
+    /// How much upward acceleration a newton of normal force gives the contact point with the friction that it brings,
+    /// as a fraction of what it gives without. Where it is not positive no normal force keeps the peg out of the
+    /// table: the peg jams (P. Painlevé, C. R. Acad. Sci. 121 (1895) 112).
+    #[inline(always)]
+    pub(super) fn mobility(&self, slip: &Vector3<f64>) -> f64 {
+        let friction = self.friction.per_newton(slip, &self.tilt.omega_lean);
+        self.answer_per_newton(&friction).z / self.response.up
     }
 
     /// The acceleration of the contact point per newton of normal force with what friction adds.
@@ -253,7 +256,6 @@ impl<'a> FreeBody<'a> {
                 couple: couple * normal,
             },
             air,
-            mobility: resistance / up,
         }
     }
 

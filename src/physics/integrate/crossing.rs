@@ -93,6 +93,7 @@ impl SignTracker {
     /// instance). Several crossings between neighbouring knots are found too, if the polynomial through all
     /// the knots has the turning points between them. No search evaluates `g` more than 100 times, and
     /// none happens where `g` stays clear of zero.
+    #[inline]
     pub fn scan<const K: usize>(
         &mut self,
         knots: &[f64; K],
@@ -103,6 +104,32 @@ impl SignTracker {
         const {
             assert!(K > 0);
         }
+        if !self.stays_clear(values) {
+            self.search(knots, values, &mut g, found);
+        }
+    }
+
+    /// Whether a function with these values at the knots keeps its sign, so far from zero that no turning point between
+    /// them can reach it.
+    #[inline]
+    fn stays_clear<const K: usize>(&self, values: &[f64; K]) -> bool {
+        let (lowest, highest) = range(values);
+        let variation = highest - lowest;
+        match self.positive {
+            Some(true) => lowest > self.floor && lowest > variation,
+            Some(false) => highest < -self.floor && highest < -variation,
+            None => false,
+        }
+    }
+
+    /// [`SignTracker::scan`] of a function that may not stay clear of zero.
+    fn search<const K: usize>(
+        &mut self,
+        knots: &[f64; K],
+        values: &[f64; K],
+        mut g: impl FnMut(f64) -> f64,
+        found: &mut Vec<Crossing>,
+    ) {
         let knot = |i: usize| Point {
             s: knots[i],
             g: values[i],
@@ -214,13 +241,9 @@ struct Shape<'a, const K: usize> {
 }
 
 impl<'a, const K: usize> Shape<'a, K> {
-    /// The shape of a function, unless it stays so clear of zero that no turning point can reach it.
+    /// The shape of a function, unless it has no turning point or stays so clear of zero that none can reach it.
     fn near_zero(knots: &'a [f64; K], values: &[f64; K]) -> Option<Self> {
-        let (mut lowest, mut highest) = (values[0], values[0]);
-        for &value in values {
-            lowest = if value < lowest { value } else { lowest };
-            highest = if value > highest { value } else { highest };
-        }
+        let (lowest, highest) = range(values);
         // The polynomial through five equidistant knots leaves the range of its values by at most 0.61 of
         // that range (their Lebesgue constant is 2.21).
         let variation = highest - lowest;
@@ -228,11 +251,21 @@ impl<'a, const K: usize> Shape<'a, K> {
         if clear || !values.iter().all(|value| value.is_finite()) {
             return None;
         }
-        Some(Self {
+        let shape = Self {
             knots,
             coefficients: divided_differences(knots, values),
             variation,
-        })
+        };
+        (!shape.is_monotonic()).then_some(shape)
+    }
+
+    /// Whether the slopes at the knots tell that there is no turning point: they have one sign, and are farther from zero
+    /// than from one another. (The slope is a polynomial too, and leaves their range by no more than 0.61 of it.)
+    fn is_monotonic(&self) -> bool {
+        let slopes = self.knots.map(|knot| self.value_and_slope(knot).1);
+        let (lowest, highest) = range(&slopes);
+        let variation = highest - lowest;
+        lowest > variation || highest < -variation
     }
 
     /// The turning point between `left` and `right`, if there is one that may reach zero.
@@ -250,6 +283,7 @@ impl<'a, const K: usize> Shape<'a, K> {
         (!clear).then_some(turn)
     }
 
+    #[inline]
     fn value_and_slope(&self, s: f64) -> (f64, f64) {
         let (mut value, mut slope) = (0.0, 0.0);
         for (coefficient, knot) in self.coefficients.iter().zip(self.knots).rev() {
@@ -258,6 +292,17 @@ impl<'a, const K: usize> Shape<'a, K> {
         }
         (value, slope)
     }
+}
+
+/// The least and the greatest value; NaN beside others is passed over.
+#[inline]
+fn range<const K: usize>(values: &[f64; K]) -> (f64, f64) {
+    let (mut lowest, mut highest) = (values[0], values[0]);
+    for &value in values {
+        lowest = if value < lowest { value } else { lowest };
+        highest = if value > highest { value } else { highest };
+    }
+    (lowest, highest)
 }
 
 fn divided_differences<const K: usize>(knots: &[f64; K], values: &[f64; K]) -> [f64; K] {

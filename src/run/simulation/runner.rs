@@ -211,33 +211,42 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// All zeros of the watched functions in a step, in the order of time.
     fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, Meaning, Slope)> {
-        let motions = KNOTS.map(|s| self.motion_alone(dense, s));
+        // Not `map`, which would move each motion several times.
+        let [a, b, c, d, e] = KNOTS;
+        let at = |s| self.motion_alone(dense, s);
+        let motions = [at(a), at(b), at(c), at(d), at(e)];
         let mut watches = std::mem::take(&mut self.watches);
         let mut found: Vec<Crossing> = Vec::new();
         let mut all = Vec::new();
         for Watch { meaning, tracker } in &mut watches {
+            let meaning = *meaning;
             if self.detail == Detail::Outcome
-                && *meaning == Meaning::NutationRate
+                && meaning == Meaning::NutationRate
                 && is_steady(dense.h, &motions, tracker.sign())
             {
                 continue;
             }
-            let values = if *meaning == Meaning::NutationRate {
-                let accelerations = motions.map(|motion| self.accelerations(&motion));
-                if self.detail == Detail::All {
-                    envelope(dense.h, &motions, &accelerations, &mut all);
-                }
-                accelerations.map(|acceleration| acceleration.theta)
+            let values = if meaning == Meaning::NutationRate && self.detail == Detail::All {
+                let accelerations = motions.each_ref().map(|motion| self.accelerations(motion));
+                envelope(dense.h, &motions, &accelerations, &mut all);
+                accelerations
+                    .each_ref()
+                    .map(|acceleration| acceleration.theta)
             } else {
-                motions.map(|motion| self.value(*meaning, &motion))
+                self.values(meaning, &motions)
             };
             tracker.scan(
                 &KNOTS,
                 &values,
-                |s| self.value(*meaning, &self.motion_alone(dense, s)),
+                |s| {
+                    let [value] = self.values(meaning, &[self.motion_alone(dense, s)]);
+                    value
+                },
                 &mut found,
             );
-            all.extend(found.drain(..).map(|c| (c.s, *meaning, c.slope)));
+            if !found.is_empty() {
+                all.extend(found.drain(..).map(|c| (c.s, meaning, c.slope)));
+            }
         }
         self.watches = watches;
         // Stable: simultaneous events keep the order of the watches.
@@ -245,19 +254,28 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         all
     }
 
-    /// The value of a watched function. Factors of sin θ keep it regular upright.
-    fn value(&self, meaning: Meaning, motion: &Motion) -> f64 {
-        let tilt = &motion.tilt;
+    /// The values of a watched function in motions. Factors of sin θ keep it regular upright.
+    #[inline]
+    fn values<const K: usize>(&self, meaning: Meaning, motions: &[Motion; K]) -> [f64; K] {
+        let system = self.integrator.system();
+        let sense = self.settings.sense;
         match meaning {
-            Meaning::Nutation => tilt.sin * tilt.rates.theta,
-            Meaning::NutationRate => self.accelerations(motion).theta,
+            Meaning::Nutation => each(motions, |m| m.tilt.sin * m.tilt.rates.theta),
+            Meaning::NutationRate => each(motions, |m| self.accelerations(m).theta),
             // Found without a tracker.
-            Meaning::Envelope => f64::NAN,
-            Meaning::Precession => self.settings.sense * tilt.rates.phi * tilt.sin * tilt.sin,
-            Meaning::Strength => self.model().nutating_top().strength_ratio(tilt) - 1.0,
-            Meaning::Risen(limit) | Meaning::Fallen(limit) => motion.angles.theta - limit,
-            Meaning::Guard(guard) => self.integrator.system().guard(guard, motion),
-            Meaning::Turning => self.settings.sense * tilt.omega_lean.z,
+            Meaning::Envelope => [f64::NAN; K],
+            Meaning::Precession => each(motions, |m| {
+                sense * m.tilt.rates.phi * m.tilt.sin * m.tilt.sin
+            }),
+            Meaning::Strength => {
+                let top = system.model().nutating_top();
+                each(motions, |m| top.strength_ratio(&m.tilt) - 1.0)
+            }
+            Meaning::Risen(limit) | Meaning::Fallen(limit) => {
+                each(motions, |m| m.angles.theta - limit)
+            }
+            Meaning::Guard(guard) => each(motions, |m| system.guard(guard, m)),
+            Meaning::Turning => each(motions, |m| sense * m.tilt.omega_lean.z),
         }
     }
 
@@ -417,11 +435,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// The motion without the integrals over it, which are 0: what events are looked for in.
+    /// The motion without the integrals over it, which are 0, and without the turns of φ and ψ: what events are looked
+    /// for in.
     #[inline]
     fn motion_alone(&self, dense: &Dense<N>, s: f64) -> Motion {
         let state = dense.first_at(F::CONTROLLED, s);
-        self.integrator.system().motion(&state, self.reference)
+        let system = self.integrator.system();
+        system.motion_without_turns(&state, self.reference)
     }
 
     #[inline]
@@ -630,6 +650,16 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             statistics: *self.integrator.statistics(),
         }
     }
+}
+
+/// A number of each motion.
+#[inline]
+fn each<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [f64; K] {
+    let mut numbers = [0.0; K];
+    for (number, motion) in numbers.iter_mut().zip(motions) {
+        *number = of(motion);
+    }
+    numbers
 }
 
 /// Finds the turning points of φ̇ and ψ̇ in a step: where the cubics through the knots, with their slopes, turn. What
