@@ -12,7 +12,7 @@ use super::impact::{Impact, impact};
 use super::integrals::{INTEGRALS, Integrals, Kept, TermIntegrals, integrals, with_integrals};
 use super::lean::Lean;
 use super::model::Model;
-use super::motion::{Dissipated, Motion, Peg, Start, slip_of_law};
+use super::motion::{Dissipated, Motion, Peg, Start, is_departing, slip_of_law};
 use super::reaction::{FreeBody, Inertia, Reaction};
 use super::support::{Phase, Support};
 use crate::physics::integrate::{IntegrateError, System};
@@ -44,10 +44,20 @@ pub struct FreeRotation {
     pub model: Model,
     /// What the contact point does.
     pub phase: Phase,
-    /// The direction, in the lean frame, in which a contact point begins to slip that was at rest.
-    departure: Option<Vector3<f64>>,
+    /// How the contact point began to slip, if it was at rest before.
+    departure: Option<Departure>,
     inertia: Inertia,
     sliding_guards: &'static [Guard],
+}
+
+/// How a contact point that was at rest begins to slip. Its slip is too slow at first to have a direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Departure {
+    /// In this direction, in the lean frame.
+    Toward(Vector3<f64>),
+    /// Where the friction that held it gives way. It grows too weak by ever more, from nothing, so that the direction
+    /// follows the motion from the start.
+    GivingWay,
 }
 
 const CONTROLLED: usize = 13;
@@ -115,7 +125,18 @@ impl FreeRotation {
         let body = self.body(parts.tilt);
         let velocity = parts.contact_velocity();
         let slip = Vector3::new(velocity.x, velocity.y, 0.0);
-        body.reaction(self.phase, &slip_of_law(&slip, self.departure.as_ref()))
+        let departure = self.departure_of(&body, &slip);
+        body.reaction(self.phase, &slip_of_law(&slip, departure.as_ref()))
+    }
+
+    /// The direction in which the contact point begins to slip, in the lean frame, while it has hardly begun.
+    #[inline(always)]
+    fn departure_of(&self, body: &FreeBody<'_>, slip: &Vector3<f64>) -> Option<Vector3<f64>> {
+        match self.departure? {
+            Departure::Toward(direction) => Some(direction),
+            Departure::GivingWay if is_departing(slip) => Some(body.giving_way()),
+            Departure::GivingWay => None,
+        }
     }
 
     /// What the running integrals grow by per second, where the losses have this power, W.
@@ -174,10 +195,8 @@ impl FreeRotation {
     fn departing(&self, y: &State) -> Self {
         let parts = self.parts(y);
         let reaction = self.reaction(&parts);
-        // The contact point gives way against the force that held it.
-        let force = reaction.friction.force;
         let sliding = Self {
-            departure: Some(-force / force.norm()),
+            departure: Some(Departure::GivingWay),
             ..self.in_phase(Phase::Sliding)
         };
         if reaction.normal > 0.0 && sliding.reaction(&sliding.parts(y)).normal > 0.0 {
@@ -205,7 +224,7 @@ impl FreeRotation {
             None
         };
         let sliding = Self {
-            departure,
+            departure: departure.map(Departure::Toward),
             ..sliding
         };
         if sliding.reaction(&parts).normal > 0.0 {
@@ -419,6 +438,8 @@ impl Formulation<SIZE> for FreeRotation {
             position.z = top.peg_radius;
             velocity_lean.z = 0.0;
         }
+        let slip = parts.contact_velocity();
+        let slip = Vector3::new(slip.x, slip.y, 0.0);
         Motion {
             angles: Euler {
                 theta: inclination(&quaternion(y)),
@@ -428,7 +449,7 @@ impl Formulation<SIZE> for FreeRotation {
             peg: Peg {
                 position,
                 velocity_lean,
-                departure: self.departure,
+                departure: self.departure_of(&self.body(*tilt), &slip),
                 dissipated: Dissipated {
                     impact_normal: y[CONTROLLED],
                     impact_friction: y[CONTROLLED + 1],

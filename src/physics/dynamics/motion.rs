@@ -54,9 +54,15 @@ impl Motion {
 #[inline]
 pub(super) fn slip_of_law(slip: &Vector3<f64>, departure: Option<&Vector3<f64>>) -> Vector3<f64> {
     match departure {
-        Some(direction) if slip.norm_squared() < DEPARTING * DEPARTING => DEPARTING * direction,
+        Some(direction) if is_departing(slip) => DEPARTING * direction,
         _ => *slip,
     }
+}
+
+/// Whether a slip velocity (m/s) is too slow to have a direction.
+#[inline]
+pub(super) fn is_departing(slip: &Vector3<f64>) -> bool {
+    slip.norm_squared() < DEPARTING * DEPARTING
 }
 
 /// Position and velocity of the centre of the peg, and what impacts have taken so far. One that is fixed stays where it

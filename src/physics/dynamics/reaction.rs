@@ -8,6 +8,7 @@
     reason = "with hints alone little of this is unrolled into the derivative, and runs take half as long again"
 )]
 
+use super::fixed::NO_SLIP;
 use super::support::Phase;
 use crate::physics::friction::{Friction, Wrench};
 use crate::physics::integrate::zero;
@@ -19,6 +20,11 @@ use std::f64::consts::TAU;
 
 /// How many directions are tried where a contact point begins to slip.
 const DIRECTIONS: u32 = 48;
+
+/// The direction in which a contact point gives way is found by the secant method, in few steps.
+const MOST_TURNS: u32 = 8;
+/// The tangent of the first turn.
+const FIRST_TURN: f64 = 1e-4;
 
 /// A top with a free peg at one inclination.
 #[derive(Clone, Copy, Debug)]
@@ -265,6 +271,32 @@ impl<'a> FreeBody<'a> {
         self.loose_acceleration(&reaction.air)
             + self.response.to(&reaction.force())
             + self.answer_to_couple(&reaction.friction.couple)
+    }
+
+    /// The direction in which a contact point slips that friction has held up to now, or until a moment ago: against the
+    /// force that would still hold it, and turned a little, so that the slip it begins keeps its direction.
+    #[cold]
+    pub(super) fn giving_way(&self) -> Vector3<f64> {
+        let held = self.holding().friction.force;
+        let against = -held / held.norm();
+        let across = Vector3::new(-against.y, against.x, 0.0);
+        let turned = |by: f64| (against + by * across).normalize();
+        let aside = |by: f64| {
+            let along = turned(by);
+            let a = self.slip_acceleration(&(NO_SLIP * along));
+            along.x * a.y - along.y * a.x
+        };
+        let (mut before, mut by) = (0.0, FIRST_TURN);
+        let (mut error_before, mut error) = (aside(before), aside(by));
+        for _ in 0..MOST_TURNS {
+            let next = by - error * (by - before) / (error - error_before);
+            if !next.is_finite() || next == by {
+                break;
+            }
+            (before, error_before) = (by, error);
+            (by, error) = (next, aside(next));
+        }
+        turned(by)
     }
 
     /// The unit vector in which a contact point at rest begins to slip under an acceleration that depends on it, if there

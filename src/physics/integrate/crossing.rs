@@ -81,6 +81,15 @@ impl SignTracker {
         }
     }
 
+    /// This tracker with the sign before a crossing.
+    #[must_use]
+    pub fn before(self, slope: Slope) -> Self {
+        Self {
+            positive: Some(slope == Slope::Falling),
+            ..self
+        }
+    }
+
     /// The last sign: whether it was positive. None before the first.
     #[must_use]
     pub fn sign(&self) -> Option<bool> {

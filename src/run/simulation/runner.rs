@@ -198,15 +198,31 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
         let dense = self.integrator.step_densely()?;
         self.check_advance(dense.t0 + dense.h)?;
-        for (s, meaning, slope) in self.crossings(&dense) {
+        let mut crossings = self.crossings(&dense).into_iter();
+        for (s, meaning, slope) in crossings.by_ref() {
             self.note(&dense, s, meaning, slope)?;
             if self.end.is_some() {
                 break;
             }
         }
+        self.take_back(crossings);
         self.end_at_duration(&dense);
         self.dense = Some(dense);
         Ok(())
+    }
+
+    /// Gives watches back the signs that they had where a step is left, before these crossings, which never come.
+    fn take_back(&mut self, crossings: impl DoubleEndedIterator<Item = (f64, Meaning, Slope)>) {
+        // From the last to the first: what holds is the sign before the first.
+        for (_, meaning, slope) in crossings.rev() {
+            let watch = self
+                .watches
+                .iter_mut()
+                .find(|watch| watch.meaning == meaning);
+            if let Some(watch) = watch {
+                watch.tracker = watch.tracker.before(slope);
+            }
+        }
     }
 
     /// All zeros of the watched functions in a step, in the order of time.
