@@ -16,6 +16,7 @@ mod reading;
 mod recordings;
 mod row;
 mod sample;
+mod seal;
 mod sobol;
 mod spec;
 mod store;

@@ -93,7 +93,7 @@ pub(super) struct SweepArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     record: Option<u64>,
 
-    /// End at the first row with an error.
+    /// End at the first row with an error, with exit code 2.
     #[arg(long)]
     fail_fast: bool,
 
@@ -501,7 +501,8 @@ impl SweepReport {
         } else {
             let computing = computing.as_secs_f64();
             let computed = match self.computed {
-                0 => "nothing: all of it was there".to_owned(),
+                0 if left > 0 => "nothing".to_owned(),
+                0 => "nothing: nothing was left to do".to_owned(),
                 computed => format!(
                     "{} in {} s, {} a second",
                     runs(computed),

@@ -54,7 +54,11 @@ pub(super) fn check(directory: &Path, spec: &Spec) -> Result<(), SweepError> {
 /// # Errors
 /// [`SweepError::Changed`].
 pub(super) fn refuse_other(path: &Path, text: &str, spec: &Spec) -> Result<(), SweepError> {
-    let before: Json = serde_json::from_str(text).unwrap_or_default();
+    let Ok(before) = serde_json::from_str::<Json>(text) else {
+        return Err(SweepError::Unreadable {
+            path: path.to_owned(),
+        });
+    };
     match change(&before, &spec.to_json()) {
         None => Ok(()),
         Some(change) => Err(SweepError::Changed {

@@ -38,6 +38,15 @@ pub enum SweepError {
         /// What differs.
         change: String,
     },
+    /// What says to which sweep something belongs is damaged.
+    #[error(
+        "{} doesn't say of which sweep it is, because that is damaged: choose another name, or remove it",
+        path.display()
+    )]
+    Unreadable {
+        /// The table, or a directory beside it.
+        path: PathBuf,
+    },
     /// A file that is there is not the table of a sweep.
     #[error("{} exists and is not the table of a sweep: choose another name", path.display())]
     Exists {

@@ -3,6 +3,7 @@
 use super::axis::column_name;
 use super::counts::Counts;
 use super::row::{Row, Run, Watch, row, run_whole};
+use super::seal;
 use super::spec::Spec;
 use crate::run::outcome::{COLUMNS, Cell, Column, ColumnKind};
 use crate::run::scenario::{Key, Scenario, ScenarioError, Value};
@@ -298,12 +299,12 @@ pub(super) fn properties(entries: Vec<KeyValue>) -> WriterProperties {
         .build()
 }
 
-/// The bytes of a part.
+/// The bytes of a part, which is not sealed yet.
 ///
 /// # Errors
 /// [`ParquetError`] if the writer fails.
 pub(super) fn bytes(batch: &RecordBatch, counts: &Counts) -> Result<Vec<u8>, ParquetError> {
-    let properties = properties(vec![counts_entry(counts)?]);
+    let properties = properties(vec![counts_entry(counts)?, seal::blank()]);
     let mut writer = ArrowWriter::try_new(Vec::new(), batch.schema(), Some(properties))?;
     writer.write(batch)?;
     writer.into_inner()

@@ -4,6 +4,7 @@ use super::counts::Counts;
 use super::directory::{self, SPEC_FILE};
 use super::error::SweepError;
 use super::part::{COUNTS_ENTRY, Sweep, counts_entry, properties};
+use super::seal::{SEAL_ENTRY, is_sealed, seal};
 use crate::archive::publish::{self, Draft, Existing};
 use crate::archive::sink::SinkError;
 use parquet::column::writer::ColumnCloseResult;
@@ -23,22 +24,6 @@ const SPEC_ENTRY: &str = "toprise.sweep";
 #[must_use]
 pub fn parts_directory(table: &Path) -> PathBuf {
     directory::beside(table, ".parts")
-}
-
-/// Whether a file in the directory of parts has a name that a sweep gives: the spec, a part, or the hidden draft of one.
-fn is_of_sweep(name: &OsStr) -> bool {
-    let name = name.to_string_lossy();
-    let (own, is_draft) = match name.strip_prefix('.') {
-        Some(own) => (own, true),
-        None => (&*name, false),
-    };
-    let numbered = own.trim_start_matches(|c: char| c.is_ascii_digit());
-    let part = numbered
-        .strip_prefix(".parquet")
-        .filter(|_| numbered.len() < own.len());
-    let rest = part.or_else(|| own.strip_prefix(SPEC_FILE));
-    // A draft has some more letters.
-    rest.is_some_and(|rest| is_draft || rest.is_empty())
 }
 
 /// The places of a sweep's files.
@@ -95,31 +80,38 @@ impl<'a> Store<'a> {
 
     /// The file of a part.
     pub(super) fn part(&self, part: u64) -> PathBuf {
-        self.parts.join(format!("{part:06}.parquet"))
+        self.parts.join(part_name(part))
     }
 
     /// Whether a part is there.
-    pub(super) fn has(&self, part: u64) -> bool {
-        self.part(part).exists()
+    ///
+    /// # Errors
+    /// [`SweepError::BadPart`] if something else has its name.
+    pub(super) fn has(&self, part: u64) -> Result<bool, SweepError> {
+        if self.part(part).symlink_metadata().is_err() {
+            return Ok(false);
+        }
+        self.checked(part).map(|_| true)
     }
 
     /// Writes a part: whole, or not at all.
     ///
     /// # Errors
     /// [`SweepError::Sink`] if the disk is full, or the like.
-    pub(super) fn write(&self, part: u64, bytes: &[u8]) -> Result<(), SweepError> {
-        match publish::write(&self.part(part), Existing::Keep, bytes) {
+    pub(super) fn write(&self, part: u64, mut bytes: Vec<u8>) -> Result<(), SweepError> {
+        seal(&mut bytes, self.sweep.spec(), part);
+        match publish::write(&self.part(part), Existing::Keep, &bytes) {
             // Another process that computes the same part was faster, and came to the same bytes.
             Ok(()) | Err(SinkError::Exists { .. }) => Ok(()),
             Err(error) => Err(error.into()),
         }
     }
 
-    /// Merges all parts into the table by copying their columns, and removes them. Tells how the rows came out.
+    /// Merges all parts into the table by copying their columns, and removes them.
     ///
     /// # Errors
     /// [`SweepError::BadPart`] for a part that is not what it must be.
-    pub(super) fn merge(&self) -> Result<Counts, SweepError> {
+    pub(super) fn merge(&self) -> Result<(), SweepError> {
         let mut counts = Counts::default();
         let mut schema = None;
         for part in 0..self.sweep.parts() {
@@ -130,23 +122,55 @@ impl<'a> Store<'a> {
             schema.get_or_insert(metadata);
         }
         let Some(first) = schema else {
-            return Ok(counts);
+            return Ok(());
         };
         let mut draft = Draft::new(self.table, Existing::Keep)?;
         self.copy(&mut draft, &first, &counts)?;
         draft.publish()?;
         self.clear();
-        Ok(counts)
+        Ok(())
+    }
+
+    /// Removes what a process left that was killed, or late, when the table was there already.
+    pub(super) fn clear_rest(&self) {
+        let is_claimed = self.parts.join(SPEC_FILE).exists();
+        let parts = (0..self.sweep.parts()).filter(|part| self.part(*part).exists());
+        let is_own = |part| matches!(self.has(part), Ok(true));
+        if is_claimed && self.check_parts().is_ok() || !is_claimed && parts.clone().all(is_own) {
+            self.clear();
+        }
     }
 
     /// Removes the parts, what was left of them by processes that were killed, and the directory unless there is
-    /// something else in it. What is left if this fails does no harm.
+    /// something else in it. What is left if this fails does no harm. The file that says of which sweep the directory is
+    /// goes last.
     fn clear(&self) {
         let entries = fs::read_dir(&self.parts).into_iter().flatten().flatten();
-        for entry in entries.filter(|entry| is_of_sweep(&entry.file_name())) {
+        for entry in entries.filter(|entry| self.is_own(&entry.file_name())) {
             let _ = fs::remove_file(entry.path());
         }
+        let _ = fs::remove_file(self.parts.join(SPEC_FILE));
         let _ = fs::remove_dir(&self.parts);
+    }
+
+    /// Whether a file in the directory of parts has the name of a part of this sweep, or of the hidden draft of a file.
+    fn is_own(&self, name: &OsStr) -> bool {
+        let name = name.to_string_lossy();
+        let (name, is_draft) = match name.strip_prefix('.') {
+            Some(name) => (name, true),
+            None => (&*name, false),
+        };
+        let is_file = |file: &str| {
+            // A draft has some more letters.
+            let rest = name.strip_prefix(file);
+            rest.is_some_and(|rest| rest.is_empty() != is_draft)
+        };
+        let digits = name
+            .split('.')
+            .next()
+            .and_then(|digits| digits.parse().ok());
+        let part = digits.filter(|part| *part < self.sweep.parts());
+        part.is_some_and(|part| is_file(&part_name(part))) || is_draft && is_file(SPEC_FILE)
     }
 
     fn copy(
@@ -158,7 +182,7 @@ impl<'a> Store<'a> {
         let file = first.file_metadata();
         let arrow = file.key_value_metadata().into_iter().flatten();
         let mut entries: Vec<_> = arrow
-            .filter(|entry| entry.key != COUNTS_ENTRY)
+            .filter(|entry| ![COUNTS_ENTRY, SEAL_ENTRY].contains(&entry.key.as_str()))
             .cloned()
             .collect();
         let spec = self.sweep.spec().to_json().to_string();
@@ -169,7 +193,8 @@ impl<'a> Store<'a> {
         let mut writer = SerializedFileWriter::new(output, schema, Arc::new(properties(entries)))?;
         for part in 0..self.sweep.parts() {
             let path = self.part(part);
-            let metadata = self.checked(part)?;
+            // Checked before.
+            let metadata = metadata(&path).map_err(|error| self.bad(part, &error.to_string()))?;
             let file = File::open(&path).map_err(SweepError::io("read", &path))?;
             for group in metadata.row_groups() {
                 let mut copy = writer.next_row_group()?;
@@ -191,18 +216,20 @@ impl<'a> Store<'a> {
         Ok(())
     }
 
-    /// The metadata of a part that has the rows that it must have.
+    /// The metadata of a part, if it is one of this sweep, and as it was written.
     fn checked(&self, part: u64) -> Result<ParquetMetaData, SweepError> {
         let path = self.part(part);
-        let metadata = metadata(&path).map_err(|error| self.bad(part, &error.to_string()))?;
-        let rows = self.sweep.rows_of(part);
-        let expected = rows.end - rows.start;
-        let found = metadata.file_metadata().num_rows();
-        if u64::try_from(found) == Ok(expected) {
-            Ok(metadata)
-        } else {
-            Err(self.bad(part, &format!("it has {found} rows, not {expected}")))
+        let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
+        if !is_file {
+            return Err(self.bad(part, "it is no file"));
         }
+        let bytes = fs::read(&path).map_err(SweepError::io("read", &path))?;
+        let found = metadata(&path);
+        let spec = self.sweep.spec();
+        found
+            .ok()
+            .filter(|found| is_sealed(bytes, found, spec, part))
+            .ok_or_else(|| self.bad(part, "it is damaged, or of another sweep"))
     }
 
     fn bad(&self, part: u64, reason: &str) -> SweepError {
@@ -211,6 +238,11 @@ impl<'a> Store<'a> {
             reason: reason.to_owned(),
         }
     }
+}
+
+/// The name of a part's file.
+fn part_name(part: u64) -> String {
+    format!("{part:06}.parquet")
 }
 
 fn metadata(path: &Path) -> Result<ParquetMetaData, ParquetError> {

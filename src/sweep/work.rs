@@ -6,7 +6,7 @@ use super::part::{Sweep, bytes};
 use super::row::Watch;
 use super::store::Store;
 use arrow_array::RecordBatch;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
@@ -67,14 +67,34 @@ pub fn run(
     watch: &Watch<'_>,
 ) -> Result<Finished, SweepError> {
     let store = Store::new(sweep, table);
-    if let Some(counts) = store.finished()? {
-        return Ok(Finished {
-            is_merged: true,
-            counts,
-            ..Finished::default()
-        });
+    let result = match store.finished()? {
+        Some(_) => Ok(Finished::default()),
+        None => complete(&store, sweep, options, watch),
+    };
+    // What is missing may have been completed elsewhere meanwhile, and the parts cleared away.
+    let merged = store.finished().ok().flatten();
+    let mut finished = match result {
+        Err(error @ SweepError::Row { .. }) => return Err(error),
+        Err(error) if merged.is_none() => return Err(error),
+        result => result.unwrap_or_default(),
+    };
+    if let Some(counts) = merged {
+        store.clear_rest();
+        finished.counts = counts;
+        finished.is_merged = true;
     }
+    Ok(finished)
+}
+
+/// Computes the parts that are missing, and merges all unless that is left to another process.
+fn complete(
+    store: &Store<'_>,
+    sweep: &Sweep,
+    options: &Options,
+    watch: &Watch<'_>,
+) -> Result<Finished, SweepError> {
     store.open()?;
+    let to_do: Vec<u64> = missing(store, sweep, options.shard).collect::<Result<_, _>>()?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()?;
@@ -82,11 +102,10 @@ pub fn run(
     // One part is computed while another one is written.
     let (sender, receiver) = sync_channel(0);
     let written = thread::scope(|scope| {
-        let writer = scope.spawn(|| write_all(&store, receiver));
+        let writer = scope.spawn(|| write_all(store, receiver));
         let computed = pool.install(|| {
-            let mut missing = missing(&store, sweep, options.shard);
-            missing
-                .try_for_each(|part| compute(sweep, part, options, watch, &sender, &mut finished))
+            let mut to_do = to_do.into_iter();
+            to_do.try_for_each(|part| compute(sweep, part, options, watch, &sender, &mut finished))
         });
         drop(sender);
         let written = writer.join();
@@ -100,8 +119,7 @@ pub fn run(
     });
     written?;
     if options.shard.is_none() && !finished.is_interrupted {
-        finished.counts = store.merge()?;
-        finished.is_merged = true;
+        store.merge()?;
     }
     Ok(finished)
 }
@@ -116,16 +134,28 @@ pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u
         return Ok(0);
     }
     store.check_parts()?;
-    let rows = missing(&store, sweep, shard).map(|part| sweep.rows_of(part));
-    Ok(rows.map(|rows| rows.end - rows.start).sum())
+    let mut left = 0;
+    for part in missing(&store, sweep, shard) {
+        let rows = sweep.rows_of(part?);
+        left += rows.end - rows.start;
+    }
+    Ok(left)
 }
 
-/// The parts that are not there, in order.
-fn missing(store: &Store<'_>, sweep: &Sweep, shard: Option<Shard>) -> impl Iterator<Item = u64> {
+/// The parts that are not there, in order; an error for one that is something else.
+fn missing(
+    store: &Store<'_>,
+    sweep: &Sweep,
+    shard: Option<Shard>,
+) -> impl Iterator<Item = Result<u64, SweepError>> {
     let is_own = move |part: &u64| shard.is_none_or(|shard| shard.has(*part));
     (0..sweep.parts())
         .filter(is_own)
-        .filter(|part| !store.has(*part))
+        .filter_map(|part| match store.has(part) {
+            Ok(true) => None,
+            Ok(false) => Some(Ok(part)),
+            Err(error) => Some(Err(error)),
+        })
 }
 
 /// Computes a part and hands it on. Breaks off if it was interrupted, if it can't be handed on, which the writer tells,
@@ -140,6 +170,11 @@ fn compute(
 ) -> ControlFlow<Option<RowError>> {
     let rows = sweep.rows_of(part);
     let count = rows.end - rows.start;
+    if options.fail_fast
+        && let Some(error) = first_refused(sweep, rows.clone())
+    {
+        return ControlFlow::Break(Some(error));
+    }
     let Some((batch, counts)) = sweep.batch(rows, watch) else {
         finished.is_interrupted = true;
         return ControlFlow::Break(None);
@@ -155,10 +190,18 @@ fn compute(
     }
 }
 
+/// The first of some rows whose values make no scenario. That takes no time, unlike runs.
+fn first_refused(sweep: &Sweep, mut rows: Range<u64>) -> Option<RowError> {
+    rows.find_map(|run| {
+        let error = sweep.scenario(run).err()?.to_string();
+        Some(RowError { run, error })
+    })
+}
+
 /// Writes parts as they come.
 fn write_all(store: &Store<'_>, computed: Receiver<Computed>) -> Result<(), SweepError> {
     for (part, batch, counts) in computed {
-        store.write(part, &bytes(&batch, &counts)?)?;
+        store.write(part, bytes(&batch, &counts)?)?;
     }
     Ok(())
 }

@@ -427,7 +427,10 @@ fn the_command_sweeps_resumes_and_reports() {
     assert_eq!(report["first_error"]["run"], 1);
     let (code, answer, _) = toprise(folder, line);
     assert_eq!(code, 3);
-    assert!(answer.contains("nothing: all of it was there"), "{answer}");
+    assert!(
+        answer.contains("nothing: nothing was left to do"),
+        "{answer}"
+    );
     let (code, _, told) = toprise(folder, &line.replace("0.01", "0.02"));
     assert_eq!(code, 2);
     assert!(
@@ -751,6 +754,109 @@ fn sweeps_are_drawn_as_maps_and_curves() {
     );
 }
 
+/// A part is taken for that of this sweep only if it is, and every bit of it is as it was written.
+#[test]
+fn parts_that_are_others_or_damaged_are_never_merged() {
+    let folder = tempfile::tempdir().unwrap();
+    let (a, b) = (
+        folder.path().join("a.parquet"),
+        folder.path().join("b.parquet"),
+    );
+    let shard = Options {
+        shard: Some(Shard { index: 0, count: 1 }),
+        ..Options::default()
+    };
+    let axes = |last| {
+        [
+            ("friction.k", "0.005..0.1/40log"),
+            ("initial.psi_dot", last),
+        ]
+    };
+    let first = Sweep::new(spec(&axes("60..200/60")));
+    let second = Sweep::new(spec(&axes("60..210/60")));
+    compute(&first, &a, &shard).unwrap();
+    compute(&second, &b, &shard).unwrap();
+    let part = |table, number: u64| parts_directory(table).join(format!("{number:06}.parquet"));
+    let sound = fs::read(part(&a, 1)).unwrap();
+    let merge = || compute(&first, &a, &Options::default());
+    let refused = |what: &str| {
+        let error = merge().unwrap_err();
+        assert!(
+            matches!(error, SweepError::BadPart { .. }),
+            "{what}: {error}"
+        );
+        assert!(
+            error.to_string().contains("000001.parquet"),
+            "{what}: {error}"
+        );
+        assert!(!a.exists(), "{what}");
+    };
+    fs::copy(part(&b, 1), part(&a, 1)).unwrap();
+    refused("a part of another sweep");
+    fs::copy(part(&a, 0), part(&a, 1)).unwrap();
+    refused("another part");
+    for place in (0..sound.len()).step_by(sound.len() / 100) {
+        let mut damaged = sound.clone();
+        damaged[place] ^= 1 << (place % 8);
+        fs::write(part(&a, 1), damaged).unwrap();
+        refused(&format!("a flipped bit at {place}"));
+    }
+    // Parts of another sweep are still seen where the file is gone that says of which they are.
+    fs::copy(part(&b, 1), part(&a, 1)).unwrap();
+    fs::remove_file(parts_directory(&a).join("sweep.json")).unwrap();
+    refused("a part without a word of its sweep");
+    fs::write(part(&a, 1), &sound).unwrap();
+    merge().unwrap();
+    assert!(!parts_directory(&a).exists());
+}
+
+/// A share that comes in late, when the sweep has been completed without it, leaves nothing behind.
+#[test]
+fn what_comes_late_is_cleared_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a.parquet");
+    let sweep = Sweep::new(spec(AXES));
+    let late = Options {
+        shard: Some(Shard { index: 1, count: 2 }),
+        ..Options::default()
+    };
+    let complete = || {
+        if !table.exists() {
+            compute(&sweep, &table, &Options::default()).unwrap();
+        }
+        true
+    };
+    let watch = Watch {
+        carry_on: &|| true,
+        done: &|_| {
+            complete();
+        },
+    };
+    // While its first row is done, another process does everything.
+    let finished = run(&sweep, &table, &late, &watch).unwrap();
+    assert!(finished.is_merged, "{finished:?}");
+    assert!(!parts_directory(&table).exists());
+    // So is what a process left that was killed while it cleared.
+    compute(&sweep, &folder.path().join("b.parquet"), &late).unwrap();
+    let left = folder.path().join("b.parquet.parts");
+    fs::rename(&left, parts_directory(&table)).unwrap();
+    compute(&sweep, &table, &Options::default()).unwrap();
+    assert!(!parts_directory(&table).exists());
+}
+
+#[test]
+fn what_says_of_which_sweep_parts_are_may_be_damaged() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a.parquet");
+    let sweep = Sweep::new(spec(&[("friction.k", "0.1")]));
+    fs::create_dir(parts_directory(&table)).unwrap();
+    for text in ["", "{", "\u{0}"] {
+        fs::write(parts_directory(&table).join("sweep.json"), text).unwrap();
+        let error = compute(&sweep, &table, &Options::default()).unwrap_err();
+        assert!(matches!(error, SweepError::Unreadable { .. }), "{error}");
+    }
+}
+
 #[test]
 fn what_others_keep_beside_the_parts_stays() {
     let folder = tempfile::tempdir().unwrap();
@@ -760,6 +866,8 @@ fn what_others_keep_beside_the_parts_stays() {
     // The draft of a part, which a process that was killed has left, goes; nothing else does.
     for name in [
         ".000000.parquet.x1.tmp",
+        "000007.parquet",
+        "1.parquet",
         "design.csv",
         "1.parquet.bak",
         "sweep.json~",
@@ -775,7 +883,16 @@ fn what_others_keep_beside_the_parts_stays() {
         .map(|entry| entry.unwrap().file_name())
         .collect();
     left.sort();
-    assert_eq!(left, ["1.parquet.bak", "design.csv", "sweep.json~"]);
+    assert_eq!(
+        left,
+        [
+            "000007.parquet",
+            "1.parquet",
+            "1.parquet.bak",
+            "design.csv",
+            "sweep.json~"
+        ]
+    );
     // A table that has the name of a part would be taken for one.
     let table = folder.join("b.parquet.parts/000000.parquet");
     fs::create_dir(table.parent().unwrap()).unwrap();
