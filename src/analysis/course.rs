@@ -6,6 +6,7 @@ mod cycle;
 mod event;
 mod peg;
 mod report;
+mod swing;
 mod work;
 
 pub(crate) use self::cycle::Cycle;
@@ -18,7 +19,7 @@ use self::curve::Curve;
 use self::cycle::{Ranges, THETA, THETA_DOT, widen};
 use self::work::NodeWork;
 use crate::archive::format::{Entries, STOP_REASON, STOP_TIME};
-use crate::physics::dynamics::Support;
+use crate::physics::dynamics::Model;
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::Message;
@@ -26,6 +27,10 @@ use crate::telemetry::fields::{
     CONTACT, ENERGY, EVENTS, MOMENTUM, NUTATION, STATE, TORQUE, contact, energy, events, momentum,
     nutation, state,
 };
+
+/// A cycle that begins later than another ends by this part of it or more does not follow on it: the times of both are
+/// recorded to 1e-9 of some hundred of them at least.
+const BROKEN: f64 = 1e-6;
 
 /// What happened in a run, collected message by message.
 #[derive(Clone, Debug, Default)]
@@ -164,10 +169,11 @@ impl Course {
         self.events.push(event);
     }
 
-    /// The course of a run of a top with this support.
-    pub(crate) fn of(support: Support) -> Self {
+    /// The course of a run of this model, if that is known.
+    pub(crate) fn of(model: Option<Model>) -> Self {
+        let free = model.filter(|model| model.support.is_free());
         Self {
-            peg: support.is_free().then(PegCourse::default),
+            peg: free.map(PegCourse::new),
             ..Self::default()
         }
     }
@@ -189,12 +195,27 @@ impl Course {
 
     /// The number of nutations that there have been, over the times (s) at which they end.
     pub(crate) fn phase(&self) -> Curve {
+        // Where the next cycle begins later than one ends, nothing counts in between.
+        let ends = self.cycles.iter().enumerate().filter_map(|(index, cycle)| {
+            (!self.goes_on_after(index)).then(|| (cycle.end(), cycle.number + 1.0))
+        });
         let starts = self.cycles.iter().map(|cycle| (cycle.start, cycle.number));
-        let end = self
-            .cycles
-            .last()
-            .map(|last| (last.start + last.period, last.number + 1.0));
-        Curve::new(starts.chain(end))
+        let mut points: Vec<_> = starts.chain(ends).collect();
+        points.sort_by(|one, other| one.0.total_cmp(&other.0));
+        Curve::new(points)
+    }
+
+    /// Whether the next cycle follows on one.
+    fn goes_on_after(&self, index: usize) -> bool {
+        let cycle = &self.cycles[index];
+        let next = self.cycles.get(index + 1);
+        next.is_some_and(|next| (next.start - cycle.end()).abs() < BROKEN * cycle.period)
+    }
+
+    /// The end of the cycles that follow one on another, s: how many nutations there have been is not known beyond.
+    pub(crate) fn unbroken_until(&self) -> Option<f64> {
+        let last = (0..self.cycles.len()).find(|index| !self.goes_on_after(*index))?;
+        Some(self.cycles[last].end())
     }
 
     /// A quantity of the cycles, over the times of their middles (s).

@@ -3,7 +3,10 @@
 /// A number rounded to `digits` significant digits; very small and very large numbers with a power of ten.
 #[must_use]
 pub(crate) fn significant(value: f64, digits: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
         return format!("{value}").replace('-', "−");
     }
     // The exponent after rounding: 9.996 with three digits is 10.0.
@@ -69,18 +72,62 @@ fn exponent(value: f64) -> Option<i32> {
     exponent.parse().ok().filter(|_| value != 0.0)
 }
 
+/// Units of a quantity: how many of one there are in its SI unit, with the name; the largest unit first.
+type Units = [(f64, &'static str); 4];
+
+/// A magnitude to three digits in the largest of some units of which there is at least one.
+fn in_units(value: f64, units: &Units) -> String {
+    let size = value.abs();
+    let rounds_to_one = |(factor, _): &&(f64, &str)| size * factor >= 0.9995;
+    let (factor, unit) = match size {
+        0.0 => units[0],
+        _ => *units.iter().find(rounds_to_one).unwrap_or(&units[3]),
+    };
+    quantity(size * factor, 3, unit)
+}
+
 /// The magnitude of a time, in the unit that fits.
 #[must_use]
 pub(crate) fn duration(seconds: f64) -> String {
-    let size = seconds.abs();
-    let (factor, unit) = match size {
-        0.0 => (1.0, "s"),
-        _ if size < 1e-6 => (1e9, "ns"),
-        _ if size < 1e-3 => (1e6, "µs"),
-        _ if size < 1.0 => (1e3, "ms"),
-        _ => (1.0, "s"),
-    };
-    quantity(size * factor, 3, unit)
+    in_units(
+        seconds,
+        &[(1.0, "s"), (1e3, "ms"), (1e6, "µs"), (1e9, "ns")],
+    )
+}
+
+/// The magnitude of a length, in the unit that fits.
+#[must_use]
+pub(crate) fn length(metres: f64) -> String {
+    in_units(metres, &[(1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm")])
+}
+
+/// A span of time, s: from when to when, or how long from when on where both read the same.
+#[must_use]
+pub(crate) fn span(from: f64, to: f64) -> String {
+    let [begin, end] = [from, to].map(moment);
+    if begin == end {
+        format!("For {} from {begin} on", duration(to - from))
+    } else {
+        format!("From {begin} to {end}")
+    }
+}
+
+/// A sentence with the minus signs of its numbers as they stand in other sentences, zeros having none; exponents keep theirs.
+#[must_use]
+pub(crate) fn with_minus_signs(sentence: &str) -> String {
+    let told = sentence
+        .split(' ')
+        .map(|word| match word.strip_prefix('-') {
+            Some(number) if number.starts_with(|first: char| first.is_ascii_digit()) => {
+                let digits = number.trim_end_matches(|last: char| !last.is_ascii_digit());
+                match digits.parse::<f64>() {
+                    Ok(0.0) => number.to_owned(),
+                    _ => format!("−{number}"),
+                }
+            }
+            _ => word.to_owned(),
+        });
+    told.collect::<Vec<_>>().join(" ")
 }
 
 /// A time with its sign, in the unit that fits.
@@ -196,6 +243,17 @@ mod tests {
         assert_eq!(duration(-0.011_554_6), "11.6 ms");
         assert_eq!(duration(3e-10), "0.300 ns");
         assert_eq!(duration(0.0), "0 s");
+        assert_eq!(duration(9.9999e-4), "1.00 ms");
+        assert_eq!(length(0.999_999_999), "1.00 m");
+        assert_eq!(length(0.001), "1.00 mm");
+        assert_eq!(length(1.4e-5), "14.0 µm");
+        assert_eq!(significant(-0.0, 3), "0");
+        assert_eq!(span(0.0, 4.53e-6), "For 4.53 µs from 0.0000 s on");
+        assert_eq!(span(1.0, 2.0), "From 1.0000 s to 2.0000 s");
+        assert_eq!(
+            with_minus_signs("re-runs at -170.00 rad/s, -1.2e-5 of it, -0.0000, at -0.00."),
+            "re-runs at −170.00 rad/s, −1.2e-5 of it, 0.0000, at 0.00."
+        );
         assert_eq!(pair([1.754, 1.7541]), ["1.754000", "1.754100"]);
         assert_eq!(pair([0.5, 0.0216]), ["0.5000", "0.02160"]);
         assert_eq!(pair([5.0, 5.0503]), ["5.0000", "5.0503"]);

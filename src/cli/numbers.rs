@@ -2,7 +2,13 @@
 
 /// A number with `digits` after the point and the typographic minus.
 pub(super) fn number(value: f64, digits: usize) -> String {
-    format!("{value:.digits$}").replace('-', "−")
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        // What rounds to zero has no sign.
+        Some(zero) if zero.chars().all(|digit| matches!(digit, '0' | '.')) => zero.to_owned(),
+        Some(magnitude) => format!("−{magnitude}"),
+        None => text,
+    }
 }
 
 /// A whole number with its thousands set apart.
@@ -41,5 +47,8 @@ mod tests {
         assert_eq!(bytes(999), "999 B");
         assert_eq!(bytes(31_400_000), "31.4 MB");
         assert_eq!(number(-0.2969, 3), "−0.297");
+        assert_eq!(number(-0.0, 2), "0.00");
+        assert_eq!(number(-4e-5, 4), "0.0000");
+        assert_eq!(number(f64::NEG_INFINITY, 4), "−inf");
     }
 }

@@ -21,6 +21,7 @@ mod explain;
 mod figures;
 mod forgeries;
 mod free_peg;
+mod free_stories;
 mod fuzz_corpus;
 mod golden;
 mod integrate;

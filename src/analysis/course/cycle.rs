@@ -34,6 +34,10 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
+    pub(crate) fn end(&self) -> f64 {
+        self.start + self.period
+    }
+
     pub(crate) fn middle(&self) -> f64 {
         self.start + 0.5 * self.period
     }

@@ -62,11 +62,13 @@ pub struct EitherWay {
     pub means: Vec<f64>,
     /// The end of the last cycle that both have finished, s.
     pub end: f64,
-    /// How many nutations B is ahead of A there.
-    pub phase: f64,
+    /// How many nutations B is ahead of A there; none where the nutation of one was broken before, as by impacts or where
+    /// rolling begins.
+    pub phase: Option<f64>,
     /// Amplitude of B's nutation over that of A's in the middle of the last cycle of the one that nutates for less long.
     pub amplitude_ratio: Option<f64>,
-    /// When one is first ahead by a quarter of a nutation, at an end of a cycle of either, s.
+    /// When one is first ahead by a quarter of a nutation, at an end of a cycle of either, before the nutation of one is broken,
+    /// s.
     pub out_of_step: Option<f64>,
 }
 
@@ -168,16 +170,19 @@ fn either_way(courses: [&Course; 2]) -> Option<EitherWay> {
         Some(found.largest.abs())
     };
     let end = last(&phases)?;
+    let unbroken = courses.map(Course::unbroken_until);
+    let known_until = unbroken[0]?.min(unbroken[1]?);
     Some(EitherWay {
         means: (0..QUANTITIES.len()).map(mean).collect::<Option<_>>()?,
         end,
-        phase: ahead(&phases, end)?,
+        phase: ahead(&phases, end).filter(|_| end <= known_until),
         amplitude_ratio: last(&amplitudes).and_then(|time| {
             let [a, b] = &amplitudes;
             Some(b.at(time)? / a.at(time)?).filter(|ratio| ratio.is_finite())
         }),
         out_of_step: boundaries
             .into_iter()
+            .take_while(|time| *time <= known_until)
             .find(|time| ahead(&phases, *time).is_some_and(|ahead| ahead.abs() >= DECORRELATED)),
     })
 }

@@ -21,7 +21,6 @@ use super::touch::Touches;
 use crate::analysis::course::Course;
 use crate::analysis::subject::{Ended, Subject};
 use crate::archive::sink::SinkError;
-use crate::physics::dynamics::Support;
 use crate::telemetry::fields::ENERGY;
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic};
@@ -125,13 +124,12 @@ impl<'p> Reading<'p> {
             [Some(a), Some(b)] => Residuals::new(a, b),
             _ => None,
         };
-        let supports = models.map(|model| model.map_or(Support::FixedPeg, |model| model.support));
         let topics = plan.topics.iter().zip(&plan.rules);
         let topics = topics.map(|(topic, rule)| Some(ComparedTopic::new(topic, rule.clone()?)));
         let mut reading = Self {
             findings: Findings {
-                runs: supports.map(|support| RunFindings {
-                    course: Course::of(support),
+                runs: models.map(|model| RunFindings {
+                    course: Course::of(model),
                     touches: Touches::new(plan.levels.common),
                     ..RunFindings::default()
                 }),

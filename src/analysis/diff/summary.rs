@@ -31,6 +31,9 @@ impl Report {
         if self.verdict.has_same_values() {
             return sentences;
         }
+        if self.verdict == Verdict::Agreeing && is_exact(self) {
+            return sentences;
+        }
         if self.happened.is_some() {
             match same_motion(self) {
                 Some(same) => {
@@ -53,6 +56,10 @@ impl Report {
 /// What differs between the motions.
 fn differences(tale: Tale<'_>) -> Vec<String> {
     let mut told = motion(tale);
+    if is_exact(tale.report) && tale.report.signals.differing() == 0 {
+        told.push("The messages that both have are the same, bit for bit.".to_owned());
+        return told;
+    }
     told.extend(averaged(tale));
     told.extend(nutation(tale));
     told.extend(discrepancy(tale));
@@ -63,6 +70,14 @@ fn differences(tale: Tale<'_>) -> Vec<String> {
             .and_then(|found| floor(tale.report, found)),
     );
     told
+}
+
+/// Whether all messages that were compared are the same, to the last bit.
+fn is_exact(report: &Report) -> bool {
+    let channels = &report.signals.channels;
+    channels
+        .iter()
+        .all(|channel| channel.identical == channel.pairs)
 }
 
 /// That no difference is larger than the errors, if none is: then nothing of it is physics.
@@ -106,9 +121,7 @@ fn verdict(tale: Tale<'_>) -> Option<String> {
         counted(pairs, "message"),
         counted(channels.len() as u64, "topic")
     );
-    let is_exact = channels
-        .iter()
-        .all(|channel| channel.identical == channel.pairs);
+    let is_exact = is_exact(report);
     match report.verdict {
         Verdict::Identical => Some(format!("Identical, bit for bit: {what}.")),
         Verdict::SameValues => Some(same_values(report, &what)),
@@ -358,7 +371,9 @@ fn discrepancy(Tale { report, a, b }: Tale<'_>) -> Option<String> {
         .iter()
         .all(|residual| residual.largest == 0.0)
     {
-        return Some("At equal states both models do the same.".to_owned());
+        return Some(
+            "At equal states both models do the same while the contact point slips.".to_owned(),
+        );
     }
     if torque.largest == 0.0 {
         return Some("At equal states both models have the same friction torque.".to_owned());

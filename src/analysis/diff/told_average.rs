@@ -68,13 +68,16 @@ pub(super) fn nutation(tale: Tale<'_>) -> Option<String> {
     let time = moment(found.end);
     let mut told = Vec::new();
     told.extend(strength(averaged));
-    if found.phase.abs() > UNTOLD_PHASE {
-        let order = if found.phase > 0.0 { "ahead" } else { "behind" };
-        let phase = significant(found.phase.abs(), 2);
-        let out_of_step = found.out_of_step.map_or(String::new(), |time| {
-            format!(", out of step from {} on", moment(time))
-        });
+    let out_of_step = found
+        .out_of_step
+        .map(|time| format!("out of step from {} on", moment(time)));
+    if let Some(ahead) = found.phase.filter(|ahead| ahead.abs() > UNTOLD_PHASE) {
+        let order = if ahead > 0.0 { "ahead" } else { "behind" };
+        let phase = significant(ahead.abs(), 2);
+        let out_of_step = out_of_step.map_or(String::new(), |told| format!(", {told}"));
         told.push(format!("{phase} cycles {order}{out_of_step}"));
+    } else {
+        told.extend(out_of_step);
     }
     let b = tale.b;
     (!told.is_empty()).then(|| format!("At {time} {b}'s nutation is {}.", list(&told)))

@@ -257,9 +257,17 @@ fn not_by_its_end(tale: Tale<'_>, name: &str, course: &CourseReport, time: f64) 
 /// When something first happened, in one and in the other; the earlier time comes with the sentence, s.
 fn event(tale: Tale<'_>, happened: &Happened, happening: &Happening) -> Option<(f64, String)> {
     let [(a, of_a), (b, of_b)] = tale.courses()?;
+    // Regular precession of a tippe top is backward by itself: that makes no loops.
+    let is_tippe = |course: &CourseReport| course.peg.as_ref().is_some_and(|peg| peg.is_tippe);
+    let (verb, goes_on) = match happening.kind {
+        EventKind::LoopingBegins if is_tippe(of_a) || is_tippe(of_b) => {
+            ("first precesses backward", false)
+        }
+        _ => (happening.verb, happening.goes_on),
+    };
     let when = |time: f64| {
         let time = moment(time);
-        if happening.goes_on {
+        if goes_on {
             format!("from {time} on")
         } else {
             format!("at {time}")
@@ -267,7 +275,7 @@ fn event(tale: Tale<'_>, happened: &Happened, happening: &Happening) -> Option<(
     };
     let one = |first: &str, time: f64, other: &str, course: &CourseReport| {
         let otherwise = not_by_its_end(tale, other, course, time)?;
-        let sentence = format!("{first} {} {}; {otherwise}.", happening.verb, when(time));
+        let sentence = format!("{first} {verb} {}; {otherwise}.", when(time));
         Some((time, sentence))
     };
     match happened.first(happening.kind) {
@@ -281,7 +289,7 @@ fn event(tale: Tale<'_>, happened: &Happened, happening: &Happening) -> Option<(
             } else {
                 when(y)
             };
-            let sentence = format!("{a} {} {}; {b} {other}.", happening.verb, when(x));
+            let sentence = format!("{a} {verb} {}; {b} {other}.", when(x));
             Some((x.min(y), sentence))
         }
     }

@@ -3,7 +3,7 @@
 use super::happened::Happened;
 use super::tale::{Tale, angle};
 use super::told_motion::event_error;
-use crate::analysis::course::{CourseReport, PegReport};
+use crate::analysis::course::{CourseReport, Doing, PegReport};
 use crate::analysis::phrase::{list, moment, pair};
 use crate::run::simulation::EventKind;
 
@@ -102,10 +102,7 @@ fn clauses(tale: Tale<'_>, happened: &Happened, side: Side<'_>) -> Vec<String> {
     };
     let mut is_settled = !told.is_empty();
     if let Some(peg) = &side.course.peg {
-        let first = |kind| happened.first(kind)[side.index];
-        let lift_off = first(EventKind::LiftOff);
-        let begins = lift_off.unwrap_or(0.0);
-        told.extend(flying(peg, lift_off).map(|clause| (begins, clause)));
+        told.extend(flying(peg));
         if let Some((time, clause, settles)) = rolling(peg) {
             let mut clause = clause;
             if settles {
@@ -121,57 +118,68 @@ fn clauses(tale: Tale<'_>, happened: &Happened, side: Side<'_>) -> Vec<String> {
             _ => happened.averaged_ends_b,
         };
         let theta = ends.map(|[_, last]| last);
-        let mut clause = theta.map_or_else(
-            || "goes on".to_owned(),
-            |theta| format!("has come to {}, averaged,", angle(theta)),
+        let (mut clause, preposition) = theta.map_or_else(
+            || ("goes on".to_owned(), " to"),
+            |theta| (format!("has come to {}, averaged", angle(theta)), ", by"),
         );
-        reaches_end(&mut clause, " by");
+        reaches_end(&mut clause, preposition);
         told.push((f64::INFINITY, clause));
     }
     told.sort_by(|one, other| one.0.total_cmp(&other.0));
     told.into_iter().map(|(_, clause)| clause).collect()
 }
 
-/// How a peg was in the air, the first time from `lift_off` on, s.
-fn flying(peg: &PegReport, lift_off: Option<f64>) -> Option<String> {
-    let from = lift_off.map_or_else(
-        || " from the start".to_owned(),
-        |time| format!(" from {} on", moment(time)),
-    );
-    match (peg.flights, peg.impacts) {
-        (0, _) => None,
-        (1, 0) => Some(format!("flies{from}")),
-        (flights, impacts) if impacts > flights => Some(format!("bounces {impacts} times{from}")),
-        (1, _) => Some(format!("hops once{from}")),
-        (flights, _) => Some(format!("hops {flights} times{from}")),
-    }
+/// How a peg was in the air, and from when on, s.
+fn flying(peg: &PegReport) -> Option<(f64, String)> {
+    let first = peg.first_flight?;
+    let from = match first {
+        0.0 => " from the start".to_owned(),
+        first => format!(" from {} on", moment(first)),
+    };
+    let has_landed = peg.doing_last != Some(Doing::Flies);
+    let told = match (peg.flights?, peg.impacts) {
+        (0, _) => return None,
+        (flights, Some(impacts)) if impacts > flights => format!("bounces {impacts} times{from}"),
+        (1, None | Some(0)) if !has_landed => format!("flies{from}"),
+        (1, _) => format!("hops once{from}"),
+        (flights, _) => format!("hops {flights} times{from}"),
+    };
+    Some((first, told))
 }
 
 /// From when on a peg rolls, and whether it keeps its inclination from there on.
 fn rolling(peg: &PegReport) -> Option<(f64, String, bool)> {
     let first = peg.first_roll?;
-    let (Some(from), Some(at), Some(thetas)) = (peg.rolls_from, peg.rolls_at, peg.rolling_theta)
-    else {
+    let (Some(from), Some(at)) = (peg.rolls_from, peg.rolls_at) else {
         let clause = format!("rolls from {} on, but not to its end", moment(first));
         return Some((first, clause, false));
     };
-    let [least, greatest] = thetas;
     // What losses take while the peg rolls lets the axis rise on, or sink.
     if peg.lost_losses.is_none_or(|lost| lost != 0.0) {
         return Some((from, format!("rolls from {} on", moment(from)), false));
     }
-    let clause = if greatest - least <= ONE_INCLINATION * greatest {
-        format!(
-            "rolls from {} on, inclined by {}, and rises no further",
-            moment(from),
-            angle(at)
-        )
-    } else {
-        let [least, greatest] = pair([least, greatest]);
-        format!(
-            "rolls from {} on, with θ between {least} and {greatest} rad",
-            moment(from)
-        )
+    let clause = match peg.rolling_swing {
+        // Nothing may keep a top that hardly spins from falling.
+        None => return Some((from, format!("rolls from {} on", moment(from)), false)),
+        Some([least, greatest]) if greatest - least <= ONE_INCLINATION * greatest => {
+            let rises = if peg.is_tippe {
+                ""
+            } else {
+                ", and rises no further"
+            };
+            format!(
+                "rolls from {} on, inclined by {}{rises}",
+                moment(from),
+                angle(at)
+            )
+        }
+        Some(swing) => {
+            let [least, greatest] = pair(swing);
+            format!(
+                "rolls from {} on, with θ between {least} and {greatest} rad",
+                moment(from)
+            )
+        }
     };
     Some((from, clause, true))
 }

@@ -2,11 +2,12 @@
 
 use super::pieces::Pieces;
 use super::stages::{Stage, stages};
-use crate::analysis::course::Course;
+use crate::analysis::course::{Course, CourseReport};
 use crate::analysis::phrase::{pair, quantity};
 use crate::analysis::subject::Subject;
 use crate::archive::format::STEPS;
 use crate::run::scenario::Scenario;
+use crate::run::simulation::EventKind;
 use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, STATE};
 use crate::telemetry::{Topic, Topics};
 use std::ops::ControlFlow;
@@ -85,6 +86,33 @@ impl Facts {
         format!("went from {begun} to {ended} {unit}")
     }
 
+    /// That the energy stayed as it was, if it did.
+    pub(super) fn energy_stayed(&self, course: &CourseReport) -> Option<String> {
+        let (first, last) = (course.energy_first?, course.energy_last?);
+        let change = (last - first).abs();
+        let stayed = self.scenario.is_frictionless() || change <= self.floor(first);
+        // Friction only takes, so that it changed most to the end; without friction all change is imbalance.
+        let most = change.max(course.energy_imbalance?);
+        stayed.then(|| {
+            format!(
+                "The energy stayed at {}, to {}.",
+                quantity(first, 6, "J"),
+                quantity(most, 2, "J")
+            )
+        })
+    }
+
+    /// Whether there is a channel with this topic.
+    pub(super) fn has(&self, topic: Topic) -> bool {
+        self.topics.contains(&topic)
+    }
+
+    /// How many events of a kind there are.
+    pub(super) fn count(&self, kind: EventKind) -> u64 {
+        let events = self.course.events.iter();
+        events.filter(|event| event.name == kind.name()).count() as u64
+    }
+
     /// The time of the last sample, s.
     pub(super) fn last_time(&self) -> f64 {
         self.pieces.ends.map_or(0.0, |[_, (time, _)]| time)
@@ -105,7 +133,7 @@ pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
             .scenario()
             .map_err(|error| ExplainError::NoScenario(error.to_string()))?,
     };
-    let mut course = Course::of(scenario.model.support);
+    let mut course = Course::of(Some(scenario.model));
     let mut pieces = Pieces::new(scenario.model);
     let ended = subject.read(&Topics::All, &mut |message, _| {
         course.take(message);
@@ -132,6 +160,7 @@ pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
     };
     // Angles are of the order of 1.
     let floor = facts.floor(1.0);
-    facts.stages = stages(&facts.pieces.path, &facts.course.events, floor);
+    let is_lossless = !facts.scenario.model.friction.has_losses();
+    facts.stages = stages(&facts.pieces.path, &facts.course.events, floor, is_lossless);
     Ok(facts)
 }

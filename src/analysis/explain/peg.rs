@@ -4,17 +4,21 @@ use super::facts::Facts;
 use super::pieces::Piece;
 use super::story::{Chapter, chapter};
 use crate::analysis::course::{CourseReport, Doing, PegCourse, PegReport, Spell};
-use crate::analysis::phrase::{duration, list, moment, pair, quantity, significant};
+use crate::analysis::phrase::{duration, length, list, moment, pair, quantity, significant, span};
 use crate::physics::friction::{Friction, FrictionLaw};
+use crate::physics::kinematics::Tilt;
 use crate::physics::math::sin_cos;
+use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
-use crate::run::simulation::StopReason;
+use crate::run::simulation::{EventKind, StopReason};
+use crate::telemetry::fields::FREE_PEG;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Flights with no more than this many nutations between them are hops of one series.
 const APART: f64 = 2.0;
-/// Nutations are small, as the theory of their growth has it, if the normal force differs from the weight by no more than
-/// this part: what the theory leaves out is of the order of its square.
+/// Nutations are small, as the theory of their growth has it, if the normal force differs from the weight, and the slip from
+/// the motion of the peg's surface, which the theory has along the line of nodes, by no more than this part: what the theory
+/// leaves out is of the order of its square.
 const SMALL: f64 = 0.2;
 /// The most series that are told one by one.
 const SERIES: usize = 12;
@@ -106,7 +110,7 @@ pub(super) fn verbs(facts: &Facts) -> Option<String> {
         let verb = match series.doing {
             Doing::Slides => "slides".to_owned(),
             Doing::Rolls => "rolls".to_owned(),
-            Doing::Flies => flying(peg, series),
+            Doing::Flies => flying(facts, peg, series),
         };
         verbs.push(verb);
     }
@@ -114,22 +118,46 @@ pub(super) fn verbs(facts: &Facts) -> Option<String> {
         let middle = verbs.len() - 5;
         verbs.splice(3..verbs.len() - 2, [format!("so on {middle} times more")]);
     }
+    verbs.extend(end_on_table(facts).map(|(_, verb, _)| verb.to_owned()));
     (!verbs.is_empty()).then(|| format!("its peg {}", list(&verbs)))
 }
 
+/// What ends a run on the table, if that happened: the time, s, a verb for the title, and what the peg did.
+fn end_on_table(facts: &Facts) -> Option<(f64, &'static str, &'static str)> {
+    let ends = [
+        (
+            EventKind::Jam,
+            "jams",
+            "the peg jammed: no force of the table keeps it out of it",
+        ),
+        (
+            EventKind::Pivot,
+            "pivots",
+            "the contact point came to rest under an axis that turned about the vertical only: rolling resistance held it",
+        ),
+    ];
+    let events = &facts.course.events;
+    ends.into_iter().find_map(|(kind, verb, told)| {
+        let event = events.iter().find(|event| event.name == kind.name())?;
+        Some((event.time, verb, told))
+    })
+}
+
 /// What a peg does that is in the air again and again.
-fn flying(peg: &PegCourse, series: &Series) -> String {
-    let impacts = impacts_in(peg, series.from, series.to);
-    match (series.count(), impacts) {
+fn flying(facts: &Facts, peg: &PegCourse, series: &Series) -> String {
+    let impacts = impacts_in(peg, series.from, series.to).unwrap_or(0);
+    // What ends in the air may not have touched the table.
+    let least = u64::from(series.to < facts.end());
+    match (series.count(), impacts.max(least)) {
         (1, 0) => "flies".to_owned(),
         (1, 1) => "hops".to_owned(),
-        (1, impacts) => format!("bounces {impacts} times"),
+        (1, impacts) => format!("bounces {}", times(impacts)),
         (hops, _) => format!("hops {}", times(hops)),
     }
 }
 
 /// How often something is done.
-fn times(count: u64) -> String {
+pub(super) fn times(count: u64) -> String {
     match count {
         1 => "once".to_owned(),
         2 => "twice".to_owned(),
@@ -137,11 +165,32 @@ fn times(count: u64) -> String {
     }
 }
 
-/// How many impacts there are from one time to another, the last included.
-fn impacts_in(peg: &PegCourse, from: f64, to: f64) -> u64 {
+/// How many impacts there are from one time to another, the last included, if they are recorded.
+fn impacts_in(peg: &PegCourse, from: f64, to: f64) -> Option<u64> {
     let within = |time: f64| time >= from && time <= to;
-    let hits = peg.impacts.iter().filter(|hit| within(hit.time));
-    hits.count() as u64
+    let hits = peg.known_impacts()?.iter().filter(|hit| within(hit.time));
+    Some(hits.count() as u64)
+}
+
+/// Tells of the impacts that interrupt no flight: of a peg that is thrown onto the table, and stays there.
+fn thrown_down(peg: &PegCourse, series: &[Series]) -> Option<String> {
+    let is_in = |series: &Series, time: f64| {
+        series.doing == Doing::Flies && series.from <= time && time <= series.to
+    };
+    let mut alone = peg
+        .known_impacts()?
+        .iter()
+        .filter(|hit| !series.iter().any(|series| is_in(series, hit.time)));
+    let first = alone.next()?;
+    let more = match alone.count() as u64 {
+        0 => String::new(),
+        more => format!(", and {} more", times(more)),
+    };
+    Some(format!(
+        "At {} the peg hit the table at {}{more}, without leaving it.",
+        moment(first.time),
+        quantity(first.speed, 3, "m/s")
+    ))
 }
 
 /// The chapter on what the peg did.
@@ -161,6 +210,9 @@ pub(super) fn course(facts: &Facts) -> Option<Chapter> {
     } else {
         series.iter().map(tell).collect()
     };
+    sentences.splice(0..0, thrown_down(peg, &series));
+    let end = end_on_table(facts);
+    sentences.extend(end.map(|(time, _, told)| format!("At {} {told}.", moment(time))));
     sentences.extend(peg.travelled.map(|(_, farthest)| {
         format!(
             "The point of contact was never farther than {} from where it began, in any sample.",
@@ -178,8 +230,8 @@ fn told(facts: &Facts, peg: &PegCourse, series: &Series) -> String {
     let Series {
         doing, from, to, ..
     } = *series;
-    let span = format!("From {} to {}", moment(from), moment(to));
-    let is_last = to >= facts.end();
+    let span = span(from, to);
+    let is_last = to >= facts.end() && !facts.is_cut;
     match doing {
         Doing::Slides => format!("{span} the peg slid."),
         Doing::Rolls => {
@@ -194,8 +246,8 @@ fn told(facts: &Facts, peg: &PegCourse, series: &Series) -> String {
                 1 => " It slipped once in between.".to_owned(),
                 slips => format!(" It slipped {slips} times in between."),
             };
-            let end = if is_last { ", to the end" } else { "" };
-            format!("{span}{end}, the peg rolled{begins}.{slips}")
+            let end = if is_last { ", to the end," } else { "" };
+            format!("{span}{end} the peg rolled{begins}.{slips}")
         }
         Doing::Flies => flight(facts, peg, series, is_last),
     }
@@ -204,7 +256,7 @@ fn told(facts: &Facts, peg: &PegCourse, series: &Series) -> String {
 /// Tells of a flight, or a series of hops.
 fn flight(facts: &Facts, peg: &PegCourse, series: &Series, is_last: bool) -> String {
     let Series { from, to, .. } = *series;
-    let span = format!("From {} to {}", moment(from), moment(to));
+    let span = span(from, to);
     let peaks = peg.peaks.iter().filter(|(_, at)| *at >= from && *at <= to);
     let highest = peaks.map(|(height, _)| *height).fold(f64::NAN, f64::max);
     let height = if highest.is_finite() {
@@ -212,10 +264,12 @@ fn flight(facts: &Facts, peg: &PegCourse, series: &Series, is_last: bool) -> Str
             ", {} above the table in the highest sample",
             length(highest)
         )
-    } else {
+    } else if facts.has(FREE_PEG) {
         ", so briefly that no sample shows it".to_owned()
+    } else {
+        String::new()
     };
-    let impacts = impacts_in(peg, from, to);
+    let impacts = impacts_in(peg, from, to).unwrap_or(0);
     let hops = series.count();
     let mut told = if hops == 1 {
         format!("{span} the peg was in the air{height}.")
@@ -258,16 +312,6 @@ fn flight(facts: &Facts, peg: &PegCourse, series: &Series, is_last: bool) -> Str
     told
 }
 
-/// A length that may be very small.
-fn length(value: f64) -> String {
-    match value {
-        value if value < 1e-6 => quantity(1e9 * value, 3, "nm"),
-        value if value < 1e-3 => quantity(1e6 * value, 3, "µm"),
-        value if value < 1.0 => quantity(1e3 * value, 3, "mm"),
-        value => quantity(value, 3, "m"),
-    }
-}
-
 /// The chapter on why the axis moves.
 pub(super) fn motion(facts: &Facts) -> Option<Chapter> {
     let peg = facts.course.peg.as_ref()?;
@@ -302,7 +346,7 @@ fn exchange(facts: &Facts, peg: &PegCourse) -> Vec<String> {
     let known: Vec<_> = nutations
         .filter(|piece| piece.nutations == 1 && piece.momenta.iter().all(|m| m.is_finite()))
         .collect();
-    let ([first, .., last], Some([jellett, drift])) = (known.as_slice(), peg.jellett) else {
+    let ([first, .., last], Some([_, drift])) = (known.as_slice(), peg.jellett) else {
         return Vec::new();
     };
     let momenta = [0, 1].map(|index| [first, last].map(|piece| piece.momenta[index]));
@@ -316,7 +360,7 @@ fn exchange(facts: &Facts, peg: &PegCourse) -> Vec<String> {
         let size = momenta[0].abs().max(momenta[1].abs());
         changed(*momenta).abs() > facts.floor(size)
     });
-    if is_clear && drift <= jellett_floor(facts, jellett) {
+    if is_clear && drift <= jellett_floor(facts, peg) {
         sentences.push(format!(
             "A force at the point of contact can only exchange one for the other, {} kg m²/s of the latter for each of the \
              former: that is −l/R, because Jellett's integral l L_n + R L_z′ stays.",
@@ -353,33 +397,54 @@ fn growth(facts: &Facts) -> Vec<String> {
     }
     let weight = facts.scenario.model.top.weight();
     let [least, most] = greatest.contact.loads.map(|load| load / weight);
+    let [begun, ended] = pair([first.swing, greatest.swing]);
     let mut told = vec![format!(
-        "While the peg slid first, the amplitude of θ̇ grew from {} rad/s in the first nutation to {} rad/s in that from {} \
-         on: the nodding moves the centre of mass up and down, so that the normal force and friction with it change in \
-         step; in samples of that nutation the normal force was between {} and {} times the weight.",
-        significant(first.swing, 3),
-        significant(greatest.swing, 3),
+        "While the peg slid first, the amplitude of θ̇ grew from {begun} rad/s in the first nutation to {ended} rad/s in that \
+         from {} on: the nodding moves the centre of mass up and down, so that the normal force and friction with it change \
+         in step; in samples of that nutation the normal force was between {} and {} times the weight.",
         moment(greatest.from),
         significant(least, 3),
         significant(most, 3),
     )];
-    let is_small = |piece: &&&Piece| {
-        let [least, most] = piece.contact.loads.map(|load| load / weight);
-        1.0 - least <= SMALL && most - 1.0 <= SMALL
-    };
-    let small: Vec<&Piece> = pieces.iter().take_while(is_small).copied().collect();
+    let small = pieces.iter().take_while(|piece| is_small(facts, piece));
+    let small: Vec<&Piece> = small.copied().collect();
     if let ([begun, .., ended], Some(predicted)) =
         (small.as_slice(), predicted_growth(facts, &small))
+        && let measured = significant(ended.swing / begun.swing, 3)
+        // What three digits don't show is not told.
+        && measured != significant(1.0, 3)
     {
         told.push(format!(
-            "As long as the normal force kept to the weight within a fifth, until {}, it grew by a factor of {}; the theory \
-             of small nutations under Coulomb friction has {}.",
+            "As long as the normal force kept to the weight, and the slip to the motion of the peg's surface, within a fifth, \
+             until {}, it became {} times as large; the theory of small nutations under Coulomb friction has {} times.",
             moment(ended.to),
-            significant(ended.swing / begun.swing, 3),
+            measured,
             significant(predicted, 3)
         ));
     }
     told
+}
+
+/// Whether a nutation is as the theory of their growth has it: the normal force keeps to the weight, and the slip to what spin
+/// and precession make of it, to which nodding and the motion of the centre of mass add little.
+fn is_small(facts: &Facts, piece: &Piece) -> bool {
+    let top = &facts.scenario.model.top;
+    let [least, most] = piece.contact.loads.map(|load| load / top.weight());
+    let (_, cos) = sin_cos(piece.theta);
+    let nodding = (top.peg_radius + top.center_distance * cos).abs() * piece.swing;
+    let (slip, surface) = (piece.contact.slip, surface_speed(top, piece));
+    let moving = slip * slip - 2.0 * piece.contact.along * surface + surface * surface;
+    let most_added = SMALL * slip;
+    1.0 - least <= SMALL
+        && most - 1.0 <= SMALL
+        && nodding <= most_added
+        && moving <= most_added * most_added
+}
+
+/// How fast spin and precession make the surface of the peg run over the table, along the line of nodes, m/s.
+fn surface_speed(top: &Top, piece: &Piece) -> f64 {
+    let (sin, _) = sin_cos(piece.theta);
+    (top.peg_radius * piece.rates.psi - top.center_distance * piece.rates.phi) * sin
 }
 
 /// The coefficient of a friction force that is the same multiple of the normal force at any slip, without other losses.
@@ -390,8 +455,8 @@ fn constant_coefficient(friction: &Friction) -> Option<f64> {
     }
 }
 
-/// By what factor small nutations grow through some in which the peg slides under Coulomb friction: at the rate
-/// `(k/2) [M l s (l + R c) L_n/(A A_θ) − (M g/|v|)(R + l c)²/A_θ]` with `A_θ = A + M l² s²`.
+/// By what factor small nutations grow through some in which the peg slides under Coulomb friction along the line of nodes: at
+/// the rate `(k/2) [M l s (l + R c) L_n/(A A_θ) − (M g/|v|)(R + l c)²/A_θ]` with `A_θ = A + M l² s²`.
 fn predicted_growth(facts: &Facts, pieces: &[&Piece]) -> Option<f64> {
     let k = constant_coefficient(&facts.scenario.model.friction)?;
     let top = &facts.scenario.model.top;
@@ -406,8 +471,8 @@ fn predicted_growth(facts: &Facts, pieces: &[&Piece]) -> Option<f64> {
         let (sin, cos) = sin_cos(piece.theta);
         let rocking = central + mass * l * l * sin * sin;
         let height = radius + l * cos;
-        let driven =
-            mass * l * sin * (l + radius * cos) * piece.momenta[0].abs() / (central * rocking);
+        let momentum = piece.momenta[0] * surface_speed(top, piece).signum();
+        let driven = mass * l * sin * (l + radius * cos) * momentum / (central * rocking);
         let damped = top.weight() / piece.contact.slip * height * height / rocking;
         0.5 * k * (driven - damped)
     };
@@ -522,33 +587,39 @@ fn rolling(facts: &Facts, peg: &PegCourse) -> Option<String> {
     let rolled = peg.rolled.last()?;
     let [first, last] = rolled.energies;
     let [routh, drift] = rolled.routh;
-    let span = format!(
-        "from {} to {}",
-        moment(rolled.span[0]),
-        moment(rolled.span[1])
-    );
+    let span = span(rolled.span[0], rolled.span[1]);
     if facts.scenario.model.friction.has_losses() {
         let [begun, ended] = pair(rolled.energies);
         return Some(format!(
-            "A contact point at rest does no work; what other torques took lowered the energy, {span}, from {begun} to \
-             {ended} J."
+            "A contact point at rest does no work. {span} what other torques took lowered the energy from {begun} to {ended} J."
         ));
     }
     let is_constant = (last - first).abs() <= facts.floor(first) && drift <= facts.floor(routh);
-    if !is_constant {
+    if !is_constant || rolled.span[0] == rolled.span[1] {
         return None;
     }
-    let [least, greatest] = pair(rolled.thetas);
-    Some(format!(
-        "A contact point at rest does no work: {span} the energy stayed at {}, and Routh's integral too, to {} of itself. \
-         With them and Jellett's the inclination can only swing between two values, {least} and {greatest} rad: while the \
-         peg rolls it goes no further. To hold the contact point takes a friction force of up to {} of the normal \
-         force; there can be {}.",
+    let to = match routh {
+        0.0 => String::new(),
+        routh => format!(", to {} of itself", significant(drift / routh.abs(), 1)),
+    };
+    let mut told = format!(
+        "A contact point at rest does no work. {span} the energy stayed at {}, and Routh's integral too{to}.",
         quantity(last, 6, "J"),
-        significant(drift / routh.abs(), 1),
-        significant(rolled.grip, 3),
-        significant(facts.scenario.model.friction.law.static_bound(1.0), 3),
-    ))
+    );
+    if let Some(swing) = rolled.swing {
+        let [least, greatest] = pair(swing);
+        told.push_str(&format!(
+            " With them and Jellett's the inclination can only swing between {least} and {greatest} rad as long as the peg rolls."
+        ));
+    }
+    if rolled.grip.is_finite() {
+        told.push_str(&format!(
+            " In samples it took a friction force of up to {} of the normal force to hold the contact point; there can be {}.",
+            significant(rolled.grip, 3),
+            significant(facts.scenario.model.friction.law.static_bound(1.0), 3),
+        ));
+    }
+    Some(told)
 }
 
 /// Tells of a tippe top whether sliding friction can turn it over (S. Rauch-Wojciechowski and N. Rutstam, SIGMA 10 (2014)
@@ -589,9 +660,9 @@ fn inversion(facts: &Facts, peg: &PegCourse) -> Option<String> {
     ))
 }
 
-/// What the integrator's errors can have made of Jellett's integral, which is of the size of `jellett`.
-fn jellett_floor(facts: &Facts, jellett: f64) -> f64 {
-    facts.floor(1.0) * jellett.abs()
+/// What the integrator's errors can have made of Jellett's integral: its two terms have them, and may cancel.
+fn jellett_floor(facts: &Facts, peg: &PegCourse) -> f64 {
+    facts.floor(1.0) * peg.jellett_size()
 }
 
 /// The chapter on energies and integrals.
@@ -599,12 +670,8 @@ pub(super) fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
     let (peg, report) = (facts.course.peg.as_ref()?, course.peg.as_ref()?);
     let (first, last) = (course.energy_first?, course.energy_last?);
     let mut sentences = Vec::new();
-    if (last - first).abs() <= facts.floor(first) {
-        sentences.push(format!(
-            "The energy stayed at {}, to {}.",
-            quantity(first, 6, "J"),
-            quantity(course.energy_imbalance?, 2, "J")
-        ));
+    if let Some(stayed) = facts.energy_stayed(course) {
+        sentences.push(stayed);
     } else {
         let [begun, ended] = pair([first, last]);
         sentences.push(format!(
@@ -654,27 +721,30 @@ fn losses(facts: &Facts, report: &PegReport, size: f64) -> Option<String> {
 /// Tells what became of Jellett's integral.
 fn jellett(facts: &Facts, peg: &PegCourse) -> Option<String> {
     let [first, drift] = peg.jellett?;
-    let value = quantity(first, 5, "kg m³/s");
-    if first == 0.0 {
+    let size = peg.jellett_size();
+    if size == 0.0 {
         return None;
     }
-    let part = significant(drift / first.abs(), 2);
-    Some(if drift <= jellett_floor(facts, first) {
+    // Terms that cancel leave rounding.
+    let is_rounding = first.abs() <= 4.0 * f64::EPSILON * size;
+    let value = quantity(if is_rounding { 0.0 } else { first }, 5, "kg m³/s");
+    let part = significant(drift / size, 2);
+    Some(if drift <= jellett_floor(facts, peg) {
         format!(
-            "Jellett's integral l L_n + R L_z′ stayed at {value}, to {part} of itself: no force at the point of contact \
+            "Jellett's integral l L_n + R L_z′ stayed at {value}, to {part} of its terms: no force at the point of contact \
              changes it, in sliding, rolling or impacts."
         )
     } else if facts.scenario.model.friction.has_losses()
         || facts.scenario.model.friction.turns_about_vertical()
     {
         format!(
-            "Jellett's integral l L_n + R L_z′, {value} at first, changed by up to {} % of itself: torques that come from \
-             no force at the point of contact did that.",
-            significant(100.0 * drift / first.abs(), 3)
+            "Jellett's integral l L_n + R L_z′, {value} at first, changed by up to {}: torques that come from no force at the \
+             point of contact did that.",
+            quantity(drift, 3, "kg m³/s")
         )
     } else {
         format!(
-            "Jellett's integral l L_n + R L_z′, {value} at first, changed by up to {part} of itself, by no torque that is \
+            "Jellett's integral l L_n + R L_z′, {value} at first, changed by up to {part} of its terms, by no torque that is \
              known here."
         )
     })
@@ -699,7 +769,10 @@ pub(super) fn beginning(scenario: &Scenario) -> Vec<String> {
         )
     } else {
         let velocity = start.peg_velocity.norm();
-        let moves = if velocity > 0.0 {
+        // What is left of two velocities that cancel is rounding.
+        let tilt = Tilt::from_rates(scenario.angles.theta, scenario.rates);
+        let turning = top.center_distance.abs() * tilt.omega_lean.norm();
+        let moves = if velocity > 4.0 * f64::EPSILON * turning {
             format!("moves at {} at first", quantity(velocity, 3, "m/s"))
         } else {
             "is at rest at first".to_owned()

@@ -2,7 +2,7 @@
 
 use super::totals::{Totals, is_vertical};
 use crate::physics::dynamics::Model;
-use crate::physics::kinematics::{Euler, Tilt};
+use crate::physics::kinematics::{Euler, Tilt, world_to_lean};
 use crate::physics::top::Top;
 use crate::run::simulation::EventKind;
 use crate::telemetry::Message;
@@ -53,6 +53,8 @@ pub(super) struct Piece {
 pub(super) struct Contact {
     /// Mean slip speed, m/s.
     pub(super) slip: f64,
+    /// Mean of the slip along the line of nodes, m/s.
+    pub(super) along: f64,
     /// Least and greatest normal force, N.
     pub(super) loads: [f64; 2],
 }
@@ -60,16 +62,19 @@ pub(super) struct Contact {
 impl Contact {
     const NONE: Self = Self {
         slip: f64::NAN,
+        along: f64::NAN,
         loads: [f64::NAN; 2],
     };
 
     fn of(states: &[State]) -> Self {
         let loads = || states.iter().map(|state| state.contact[1]);
+        let mean =
+            |of: &dyn Fn(&State) -> f64| states.iter().map(of).sum::<f64>() / states.len() as f64;
         match states {
             [] => Self::NONE,
             _ => Self {
-                slip: states.iter().map(|state| state.contact[0]).sum::<f64>()
-                    / states.len() as f64,
+                slip: mean(&|state| state.contact[0]),
+                along: mean(&|state| state.along),
                 loads: [
                     loads().fold(f64::INFINITY, f64::min),
                     loads().fold(f64::NEG_INFINITY, f64::max),
@@ -184,6 +189,8 @@ struct State {
     momenta: [f64; 2],
     /// Slip speed (m/s) and normal force (N).
     contact: [f64; 2],
+    /// The slip along the line of nodes, m/s.
+    along: f64,
 }
 
 /// Collects the pieces of a run, message by message.
@@ -245,6 +252,8 @@ impl Pieces {
                 if let Some(last) = self.open.last_mut() {
                     last.contact =
                         [contact::SLIP_SPEED, contact::NORMAL_FORCE].map(|field| field.of(message));
+                    let slip = world_to_lean(&contact::SLIP_WORLD.of(message), last.angles.phi);
+                    last.along = slip.y;
                 }
             }
             MOMENTUM => {
@@ -286,6 +295,7 @@ impl Pieces {
             friction: f64::NAN,
             momenta: [f64::NAN; 2],
             contact: [f64::NAN; 2],
+            along: f64::NAN,
         };
         let theta = state.angles.theta;
         // A hole in the recording is no motion without nutation.

@@ -42,6 +42,8 @@ pub(super) enum Kind {
     Falls,
     /// Neither rises nor sinks.
     Stays,
+    /// Rolls without losses, so that θ swings and comes back each time.
+    Swings,
     /// Stays near upright for long.
     Sleeps,
     /// Comes near upright for less than that.
@@ -59,7 +61,7 @@ impl Kind {
             Self::Rises | Self::Moment(EventKind::Risen) => "rises",
             Self::Sinks => "sinks",
             Self::Falls | Self::Moment(EventKind::Fallen) => "falls",
-            Self::Stays => "neither rises nor sinks",
+            Self::Stays | Self::Swings => "neither rises nor sinks",
             Self::Sleeps => "sleeps",
             Self::Passes => "comes near upright",
             Self::Sticks | Self::Moment(EventKind::Stick) => "sticks",
@@ -84,8 +86,13 @@ impl Stage {
 }
 
 /// The stages of a run and the moments that matter, in the order in which their verbs are said. `floor` is the least change of θ that counts,
-/// rad.
-pub(super) fn stages(path: &[Point], events: &[Event], floor: f64) -> Vec<Stage> {
+/// rad; `is_lossless` tells that nothing brakes a peg that rolls.
+pub(super) fn stages(
+    path: &[Point],
+    events: &[Event],
+    floor: f64,
+    is_lossless: bool,
+) -> Vec<Stage> {
     let mut stages = Vec::new();
     let mut pace = 0.0;
     let all = range(path);
@@ -104,7 +111,10 @@ pub(super) fn stages(path: &[Point], events: &[Event], floor: f64) -> Vec<Stage>
                 };
                 stages.push(Stage { kind, ..stage });
             }
-            // A peg that rolls without losses neither rises nor sinks.
+            // Three integrals let θ only swing while the peg rolls without losses: what its means differ by is no motion.
+            Regime::Rolling if is_lossless && part.iter().any(|point| point.is_mean) => {
+                stages.push(swings(part));
+            }
             Regime::Rolling if range(part) <= NOTABLE * all => {
                 stages.push(whole(Kind::Stays, part));
             }
@@ -203,6 +213,18 @@ fn whole(kind: Kind, part: &[Point]) -> Stage {
     }
 }
 
+/// A part of the path in which θ swings: the middle of its means is told, for one that rolling broke off differs.
+fn swings(part: &[Point]) -> Stage {
+    let means = part.iter().filter(|point| point.is_mean);
+    let mut means: Vec<f64> = means.map(|point| point.theta).collect();
+    means.sort_by(f64::total_cmp);
+    Stage {
+        thetas: [means[means.len() / 2]; 2],
+        is_mean: true,
+        ..whole(Kind::Swings, part)
+    }
+}
+
 /// Divides a part of the path where θ turns.
 fn legs(part: &[Point], floor: f64, stages: &mut Vec<Stage>) {
     let floor = floor.max(NOTABLE * range(part));
@@ -252,7 +274,7 @@ mod tests {
     }
 
     fn kinds(thetas: &[f64], floor: f64) -> Vec<Kind> {
-        let stages = stages(&path(thetas), &[], floor);
+        let stages = stages(&path(thetas), &[], floor, true);
         stages.iter().map(|stage| stage.kind).collect()
     }
 
@@ -270,5 +292,19 @@ mod tests {
         life.extend([0.001; 12]);
         life.extend([0.1, 0.9]);
         assert_eq!(kinds(&life, 1e-6), [Kind::Rises, Kind::Sleeps, Kind::Sinks]);
+    }
+
+    #[test]
+    fn tops_that_roll_without_losses_only_swing() {
+        let mut path = path(&[0.31, 0.25, 0.250_000_1, 0.249_999_9, 0.25]);
+        path.iter_mut().for_each(|point| point.rolls = true);
+        let [stage] = stages(&path, &[], 1e-12, true)[..] else {
+            panic!("one stage");
+        };
+        assert_eq!((stage.kind, stage.thetas), (Kind::Swings, [0.25; 2]));
+        assert_ne!(stages(&path, &[], 1e-12, false)[0].kind, Kind::Swings);
+        // A fall in rolling has no means.
+        path.iter_mut().for_each(|point| point.is_mean = false);
+        assert_eq!(stages(&path, &[], 1e-12, true)[0].kind, Kind::Rises);
     }
 }

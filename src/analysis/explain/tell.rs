@@ -6,7 +6,7 @@ use super::stages::{Kind, Stage};
 use super::story::{Chapter, Story, chapter};
 use super::why;
 use crate::analysis::course::{CourseReport, Cycle, Event};
-use crate::analysis::phrase::{list, moment, pair, quantity, significant};
+use crate::analysis::phrase::{list, moment, pair, quantity, significant, span, with_minus_signs};
 use crate::physics::friction::Dissipation;
 use crate::physics::kinematics::Tilt;
 use crate::run::simulation::{EventKind, Simulation, StopReason};
@@ -184,11 +184,20 @@ fn axis(facts: &Facts) -> Option<Chapter> {
 fn no_nutation(facts: &Facts) -> Option<String> {
     let [(start, first), (end, last)] = facts.pieces.ends?;
     let [least, greatest] = facts.pieces.range;
+    let maxima = facts.count(EventKind::NutationMaximum);
+    let minima = facts.count(EventKind::NutationMinimum) + facts.count(EventKind::UprightPassage);
+    // Extremes that are not of a nutation are no events.
+    let nods = maxima.max(minima);
+    let nodded = if nods > 1 {
+        format!("the axis nodded {} or more: θ", peg::times(nods))
+    } else if facts.has(NUTATION) {
+        "the top completed no nutation, so there is no averaged motion: θ".to_owned()
+    } else {
+        "θ".to_owned()
+    };
     Some(format!(
-        "From {} to {} the top completed no nutation, so there is no averaged motion: θ went from {} to {}, between {} \
-         and {}.",
-        moment(start),
-        moment(end),
+        "{} {nodded} went from {} to {}, between {} and {} in samples.",
+        span(start, end),
         significant(first, 4),
         quantity(last, 4, "rad"),
         significant(least, 4),
@@ -208,7 +217,7 @@ fn stages_of_tippe(facts: &Facts) -> Vec<String> {
                 "turned over"
             }
             Kind::Sinks | Kind::Falls => "leaned farther",
-            Kind::Stays => {
+            Kind::Stays | Kind::Swings => {
                 let stays = "the top neither turned over nor straightened up";
                 return Some(sentence.replace("the axis neither rose nor sank", stays));
             }
@@ -232,7 +241,7 @@ fn stage(stage: &Stage) -> Option<String> {
         range,
         is_mean,
     } = *stage;
-    let span = format!("From {} to {}", moment(from), moment(to));
+    let span = span(from, to);
     let averaged = if is_mean {
         ", averaged over nutations,"
     } else {
@@ -256,6 +265,10 @@ fn stage(stage: &Stage) -> Option<String> {
             "{span} the axis neither rose nor sank: θ{averaged} stayed at {}, to {}.",
             quantity(thetas[0], 6, "rad"),
             quantity(range, 1, "rad"),
+        ),
+        Kind::Swings => format!(
+            "{span} the axis neither rose nor sank: the peg rolled, and θ averaged {} over a nutation.",
+            quantity(thetas[0], 4, "rad"),
         ),
         Kind::Sleeps => format!(
             "{span} the top slept: θ{averaged} stayed below 0.01 rad and was least, {}, at {}.",
@@ -292,12 +305,8 @@ fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
     let (first, last) = (course.energy_first?, course.energy_last?);
     let mut sentences = Vec::new();
     let change = last - first;
-    if facts.scenario.is_frictionless() || change.abs() <= facts.floor(first) {
-        sentences.push(format!(
-            "The energy stayed at {}, to {}.",
-            quantity(first, 6, "J"),
-            quantity(course.energy_imbalance?, 2, "J")
-        ));
+    if let Some(stayed) = facts.energy_stayed(course) {
+        sentences.push(stayed);
     } else {
         let verb = if change < 0.0 { "fell" } else { "grew" };
         let [begun, ended] = pair([first, last]);
@@ -478,6 +487,28 @@ fn is_cusp(facts: &Facts, event: &Event) -> bool {
         })
 }
 
+/// What an event says, where its own words are not right for every top.
+fn described(facts: &Facts, event: &Event) -> String {
+    let is_tippe = facts.scenario.model.top.center_distance < 0.0;
+    let theta = significant(event.theta, 4);
+    match EventKind::find(&event.name) {
+        // They take it for granted that the spin has fallen.
+        Some(EventKind::Fallen) => format!(
+            "The top has fallen to {} rad, spinning at {}.",
+            significant(event.theta, 5),
+            quantity(facts.or_zero(event.rates[1], 1.0), 4, "rad/s")
+        ),
+        // Regular precession of a tippe top is backward by itself: that makes no loops.
+        Some(EventKind::LoopingBegins) if is_tippe => {
+            format!("The precession turns backward, at {theta} rad.")
+        }
+        Some(EventKind::LoopingEnds) if is_tippe => {
+            format!("The precession turns forward, at {theta} rad.")
+        }
+        _ => with_minus_signs(&event.description),
+    }
+}
+
 /// The chapter on the events: the first of each kind, and how many more there were.
 fn events(facts: &Facts) -> Option<Chapter> {
     let mut kinds: Vec<(&Event, u64, f64)> = Vec::new();
@@ -502,17 +533,7 @@ fn events(facts: &Facts) -> Option<Chapter> {
             1 => format!(" Once more at {}.", moment(last)),
             _ => format!(" So {more} times more, until {}.", moment(last)),
         };
-        let description = if event.name == EventKind::Fallen.name() {
-            // The event's own words take it for granted that the spin has fallen.
-            format!(
-                "The top has fallen to {} rad, spinning at {}.",
-                significant(event.theta, 5),
-                quantity(facts.or_zero(event.rates[1], 1.0), 4, "rad/s")
-            )
-        } else {
-            event.description.clone()
-        };
-        format!("{}  {description}{again}", moment(event.time))
+        format!("{}  {}{again}", moment(event.time), described(facts, event))
     };
     let chapter = chapter("What happened", kinds.into_iter().map(told).collect())?;
     Some(Chapter {
@@ -558,7 +579,7 @@ fn left_out(facts: &Facts, lacks_precession: bool) -> Option<Chapter> {
     ];
     let is_free = facts.scenario.model.support.is_free();
     for (topic, what) in always.iter().chain(of_free_peg.iter().filter(|_| is_free)) {
-        if !facts.topics.contains(topic) {
+        if !facts.has(*topic) {
             sentences.push(format!("{what}: {topic} is not recorded."));
         }
     }

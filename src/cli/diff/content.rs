@@ -409,12 +409,12 @@ fn budget_rows(found: &Happened, a: &CourseReport, b: &CourseReport) -> Vec<Vec<
             .map(|work| work[axis])
     };
     let peg = |of: fn(&PegReport) -> Option<f64>| [a, b].map(|run| run.peg.as_ref().and_then(of));
-    let [flights_a, flights_b] = peg(|peg| Some(peg.flights as f64));
-    let [impacts_a, impacts_b] = peg(|peg| Some(peg.impacts as f64));
-    let [air_a, air_b] = peg(|peg| Some(peg.time_in_air));
-    let [rolling_a, rolling_b] = peg(|peg| Some(peg.time_rolling));
+    let [flights_a, flights_b] = peg(|peg| peg.flights.map(|flights| flights as f64));
+    let [impacts_a, impacts_b] = peg(|peg| peg.impacts.map(|impacts| impacts as f64));
+    let [air_a, air_b] = peg(|peg| peg.time_in_air);
+    let [rolling_a, rolling_b] = peg(|peg| peg.time_rolling);
     let [roll_a, roll_b] = peg(|peg| peg.first_roll);
-    let [jellett_a, jellett_b] = peg(|peg| Some(peg.jellett_drift? / peg.jellett?.abs()));
+    let [jellett_a, jellett_b] = peg(|peg| Some(peg.jellett_drift? / peg.jellett_terms?));
     let work_of_a = |axis: usize| work(&found.budget_a, a, axis);
     let work_of_b = |axis: usize| work(&found.budget_b, b, axis);
     let quantities = [

@@ -145,8 +145,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut pending = VecDeque::from([Pending::Event(EventKind::Start, 0.0, motion)]);
         let kind = passage.and_then(|passage| kind_of(&passage));
         pending.extend(kind.map(|kind| Pending::Event(kind, 0.0, motion)));
+        let mut end = None;
         if motion.phase == Phase::Holding && scenario.model.support.is_free() {
             pending.push_back(Pending::Event(EventKind::RollBegins, 0.0, motion));
+            end = (!may_hold).then_some((0.0, End::Stop(StopReason::SlipStopped)));
         }
         let integrator = Dop853::new(
             formulation,
@@ -181,7 +183,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             bounces: 0,
             since_check: (0, 0.0),
             energy_at_start: scenario.model.energy(&motion),
-            end: None,
+            end,
             last: (0.0, motion),
             stopped: None,
         })
