@@ -101,11 +101,13 @@ pub(crate) fn length(metres: f64) -> String {
     in_units(metres, &[(1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm")])
 }
 
-/// A span of time, s: from when to when, or how long from when on where both read the same.
+/// A span of time, s: from when to when, when if that is one moment, or how long from when on where both read the same.
 #[must_use]
 pub(crate) fn span(from: f64, to: f64) -> String {
     let [begin, end] = [from, to].map(moment);
-    if begin == end {
+    if from == to {
+        format!("At {begin}")
+    } else if begin == end {
         format!("For {} from {begin} on", duration(to - from))
     } else {
         format!("From {begin} to {end}")
@@ -249,6 +251,7 @@ mod tests {
         assert_eq!(length(1.4e-5), "14.0 µm");
         assert_eq!(significant(-0.0, 3), "0");
         assert_eq!(span(0.0, 4.53e-6), "For 4.53 µs from 0.0000 s on");
+        assert_eq!(span(0.5, 0.5), "At 0.5000 s");
         assert_eq!(span(1.0, 2.0), "From 1.0000 s to 2.0000 s");
         assert_eq!(
             with_minus_signs("re-runs at -170.00 rad/s, -1.2e-5 of it, -0.0000, at -0.00."),

@@ -77,7 +77,7 @@ fn what_is_told_of_free_pegs_is_what_happened() {
                 "the top neither turns over nor straightens up; its peg slides and rolls",
                 "θ averaged 0.2545 rad over a nutation",
             ],
-            not_told: &["leaned farther", "straightened up:"],
+            not_told: &["leaned farther", "the top straightened up"],
         },
         Expected {
             preset: "free-paper",
@@ -227,13 +227,15 @@ fn val_the_friction_of_rolling_is_that_of_all_samples() {
 }
 
 /// Told growth of the nutation against that of the theory: as it leaves out the squares of a fifth, 4 %, the exponents
-/// agree to that.
+/// agree to that. Nothing of the theory is told where the peg is thrown against its slip.
 #[test]
 fn val_nutations_grow_as_the_theory_has_it() {
     let mut count = 0;
     for keys in [
         &[("stop.duration", "3")][..],
         &[("friction.k", "0.01"), ("stop.duration", "4")],
+        &[("friction.k", "0.1"), ("stop.duration", "1")],
+        &[("friction.k", "0.002"), ("stop.duration", "4")],
         &[
             ("initial.peg_x_dot", "-3"),
             ("friction.k", "0.1"),
@@ -271,7 +273,7 @@ fn val_nutations_grow_as_the_theory_has_it() {
 fn channels_that_are_missing_are_no_facts() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("a.mcap");
-    let scenario = scenario("free-paper", &[("stop.duration", "4")]);
+    let scenario = scenario("free-paper", &[("stop.duration", "3.25")]);
     let topics = ["/top/state", "/top/acceleration", "/top/energy", "/events"];
     archive(&path, &scenario, &topics, Form::default()).unwrap();
     let few = explain(&Recording::open(&path).unwrap()).unwrap();

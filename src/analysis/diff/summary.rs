@@ -32,6 +32,7 @@ impl Report {
             return sentences;
         }
         if self.verdict == Verdict::Agreeing && is_exact(self) {
+            sentences.extend(setup(tale));
             return sentences;
         }
         if self.happened.is_some() {

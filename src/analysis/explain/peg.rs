@@ -660,9 +660,13 @@ fn inversion(facts: &Facts, peg: &PegCourse) -> Option<String> {
     ))
 }
 
-/// What the integrator's errors can have made of Jellett's integral: its two terms have them, and may cancel.
+/// What the integrator's errors can have made of Jellett's integral: its two terms have them, which may cancel, and where these
+/// are small the rates have the absolute tolerance, as if they were 1 rad/s.
 fn jellett_floor(facts: &Facts, peg: &PegCourse) -> f64 {
-    facts.floor(1.0) * peg.jellett_size()
+    let top = &facts.scenario.model.top;
+    let reach = top.center_distance.abs() + top.peg_radius;
+    let slow = reach * top.central_moment().max(top.axial_moment);
+    facts.floor(1.0) * (peg.jellett_size() + slow)
 }
 
 /// The chapter on energies and integrals.
@@ -722,7 +726,7 @@ fn losses(facts: &Facts, report: &PegReport, size: f64) -> Option<String> {
 fn jellett(facts: &Facts, peg: &PegCourse) -> Option<String> {
     let [first, drift] = peg.jellett?;
     let size = peg.jellett_size();
-    if size == 0.0 {
+    if size <= jellett_floor(facts, peg) {
         return None;
     }
     // Terms that cancel leave rounding.
