@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rerun::external::arrow::array::{ArrayRef, Float64Array, Int64Array, StringArray};
-use rerun::{AnyValues, EntityPath};
+use rerun::{ComponentDescriptor, EntityPath, SerializedComponentBatch};
 
 use crate::run::outcome::{COLUMNS, Cell, Outcome};
 
@@ -15,14 +15,14 @@ pub(super) fn entity() -> EntityPath {
     EntityPath::properties().join(&EntityPath::from(OUTCOME))
 }
 
-/// An outcome, with a component for each column of [`COLUMNS`] that has a value.
-pub(super) fn of_outcome(outcome: &Outcome) -> AnyValues {
-    let named = COLUMNS
-        .iter()
-        .filter_map(|column| Some((column.name, array(column.of(outcome)?))));
-    named.fold(AnyValues::default(), |values, (name, array)| {
-        values.with_component_from_data(name, array)
-    })
+/// An outcome as a component for each column of [`COLUMNS`] that has a value, in their order.
+pub(super) fn of_outcome(outcome: &Outcome) -> Vec<SerializedComponentBatch> {
+    let values = COLUMNS.iter().filter_map(|column| {
+        let array = array(column.of(outcome)?);
+        let descriptor = ComponentDescriptor::partial(column.name);
+        Some(SerializedComponentBatch::new(array, descriptor))
+    });
+    values.collect()
 }
 
 fn array(cell: Cell) -> ArrayRef {
@@ -38,13 +38,12 @@ mod tests {
     use super::*;
     use crate::run::outcome;
     use crate::run::scenario::Preset;
-    use rerun::AsComponents as _;
 
     #[test]
     fn every_column_that_has_a_value_becomes_a_component() {
         let scenario = Preset::find("paper").unwrap().scenario().unwrap();
         let outcome = outcome(&scenario, || true).unwrap();
-        let batches = of_outcome(&outcome).as_serialized_batches();
+        let batches = of_outcome(&outcome);
         let names: Vec<_> = batches
             .iter()
             .map(|batch| batch.descriptor.component.to_string())

@@ -572,3 +572,35 @@ fn val_a_rolling_peg_gives_way() {
     let theta = run.end.motion.angles.theta;
     assert_near("θ at the end", theta, 0.434_993_699_20, 2e-10);
 }
+
+/// P. Painlevé's paradox, C. R. Acad. Sci. 121 (1895) 112: where `W_zz = k W_xz d_x` no normal force keeps the peg out of
+/// the table. `W` is the inverse inertia at the point of contact, `d` the direction of the slip, x that of the lean.
+#[test]
+fn val_a_peg_jams_where_no_normal_force_holds_it() {
+    let keys = [
+        ("friction.k", "3"),
+        ("initial.theta", "1.3"),
+        ("initial.theta_dot", "-10"),
+        ("initial.phi_dot", "0"),
+        ("initial.psi_dot", "0"),
+        ("initial.peg_y_dot", "3"),
+        ("stop.duration", "0.5"),
+    ];
+    let scenario = scenario("free-paper", &keys);
+    let run = Run::of(&scenario);
+    assert_eq!(run.end.stop, StopReason::Jam);
+    assert_eq!(run.events.last().unwrap().kind, EventKind::Jam);
+    let (top, motion) = (&scenario.model.top, &run.end.motion);
+    let (sin, cos) = (motion.tilt.sin, motion.tilt.cos);
+    let (l, height) = (
+        top.center_distance,
+        top.peg_radius + top.center_distance * cos,
+    );
+    let central = top.transverse_moment - top.mass * l * l;
+    let up = 1.0 / top.mass + (l * sin).powi(2) / central;
+    let coupling = -l * sin * height / central;
+    let slip = motion.slip_velocity(top);
+    let left = 1.0 - 3.0 * coupling * (slip.x / slip.norm()) / up;
+    // The run ends where a millionth is left.
+    assert!(left.abs() < 2e-6, "{left}");
+}

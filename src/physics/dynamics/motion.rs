@@ -23,7 +23,7 @@ pub struct Motion {
 
 /// A contact point that slips more slowly than this after it was at rest goes where friction lets it go, m/s: its
 /// velocity has no direction yet.
-const DEPARTING: f64 = 1e-9;
+pub(super) const DEPARTING: f64 = 1e-9;
 
 impl Motion {
     /// Slip velocity of the contact point over the table in the lean frame, m/s; of a top in flight, that of its lowest

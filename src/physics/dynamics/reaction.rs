@@ -8,7 +8,7 @@
     reason = "with hints alone little of this is unrolled into the derivative, and runs take half as long again"
 )]
 
-use super::fixed::NO_SLIP;
+use super::motion::DEPARTING;
 use super::support::Phase;
 use crate::physics::friction::{Friction, Wrench};
 use crate::physics::integrate::zero;
@@ -283,7 +283,7 @@ impl<'a> FreeBody<'a> {
         let turned = |by: f64| (against + by * across).normalize();
         let aside = |by: f64| {
             let along = turned(by);
-            let a = self.slip_acceleration(&(NO_SLIP * along));
+            let a = self.slip_acceleration(&(DEPARTING * along));
             along.x * a.y - along.y * a.x
         };
         let (mut before, mut by) = (0.0, FIRST_TURN);
