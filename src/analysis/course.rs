@@ -196,9 +196,9 @@ impl Course {
     /// The number of nutations that there have been, over the times (s) at which they end.
     pub(crate) fn phase(&self) -> Curve {
         // Where the next cycle begins later than one ends, nothing counts in between.
-        let ends = self.cycles.iter().enumerate().filter_map(|(index, cycle)| {
-            (!self.goes_on_after(index)).then(|| (cycle.end(), cycle.number + 1.0))
-        });
+        let cycles = self.cycles.iter().enumerate();
+        let broken_off = cycles.filter(|(index, _)| !self.goes_on_after(*index));
+        let ends = broken_off.map(|(_, cycle)| (cycle.end(), cycle.number + 1.0));
         let starts = self.cycles.iter().map(|cycle| (cycle.start, cycle.number));
         let mut points: Vec<_> = starts.chain(ends).collect();
         points.sort_by(|one, other| one.0.total_cmp(&other.0));

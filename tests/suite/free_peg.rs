@@ -597,7 +597,7 @@ fn val_a_peg_jams_where_no_normal_force_holds_it() {
         top.peg_radius + top.center_distance * cos,
     );
     let central = top.transverse_moment - top.mass * l * l;
-    let up = 1.0 / top.mass + (l * sin).powi(2) / central;
+    let up = 1.0 / top.mass + l * sin * (l * sin) / central;
     let coupling = -l * sin * height / central;
     let slip = motion.slip_velocity(top);
     let left = 1.0 - 3.0 * coupling * (slip.x / slip.norm()) / up;

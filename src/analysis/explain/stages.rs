@@ -297,14 +297,18 @@ mod tests {
     #[test]
     fn tops_that_roll_without_losses_only_swing() {
         let mut path = path(&[0.31, 0.25, 0.250_000_1, 0.249_999_9, 0.25]);
-        path.iter_mut().for_each(|point| point.rolls = true);
+        for point in &mut path {
+            point.rolls = true;
+        }
         let [stage] = stages(&path, &[], 1e-12, true)[..] else {
             panic!("one stage");
         };
         assert_eq!((stage.kind, stage.thetas), (Kind::Swings, [0.25; 2]));
         assert_ne!(stages(&path, &[], 1e-12, false)[0].kind, Kind::Swings);
         // A fall in rolling has no means.
-        path.iter_mut().for_each(|point| point.is_mean = false);
+        for point in &mut path {
+            point.is_mean = false;
+        }
         assert_eq!(stages(&path, &[], 1e-12, true)[0].kind, Kind::Rises);
     }
 }
