@@ -11,7 +11,6 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use toprise::archive::recording::{Condition, Recording};
 use toprise::run::outcome;
 use toprise::run::outcome::Cell;
 use toprise::run::scenario::Scenario;
@@ -622,40 +621,6 @@ fn recordings_are_kept_and_completed_but_never_replaced() {
     let other = Sweep::new(spec(&[("friction.k", "0.1,0.2")]));
     let refused = check_recordings(&other, &table).unwrap_err();
     assert!(matches!(refused, SweepError::Changed { .. }), "{refused}");
-}
-
-/// The motion stalls, as it does in `laws::a_run_that_no_longer_gets_on_ends_with_an_error`, though the table says otherwise.
-#[test]
-fn a_recording_that_ends_early_is_told() {
-    let set = [
-        ("formulation", "body"),
-        ("initial.theta", "0"),
-        ("drilling.k", "1"),
-        ("drilling.patch_radius", "1e-2"),
-    ];
-    let set = set.map(|(key, value)| (key.to_owned(), value.to_owned()));
-    let base = Base::open("frictionless", Path::new(""), &set).unwrap();
-    let spec = Spec::new(vec![base], Design::Grid(Vec::new()), None).unwrap();
-    let sweep = Sweep::new(spec).with_run(|_, carry_on| {
-        let short = scenario("paper", &[("stop.duration", "0.001")]);
-        outcome(&short, carry_on)
-    });
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
-    compute(&sweep, &table, &Options::default()).unwrap();
-    let all = choice(&[], Some(1), &sweep);
-    let (_, recorded) = store(&sweep, &table, &all, &Options::default()).unwrap();
-    let [(0, reason)] = &recorded.failed[..] else {
-        panic!("{recorded:?}");
-    };
-    assert!(reason.contains("has stalled"), "{reason}");
-    // What there is of it is recorded, as by `toprise run`.
-    let path = recordings_directory(&table).join("000000.mcap");
-    let recording = Recording::open(&path).unwrap();
-    assert_eq!(recording.condition(), Condition::Whole);
-    assert_eq!(recording.end().unwrap()["stop_reason"], "failed");
-    let (chosen, recorded) = store(&sweep, &table, &all, &Options::default()).unwrap();
-    assert_eq!((chosen, recorded), (1, Recorded::default()));
 }
 
 #[test]
