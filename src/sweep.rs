@@ -7,6 +7,7 @@
 //! [`Choice`] finds in the table.
 
 mod axis;
+mod cells;
 mod choice;
 mod counts;
 mod directory;
@@ -24,6 +25,7 @@ mod table;
 mod work;
 
 pub use axis::{Axis, column_name, find_key};
+pub use cells::{Cells, cells};
 pub use choice::Choice;
 pub use counts::{Counts, RowError};
 pub use error::SweepError;
@@ -34,5 +36,5 @@ pub use row::{Run, RunResult, Watch, is_in_row};
 pub use sample::Method;
 pub use spec::{Base, Design, Spec};
 pub use store::parts_directory;
-pub use table::{Table, word};
+pub use table::Table;
 pub use work::{Finished, Options, Shard, left_to_do, run};

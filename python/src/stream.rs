@@ -2,9 +2,10 @@
 
 use arrow_array::ffi::{FFI_ArrowArray, from_ffi_and_data_type};
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
-use arrow_array::{RecordBatch, RecordBatchOptions, StructArray};
+use arrow_array::{ArrayRef, BooleanArray, RecordBatch, RecordBatchOptions, StructArray};
 use arrow_schema::ffi::FFI_ArrowSchema;
 use arrow_schema::{ArrowError, DataType, Schema, SchemaRef};
+use arrow_select::nullif::nullif;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
@@ -56,7 +57,7 @@ fn read_stream(capsule: &Bound<'_, PyCapsule>) -> PyResult<Given> {
     // released yet, and a place for what they give.
     let code = unsafe { get_schema(&raw mut stream, &raw mut schema) };
     check(code, &mut stream)?;
-    let schema = Arc::new(Schema::try_from(&schema).map_err(refused)?);
+    let schema = nullable(&Schema::try_from(&schema).map_err(refused)?);
     let mut batches = Vec::new();
     loop {
         let mut array = FFI_ArrowArray::empty();
@@ -102,7 +103,7 @@ fn read_batch(schema: &Bound<'_, PyCapsule>, array: &Bound<'_, PyCapsule>) -> Py
             FFI_ArrowArray::from_raw(array.cast().as_ptr()),
         )
     };
-    let schema = Arc::new(Schema::try_from(&schema).map_err(refused)?);
+    let schema = nullable(&Schema::try_from(&schema).map_err(refused)?);
     let batches = vec![batch(array, &schema)?];
     Ok(Given { schema, batches })
 }
@@ -116,9 +117,28 @@ fn batch(array: FFI_ArrowArray, schema: &SchemaRef) -> PyResult<RecordBatch> {
     // What has been through pickle, as in Dask, need not be aligned.
     data.align_buffers();
     let rows = data.len();
-    let columns = StructArray::from(data).into_parts().1;
+    let (_, columns, nulls) = StructArray::from(data).into_parts();
+    let columns = match nulls {
+        Some(nulls) => without(&columns, &BooleanArray::new(!nulls.inner(), None))?,
+        None => columns,
+    };
     let options = RecordBatchOptions::new().with_row_count(Some(rows));
     RecordBatch::try_new_with_options(schema.clone(), columns, &options).map_err(refused)
+}
+
+/// The columns with nothing in rows that are null as a whole, whatever lies there in memory.
+fn without(columns: &[ArrayRef], is_null: &BooleanArray) -> PyResult<Vec<ArrayRef>> {
+    let columns = columns.iter().map(|column| nullif(column, is_null));
+    columns.collect::<Result<_, _>>().map_err(refused)
+}
+
+/// A schema in which any cell may be empty: rows may be null where their fields can't.
+fn nullable(schema: &Schema) -> SchemaRef {
+    let fields = schema.fields().iter();
+    let fields: Vec<_> = fields
+        .map(|field| field.as_ref().clone().with_nullable(true))
+        .collect();
+    Arc::new(Schema::new_with_metadata(fields, schema.metadata().clone()))
 }
 
 fn refused(error: ArrowError) -> PyErr {

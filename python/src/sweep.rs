@@ -40,12 +40,13 @@ pub fn outcomes(
     let values = base.values(None)?;
     let given = concat_batches(&table.schema, &table.batches).map_err(refused)?;
     refuse_two_bases(&given)?;
+    let name = |column: &usize| given.schema_ref().field(*column).name();
+    // A key that is to be kept is there anyway, beside the outcomes.
+    let is_kept =
+        |name: &String| name == RUN || (keep.contains(name) && sweeps::find_key(name).is_err());
     let (kept, keys): (Vec<usize>, Vec<usize>) = (0..given.num_columns())
-        .filter(|column| given.schema_ref().field(*column).name() != SCENARIO)
-        .partition(|column| {
-            let name = given.schema_ref().field(*column).name();
-            name == RUN || keep.contains(name)
-        });
+        .filter(|column| name(column) != SCENARIO)
+        .partition(|column| is_kept(name(column)));
     let kept = given.project(&kept).map_err(refused)?;
     let keys = given.project(&keys).map_err(refused)?;
     let rows = keys.num_rows();
@@ -54,6 +55,7 @@ pub fn outcomes(
     } else {
         sweep_over(&keys, &values, max_steps)?
     };
+    refuse_twofold(&kept, &sweep)?;
     let computed = compute(py, move |interrupt| {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(|error| error.to_string())?;
@@ -69,12 +71,32 @@ fn refuse_two_bases(given: &RecordBatch) -> PyResult<()> {
     let Some(names) = given.column_by_name(SCENARIO) else {
         return Ok(());
     };
-    let mut names = (0..names.len()).filter_map(|row| sweeps::word(names.as_ref(), row));
-    let first = names.next();
-    match names.find(|name| first.as_ref() != Some(name)) {
+    let names = sweeps::cells(names.as_ref());
+    let names = names.map_err(|reason| PyValueError::new_err(format!("{SCENARIO}: {reason}")))?;
+    let mut names = names.into_iter().flatten().map(|name| match name {
+        Value::Text(name) => name,
+        number @ Value::Number(_) => number.to_string(),
+    });
+    let Some(first) = names.next() else {
+        return Ok(());
+    };
+    match names.find(|name| *name != first) {
         Some(other) => Err(PyValueError::new_err(format!(
-            "the column scenario names several bases, {} and {other}: choose the rows of one, and give that as base",
-            first.unwrap_or_default()
+            "the column scenario names several bases, {first} and {other}: choose the rows of one, and give that as base"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses to keep columns that are called like those of outcomes.
+fn refuse_twofold(kept: &RecordBatch, sweep: &Sweep) -> PyResult<()> {
+    let own = sweep.schema();
+    let is_twofold =
+        |field: &&FieldRef| field.name() != RUN && own.column_with_name(field.name()).is_some();
+    match kept.schema_ref().fields().iter().find(is_twofold) {
+        Some(field) => Err(PyValueError::new_err(format!(
+            "keep: outcomes have a column {0} too: rename or drop the table's own {0}",
+            field.name()
         ))),
         None => Ok(()),
     }
@@ -136,8 +158,8 @@ fn one_empty_row(keys: &RecordBatch) -> PyResult<RecordBatch> {
         })
         .unzip();
     let options = arrow_array::RecordBatchOptions::new().with_row_count(Some(1));
-    RecordBatch::try_new_with_options(Arc::new(Schema::new(fields)), columns, &options)
-        .map_err(refused)
+    let schema = Schema::new_with_metadata(fields, keys.schema_ref().metadata().clone());
+    RecordBatch::try_new_with_options(Arc::new(schema), columns, &options).map_err(refused)
 }
 
 /// The sweep over the rows of a table.
@@ -147,7 +169,7 @@ fn sweep_over(keys: &RecordBatch, values: &Values, max_steps: Option<u64>) -> Py
         _ => String::new(),
     };
     let values = values.clone();
-    let table = sweeps::Table::from_batches(std::slice::from_ref(keys));
+    let table = sweeps::Table::from_batches(keys.schema_ref(), std::slice::from_ref(keys));
     let table = table.map_err(errors::scenario)?;
     let bases = vec![sweeps::Base { name, values }];
     let spec = Spec::new(bases, Design::Table(table), max_steps).map_err(refused_sweep)?;
@@ -213,6 +235,7 @@ pub fn sweep(
         shard,
         fail_fast,
     };
+    let runs = sweep.spec().rows();
     let left = sweeps::left_to_do(&sweep, &out, shard).map_err(refused_sweep)?;
     let done = Arc::new(AtomicU64::new(0));
     let counted = done.clone();
@@ -235,7 +258,8 @@ pub fn sweep(
     tell(py)?;
     let finished = finished.map_err(refused_sweep)?;
     let answer = serde_json::json!({
-        "runs": left,
+        "runs": runs,
+        "computed": finished.computed,
         "is_merged": finished.is_merged,
         "stops": finished.counts.stops,
         "errors": finished.counts.errors,

@@ -59,9 +59,8 @@ impl Table {
     fn index(&self, name: &str) -> PyResult<usize> {
         let schema = self.rows.schema_ref();
         let mut fields = schema.fields().iter();
-        let found = fields.position(|field| {
-            field.name() == name || field.metadata().get(PATH).is_some_and(|path| path == name)
-        });
+        let plain = name.replace('.', "_");
+        let found = fields.position(|field| field.name() == name || *field.name() == plain);
         found.ok_or_else(|| {
             let names = self.column_names().join(", ");
             let text = format!("{} has no column {name}; columns: {names}", self.name);

@@ -95,6 +95,8 @@ def diff(
 
     Raises `DiffError` if there is nothing to compare.
     """
+    if isinstance(offset, str) and offset != "start":
+        raise ValueError(f"offset = {offset!r}: must be a number of seconds or \"start\"")
     bounds = [f"{pattern}={bound}" for pattern, bound in (tolerances or {}).items()]
     return DiffReport(
         json.loads(

@@ -7,6 +7,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from numbers import Integral
 from pathlib import Path
 from typing import Any, Union
 
@@ -28,7 +29,7 @@ class Outcomes:
     `outcomes.batches` maps an iterator of pyarrow's batches, for Spark's `mapInArrow`.
 
     Each column is a key of a scenario (`friction_k` or `friction.k`); where a cell is null, the base's value holds. `run` and the
-    columns named in `keep` go through. A row that can't be run has its reason in `error` and no outcome.
+    columns named in `keep` go through, and an index of pandas is passed over. A row that can't be run has its reason in `error` and no outcome.
     """
 
     def __init__(
@@ -74,7 +75,7 @@ class Outcomes:
         if library == "pandas":
             import pyarrow
 
-            return pyarrow.table(made).to_pandas()
+            return pyarrow.table(made).to_pandas().set_axis(table.index)
         return made
 
     def batches(self, batches: Iterable[Any]) -> Iterator[Any]:
@@ -120,7 +121,8 @@ def sweep(
 
     What is there of an earlier call that was interrupted is kept. `shard=(i, n)` computes the i-th of n shares of the parts, from
     0, and merges nothing; the call without it completes the table. `progress=True` shows a bar on standard error; a function is told
-    how many runs are done, of how many. The answer counts the runs by why they stopped, and those with an `error`.
+    how many runs are done, of how many are left. The answer has the number of `runs` of the whole sweep and of those `computed` now, and
+    counts the runs by why they stopped, and those with an `error`.
     """
     told: Callable[[int, int], object] | None = None
     if callable(progress):
@@ -161,10 +163,18 @@ class _Bar:
 def read(spec: Spec) -> tuple[str, str]:
     """The text of a spec, and the folder in which files that it names are looked for."""
     if isinstance(spec, Mapping):
-        entries = (f"{_key(name)} = {_toml(value)}\n" for name, value in spec.items())
+        entries = (f"{_key(name)} = {_toml(value)}\n" for name, value in _present(spec).items())
         return "".join(entries), os.getcwd()
     path = Path(spec).absolute()
     return path.read_text(encoding="utf-8"), str(path.parent)
+
+
+def _present(spec: Mapping[str, Any]) -> dict[str, Any]:
+    """The entries of a spec but for those that are None. In `set`, None takes a key out of a scenario, as in `toprise.run`."""
+    present = {name: value for name, value in spec.items() if value is not None}
+    if isinstance(taken := present.get("set"), Mapping):
+        present["set"] = {key: "" if value is None else value for key, value in taken.items()}
+    return present
 
 
 def _toml(value: Any) -> str:
@@ -173,7 +183,10 @@ def _toml(value: Any) -> str:
         return "{" + ", ".join(entries) + "}"
     if isinstance(value, os.PathLike):
         value = os.fspath(value)
-    if isinstance(value, (str, bool, int)):
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        # NumPy's too.
+        return str(int(value))
+    if isinstance(value, (str, bool)):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, Iterable):
         return "[" + ", ".join(map(_toml, value)) + "]"

@@ -7,6 +7,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
@@ -44,32 +45,56 @@ def map(  # noqa: A001: it is the name of what it draws
         raise ValueError(f"{x} and {y} are no grid of one run for each pair of values")
 
     ax = ax or plt.subplots()[1]
+    is_log = [_is_logarithmic(levels) for levels in (columns, rows)]
+    edges = [_edges(levels, log) for levels, log in zip((columns, rows), is_log)]
     grid = np.full((len(rows), len(columns)), np.nan)
     grid[row, column] = values
     if np.isfinite(grid).any():
-        mesh = ax.pcolormesh(columns, rows, np.ma.masked_invalid(grid), shading="nearest")
+        mesh = ax.pcolormesh(*edges, np.ma.masked_invalid(grid))
         ax.figure.colorbar(mesh, ax=ax, label=_label(table, color))
     legend = []
     for reason in sorted(set(reasons[is_without])):
         mask = np.full(grid.shape, np.nan)
         mask[row, column] = np.where(is_without & (reasons == reason), 1.0, np.nan)
         shade = _COLORS.get(reason, _OTHER)
-        ax.pcolormesh(
-            columns, rows, np.ma.masked_invalid(mask), shading="nearest", cmap=ListedColormap([shade])
-        )
+        ax.pcolormesh(*edges, np.ma.masked_invalid(mask), cmap=ListedColormap([shade]))
         legend.append(Patch(color=shade, label=reason))
     loops = np.zeros(grid.shape)
     loops[row, column] = np.nan_to_num(_column(table, "loops").astype(float))
-    if len(rows) > 1 and len(columns) > 1 and (loops > 0).any() and (loops == 0).any():
-        ax.contour(columns, rows, loops > 0, levels=[0.5], colors="white", linewidths=1)
+    if (loops > 0).any() and (loops == 0).any():
+        ax.add_collection(LineCollection(_boundary(loops > 0, *edges), colors="white", linewidths=1))
     if legend:
         ax.legend(handles=legend)
     ax.set(xlabel=_label(table, x), ylabel=_label(table, y))
-    if _is_logarithmic(columns):
+    if is_log[0]:
         ax.set_xscale("log")
-    if _is_logarithmic(rows):
+    if is_log[1]:
         ax.set_yscale("log")
     return ax
+
+
+def _edges(levels: Any, is_log: bool) -> Any:
+    """The ends of the cells around levels: halfway to their neighbours; a single one has a tenth of its value on both sides."""
+    if len(levels) == 1:
+        room = 0.1 * abs(levels[0]) or 1.0
+        return np.array([levels[0] - room, levels[0] + room])
+    places = np.log(levels) if is_log else levels
+    between = (places[:-1] + places[1:]) / 2
+    ends = 2 * places[0] - between[0], 2 * places[-1] - between[-1]
+    edges = np.concatenate([[ends[0]], between, [ends[1]]])
+    return np.exp(edges) if is_log else edges
+
+
+def _boundary(inside: Any, xs: Any, ys: Any) -> list[Any]:
+    """The edges between neighbouring cells of which one is inside, as lines."""
+    lines = []
+    for row, column in zip(*np.nonzero(inside[:, :-1] != inside[:, 1:])):
+        x = xs[column + 1]
+        lines.append([(x, ys[row]), (x, ys[row + 1])])
+    for row, column in zip(*np.nonzero(inside[:-1] != inside[1:])):
+        y = ys[row + 1]
+        lines.append([(xs[column], y), (xs[column + 1], y)])
+    return lines
 
 
 def _column(table: Any, name: str) -> Any:

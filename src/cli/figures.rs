@@ -436,16 +436,25 @@ fn read_map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> R
     names.extend(arguments.y.as_deref());
     names.extend(arguments.chosen.iter().map(|(name, _)| name.as_str()));
     let columns = crate::sweep::Columns::read(table, &names)?;
-    let scenarios = columns.texts("scenario");
+    let scenarios = columns.texts("scenario")?;
     let mut is_chosen = vec![true; scenarios.len()];
     for (name, value) in &arguments.chosen {
-        for (chosen, cell) in is_chosen.iter_mut().zip(columns.texts(name)) {
-            let same = |cell: &str| {
-                let numbers = cell.parse::<f64>().ok().zip(value.parse::<f64>().ok());
-                cell == value || numbers.is_some_and(|(one, other)| one == other)
-            };
-            *chosen &= cell.as_deref().is_some_and(same);
+        let cells = columns.texts(name)?;
+        let is_met: Vec<bool> = cells.iter().map(|cell| is_value(cell, value)).collect();
+        let chosen = is_chosen
+            .iter()
+            .zip(&is_met)
+            .map(|(one, other)| *one && *other);
+        let chosen: Vec<bool> = chosen.collect();
+        if !chosen.contains(&true) && is_chosen.contains(&true) {
+            let left = cells.into_iter().zip(is_chosen).filter(|(_, is)| *is);
+            bail!(
+                "{}: no run has {name} = {value}; {}",
+                table.display(),
+                what_is_there(left.filter_map(|(cell, _)| cell).collect(), value)
+            );
         }
+        is_chosen = chosen;
     }
     fn kept<T>(all: Vec<T>, is_chosen: &[bool]) -> Vec<T> {
         let cells = all.into_iter().zip(is_chosen);
@@ -465,10 +474,42 @@ fn read_map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> R
         x: axis(x)?,
         y: arguments.y.as_deref().map(axis).transpose()?,
         color: axis(&arguments.show)?,
-        stops: kept(columns.texts("stop_reason"), &is_chosen),
+        stops: kept(columns.texts("stop_reason")?, &is_chosen),
         loops: kept(loops, &is_chosen),
         scenarios: kept(names.collect(), &is_chosen),
     })
+}
+
+/// Whether a cell has the value that --where asks for, however a number is written.
+#[cfg(feature = "sweep")]
+fn is_value(cell: &Option<String>, value: &str) -> bool {
+    cell.as_deref().is_some_and(|cell| {
+        let numbers = cell.parse::<f64>().ok().zip(value.parse::<f64>().ok());
+        cell == value || numbers.is_some_and(|(one, other)| one == other)
+    })
+}
+
+/// What the runs have where none has the value that --where asks for.
+#[cfg(feature = "sweep")]
+fn what_is_there(mut cells: Vec<String>, value: &str) -> String {
+    /// Enough to see how the values are spaced, or what the words are.
+    const SHOWN: usize = 4;
+    cells.sort_unstable();
+    cells.dedup();
+    let number = |text: &str| text.parse::<f64>().ok().filter(|number| number.is_finite());
+    let distance = |cell: &String| Some((number(cell)? - number(value)?).abs());
+    let is_near = cells.len() > SHOWN && cells.iter().all(|cell| distance(cell).is_some());
+    if is_near {
+        let far = |cell: &String| distance(cell).unwrap_or(f64::INFINITY);
+        cells.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    }
+    let rest = if cells.len() > SHOWN { ", …" } else { "" };
+    cells.truncate(SHOWN);
+    match (cells.len(), is_near) {
+        (0, _) => "none has a value".to_owned(),
+        (_, true) => format!("the nearest are {}", cells.join(", ")),
+        (_, false) => format!("there are {}{rest}", cells.join(", ")),
+    }
 }
 
 #[cfg(test)]

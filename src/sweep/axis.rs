@@ -127,8 +127,10 @@ impl Axis {
             to
         } else if is_log {
             exp(ln(from) + fraction * (ln(to) - ln(from)))
-        } else {
+        } else if (to - from).is_finite() {
             from + fraction * (to - from)
+        } else {
+            (1.0 - fraction) * from + fraction * to
         })
     }
 }
@@ -223,6 +225,8 @@ mod tests {
         assert_eq!(words.at(1), Value::Text("coulomb".to_owned()));
         let down = Axis::parse("initial.phi", "1..-1/3").unwrap();
         assert_eq!(numbers(&down), [1.0, 0.0, -1.0]);
+        let wide = Axis::parse("initial.phi", "-1e308..1e308/3").unwrap();
+        assert_eq!(numbers(&wide), [-1e308, 0.0, 1e308]);
     }
 
     #[test]

@@ -103,7 +103,7 @@ impl Choice {
         names.extend(self.conditions.iter().map(|c| c.column.as_str()));
         for rows in Columns::pieces(table, &names)? {
             let rows = rows?;
-            let errors = rows.texts(ERROR);
+            let errors = rows.texts(ERROR)?;
             let mut is_chosen: Vec<bool> = errors.iter().map(Option::is_none).collect();
             for condition in &self.conditions {
                 let fulfilled = condition.fulfilled(&rows)?;
@@ -165,13 +165,13 @@ impl Condition {
                     .collect()
             }
             Value::Word(word) => {
-                let cells = rows.texts(&self.column).into_iter();
+                let cells = rows.texts(&self.column)?.into_iter();
                 cells
                     .map(|cell| cell.is_some_and(|cell| self.relation.holds(&cell, word)))
                     .collect()
             }
             Value::Null => {
-                let cells = rows.texts(&self.column).into_iter();
+                let cells = rows.texts(&self.column)?.into_iter();
                 cells
                     .map(|cell| self.relation.holds(&cell.is_none(), &true))
                     .collect()

@@ -1,10 +1,10 @@
 //! Reading columns of a table again.
 
+use super::cells::{Cells, cells};
 use super::error::SweepError;
-use arrow_array::cast::AsArray as _;
-use arrow_array::types::{Float64Type, Int64Type};
-use arrow_array::{Array as _, RecordBatch};
-use arrow_schema::{DataType, Schema};
+use crate::run::scenario::Value;
+use arrow_array::RecordBatch;
+use arrow_schema::Schema;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use std::fs::File;
@@ -107,47 +107,43 @@ impl Columns {
     /// # Errors
     /// [`SweepError::Table`] if they are no numbers.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, SweepError> {
-        let mut numbers = Vec::new();
-        for batch in &self.batches {
-            let Some(column) = batch.column_by_name(&plain(name)) else {
-                continue;
-            };
-            let value: &dyn Fn(usize) -> f64 = match column.data_type() {
-                DataType::Float64 => &|row| column.as_primitive::<Float64Type>().value(row),
-                DataType::Int64 => &|row| column.as_primitive::<Int64Type>().value(row) as f64,
-                other => {
-                    return Err(SweepError::Table {
-                        path: self.path.clone(),
-                        reason: format!("{name} holds no numbers, but {other}"),
-                    });
-                }
-            };
-            let rows = 0..column.len();
-            numbers.extend(rows.map(|row| {
-                if column.is_null(row) {
-                    f64::NAN
-                } else {
-                    value(row)
-                }
-            }));
-        }
-        Ok(numbers)
+        let number = |cell: Option<Value>| match cell {
+            Some(Value::Number(number)) => Ok(number),
+            Some(Value::Text(text)) => Err(self.wrong(name, &format!("{text:?} is no number"))),
+            None => Ok(f64::NAN),
+        };
+        self.cells(name)?.into_iter().map(number).collect()
     }
 
     /// The cells of a column as texts; none where there is nothing.
-    #[must_use]
-    pub fn texts(&self, name: &str) -> Vec<Option<String>> {
-        if let Ok(numbers) = self.numbers(name) {
-            let text = |number: f64| (!number.is_nan()).then(|| number.to_string());
-            return numbers.into_iter().map(text).collect();
+    ///
+    /// # Errors
+    /// [`SweepError::Table`] if they are neither numbers nor words.
+    pub fn texts(&self, name: &str) -> Result<Vec<Option<String>>, SweepError> {
+        let text = |value: Value| match value {
+            Value::Number(number) => (!number.is_nan()).then(|| number.to_string()),
+            Value::Text(text) => Some(text),
+        };
+        let cells = self.cells(name)?.into_iter();
+        Ok(cells.map(|cell| cell.and_then(text)).collect())
+    }
+
+    fn cells(&self, name: &str) -> Result<Cells, SweepError> {
+        let mut all = Vec::new();
+        for batch in &self.batches {
+            if let Some(column) = batch.column_by_name(&plain(name)) {
+                let read = cells(column.as_ref());
+                all.extend(read.map_err(|reason| self.wrong(name, &reason))?);
+            }
         }
-        let columns = self
-            .batches
-            .iter()
-            .filter_map(|batch| batch.column_by_name(&plain(name)));
-        let texts = columns.filter_map(|column| column.as_string_opt::<i32>());
-        let cells = texts.flat_map(|column| column.iter().map(|text| text.map(str::to_owned)));
-        cells.collect()
+        Ok(all)
+    }
+
+    fn wrong(&self, column: &str, reason: &str) -> SweepError {
+        SweepError::Table {
+            path: self.path.clone(),
+            reason: format!("{column}: {reason}"),
+        }
     }
 }
 

@@ -175,6 +175,8 @@ impl Spec {
     ) -> Result<Self, SweepError> {
         let file: File = toml::from_str(text)
             .map_err(|error| SweepError::Spec(format!("not the spec of a sweep: {error}")))?;
+        check_quotes("set", &file.set)?;
+        check_quotes("over", &file.over)?;
         let own = file
             .set
             .iter()
@@ -339,6 +341,20 @@ impl Design {
     }
 }
 
+/// Refuses keys that were written without quotes: their dots make tables of them.
+fn check_quotes(section: &str, entries: &toml::Table) -> Result<(), SweepError> {
+    let inner = entries.iter().find_map(|(name, value)| {
+        let (inner, _) = value.as_table()?.iter().next()?;
+        Some(format!("{name}.{inner}"))
+    });
+    match inner {
+        Some(key) => Err(SweepError::Spec(format!(
+            "[{section}] {key}: a key with a dot needs quotes, as in \"{key}\" = …"
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// What differs first between the specs of two sweeps, as words; none if they are equal.
 pub(super) fn change(before: &Json, now: &Json) -> Option<String> {
     changed("", before, now)
@@ -498,8 +514,16 @@ mod tests {
         let axes = axes.map(|(key, text)| Axis::parse(key, text).unwrap());
         let built = Spec::new(bases, Design::Grid(axes.to_vec()), Some(1000)).unwrap();
         assert_eq!(change(&read.to_json(), &built.to_json()), None);
-        let error = Spec::from_toml("ovr = 1", Path::new("."), &[]).unwrap_err();
-        assert!(error.to_string().contains("ovr"), "{error}");
+        let told = |text: &str| {
+            let error = Spec::from_toml(text, Path::new("."), &[]).unwrap_err();
+            error.to_string()
+        };
+        assert!(told("ovr = 1").contains("ovr"));
+        assert_eq!(
+            told("[over]\nfriction.k = [0.1]"),
+            "[over] friction.k: a key with a dot needs quotes, as in \"friction.k\" = …"
+        );
+        assert!(told("[set]\nstop.duration = 2").contains("\"stop.duration\" = …"));
     }
 
     #[test]

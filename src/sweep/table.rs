@@ -1,15 +1,16 @@
 //! A table that says what each run changes: a design made elsewhere.
 
 use super::axis::find_key;
+use super::cells::{Cells, cells};
 use super::error::SweepError;
 use crate::run::scenario::{Key, Value, hex};
-use arrow_array::cast::AsArray as _;
-use arrow_array::types::*;
 use arrow_array::{Array, RecordBatch};
-use arrow_schema::DataType;
+use arrow_schema::Schema;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use serde_json::Value as Json;
 use sha2::{Digest as _, Sha256};
 use std::fs::File;
+use std::io;
 use std::path::Path;
 
 /// A table with a column for each key that varies. Where a cell is empty, the base's own value holds.
@@ -22,7 +23,7 @@ pub struct Table {
 #[derive(Clone, Debug)]
 struct Column {
     key: &'static Key,
-    cells: Vec<Option<Value>>,
+    cells: Cells,
 }
 
 impl Table {
@@ -46,28 +47,31 @@ impl Table {
         })
     }
 
-    /// Takes the columns of Arrow's tables.
+    /// Takes the columns of Arrow's batches, which all have this schema. An index of pandas is passed over, unless it is
+    /// called like a key.
     ///
     /// # Errors
     /// A column that is no key, or has values that are no numbers or words.
-    pub fn from_batches(batches: &[RecordBatch]) -> Result<Self, String> {
-        let Some(first) = batches.first() else {
+    pub fn from_batches(schema: &Schema, batches: &[RecordBatch]) -> Result<Self, String> {
+        let rows = batches.iter().map(|batch| batch.num_rows() as u64).sum();
+        if rows == 0 {
             return Err("there are no rows".to_owned());
-        };
+        }
+        let indices = pandas_indices(schema);
         let mut columns = Vec::new();
-        for (index, field) in first.schema().fields().iter().enumerate() {
-            let key = find_key(field.name()).map_err(|error| error.to_string())?;
+        for (index, field) in schema.fields().iter().enumerate() {
+            let name = field.name();
+            let key = match find_key(name) {
+                Err(_) if indices.contains(name) => continue,
+                found => found.map_err(|error| error.to_string())?,
+            };
             let mut cells = Vec::new();
             for batch in batches {
-                let array = batch.column(index);
-                for row in 0..array.len() {
-                    let value = cell(key, array.as_ref(), row);
-                    cells.push(value.map_err(|reason| format!("{}: {reason}", field.name()))?);
-                }
+                let read = cells_of(key, batch.column(index).as_ref());
+                cells.extend(read.map_err(|reason| format!("{name}: {reason}"))?);
             }
             columns.push(Column { key, cells });
         }
-        let rows = batches.iter().map(|batch| batch.num_rows() as u64).sum();
         Ok(Self { columns, rows })
     }
 
@@ -109,16 +113,31 @@ impl Table {
 fn from_parquet(file: File) -> Result<Table, String> {
     let told = |error: &dyn std::error::Error| error.to_string();
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| told(&error))?;
+    let schema = builder.schema().clone();
     let reader = builder.build().map_err(|error| told(&error))?;
     let batches: Result<Vec<_>, _> = reader.collect();
-    Table::from_batches(&batches.map_err(|error| told(&error))?)
+    Table::from_batches(&schema, &batches.map_err(|error| told(&error))?)
+}
+
+/// The columns that pandas has made of the index of its rows.
+fn pandas_indices(schema: &Schema) -> Vec<String> {
+    let about = schema.metadata().get("pandas");
+    let about: Option<Json> = about.and_then(|text| serde_json::from_str(text).ok());
+    let indices = about.and_then(|about| about["index_columns"].as_array().cloned());
+    let names = indices.into_iter().flatten();
+    // An index that only counts is no column, and described by an object.
+    names
+        .filter_map(|name| name.as_str().map(str::to_owned))
+        .collect()
 }
 
 fn from_csv(file: File) -> Result<Table, String> {
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_reader(file);
-    let header = reader.headers().map_err(|error| error.to_string())?;
+    let mut text = io::read_to_string(file).map_err(|error| error.to_string())?;
+    let header = csv_reader(&text).headers().cloned();
+    let header = header.map_err(|error| error.to_string())?;
+    if header.len() == 1 {
+        text = with_empty_cells(&text);
+    }
     let keys = header.iter().map(find_key);
     let mut columns = Vec::new();
     for key in keys {
@@ -128,7 +147,7 @@ fn from_csv(file: File) -> Result<Table, String> {
         });
     }
     let mut rows = 0;
-    for record in reader.records() {
+    for record in csv_reader(&text).records() {
         let record = record.map_err(|error| error.to_string())?;
         rows += 1;
         for (Column { key, cells }, text) in columns.iter_mut().zip(&record) {
@@ -150,65 +169,31 @@ fn from_csv(file: File) -> Result<Table, String> {
     Ok(Table { columns, rows })
 }
 
-/// The text in a row of a column of any of Arrow's kinds of texts; none if it has none.
-#[must_use]
-pub fn word(array: &dyn Array, row: usize) -> Option<String> {
-    if let Some(dictionary) = array.as_any_dictionary_opt() {
-        let place = dictionary
-            .is_valid(row)
-            .then(|| dictionary.normalized_keys()[row])?;
-        return word(dictionary.values().as_ref(), place);
-    }
-    let word = match array.data_type() {
-        _ if array.is_null(row) => return None,
-        DataType::Utf8 => array.as_string::<i32>().value(row),
-        DataType::LargeUtf8 => array.as_string::<i64>().value(row),
-        DataType::Utf8View => array.as_string_view().value(row),
-        _ => return None,
-    };
-    Some(word.to_owned())
+fn csv_reader(text: &str) -> csv::Reader<&[u8]> {
+    let mut builder = csv::ReaderBuilder::new();
+    builder.trim(csv::Trim::All).from_reader(text.as_bytes())
 }
 
-/// A cell of a column for this key.
-fn cell(key: &Key, array: &dyn Array, row: usize) -> Result<Option<Value>, String> {
-    if let DataType::Dictionary(..) = array.data_type() {
-        let dictionary = array.as_any_dictionary();
-        if dictionary.is_null(row) {
-            return Ok(None);
-        }
-        let place = dictionary.normalized_keys()[row];
-        return cell(key, dictionary.values().as_ref(), place);
+/// A table with one column, with quotes in the lines that are empty: each is an empty cell, but a CSV reader passes over
+/// it.
+fn with_empty_cells(text: &str) -> String {
+    let (mut filled, mut has_header, mut is_quoted) = (String::new(), false, false);
+    for line in text.lines() {
+        let is_empty = line.trim().is_empty() && has_header && !is_quoted;
+        filled += if is_empty { "\"\"" } else { line };
+        filled.push('\n');
+        has_header |= !line.trim().is_empty();
+        is_quoted ^= line.matches('"').count() % 2 == 1;
     }
-    if array.is_null(row) {
-        return Ok(None);
-    }
-    let value = match array.data_type() {
-        DataType::Null => return Ok(None),
-        DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => {
-            Value::Text(word(array, row).unwrap_or_default())
-        }
-        DataType::Float64 => Value::Number(array.as_primitive::<Float64Type>().value(row)),
-        DataType::Float32 => {
-            Value::Number(f64::from(array.as_primitive::<Float32Type>().value(row)))
-        }
-        DataType::Int64 => Value::Number(array.as_primitive::<Int64Type>().value(row) as f64),
-        DataType::Int32 => Value::Number(f64::from(array.as_primitive::<Int32Type>().value(row))),
-        DataType::Int16 => Value::Number(f64::from(array.as_primitive::<Int16Type>().value(row))),
-        DataType::Int8 => Value::Number(f64::from(array.as_primitive::<Int8Type>().value(row))),
-        DataType::UInt64 => Value::Number(array.as_primitive::<UInt64Type>().value(row) as f64),
-        DataType::UInt32 => Value::Number(f64::from(array.as_primitive::<UInt32Type>().value(row))),
-        DataType::UInt16 => Value::Number(f64::from(array.as_primitive::<UInt16Type>().value(row))),
-        DataType::UInt8 => Value::Number(f64::from(array.as_primitive::<UInt8Type>().value(row))),
-        other => {
-            return Err(format!(
-                "values of type {other} are neither numbers nor words"
-            ));
-        }
-    };
-    let fits = matches!(value, Value::Text(_)) == key.kind.is_text();
-    if fits {
-        Ok(Some(value))
-    } else {
-        Err(format!("{value}: must be {}", key.kind))
+    filled
+}
+
+/// The cells of a column for this key.
+fn cells_of(key: &Key, column: &dyn Array) -> Result<Cells, String> {
+    let cells = cells(column)?;
+    let is_wrong = |value: &&Value| matches!(value, Value::Text(_)) != key.kind.is_text();
+    match cells.iter().flatten().find(is_wrong) {
+        Some(value) => Err(format!("{value}: must be {}", key.kind)),
+        None => Ok(cells),
     }
 }

@@ -66,6 +66,7 @@ pub fn run(
     options: &Options,
     watch: &Watch<'_>,
 ) -> Result<Finished, SweepError> {
+    check_name(table)?;
     let store = Store::new(sweep, table);
     let result = match store.finished()? {
         Some(_) => Ok(Finished::default()),
@@ -129,6 +130,7 @@ fn complete(
 /// # Errors
 /// As [`run`].
 pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u64, SweepError> {
+    check_name(table)?;
     let store = Store::new(sweep, table);
     if store.finished()?.is_some() {
         return Ok(0);
@@ -140,6 +142,16 @@ pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u
         left += rows.end - rows.start;
     }
     Ok(left)
+}
+
+/// Refuses a path that no table can have, before anything is computed for it.
+fn check_name(table: &Path) -> Result<(), SweepError> {
+    match table.file_name() {
+        Some(_) => Ok(()),
+        None => Err(SweepError::Spec(format!(
+            "{table:?} names no file: the table needs a name, as in out.parquet"
+        ))),
+    }
 }
 
 /// The parts that are not there, in order; an error for one that is something else.

@@ -2,14 +2,20 @@
 
 use crate::support::scenario;
 use arrow_array::cast::AsArray as _;
-use arrow_array::types::{Float64Type, Int64Type};
-use arrow_array::{Array as _, RecordBatch};
+use arrow_array::types::{Float64Type, Int32Type, Int64Type};
+use arrow_array::{
+    Array as _, ArrayRef, DictionaryArray, Float32Array, Float64Array, LargeStringArray,
+    RecordBatch, StringViewArray,
+};
+use arrow_schema::{DataType, Field, Schema};
 use assert_cmd::Command;
+use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use sha2::{Digest as _, Sha256};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File};
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use toprise::run::outcome;
 use toprise::run::outcome::Cell;
@@ -350,13 +356,20 @@ fn samples_and_tables_say_what_runs() {
     // The same design as Parquet is the same sweep.
     let file = folder.path().join("design.parquet");
     let columns = design.project(&[2, 3]).unwrap();
-    let schema = columns.schema();
-    let mut writer =
-        parquet::arrow::ArrowWriter::try_new(File::create(&file).unwrap(), schema, None).unwrap();
-    writer.write(&columns).unwrap();
-    writer.close().unwrap();
+    write(&file, &columns);
     assert_eq!(of(&file).to_json(), spec.to_json());
 
+    // A cell that is empty is no row less, though it makes an empty line.
+    for text in [
+        "friction_k\n\n0.02\n\n",
+        "\u{feff}friction_k\r\n\r\n0.02\r\n\r\n",
+        "friction_k\n\"\"\n0.02\n\"\"",
+    ] {
+        fs::write(&csv, text).unwrap();
+        let design = Sweep::new(of(&csv)).design(0..3);
+        let k: Vec<_> = numbers(&design, "friction_k").iter().collect();
+        assert_eq!(k, [None, Some(0.02), None], "{text:?}");
+    }
     for (text, part) in [
         ("friction_k\nfast\n", "is no number"),
         ("friction_kk\n1\n", "friction.k"),
@@ -820,6 +833,130 @@ fn what_says_of_which_sweep_parts_are_may_be_damaged() {
         let error = compute(&sweep, &table, &Options::default()).unwrap_err();
         assert!(matches!(error, SweepError::Unreadable { .. }), "{error}");
     }
+}
+
+fn write(path: &Path, table: &RecordBatch) {
+    let file = File::create(path).unwrap();
+    let mut writer = ArrowWriter::try_new(file, table.schema(), None).unwrap();
+    writer.write(table).unwrap();
+    writer.close().unwrap();
+}
+
+/// A table as pandas writes it: its index is a column like any other, but for what the schema says.
+#[test]
+fn an_index_of_pandas_is_no_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("design.parquet");
+    let design = |indices: &str| {
+        let about = format!("{{\"index_columns\": {indices}}}");
+        let about = HashMap::from([("pandas".to_owned(), about)]);
+        let fields = ["__index_level_0__", "friction_k"];
+        let fields = fields.map(|name| Field::new(name, DataType::Float64, true));
+        let schema = Schema::new_with_metadata(fields.to_vec(), about);
+        let column = || Arc::new(Float64Array::from(vec![0.01, 0.02])) as ArrayRef;
+        let table = RecordBatch::try_new(Arc::new(schema), vec![column(), column()]).unwrap();
+        write(&path, &table);
+        toprise::sweep::Table::read(&path)
+    };
+    let paths = |table: toprise::sweep::Table| {
+        let keys = table.keys().into_iter();
+        keys.map(|key| key.path).collect::<Vec<_>>()
+    };
+    let table = design("[\"__index_level_0__\"]").unwrap();
+    assert_eq!((table.rows(), paths(table)), (2, vec!["friction.k"]));
+    // Where keys are the index, they are keys still.
+    let table = design("[\"__index_level_0__\", \"friction_k\"]").unwrap();
+    assert_eq!(paths(table), ["friction.k"]);
+    let error = design("[{\"kind\": \"range\"}]").unwrap_err().to_string();
+    assert!(error.contains("__index_level_0__"), "{error}");
+}
+
+/// Libraries have several types for texts and numbers, and write a table with others than it had.
+#[test]
+fn tables_that_others_have_written_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let sweep = "sweep paper viscous --set stop.duration=0.05 --over friction.k=0.01,0.02,0.03 --over initial.theta=0.3,0.5 -o a.parquet";
+    let (code, _, notes) = toprise(folder, sweep);
+    assert_eq!(code, 0, "{notes}");
+    let table = read(&folder.join("a.parquet"));
+    let line =
+        "--x friction_k --y initial_theta --show energy --where scenario=viscous --kinds svg -o";
+    let draw = |file: &str| {
+        let line = format!("figures --sweep {file}.parquet {line} {file}");
+        let (code, _, told) = toprise(folder, &line);
+        assert_eq!(code, 0, "{told}");
+        fs::read_to_string(folder.join(file).join("sweep.svg")).unwrap()
+    };
+    let texts = |name: &str| {
+        table
+            .column_by_name(name)
+            .unwrap()
+            .as_string::<i32>()
+            .iter()
+    };
+    let words: [ArrayRef; 3] = [
+        Arc::new(texts("scenario").collect::<DictionaryArray<Int32Type>>()),
+        Arc::new(texts("scenario").collect::<LargeStringArray>()),
+        Arc::new(texts("scenario").collect::<StringViewArray>()),
+    ];
+    let theta = numbers(&table, "initial_theta").iter();
+    let theta: Float32Array = theta.map(|theta| theta.map(|theta| theta as f32)).collect();
+    let mut drawn = Vec::new();
+    for (index, scenario) in words.into_iter().enumerate() {
+        let columns = table.schema_ref().fields().iter().zip(table.columns());
+        let columns = columns.map(|(field, column)| -> (Field, ArrayRef) {
+            let column = match field.name().as_str() {
+                "scenario" => scenario.clone(),
+                "stop_reason" => Arc::new(texts("stop_reason").collect::<LargeStringArray>()),
+                "initial_theta" => Arc::new(theta.clone()),
+                _ => column.clone(),
+            };
+            let field = field.as_ref().clone();
+            (field.with_data_type(column.data_type().clone()), column)
+        });
+        let (fields, columns): (Vec<Field>, Vec<ArrayRef>) = columns.unzip();
+        let other = RecordBatch::try_new(Arc::new(Schema::new(fields)), columns);
+        let name = format!("other{index}");
+        write(&folder.join(format!("{name}.parquet")), &other.unwrap());
+        drawn.push(draw(&name));
+    }
+    assert_eq!(drawn[0], drawn[1]);
+    assert_eq!(drawn[0], drawn[2]);
+    // As a float of 32 bits, 0.3 has moved by less than is drawn.
+    assert_eq!(drawn[0], draw("a"));
+
+    let chosen = |condition: &str| {
+        let line = format!("figures --sweep a.parquet --x friction_k --where {condition}");
+        let (code, _, told) = toprise(folder, &line);
+        assert_eq!(code, 2);
+        told
+    };
+    let told = chosen("initial_theta=61");
+    assert!(
+        told.contains("no run has initial_theta = 61; there are 0.3, 0.5"),
+        "{told}"
+    );
+    let told = chosen("scenario=papr");
+    assert!(
+        told.contains("no run has scenario = papr; there are paper, viscous"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_table_needs_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["", "..", "/"] {
+        let line = ["sweep", "paper", "--set", "stop.duration=0.01", "-o", name];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_toprise"));
+        let output = command.current_dir(folder.path()).args(line).output();
+        let output = output.unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(told.contains("names no file"), "{told}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 #[test]

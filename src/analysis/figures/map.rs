@@ -1,11 +1,11 @@
 //! The map of a sweep: what came of its runs, over one or two of the keys that varied.
 
 use crate::analysis::plot::drawing::{Anchor, Drawing};
-use crate::analysis::plot::frame::{self, Frame, in_brackets};
+use crate::analysis::plot::frame::{self, Frame};
 use crate::analysis::plot::legend::{self, Entry};
 use crate::analysis::plot::range::{NONE, extremes, union};
-use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape};
-use crate::analysis::plot::style::{self, COLOURS, FONT, LINE, MARGIN, MEDIUM};
+use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape, Stroke};
+use crate::analysis::plot::style::{self, COLOURS, DASHES, FONT, LINE, MARGIN, MEDIUM};
 use crate::analysis::plot::text::Text;
 use crate::analysis::plot::ticks::Scale;
 use crate::physics::math::log10;
@@ -118,7 +118,8 @@ impl Along {
         }
     }
 
-    /// The ends of the cell around each level: halfway to its neighbours.
+    /// The ends of the cell around each level: halfway to its neighbours; a level without any has a tenth of its value on
+    /// both sides.
     fn edges(&self) -> Vec<f64> {
         let levels = &self.levels;
         let between = levels
@@ -128,9 +129,13 @@ impl Along {
         let (Some(first), Some(last)) = (levels.first(), levels.last()) else {
             return Vec::new();
         };
-        let half = |gap: Option<f64>| gap.map_or(0.5, |gap| gap);
-        let low = first - half(between.first().map(|edge| edge - first));
-        let high = last + half(between.last().map(|edge| last - edge));
+        let alone = if *first == 0.0 {
+            1.0
+        } else {
+            0.1 * first.abs()
+        };
+        let low = first - between.first().map_or(alone, |edge| edge - first);
+        let high = last + between.last().map_or(alone, |edge| last - edge);
         let mut edges = vec![low];
         edges.extend(between);
         edges.push(high);
@@ -225,6 +230,11 @@ impl Map {
         outcomes.map(|outcome| (outcome, colour(outcome))).collect()
     }
 
+    /// The entry of an outcome in a legend.
+    fn entry(&self, outcome: &str, colour: Colour) -> Entry {
+        Entry::area(colour, &outcome_words(outcome, &self.color.name))
+    }
+
     /// A map over two keys.
     fn plane(&self, y: &MapAxis, width: f64) -> Result<Drawing, String> {
         let (across, upward) = (Along::new(&self.x.values), Along::new(&y.values));
@@ -247,7 +257,7 @@ impl Map {
         let mut drawing = Drawing::new(width);
         let mut key: Vec<_> = colours
             .iter()
-            .map(|(outcome, colour)| Entry::area(*colour, &outcome_words(outcome)))
+            .map(|(outcome, colour)| self.entry(outcome, *colour))
             .collect();
         if is_looping {
             key.push(Entry::line(
@@ -444,22 +454,34 @@ impl Map {
         names.dedup();
         let colours = self.outcome_colours();
         let mut drawing = Drawing::new(width);
-        let strokes: Vec<_> = (0..names.len())
-            .map(|i| style::line(COLOURS[i % COLOURS.len()], MEDIUM))
-            .collect();
+        let most = COLOURS.len() * DASHES.len();
+        if names.len() > most {
+            return Err(format!(
+                "{} scenarios are more than the {most} curves that can be told apart: choose with --where scenario=NAME",
+                names.len()
+            ));
+        }
+        let stroke = |curve: usize| Stroke {
+            dash: DASHES[curve / COLOURS.len()],
+            ..style::line(COLOURS[curve % COLOURS.len()], MEDIUM)
+        };
+        let strokes: Vec<_> = (0..names.len()).map(stroke).collect();
         let mut key = Vec::new();
         if names.len() > 1 {
             let lines = names.iter().zip(&strokes);
             key.extend(lines.map(|(name, stroke)| Entry::of(*stroke, Text::name(name))));
         }
-        let entry =
-            |(outcome, colour): &(&str, Colour)| Entry::area(*colour, &outcome_words(outcome));
-        key.extend(colours.iter().map(entry));
+        let entries = colours.iter();
+        key.extend(entries.map(|(outcome, colour)| self.entry(outcome, *colour)));
         let top = legend::draw_at_top(&mut drawing, &key) + 0.6;
         let height = TALLEST.min(width * HEIGHT);
-        // What has no value is marked below the curves.
+        // What has no value is marked below the curves: a strip for each.
         let strips = if colours.is_empty() { 0 } else { names.len() };
+        let pitch = (STRIP + STRIP_GAP).min(STRIPS * height / strips.max(1) as f64);
+        let strip = pitch * STRIP / (STRIP + STRIP_GAP);
         let (low, high) = aired(union(NONE, extremes(upward.levels.iter().copied())));
+        let part = (strips as f64 * pitch) / height;
+        let low = low - (high - low) * part / (1.0 - part);
         let y_scale = upward.scale((low, high), frame::ticks_up(height));
         let text = label(&self.color, y_scale.exponent);
         let left = MARGIN + frame::room_beside(&y_scale, &text);
@@ -499,10 +521,7 @@ impl Map {
             let there = points.iter().filter(|point| point.1.is_finite());
             shapes.extend(there.map(|point| dot(frame.place(*point), stroke.colour)));
             drawing.group(name, shapes);
-            let y = bounds.bottom
-                - STRIP_GAP
-                - (strips - index.min(strips)) as f64 * (STRIP + STRIP_GAP)
-                + STRIP_GAP;
+            let y = bounds.bottom - (strips - index.min(strips)) as f64 * pitch;
             let marks = runs.iter().filter(|run| !upward.places[**run].is_finite());
             let marks = marks.map(|run| {
                 let outcome = self.outcome(*run);
@@ -513,7 +532,7 @@ impl Map {
                         left: x - 0.6,
                         top: y,
                         right: x + 0.6,
-                        bottom: y + STRIP,
+                        bottom: y + strip,
                     }
                     .corners(),
                     fill: colour.map_or(NO_OUTCOME, |(_, colour)| *colour),
@@ -536,6 +555,9 @@ impl Map {
 const STRIP: f64 = 1.2;
 const STRIP_GAP: f64 = 0.5;
 
+/// The most of the frame's height that these marks take.
+const STRIPS: f64 = 0.25;
+
 /// The length of the ticks at the edge of what loops, mm.
 const EDGE_TICK: f64 = 0.9;
 
@@ -543,7 +565,7 @@ const EDGE_TICK: f64 = 0.9;
 const OVERLAP: f64 = 0.15;
 
 /// The line around what loops.
-fn contour() -> crate::analysis::plot::shape::Stroke {
+fn contour() -> Stroke {
     style::line(style::BLACK, MEDIUM)
 }
 
@@ -556,10 +578,15 @@ fn dot(centre: Point, fill: Colour) -> Shape {
     }
 }
 
-/// An outcome, for people.
-fn outcome_words(outcome: &str) -> String {
+/// The columns of times of what every top may do sooner or later, so that none says "not yet". What a fixed peg never does is
+/// not among them.
+const AWAITED: [&str; 3] = ["rise_time", "weak_time", "loop_time"];
+
+/// An outcome, for people, where a run has no value in a column.
+fn outcome_words(outcome: &str, column: &str) -> String {
     match outcome {
-        "duration" => "not by the end of the run".to_owned(),
+        "duration" if AWAITED.contains(&column) => "not by the end of the run".to_owned(),
+        "duration" => "none in the whole run".to_owned(),
         other => other.replace('_', " "),
     }
 }
@@ -567,10 +594,13 @@ fn outcome_words(outcome: &str) -> String {
 /// The label of an axis.
 fn label(axis: &MapAxis, exponent: i32) -> Text {
     let name = Text::plain(&axis.name);
-    match in_brackets(exponent, &axis.unit) {
-        empty if empty.is_empty() => name,
-        unit if exponent == 0 => name.followed_by(&format!(" ({unit})")),
-        _ => name.followed_by(&format!(" (×1e{exponent} {})", axis.unit).replace('-', "−")),
+    let factor = match exponent {
+        0 => String::new(),
+        _ => format!("×1e{exponent}").replace('-', "−"),
+    };
+    match format!("{factor} {}", axis.unit).trim() {
+        "" => name,
+        unit => name.followed_by(&format!(" ({unit})")),
     }
 }
 

@@ -1,5 +1,10 @@
 //! Scales of axes: ranges of values with ticks at round numbers.
 
+#[cfg(feature = "sweep")]
+use crate::physics::math::exp;
+use crate::physics::math::log10;
+#[cfg(feature = "sweep")]
+use std::f64::consts::LN_10;
 use std::ops::RangeInclusive;
 
 /// The range of values along an axis, with its ticks.
@@ -10,18 +15,33 @@ pub(crate) struct Scale {
     /// The numbers at the ticks are to be multiplied by ten to this power, a multiple of three.
     pub(crate) exponent: i32,
     step: Step,
-    /// Along an axis of decimal logarithms: the digits from 1 to 9 that have numbers.
-    digits: Option<&'static [usize]>,
+    /// Along an axis of decimal logarithms: which numbers stand there.
+    logarithms: Option<Logarithms>,
+}
+
+/// The numbers along an axis of decimal logarithms.
+#[derive(Clone, Debug, PartialEq)]
+enum Logarithms {
+    Decades(Decades),
+    /// Those that stand along an axis of the numbers themselves.
+    Numbers(Box<Scale>),
+}
+
+/// Numbers of one digit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Decades {
+    /// Their digits, from 1 to 9.
+    digits: &'static [usize],
+    /// Decades have numbers if they are multiples of this.
+    every: i32,
 }
 
 #[cfg(feature = "sweep")]
 /// The digits that may have numbers along an axis of logarithms, from many to few.
-const DIGITS: [&[usize]; 4] = [
-    &[1, 2, 3, 4, 5, 6, 7, 8, 9],
-    &[1, 2, 3, 5],
-    &[1, 2, 5],
-    &[1],
-];
+const DIGITS: [&[usize]; 4] = [&ALL, &[1, 2, 3, 5], &[1, 2, 5], &[1, 3]];
+
+/// The digits of numbers.
+const ALL: [usize; 9] = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 
 /// The decimal logarithms of the digits.
 const LOGARITHMS: [f64; 10] = [
@@ -103,36 +123,52 @@ impl Scale {
             high,
             exponent,
             step,
-            digits: None,
+            logarithms: None,
         }
     }
 
-    /// A scale of decimal logarithms, from `low` to `high`, with at most `most` numbers if there are two at least.
+    /// A scale of decimal logarithms, from `low` to `high`, with at most `most` numbers, but with three if they fit the
+    /// range: some digits of each decade, powers of ten alone, or what a range of less than a decade needs.
     #[cfg(feature = "sweep")]
     pub(crate) fn of_logarithms(low: f64, high: f64, most: usize) -> Self {
         let linear = Self::new(low, high, most);
-        let with = |digits| Self {
-            exponent: 0,
-            digits: Some(digits),
-            ..linear.clone()
+        let all = (linear.high - linear.low) as i32 + 1;
+        let of_digits = DIGITS.map(|digits| Decades { digits, every: 1 });
+        let of_powers = (1..=all).map(|every| Decades {
+            digits: &[1],
+            every,
+        });
+        let mut decades = of_digits.into_iter().chain(of_powers);
+        let fitting =
+            decades.find(|decades| (2..=most.max(3)).contains(&linear.decades(*decades).len()));
+        let number = |logarithm: f64| exp(logarithm * LN_10);
+        let numbers = || Self::new(number(linear.low), number(linear.high), most);
+        let logarithms = match fitting {
+            Some(decades) => Logarithms::Decades(decades),
+            None => Logarithms::Numbers(Box::new(numbers())),
         };
-        let count = |digits| with(digits).ticks().len();
-        let fits = DIGITS
-            .into_iter()
-            .find(|digits| count(digits) <= most.max(3));
-        let fits = fits.filter(|digits| count(digits) >= 2);
-        with(fits.unwrap_or(DIGITS[0]))
+        let exponent = match &logarithms {
+            Logarithms::Decades(_) => 0,
+            Logarithms::Numbers(numbers) => numbers.exponent,
+        };
+        Self {
+            exponent,
+            logarithms: Some(logarithms),
+            ..linear
+        }
     }
 
-    /// The places of some digits in all decades of the range, with their numbers.
-    fn decades(&self, digits: &[usize]) -> Vec<Tick> {
+    /// The places of some digits in some decades of the range, with their numbers.
+    fn decades(&self, Decades { digits, every }: Decades) -> Vec<Tick> {
         let decades = self.low.floor() as i32..=self.high.floor() as i32;
-        let ticks = decades.flat_map(|decade| {
-            digits.iter().map(move |digit| Tick {
-                value: f64::from(decade) + LOGARITHMS[*digit],
-                label: decimal(*digit, decade),
-            })
-        });
+        let ticks = decades
+            .filter(move |decade| decade.rem_euclid(every) == 0)
+            .flat_map(|decade| {
+                digits.iter().map(move |digit| Tick {
+                    value: f64::from(decade) + LOGARITHMS[*digit],
+                    label: decimal(*digit, decade),
+                })
+            });
         let slack = 1e-9 * (self.high - self.low);
         let range = self.low - slack..=self.high + slack;
         ticks.filter(|tick| range.contains(&tick.value)).collect()
@@ -145,10 +181,18 @@ impl Scale {
 
     /// The ticks with numbers.
     pub(crate) fn ticks(&self) -> Vec<Tick> {
-        if let Some(digits) = self.digits {
-            return self.decades(digits);
+        match &self.logarithms {
+            Some(Logarithms::Decades(decades)) => self.decades(*decades),
+            Some(Logarithms::Numbers(numbers)) => {
+                let ticks = numbers.ticks().into_iter();
+                let place = |tick: Tick| Tick {
+                    value: log10(tick.value),
+                    ..tick
+                };
+                ticks.map(place).collect()
+            }
+            None => self.labelled(self.numbers(self.step.value())),
         }
-        self.labelled(self.numbers(self.step.value()))
     }
 
     /// The ticks with numbers, and one more if the last is not close to the upper end.
@@ -175,10 +219,21 @@ impl Scale {
 
     /// The values of the ticks without numbers, between the others.
     pub(crate) fn minor(&self) -> Vec<f64> {
-        if let Some(digits) = self.digits {
-            let others: Vec<_> = (1..=9).filter(|digit| !digits.contains(digit)).collect();
-            let ticks = self.decades(&others).into_iter();
-            return ticks.map(|tick| tick.value).collect();
+        if let Some(Logarithms::Numbers(numbers)) = &self.logarithms {
+            return numbers.minor().into_iter().map(log10).collect();
+        }
+        if let Some(Logarithms::Decades(decades)) = self.logarithms {
+            let numbers = self.decades(decades);
+            // Where not every decade has a number, ticks for digits would be a smear.
+            let digits = if decades.every == 1 {
+                &ALL[..]
+            } else {
+                &ALL[..1]
+            };
+            let all = self.decades(Decades { digits, every: 1 }).into_iter();
+            let all = all.map(|tick| tick.value);
+            let is_minor = |value: &f64| numbers.iter().all(|tick| tick.value != *value);
+            return all.filter(is_minor).collect();
         }
         let parts = if self.step.mantissa == 2 { 4 } else { 5 };
         let step = self.step.value() / parts as f64;
@@ -303,6 +358,16 @@ mod tests {
         assert_eq!(labels(1.0, 1e4, 6), ["1", "10", "100", "1000", "10000"]);
         assert_eq!(labels(0.03, 0.06, 6), ["0.03", "0.04", "0.05", "0.06"]);
         assert_eq!(labels(2e-7, 2e-6, 4), ["2e−7", "5e−7", "1e−6", "2e−6"]);
+        // Several decades have powers of ten alone, and some of them if they are many.
+        assert_eq!(
+            labels(6e-7, 0.8, 6),
+            ["1e−6", "1e−5", "0.0001", "0.001", "0.01", "0.1"]
+        );
+        assert_eq!(labels(6e-7, 0.8, 5), ["1e−6", "0.0001", "0.01"]);
+        assert_eq!(labels(1e-9, 1e2, 5), ["1e−9", "1e−6", "0.001", "1"]);
+        // Between two digits too there are numbers.
+        assert_eq!(labels(0.31, 0.39, 5), ["0.32", "0.34", "0.36", "0.38"]);
+        assert_eq!(labels(0.058, 0.094, 3), ["0.06", "0.08"]);
     }
 
     #[test]
@@ -323,6 +388,29 @@ mod tests {
     }
 
     proptest! {
+        #[cfg(feature = "sweep")]
+        #[test]
+        fn ticks_of_logarithms_are_few_and_read_as_their_values(
+            low in -12.0..6.0, span in 1e-3..18.0, most in 3_usize..10,
+        ) {
+            let scale = Scale::of_logarithms(low, low + span, most);
+            let ticks = scale.ticks();
+            let least = if span > 1.0 { 2 } else { 1 };
+            prop_assert!((least..=most).contains(&ticks.len()), "{ticks:?}");
+            for tick in ticks.iter().map(|tick| tick.value).chain(scale.minor()) {
+                prop_assert!((-1e-6..=1.000_001).contains(&scale.place(tick)));
+            }
+            for tick in &ticks {
+                let shown: f64 = tick.label.replace('−', "-").parse().unwrap();
+                let place = libm::log10(scaled(shown, scale.exponent));
+                prop_assert!((place - tick.value).abs() < 1e-9, "{tick:?}");
+                // More than two numbers a decade would be too many.
+                if 2.0 * span > most as f64 + 2.0 {
+                    prop_assert_eq!(tick.value, tick.value.round());
+                }
+            }
+        }
+
         #[test]
         fn ticks_lie_in_the_range_are_few_and_read_as_their_values(
             middle in -1e6..1e6, span in 1e-3..1e6, most in 3_usize..10,
