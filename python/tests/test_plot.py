@@ -9,7 +9,7 @@ import pandas
 import polars as pl
 import pyarrow as pa
 import pytest
-from matplotlib.collections import QuadMesh
+from matplotlib.collections import LineCollection, QuadMesh
 
 import toprise
 import toprise.plot
@@ -37,6 +37,45 @@ def test_a_map_shows_values_and_why_there_are_none(library):
     ]
     assert len(meshes) == 4 and len(axes.collections) == 5, "and the line around loops"
     assert axes.get_xscale() == "log" and axes.get_yscale() == "linear"
+
+
+def drawn(rows):
+    """The ends of the cells that are shown, and the lines around loops."""
+    axes = toprise.plot.map(pl.DataFrame(rows), "friction_k", "initial_psi_dot")
+    axes.figure.canvas.draw()
+    corners = [part for part in axes.collections if isinstance(part, QuadMesh)][0].get_coordinates()
+    lines = [part for part in axes.collections if isinstance(part, LineCollection)]
+    return corners[0, :, 0], corners[:, 0, 1], [line for part in lines for line in part.get_segments()]
+
+
+def test_a_map_of_one_column_has_cells():
+    rows = {
+        "friction_k": [0.05] * 3,
+        "initial_psi_dot": [100.0, 150.0, 200.0],
+        "rise_time": [3.0, 2.0, 1.0],
+        "loops": [0, 0, 2],
+        "stop_reason": ["risen"] * 3,
+    }
+    across, upward, lines = drawn(rows)
+    assert across == pytest.approx([0.045, 0.055])
+    assert upward == pytest.approx([75.0, 125.0, 175.0, 225.0])
+    assert np.array(lines) == pytest.approx(np.array([[(0.045, 175.0), (0.055, 175.0)]]))
+
+
+def test_a_line_surrounds_the_cells_that_loop():
+    across, upward, lines = drawn(ROWS)
+    k = np.sqrt([0.01 * 0.02, 0.02 * 0.04])
+    assert across == pytest.approx([0.01 / np.sqrt(2), *k, 0.04 * np.sqrt(2)])
+    assert upward == pytest.approx([75.0, 125.0, 175.0])
+    # The right cell of the lower row loops, and the middle one of the upper row.
+    expected = [
+        [(k[1], 75.0), (k[1], 125.0)],
+        [(k[0], 125.0), (k[0], 175.0)],
+        [(k[1], 125.0), (k[1], 175.0)],
+        [(k[0], 125.0), (k[1], 125.0)],
+        [(k[1], 125.0), (across[-1], 125.0)],
+    ]
+    assert np.array(lines) == pytest.approx(np.array(expected))
 
 
 def test_a_map_of_a_table_names_units():

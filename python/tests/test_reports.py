@@ -32,6 +32,8 @@ def test_a_difference_is_told_in_sentences(brief):
     assert "friction.k (A: 0.03, B: 0.0303)" in report.summary
     assert report["setup"]["scenario"][0]["key"] == "friction.k"
     assert report["floor"] is None
+    with pytest.raises(ValueError, match="offset = 'foo': must be a number of seconds or"):
+        toprise.diff(brief, other, offset="foo")
     equal = toprise.diff(brief, other, abs=1.0, rel=0.5, floor=False, topics=["/top/state"])
     assert equal.verdict == "equal"
     equal = toprise.diff(

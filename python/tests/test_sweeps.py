@@ -136,6 +136,57 @@ def test_other_columns_go_through_if_they_are_named():
         toprise.outcomes(table, BRIEF)
 
 
+def test_a_key_that_is_kept_is_applied():
+    table = pa.table({"friction_k": FRICTIONS, "label": list("abcd")})
+    found = toprise.outcomes(table, BRIEF, keep=["friction_k", "label"])
+    assert is_expected(found)
+    assert pa.table(found)["friction_k"].to_pylist() == FRICTIONS
+    assert pa.table(found).column_names.count("friction_k") == 1
+
+
+def test_columns_are_not_kept_twice():
+    for name in ("stop_reason", "theta", "error"):
+        table = pa.table({"friction_k": [0.02], name: [None]})
+        with pytest.raises(ValueError, match=f"outcomes have a column {name} too"):
+            toprise.outcomes(table, BRIEF, keep=[name])
+
+
+def test_the_index_of_pandas_is_no_key():
+    frame = pandas.DataFrame({"friction_k": [*FRICTIONS, 0.2]})
+    for some in (frame[frame.friction_k != 0.2], frame[:4].set_axis(list("abcd"))):
+        assert is_expected(toprise.outcomes(some, BRIEF))
+        made = toprise.Outcomes(BRIEF)(some)
+        assert is_expected(made.reset_index(drop=True))
+        assert list(made.index) == list(some.index)
+    nothing = frame[frame.friction_k > 1]
+    assert len(toprise.outcomes(nothing, BRIEF)) == 0
+    # Keys may be the index too.
+    assert is_expected(toprise.outcomes(frame[:4].set_index("friction_k"), BRIEF))
+
+
+def test_decimals_are_the_numbers_next_to_them():
+    relation = duckdb.sql("SELECT unnest([0.01, 0.02, 0.05, 0.1]) AS friction_k")
+    assert pa.types.is_decimal(relation.arrow().schema.field(0).type)
+    assert is_expected(toprise.outcomes(relation, BRIEF))
+    for kind in (pa.decimal64(5, 3), pa.decimal128(20, 10), pa.decimal256(60, 30)):
+        column = pa.array(map(str, FRICTIONS)).cast(kind)
+        assert is_expected(toprise.outcomes(pa.table({"friction_k": column}), BRIEF))
+
+
+def test_rows_that_are_null_as_a_whole_leave_the_base_as_it_is():
+    fields = [pa.array([0.05, 0.0, 0.1])]
+    mask = pa.array([False, True, False])
+    rows_ = pa.StructArray.from_arrays(fields, ["friction_k"], mask=mask)
+    found = rows(toprise.outcomes(rows_, BRIEF))
+    assert [row["friction_k"] for row in found] == [0.05, None, 0.1]
+    assert found[1]["scenario_digest"] == BRIEF.digest
+
+
+def test_columns_are_found_by_names_with_dots():
+    table = toprise.outcomes(pa.table({"friction_k": FRICTIONS}), BRIEF)
+    assert table.numpy("friction.k").tolist() == FRICTIONS
+
+
 def test_threads_do_not_change_outcomes():
     table = pa.table({"friction_k": np.geomspace(0.005, 0.1, 50)})
     one, two = (pa.table(toprise.outcomes(table, BRIEF, threads=n)) for n in (1, 2))
@@ -197,6 +248,7 @@ def test_a_sweep_is_written_once_whatever_computes_it(tmp_path):
     whole = tmp_path / "whole.parquet"
     answer = toprise.sweep(SPEC, whole, progress=lambda done, of: told.append((done, of)))
     assert answer["stops"] == {"duration": 2400} and answer["errors"] == 0
+    assert answer["runs"] == answer["computed"] == 2400
     assert answer["is_merged"] and told[-1] == (2400, 2400)
     parts = tmp_path / "parts.parquet"
     for shard in (2, 0, 1):
@@ -208,11 +260,43 @@ def test_a_sweep_is_written_once_whatever_computes_it(tmp_path):
     inline = toprise.outcomes(toprise.design(SPEC), toprise.Scenario("paper", SPEC["set"]))
     assert pa.table(inline).select(table.column_names).to_pylist() == table.to_pylist()
     # All is there already.
-    assert toprise.sweep(SPEC, whole)["runs"] == 0
+    again = toprise.sweep(SPEC, whole)
+    assert again == answer | {"computed": 0}
     with pytest.raises(toprise.SweepError, match="is of another sweep"):
         toprise.sweep(SPEC | {"set": {"stop.duration": 0.01}}, whole)
     with pytest.raises(ValueError, match="shard"):
         toprise.sweep(SPEC, parts, shard=(3, 3))
+
+
+def test_specs_may_have_numbers_of_numpy_and_none(tmp_path):
+    spec = {
+        "set": {"stop.duration": np.float64(0.005), "initial.psi_dot": np.int64(150)},
+        "over": {"friction.k": np.array([0.01, 0.1])},
+        "sample": {"count": np.int64(4), "method": "random", "seed": np.uint8(3)},
+        "max_steps": np.int32(1000),
+    }
+    plain = {
+        "set": {"stop.duration": 0.005, "initial.psi_dot": 150},
+        "over": {"friction.k": [0.01, 0.1]},
+        "sample": {"count": 4, "method": "random", "seed": 3},
+        "max_steps": 1000,
+    }
+    one, other = tmp_path / "one.parquet", tmp_path / "other.parquet"
+    assert toprise.sweep(spec, one)["stops"] == {"duration": 4}
+    toprise.sweep(plain, other)
+    assert one.read_bytes() == other.read_bytes()
+    left_out = {"over": {"friction.k": [0.1]}, "sample": None, "max_steps": None}
+    assert len(toprise.design(left_out)) == 1
+    # In `set`, None takes a key out of the scenarios.
+    taken = toprise.sweep({"set": {"initial.psi_dot": None}}, tmp_path / "taken.parquet")
+    assert "initial.psi_dot" in taken["first_error"]["error"]
+
+
+def test_a_table_needs_a_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(toprise.SweepError, match="names no file"):
+        toprise.sweep(SPEC, "")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_wrong_rows_are_counted(tmp_path):

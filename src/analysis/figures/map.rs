@@ -693,4 +693,98 @@ mod tests {
             assert_eq!(is_log(&values), expected, "{values:?}");
         }
     }
+
+    fn axis(name: &str, values: &[f64]) -> MapAxis {
+        MapAxis {
+            name: name.to_owned(),
+            unit: String::new(),
+            values: values.to_vec(),
+        }
+    }
+
+    /// Runs of several scenarios over two frictions, of which the second has no value.
+    fn curves(scenarios: usize, column: &str) -> Map {
+        let runs = 2 * scenarios;
+        let of = |values: [f64; 2]| -> Vec<f64> { values.into_iter().cycle().take(runs).collect() };
+        Map {
+            x: axis("friction_k", &of([0.01, 0.02])),
+            y: None,
+            color: axis(column, &of([3.0, f64::NAN])),
+            stops: vec![Some("duration".to_owned()); runs],
+            loops: vec![false; runs],
+            scenarios: (0..runs).map(|run| format!("s{}", run / 2)).collect(),
+        }
+    }
+
+    fn texts(drawing: &Drawing) -> Vec<&str> {
+        let labels = drawing.labels.iter();
+        labels.map(|label| label.text.spoken.as_str()).collect()
+    }
+
+    #[test]
+    fn what_a_column_can_never_have_is_not_called_late() {
+        let told = |column| curves(1, column).draw(85.0).unwrap();
+        assert!(texts(&told("rise_time")).contains(&"not by the end of the run"));
+        assert!(texts(&told("hops")).contains(&"none in the whole run"));
+    }
+
+    #[test]
+    fn labels_have_power_and_unit_where_there_are_any() {
+        let label = |unit: &str, exponent| {
+            let axis = MapAxis {
+                unit: unit.to_owned(),
+                ..axis("k", &[])
+            };
+            super::label(&axis, exponent).spoken
+        };
+        assert_eq!(label("", 0), "k");
+        assert_eq!(label("s", 0), "k (s)");
+        assert_eq!(label("", -3), "k (×1e−3)");
+        assert_eq!(label("s", 3), "k (×1e3 s)");
+    }
+
+    #[test]
+    fn a_single_value_is_in_the_middle_of_an_axis_of_its_size() {
+        assert_eq!(Along::new(&[0.5]).edges(), [0.45, 0.55]);
+        assert_eq!(Along::new(&[-20.0]).edges(), [-22.0, -18.0]);
+        assert_eq!(Along::new(&[0.0]).edges(), [-1.0, 1.0]);
+        assert_eq!(Along::new(&[1.0, 2.0]).edges(), [0.5, 1.5, 2.5]);
+    }
+
+    #[test]
+    fn many_curves_differ_and_leave_room_for_marks() {
+        let drawing = curves(35, "rise_time").draw(150.0).unwrap();
+        let shapes = |suffix: &str| {
+            let groups = drawing.groups.iter();
+            let groups = groups.filter(|group| group.meaning.ends_with(suffix));
+            groups.flat_map(|group| &group.shapes).collect::<Vec<_>>()
+        };
+        let heights = |shapes: &[&Shape]| {
+            let ends = shapes.iter().map(|shape| match shape {
+                Shape::Area { points, .. } => extremes(points.iter().map(|point| point.1)),
+                Shape::Dot { centre, .. } => (centre.1, centre.1),
+                Shape::Line { points, .. } => extremes(points.iter().map(|point| point.1)),
+            });
+            ends.fold(NONE, union)
+        };
+        let mut dots = shapes("");
+        dots.retain(|shape| matches!(shape, Shape::Dot { .. }));
+        assert_eq!(dots.len(), 35);
+        let (marks, frame) = (heights(&shapes("no value")), heights(&shapes("frame")));
+        assert!(
+            marks.1 <= frame.1 && marks.0 > heights(&dots).1,
+            "{marks:?}"
+        );
+        let keys = drawing.groups.iter();
+        let keys = keys.filter(|group| group.meaning.starts_with("key: s"));
+        let strokes = keys.filter_map(|group| match group.shapes.first() {
+            Some(Shape::Line { stroke, .. }) => Some(format!("{stroke:?}")),
+            _ => None,
+        });
+        let strokes: std::collections::BTreeSet<_> = strokes.collect();
+        assert_eq!(strokes.len(), 35);
+
+        let told = curves(36, "rise_time").draw(150.0).unwrap_err();
+        assert!(told.contains("36 scenarios"), "{told}");
+    }
 }
