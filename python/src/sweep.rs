@@ -5,7 +5,7 @@ use crate::guard::{Interrupt, compute, compute_watched};
 use crate::scenario::Base;
 use crate::stream::Given;
 use crate::table::Table;
-use arrow_array::{Array, ArrayRef, RecordBatch, new_null_array};
+use arrow_array::{ArrayRef, RecordBatch, new_null_array};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Schema};
 use arrow_select::concat::concat_batches;
 use pyo3::exceptions::PyValueError;

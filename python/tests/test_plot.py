@@ -45,7 +45,7 @@ def drawn(rows):
     axes.figure.canvas.draw()
     corners = [part for part in axes.collections if isinstance(part, QuadMesh)][0].get_coordinates()
     lines = [part for part in axes.collections if isinstance(part, LineCollection)]
-    return corners[0, :, 0], corners[:, 0, 1], [line for part in lines for line in part.get_segments()]
+    return corners[0, :, 0].tolist(), corners[:, 0, 1].tolist(), [line for part in lines for line in part.get_segments()]
 
 
 def test_a_map_of_one_column_has_cells():
