@@ -62,7 +62,7 @@ impl Table {
         for (index, field) in schema.fields().iter().enumerate() {
             let name = field.name();
             let key = match find_key(name) {
-                Err(_) if indices.contains(name) => continue,
+                Err(_) if indices.contains(name) || is_nameless_index(name) => continue,
                 found => found.map_err(|error| error.to_string())?,
             };
             let mut cells = Vec::new();
@@ -129,6 +129,13 @@ fn pandas_indices(schema: &Schema) -> Vec<String> {
     names
         .filter_map(|name| name.as_str().map(str::to_owned))
         .collect()
+}
+
+/// Whether this is what pandas calls an index without a name: `__index_level_0__`.
+fn is_nameless_index(name: &str) -> bool {
+    let level = name.strip_prefix("__index_level_");
+    let level = level.and_then(|rest| rest.strip_suffix("__"));
+    level.is_some_and(|level| level.parse::<u32>().is_ok())
 }
 
 fn from_csv(file: File) -> Result<Table, String> {

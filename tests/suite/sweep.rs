@@ -842,7 +842,7 @@ fn write(path: &Path, table: &RecordBatch) {
     writer.close().unwrap();
 }
 
-/// A table as pandas writes it: its index is a column like any other, but for what the schema says.
+/// A table as pandas writes it: its index is a column like any other, but for its name or what the schema says.
 #[test]
 fn an_index_of_pandas_is_no_key() {
     let folder = tempfile::tempdir().unwrap();
@@ -850,11 +850,12 @@ fn an_index_of_pandas_is_no_key() {
     let design = |indices: &str| {
         let about = format!("{{\"index_columns\": {indices}}}");
         let about = HashMap::from([("pandas".to_owned(), about)]);
-        let fields = ["__index_level_0__", "friction_k"];
+        let fields = ["__index_level_0__", "serial", "friction_k"];
         let fields = fields.map(|name| Field::new(name, DataType::Float64, true));
         let schema = Schema::new_with_metadata(fields.to_vec(), about);
         let column = || Arc::new(Float64Array::from(vec![0.01, 0.02])) as ArrayRef;
-        let table = RecordBatch::try_new(Arc::new(schema), vec![column(), column()]).unwrap();
+        let table =
+            RecordBatch::try_new(Arc::new(schema), vec![column(), column(), column()]).unwrap();
         write(&path, &table);
         toprise::sweep::Table::read(&path)
     };
@@ -862,13 +863,13 @@ fn an_index_of_pandas_is_no_key() {
         let keys = table.keys().into_iter();
         keys.map(|key| key.path).collect::<Vec<_>>()
     };
-    let table = design("[\"__index_level_0__\"]").unwrap();
+    let table = design("[\"serial\"]").unwrap();
     assert_eq!((table.rows(), paths(table)), (2, vec!["friction.k"]));
     // Where keys are the index, they are keys still.
-    let table = design("[\"__index_level_0__\", \"friction_k\"]").unwrap();
+    let table = design("[\"serial\", \"friction_k\"]").unwrap();
     assert_eq!(paths(table), ["friction.k"]);
     let error = design("[{\"kind\": \"range\"}]").unwrap_err().to_string();
-    assert!(error.contains("__index_level_0__"), "{error}");
+    assert!(error.contains("unknown key serial"), "{error}");
 }
 
 /// Libraries have several types for texts and numbers, and write a table with others than it had.
@@ -947,7 +948,7 @@ fn tables_that_others_have_written_are_drawn() {
 #[test]
 fn a_table_needs_a_name() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["", "..", "/"] {
+    for name in ["..", "/"] {
         let line = ["sweep", "paper", "--set", "stop.duration=0.01", "-o", name];
         let mut command = Command::new(env!("CARGO_BIN_EXE_toprise"));
         let output = command.current_dir(folder.path()).args(line).output();
@@ -956,6 +957,8 @@ fn a_table_needs_a_name() {
         assert_eq!(output.status.code(), Some(2), "{told}");
         assert!(told.contains("names no file"), "{told}");
     }
+    let nameless = compute(&Sweep::new(spec(AXES)), Path::new(""), &Options::default());
+    assert!(nameless.is_err_and(|error| error.to_string().contains("names no file")));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
