@@ -440,7 +440,10 @@ fn read_map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> R
     let mut is_chosen = vec![true; scenarios.len()];
     for (name, value) in &arguments.chosen {
         let cells = columns.texts(name)?;
-        let is_met: Vec<bool> = cells.iter().map(|cell| is_value(cell, value)).collect();
+        let is_met: Vec<bool> = cells
+            .iter()
+            .map(|cell| is_value(cell.as_deref(), value))
+            .collect();
         let chosen = is_chosen
             .iter()
             .zip(&is_met)
@@ -482,8 +485,8 @@ fn read_map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> R
 
 /// Whether a cell has the value that --where asks for, however a number is written.
 #[cfg(feature = "sweep")]
-fn is_value(cell: &Option<String>, value: &str) -> bool {
-    cell.as_deref().is_some_and(|cell| {
+fn is_value(cell: Option<&str>, value: &str) -> bool {
+    cell.is_some_and(|cell| {
         let numbers = cell.parse::<f64>().ok().zip(value.parse::<f64>().ok());
         cell == value || numbers.is_some_and(|(one, other)| one == other)
     })

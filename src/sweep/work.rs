@@ -149,7 +149,8 @@ fn check_name(table: &Path) -> Result<(), SweepError> {
     match table.file_name() {
         Some(_) => Ok(()),
         None => Err(SweepError::Spec(format!(
-            "{table:?} names no file: the table needs a name, as in out.parquet"
+            "\"{}\" names no file: the table needs a name, as in out.parquet",
+            table.display()
         ))),
     }
 }
