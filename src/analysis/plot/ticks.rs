@@ -1,10 +1,5 @@
 //! Scales of axes: ranges of values with ticks at round numbers.
 
-#[cfg(feature = "sweep")]
-use crate::physics::math::exp;
-use crate::physics::math::log10;
-#[cfg(feature = "sweep")]
-use std::f64::consts::LN_10;
 use std::ops::RangeInclusive;
 
 /// The range of values along an axis, with its ticks.
@@ -141,8 +136,7 @@ impl Scale {
         let mut decades = of_digits.into_iter().chain(of_powers);
         let fitting =
             decades.find(|decades| (2..=most.max(3)).contains(&linear.decades(*decades).len()));
-        let number = |logarithm: f64| exp(logarithm * LN_10);
-        let numbers = || Self::new(number(linear.low), number(linear.high), most);
+        let numbers = || Self::new(libm::exp10(linear.low), libm::exp10(linear.high), most);
         let logarithms = match fitting {
             Some(decades) => Logarithms::Decades(decades),
             None => Logarithms::Numbers(Box::new(numbers())),
@@ -186,7 +180,7 @@ impl Scale {
             Some(Logarithms::Numbers(numbers)) => {
                 let ticks = numbers.ticks().into_iter();
                 let place = |tick: Tick| Tick {
-                    value: log10(tick.value),
+                    value: libm::log10(tick.value),
                     ..tick
                 };
                 ticks.map(place).collect()
@@ -220,7 +214,7 @@ impl Scale {
     /// The values of the ticks without numbers, between the others.
     pub(crate) fn minor(&self) -> Vec<f64> {
         if let Some(Logarithms::Numbers(numbers)) = &self.logarithms {
-            return numbers.minor().into_iter().map(log10).collect();
+            return numbers.minor().into_iter().map(libm::log10).collect();
         }
         if let Some(Logarithms::Decades(decades)) = self.logarithms {
             let numbers = self.decades(decades);
