@@ -15,6 +15,10 @@ pub(crate) struct Scale {
 }
 
 /// The numbers along an axis of decimal logarithms.
+#[cfg_attr(
+    not(feature = "sweep"),
+    expect(dead_code, reason = "only figures of sweeps have such axes")
+)]
 #[derive(Clone, Debug, PartialEq)]
 enum Logarithms {
     Decades(Decades),
@@ -31,8 +35,8 @@ struct Decades {
     every: i32,
 }
 
-#[cfg(feature = "sweep")]
 /// The digits that may have numbers along an axis of logarithms, from many to few.
+#[cfg(feature = "sweep")]
 const DIGITS: [&[usize]; 4] = [&ALL, &[1, 2, 3, 5], &[1, 2, 5], &[1, 3]];
 
 /// The digits of numbers.
