@@ -48,7 +48,7 @@ def test_two_nodes_make_the_bytes_of_one(cluster, local, tmp_path):
     answer = sweep(SPEC, out)
     assert answer["stops"] == {"duration": 6000} and out.read_bytes() == local
     # It is there: nothing is left to do.
-    assert sweep(SPEC, out)["runs"] == 0
+    assert sweep(SPEC, out)["computed"] == 0
 
 
 def test_a_node_may_die(cluster, local, tmp_path):
