@@ -104,6 +104,16 @@ impl Top {
         self.transverse_moment * sin * sin + self.axial_moment * cos * cos
     }
 
+    /// What stands under the root of Routh's integral of a top that rolls, kg² m⁴, given sine and cosine of θ: see
+    /// [`Model::routh`](crate::physics::dynamics::Model::routh).
+    #[must_use]
+    pub fn rolling_moments(&self, sin: f64, cos: f64) -> f64 {
+        let (central, axial) = (self.central_moment(), self.axial_moment);
+        let reach = self.center_distance + self.peg_radius * cos;
+        let lean = self.peg_radius * sin;
+        central * axial + self.mass * axial * reach * reach + self.mass * central * lean * lean
+    }
+
     /// Angular momentum in the lean frame, kg m²/s, of a top that turns about the vertical as a whole with
     /// `omega` rad/s.
     #[must_use]

@@ -4,7 +4,8 @@
 //! part, and the bytes of the file in which the seal itself is blank.
 
 use super::spec::Spec;
-use parquet::file::metadata::{KeyValue, ParquetMetaData};
+use crate::run::scenario::hex;
+use parquet::file::metadata::KeyValue;
 use sha2::{Digest as _, Sha256};
 
 /// The entry of the metadata.
@@ -26,23 +27,12 @@ pub(super) fn seal(bytes: &mut [u8], spec: &Spec, part: u64) {
     }
 }
 
-/// Whether bytes with this metadata are those of a part of a sweep, unchanged.
-pub(super) fn is_sealed(
-    mut bytes: Vec<u8>,
-    metadata: &ParquetMetaData,
-    spec: &Spec,
-    part: u64,
-) -> bool {
-    let entries = metadata.file_metadata().key_value_metadata();
-    let found = entries
-        .into_iter()
-        .flatten()
-        .find(|entry| entry.key == SEAL_ENTRY);
-    let Some(seal) = found.and_then(|entry| entry.value.as_deref()) else {
+/// Whether bytes with this seal are those of a part of a sweep, unchanged.
+pub(super) fn is_sealed(mut bytes: Vec<u8>, seal: &str, spec: &Spec, part: u64) -> bool {
+    if seal.len() != BLANK.len() {
         return false;
-    };
-    let place = place_of(&bytes, seal).filter(|_| seal.len() == BLANK.len());
-    let Some(at) = place else {
+    }
+    let Some(at) = place_of(&bytes, seal) else {
         return false;
     };
     bytes[at..at + BLANK.len()].copy_from_slice(BLANK.as_bytes());
@@ -54,10 +44,7 @@ fn digest(bytes: &[u8], spec: &Spec, part: u64) -> String {
     hash.update(spec.to_json().to_string());
     hash.update(part.to_le_bytes());
     hash.update(bytes);
-    hash.finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    hex(&hash.finalize())
 }
 
 /// Where a text stands last: the metadata are at the end.
@@ -68,7 +55,35 @@ fn place_of(bytes: &[u8], text: &str) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::axis::Axis;
+    use super::super::spec::{Base, Design};
     use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn a_seal_is_of_one_part_of_one_sweep_and_of_all_its_bytes() {
+        let base = Base::open("paper", Path::new(""), &[]).unwrap();
+        let of = |values| {
+            let axis = Axis::parse("friction.k", values).unwrap();
+            Spec::new(vec![base.clone()], Design::Grid(vec![axis]), None).unwrap()
+        };
+        let (spec, other) = (of("0.1,0.2"), of("0.1,0.3"));
+        let mut bytes = format!("before {BLANK} after").into_bytes();
+        seal(&mut bytes, &spec, 1);
+        let text = String::from_utf8(bytes.clone()).unwrap();
+        let seal = &text[7..7 + BLANK.len()];
+        assert!(is_sealed(bytes.clone(), seal, &spec, 1));
+        assert!(!is_sealed(bytes.clone(), seal, &spec, 0));
+        assert!(!is_sealed(bytes.clone(), seal, &other, 1));
+        for place in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[place] ^= 1;
+            assert!(!is_sealed(damaged, seal, &spec, 1), "{place}");
+        }
+        for foreign in ["", "before", &"0".repeat(BLANK.len())] {
+            assert!(!is_sealed(bytes.clone(), foreign, &spec, 1), "{foreign}");
+        }
+    }
 
     #[test]
     fn a_blank_seal_is_as_long_as_a_seal() {

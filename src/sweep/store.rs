@@ -134,9 +134,12 @@ impl<'a> Store<'a> {
     /// Removes what a process left that was killed, or late, when the table was there already.
     pub(super) fn clear_rest(&self) {
         let is_claimed = self.parts.join(SPEC_FILE).exists();
-        let parts = (0..self.sweep.parts()).filter(|part| self.part(*part).exists());
-        let is_own = |part| matches!(self.has(part), Ok(true));
-        if is_claimed && self.check_parts().is_ok() || !is_claimed && parts.clone().all(is_own) {
+        let is_ours = if is_claimed {
+            self.check_parts().is_ok()
+        } else {
+            (0..self.sweep.parts()).all(|part| self.has(part).is_ok())
+        };
+        if is_ours {
             self.clear();
         }
     }
@@ -224,12 +227,12 @@ impl<'a> Store<'a> {
             return Err(self.bad(part, "it is no file"));
         }
         let bytes = fs::read(&path).map_err(SweepError::io("read", &path))?;
-        let found = metadata(&path);
-        let spec = self.sweep.spec();
-        found
-            .ok()
-            .filter(|found| is_sealed(bytes, found, spec, part))
-            .ok_or_else(|| self.bad(part, "it is damaged, or of another sweep"))
+        let is_own = |found: &ParquetMetaData| {
+            let seal = entry(found, SEAL_ENTRY);
+            seal.is_some_and(|seal| is_sealed(bytes, seal, self.sweep.spec(), part))
+        };
+        let found = metadata(&path).ok().filter(is_own);
+        found.ok_or_else(|| self.bad(part, "it is damaged, or of another sweep"))
     }
 
     fn bad(&self, part: u64, reason: &str) -> SweepError {

@@ -23,22 +23,11 @@ struct Integrals<'t> {
 }
 
 impl Integrals<'_> {
-    /// The moments under the root of Routh's integral.
-    fn moments(&self, sin: f64, cos: f64) -> f64 {
-        let top = self.top;
-        let (central, axial) = (top.central_moment(), top.axial_moment);
-        let (reach, lean) = (
-            top.center_distance + top.peg_radius * cos,
-            top.peg_radius * sin,
-        );
-        central * axial + top.mass * (axial * reach * reach + central * lean * lean)
-    }
-
     /// The energy of a top with these integrals that is at rest in θ, J, and the sum of the magnitudes of its terms.
     fn energy(&self, theta: f64) -> [f64; 2] {
         let top = self.top;
         let (sin, cos) = sin_cos(theta);
-        let axial_rate = self.routh / self.moments(sin, cos).sqrt();
+        let axial_rate = self.routh / top.rolling_moments(sin, cos).sqrt();
         let axial = top.axial_moment * axial_rate;
         let vertical = (self.jellett - top.center_distance * axial) / top.peg_radius;
         let across = (vertical - axial * cos) / sin;
@@ -63,15 +52,13 @@ impl Integrals<'_> {
 pub(super) fn swing(model: &Model, theta: f64, rates: Euler) -> Option<[f64; 2]> {
     let top = &model.top;
     let tilt = Tilt::from_rates(theta, rates);
-    let mut integrals = Integrals {
-        top,
-        jellett: 0.0,
-        routh: 0.0,
-    };
     let momentum = tilt.node_to_lean(&top.about_center().angular_momentum_node(&tilt));
-    integrals.jellett =
-        top.center_distance * top.axial_moment * tilt.axial_rate() + top.peg_radius * momentum.z;
-    integrals.routh = tilt.axial_rate() * integrals.moments(tilt.sin, tilt.cos).sqrt();
+    let (rate, moments) = (tilt.axial_rate(), top.rolling_moments(tilt.sin, tilt.cos));
+    let integrals = Integrals {
+        top,
+        jellett: top.center_distance * top.axial_moment * rate + top.peg_radius * momentum.z,
+        routh: rate * moments.sqrt(),
+    };
     let height = top.peg_radius + top.center_distance * tilt.cos;
     let lean = top.center_distance * tilt.sin;
     let rocking = top.central_moment() + top.mass * (height * height + lean * lean);

@@ -90,8 +90,8 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     /// and ψ go on without jumps of whole turns.
     fn motion(&self, state: &[f64; N], reference: Euler) -> Motion;
 
-    /// [`Formulation::motion`] with φ and ψ as they were in `reference`. Cheaper, where only the inclination and the
-    /// velocities matter.
+    /// [`Formulation::motion`] for those to whom φ and ψ don't matter: they may be left as they were in `reference`, which
+    /// is cheaper.
     fn motion_without_turns(&self, state: &[f64; N], reference: Euler) -> Motion;
 
     /// The orientation in a state: turns body components into world components.

@@ -153,13 +153,8 @@ impl Model {
     /// with the transverse moment `A` about the centre of mass.
     #[must_use]
     pub fn routh(&self, motion: &Motion) -> f64 {
-        let (top, tilt) = (&self.top, &motion.tilt);
-        let (central, axial) = (top.central_moment(), top.axial_moment);
-        let reach = top.center_distance + top.peg_radius * tilt.cos;
-        let lean = top.peg_radius * tilt.sin;
-        let moments =
-            central * axial + top.mass * axial * reach * reach + top.mass * central * lean * lean;
-        tilt.axial_rate() * moments.sqrt()
+        let tilt = &motion.tilt;
+        tilt.axial_rate() * self.top.rolling_moments(tilt.sin, tilt.cos).sqrt()
     }
 
     /// Kinetic energy in a motion, J.
