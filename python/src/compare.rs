@@ -80,6 +80,11 @@ impl Observer for Watching {
         // Nobody sees it: what the signal's handler has raised goes to the caller.
         Err(SinkError::Viewer("interrupted".into()))
     }
+
+    fn carry_on(&self) -> Box<dyn Fn() -> bool + Send + Sync> {
+        let interrupt = self.0.clone();
+        Box::new(move || !interrupt.is_asked())
+    }
 }
 
 /// Compares two runs; see `toprise.diff`.
@@ -140,7 +145,9 @@ fn alignment(name: &str) -> PyResult<Align> {
 #[pyfunction]
 pub fn explain(py: Python<'_>, run: Given<'_>) -> PyResult<String> {
     let run = run.open(py)?;
-    let story = compute(py, move |_| stories::explain(run.subject()))?;
+    let story = compute(py, move |interrupt| {
+        stories::explain_while(run.subject(), &|| !interrupt.is_asked())
+    })?;
     json(&story.map_err(|error| DiffError::new_err(error.to_string()))?)
 }
 
@@ -153,7 +160,9 @@ pub fn verify(py: Python<'_>, path: PathBuf, reproduce: bool) -> PyResult<String
     recorded.map_err(|error| errors::recording(recording.path(), &error))?;
     let options = checks::Options { reproduce };
     let file = recording.path().display().to_string();
-    let report = compute(py, move |_| checks::verify(&recording, options, &|_| {}))?;
+    let report = compute(py, move |interrupt| {
+        checks::verify(&recording, options, &|_| interrupt.end_if_asked())
+    })?;
     json(&Verified {
         file,
         verdict: report.verdict(),

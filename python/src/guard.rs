@@ -4,6 +4,7 @@ use crate::errors::InternalError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::{PyErr, PyResult, Python};
 use std::any::Any;
+use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -13,8 +14,11 @@ use std::time::{Duration, Instant};
 /// How often Python is asked for signals: a person who presses Ctrl-C doesn't notice the wait.
 const BETWEEN_SIGNALS: Duration = Duration::from_millis(50);
 
-/// How long a computation has to end in order once a signal has come. What doesn't ask whether to go on is left behind.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// How long a computation has to end once a signal has come. What has not asked by then whether to go on is left behind.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+/// How long what writes files has to end in order.
+const PATIENCE_WITH_WRITERS: Duration = Duration::from_secs(2);
 
 /// The stack that main threads have, bytes: the computation must not see a smaller one.
 const STACK: usize = 8 << 20;
@@ -27,6 +31,13 @@ impl Interrupt {
     /// Whether to end.
     pub fn is_asked(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+
+    /// Ends the computation, unwinding its thread, if that is asked for: where it can't be told otherwise. Nobody sees it.
+    pub fn end_if_asked(&self) {
+        if self.is_asked() {
+            resume_unwind(Box::new("interrupted"));
+        }
     }
 
     fn ask(&self) {
@@ -42,12 +53,21 @@ pub fn compute<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(Interrupt) -> T + Send + 'static,
 ) -> PyResult<T> {
-    compute_watched(py, |_| Ok(()), work)
+    wait_for(py, PATIENCE, |_| Ok(()), work)
 }
 
-/// As [`compute`], with a look at the work now and then; an error of it ends the work too.
+/// As [`compute`], for what writes files, with a look at the work now and then; an error of it ends the work too.
 pub fn compute_watched<T: Send + 'static>(
     py: Python<'_>,
+    look: impl Fn(Python<'_>) -> PyResult<()>,
+    work: impl FnOnce(Interrupt) -> T + Send + 'static,
+) -> PyResult<T> {
+    wait_for(py, PATIENCE_WITH_WRITERS, look, work)
+}
+
+fn wait_for<T: Send + 'static>(
+    py: Python<'_>,
+    patience: Duration,
     look: impl Fn(Python<'_>) -> PyResult<()>,
     work: impl FnOnce(Interrupt) -> T + Send + 'static,
 ) -> PyResult<T> {
@@ -75,7 +95,7 @@ pub fn compute_watched<T: Send + 'static>(
                     raised = Some((error, Instant::now()));
                 }
             }
-            (Err(RecvTimeoutError::Timeout), Some((error, at))) if at.elapsed() < PATIENCE => {
+            (Err(RecvTimeoutError::Timeout), Some((error, at))) if at.elapsed() < patience => {
                 raised = Some((error, at));
             }
             (_, Some((error, _))) => return Err(error),

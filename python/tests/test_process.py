@@ -44,6 +44,32 @@ def test_ctrl_c_ends_what_takes_long(long):
     assert (told, errors, process.returncode) == ("ended\n", "", 0)
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="threads are counted in /proc")
+@pytest.mark.parametrize(
+    "long",
+    [
+        'toprise.diff("frictionless", toprise.Scenario("frictionless", {"stop.duration": 3600}))',
+        'toprise.explain(toprise.Scenario("frictionless", {"stop.duration": 3600}))',
+    ],
+    ids=["diff", "explain"],
+)
+def test_nothing_is_computed_any_more_after_ctrl_c(long):
+    process = python(
+        "import os, time\n"
+        "threads = lambda: len(os.listdir('/proc/self/task'))\n"
+        "before = threads()\n"
+        f"try:\n  print('begun', flush=True)\n  {long}\nexcept KeyboardInterrupt:\n  pass\n"
+        "while threads() > before: time.sleep(0.01)\n"
+        "print('ended')"
+    )
+    assert process.stdout.readline() == "begun\n"
+    with pytest.raises(subprocess.TimeoutExpired):
+        process.wait(0.5)
+    process.send_signal(signal.SIGINT)
+    told, errors = process.communicate(timeout=60)
+    assert (told, errors) == ("ended\n", "")
+
+
 def test_other_threads_run_meanwhile():
     counted = 0
     done = threading.Event()

@@ -134,7 +134,9 @@ pub fn compare_observed<'a>(
     let plan = ComparisonPlan::new(runs, options)?;
     let findings = read_both(runs, &plan, &options.tolerances, observer)?;
     let floor = match findings.common_end() {
-        Some(end) if options.floor && plan.are_ours => floor::compute(runs, seconds(end)),
+        Some(end) if options.floor && plan.are_ours => {
+            floor::compute(runs, seconds(end), &observer.carry_on())
+        }
         _ => None,
     };
     let mut report = Report::new(runs, &plan, &findings, floor);

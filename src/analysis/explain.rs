@@ -36,5 +36,16 @@ use crate::analysis::subject::Subject;
 /// # Errors
 /// [`ExplainError`] if it lacks what is needed.
 pub fn explain<'a>(subject: impl Into<Subject<'a>>) -> Result<Story, ExplainError> {
-    Ok(tell::tell(&facts::gather(subject.into())?))
+    explain_while(subject, &|| true)
+}
+
+/// Tells the story of a run, unless `carry_on` says no while it is read or simulated.
+///
+/// # Errors
+/// As [`explain`], and [`ExplainError::Interrupted`].
+pub fn explain_while<'a>(
+    subject: impl Into<Subject<'a>>,
+    carry_on: &dyn Fn() -> bool,
+) -> Result<Story, ExplainError> {
+    Ok(tell::tell(&facts::gather(subject.into(), carry_on)?))
 }

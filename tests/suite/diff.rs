@@ -1967,6 +1967,28 @@ fn a_channel_that_lacks_a_field_shows_no_differences() {
 }
 
 #[test]
+fn a_floor_that_nobody_wants_any_more_is_not_computed() {
+    use toprise::analysis::diff::{Observer, compare_observed};
+    struct Wanting(bool);
+    impl Observer for Wanting {
+        fn carry_on(&self) -> Box<dyn Fn() -> bool + Send + Sync> {
+            let is_wanted = self.0;
+            Box::new(move || is_wanted)
+        }
+    }
+    let runs = ["0.03", "0.04"].map(|k| short(&[("stop.duration", "0.1"), ("friction.k", k)]));
+    for (a, b) in [(0, 0), (0, 1)] {
+        let floor = |is_wanted| {
+            let observer = &mut Wanting(is_wanted);
+            let report = compare_observed(&runs[a], &runs[b], &Options::default(), observer);
+            report.unwrap().floor
+        };
+        assert!(floor(true).is_some());
+        assert_eq!(floor(false), None);
+    }
+}
+
+#[test]
 fn a_run_is_at_its_own_phase_and_average() {
     let scenario = short(&[]);
     for align in [Align::Nutation, Align::Theta] {

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::ops::Range;
 use tempfile::tempdir;
-use toprise::analysis::explain::{Chapter, ExplainError, Story, explain};
+use toprise::analysis::explain::{Chapter, ExplainError, Story, explain, explain_while};
 use toprise::analysis::figures::{FIGURES, Run as Drawn};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
@@ -32,6 +32,20 @@ fn cell(chapter: &Chapter, row: usize, column: &str) -> f64 {
     let (header, rows) = chapter.table.as_ref().unwrap();
     let column = header.iter().position(|name| name == column).unwrap();
     rows[row][column].replace('−', "-").parse().unwrap()
+}
+
+#[test]
+fn a_story_that_nobody_wants_any_more_is_not_told() {
+    let asked = std::cell::Cell::new(0);
+    let carry_on = || {
+        asked.set(asked.get() + 1);
+        asked.get() < 100
+    };
+    // A run of an hour, which takes minutes.
+    let scenario = scenario("frictionless", &[("stop.duration", "3600")]);
+    let story = explain_while(&scenario, &carry_on);
+    assert_eq!(story, Err(ExplainError::Interrupted));
+    assert_eq!(asked.get(), 101);
 }
 
 #[test]

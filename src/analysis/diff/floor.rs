@@ -6,6 +6,7 @@
 
 use super::averages;
 use super::events::Events;
+use super::observer::While;
 use super::options::Options;
 use super::passage::Passage;
 use super::plan::ComparisonPlan;
@@ -58,29 +59,33 @@ impl Floor {
     }
 }
 
-/// Finds the errors of both integrators up to a time (s), if both scenarios are known.
-pub(super) fn compute([a, b]: [Subject<'_>; 2], to: f64) -> Option<Floor> {
+/// Finds the errors of both integrators up to a time (s), if both scenarios are known and `carry_on` doesn't say no.
+pub(super) fn compute(
+    [a, b]: [Subject<'_>; 2],
+    to: f64,
+    carry_on: &(dyn Fn() -> bool + Sync),
+) -> Option<Floor> {
     let (a, b) = (until(&a.scenario()?, to)?, until(&b.scenario()?, to)?);
     if a.digest() == b.digest() {
-        let error = error(&a)?;
+        let error = error(&a, carry_on)?;
         return Some(Floor {
             a: error.clone(),
             b: error,
         });
     }
     let (a, b) = thread::scope(|scope| {
-        let a = scope.spawn(|| error(&a));
-        (a.join(), error(&b))
+        let a = scope.spawn(|| error(&a, carry_on));
+        (a.join(), error(&b, carry_on))
     });
     Some(Floor { a: a.ok()??, b: b? })
 }
 
-fn error(scenario: &Scenario) -> Option<IntegratorError> {
+fn error(scenario: &Scenario, carry_on: &(dyn Fn() -> bool + Sync)) -> Option<IntegratorError> {
     let tighter = tightened(scenario)?;
     let runs = [Subject::Scenario(scenario), Subject::Scenario(&tighter)];
     let options = Options::default();
     let plan = ComparisonPlan::new(runs, &options).ok()?;
-    let findings = read_both(runs, &plan, &options.tolerances, &mut ()).ok()?;
+    let findings = read_both(runs, &plan, &options.tolerances, &mut While(carry_on)).ok()?;
     let [first, second] = [0, 1].map(|side| &findings.runs[side].course);
     let passage = Passage::find(first, second, [0.0; 2]);
     let events = Events::compare(first, second, passage.as_ref());

@@ -26,7 +26,25 @@ pub trait Observer {
 
     /// Is told how many more bytes of the files have been read.
     fn progress(&mut self, _bytes: u64) {}
+
+    /// What tells, on other threads too, whether the comparison is still wanted.
+    fn carry_on(&self) -> Box<dyn Fn() -> bool + Send + Sync> {
+        Box::new(|| true)
+    }
 }
 
 /// An observer that looks away.
 impl Observer for () {}
+
+/// An observer that ends the comparison once this says no.
+pub(super) struct While<'a>(pub(super) &'a (dyn Fn() -> bool + Sync));
+
+impl Observer for While<'_> {
+    fn message(&mut self, _: Side, _: &Message<'_>) -> Result<(), SinkError> {
+        match self.0() {
+            true => Ok(()),
+            // Nobody sees it.
+            false => Err(SinkError::Viewer("interrupted".into())),
+        }
+    }
+}

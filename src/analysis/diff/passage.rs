@@ -186,7 +186,8 @@ fn averaging_error(course: &Course, time: f64) -> f64 {
     };
     let period = course.of_cycles(|cycle| cycle.period).at(time);
     let period = period.unwrap_or_default().min(last - first);
-    let end = time.clamp(first + 0.5 * period, last - 0.5 * period);
+    // Where both ends are one, they may be a rounding apart, in either order.
+    let end = time.max(first + 0.5 * period).min(last - 0.5 * period);
     let at = |time: f64| amplitude.at(time).unwrap_or_default();
     (at(end + 0.5 * period) - at(end - 0.5 * period)).abs() / TAU
 }

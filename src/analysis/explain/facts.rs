@@ -34,6 +34,9 @@ pub enum ExplainError {
     /// The run is empty.
     #[error("it has fewer than two samples")]
     Empty,
+    /// Nobody wanted the story any more.
+    #[error("it was interrupted before the run was read to its end")]
+    Interrupted,
 }
 
 /// The facts of a run.
@@ -120,7 +123,10 @@ impl Facts {
 }
 
 /// Reads a run for its story.
-pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
+pub(super) fn gather(
+    subject: Subject<'_>,
+    carry_on: &dyn Fn() -> bool,
+) -> Result<Facts, ExplainError> {
     if !subject.is_ours() {
         return Err(ExplainError::Foreign);
     }
@@ -138,8 +144,14 @@ pub(super) fn gather(subject: Subject<'_>) -> Result<Facts, ExplainError> {
     let ended = subject.read(&Topics::All, &mut |message, _| {
         course.take(message);
         pieces.take(message);
-        ControlFlow::Continue(())
+        match carry_on() {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        }
     });
+    if !carry_on() {
+        return Err(ExplainError::Interrupted);
+    }
     pieces.finish();
     course.finish(ended.end);
     let mut losses = ended.losses;
