@@ -145,6 +145,24 @@ fn each_error_names_key_value_and_what_is_allowed() {
         ),
         (&[("roling.arm", "1")], &["did you mean rolling.arm?"]),
         (
+            &[("psi_dot", "1")],
+            &[
+                "unknown key psi_dot (did you mean initial.psi_dot?)",
+                "stop.duration",
+            ],
+        ),
+        (&[("kk", "1")], &["did you mean friction.k or drilling.k?"]),
+        (&[("duratio", "1")], &["did you mean stop.duration?"]),
+        (
+            &[("foo", "1")],
+            &[
+                "unknown key foo; allowed: format",
+                "friction.k",
+                "stop.duration",
+            ],
+        ),
+        (&[("friction.foo", "1")], &["allowed: friction.law"]),
+        (
             &[("friction.law", "viscous")],
             &["friction.viscous_speed", "missing"],
         ),

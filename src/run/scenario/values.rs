@@ -166,16 +166,18 @@ impl Values {
 
 fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
     KEYS.iter().find(|key| key.path == path).ok_or_else(|| {
-        let section = path.rsplit_once('.').map_or("", |(section, _)| section);
-        let in_section =
-            |key: &&Key| key.path.rsplit_once('.').map_or("", |(section, _)| section) == section;
+        let section = path.rsplit_once('.').map(|(section, _)| section);
+        let in_section = |key: &&Key| {
+            let own = key.path.rsplit_once('.').map(|(section, _)| section);
+            section.is_some() && own == section
+        };
         let mut allowed: Vec<_> = KEYS.iter().filter(in_section).map(|key| key.path).collect();
         if allowed.is_empty() {
             allowed = KEYS.iter().map(|key| key.path).collect();
         }
         ScenarioError::UnknownKey {
             key: excerpt(path),
-            near: near(&excerpt(path), KEYS.iter().map(|key| key.path)),
+            near: near_key(&excerpt(path)),
             allowed: allowed.join(", "),
         }
     })
@@ -201,13 +203,35 @@ fn excerpt(text: &str) -> String {
     }
 }
 
-/// A question after the name most like a wrong one; empty if none is like it.
-fn near<'a>(wrong: &str, names: impl Iterator<Item = &'a str>) -> String {
-    let likeness = names.map(|name| (strsim::jaro_winkler(wrong, name), name));
-    let most = likeness.max_by(|(a, _), (b, _)| a.total_cmp(b));
-    match most {
-        Some((likeness, name)) if likeness > LIKE => format!(" (did you mean {name}?)"),
-        _ => String::new(),
+/// A question after the key most like a wrong one, which may lack its section.
+fn near_key(wrong: &str) -> String {
+    let has_section = wrong.contains('.');
+    let likeness = |key: &Key| {
+        let name = key.path.rsplit_once('.').map(|(_, name)| name);
+        let name = name.filter(|_| !has_section).unwrap_or(key.path);
+        like(wrong, key.path).max(like(wrong, name))
+    };
+    nearest(KEYS.iter().map(|key| (likeness(key), key.path)))
+}
+
+/// A question after the word most like a wrong one.
+fn near_word(wrong: &str, words: &[&str]) -> String {
+    nearest(words.iter().map(|word| (like(wrong, word), *word)))
+}
+
+fn like(wrong: &str, name: &str) -> f64 {
+    strsim::jaro_winkler(wrong, name)
+}
+
+/// A question after the names that are most like a wrong one, given how much so; empty if none is like it.
+fn nearest<'a>(names: impl Iterator<Item = (f64, &'a str)> + Clone) -> String {
+    let most = names.clone().map(|(likeness, _)| likeness);
+    let most = most.fold(LIKE, f64::max);
+    let nearest = names.filter(|(likeness, _)| *likeness >= most);
+    let nearest: Vec<_> = nearest.map(|(_, name)| name).collect();
+    match &nearest[..] {
+        [] => String::new(),
+        _ => format!(" (did you mean {}?)", nearest.join(" or ")),
     }
 }
 
@@ -251,7 +275,7 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
 
 fn out_of_range(key: &Key, value: &str) -> ScenarioError {
     let near = match key.kind {
-        Kind::Choice(words) => near(&excerpt(value), words.iter().copied()),
+        Kind::Choice(words) => near_word(&excerpt(value), words),
         _ => String::new(),
     };
     ScenarioError::OutOfRange {
