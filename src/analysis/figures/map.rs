@@ -7,7 +7,7 @@ use crate::analysis::plot::range::{NONE, extremes, union};
 use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape, Stroke};
 use crate::analysis::plot::style::{self, COLOURS, DASHES, FONT, LINE, MARGIN, MEDIUM};
 use crate::analysis::plot::text::Text;
-use crate::analysis::plot::ticks::Scale;
+use crate::analysis::plot::ticks::{BEYOND_USE, Scale};
 use crate::physics::math::log10;
 
 /// Values that differ at least so many times are drawn over their logarithms, if their spacing says nothing else.
@@ -192,6 +192,15 @@ impl Map {
     pub fn draw(&self, width: f64) -> Result<Drawing, String> {
         if !self.x.values.iter().any(|value| value.is_finite()) {
             return Err(format!("no run has a value of {}", self.x.name));
+        }
+        for axis in [&self.x, &self.color].into_iter().chain(&self.y) {
+            let is_beyond = |value: &&f64| value.is_finite() && value.abs() >= BEYOND_USE;
+            if let Some(value) = axis.values.iter().find(is_beyond) {
+                return Err(format!(
+                    "{} is {value:e} in one of the runs: numbers from {BEYOND_USE:e} on can't be drawn",
+                    axis.name
+                ));
+            }
         }
         let mut drawing = match &self.y {
             Some(y) => self.plane(y, width)?,

@@ -259,6 +259,9 @@ fn decimal(digit: usize, decade: i32) -> String {
     }
 }
 
+/// Magnitudes from this on have no scale.
+pub(crate) const BEYOND_USE: f64 = 1e100;
+
 /// Magnitudes below this are zero in SI units.
 const ZERO: f64 = 1e-12;
 
@@ -280,8 +283,7 @@ fn count(low: f64, high: f64, step: Step) -> f64 {
 /// are short: a tenth of its value, or one around zero.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     let magnitude = low.abs().max(high.abs());
-    // Numbers that are not finite or beyond all use have no scale.
-    let is_sound = magnitude < 1e100 && low <= high;
+    let is_sound = magnitude < BEYOND_USE && low <= high;
     if !is_sound {
         return (0.0, 1.0);
     }
