@@ -2,8 +2,9 @@
 
 use crate::archive::recording::{NoScenario, Recording, RecordingError};
 use crate::run::scenario::{PRESETS, Preset, ScenarioError, Values};
+use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use thiserror::Error;
 
 /// Why a word names no scenario.
@@ -84,16 +85,24 @@ fn text(word: &Path) -> Result<String, GivenError> {
     }
 }
 
-/// The text of a file. Opening a pipe that nobody writes to would wait for ever: it is refused.
+/// The text of a file.
+///
+/// # Errors
+/// As [`open_file`].
+pub fn read_file(path: &Path) -> io::Result<String> {
+    io::read_to_string(open_file(path)?)
+}
+
+/// Opens a file for reading. Opening a pipe that nobody writes to would wait for ever: it is refused.
 ///
 /// # Errors
 /// The system's, or that it is no file.
-pub fn read_file(path: &Path) -> io::Result<String> {
+pub fn open_file(path: &Path) -> io::Result<File> {
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() && !metadata.is_dir() {
         return Err(io::Error::other("it is a pipe or a device, not a file"));
     }
-    fs::read_to_string(path)
+    File::open(path)
 }
 
 fn is_preset(word: &Path) -> bool {

@@ -125,8 +125,17 @@ impl Draft {
     /// # Errors
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
     pub fn new(path: &Path, existing: Existing) -> Result<Self, SinkError> {
+        Self::within(directory_of(path), path, existing)
+    }
+
+    /// Starts a file that vanishes if it is not published, and is in this directory until then: whoever clears that away
+    /// clears away what a process that was killed has left of it.
+    ///
+    /// # Errors
+    /// As [`Draft::new`]; [`Draft::publish`] fails if the directory is on another file system.
+    pub fn within(directory: &Path, path: &Path, existing: Existing) -> Result<Self, SinkError> {
         let directories = prepare(path, existing)?;
-        let (file, hidden) = hidden(path)?;
+        let (file, hidden) = hidden(directory, path)?;
         Ok(Self {
             file,
             hidden: Some(hidden),
@@ -149,7 +158,7 @@ impl Draft {
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
     pub fn of_run(path: &Path, existing: Existing, preface: &[u8]) -> Result<Self, SinkError> {
         let directories = prepare(path, existing)?;
-        let (mut file, hidden) = hidden(path)?;
+        let (mut file, hidden) = hidden(directory_of(path), path)?;
         let written = file.write_all(preface);
         written.map_err(|error| io_error("write", path, error))?;
         let (file, partial) = name_partial(file, path, existing)?;
@@ -308,8 +317,8 @@ fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
     Ok(())
 }
 
-/// A new hidden file beside `path`.
-fn hidden(path: &Path) -> Result<(NamedTempFile, Hidden), SinkError> {
+/// A new hidden file, named after `path`.
+fn hidden(directory: &Path, path: &Path) -> Result<(NamedTempFile, Hidden), SinkError> {
     let mut prefix = OsString::from(".");
     prefix.push(path.file_name().unwrap_or_default());
     prefix.push(".");
@@ -317,7 +326,7 @@ fn hidden(path: &Path) -> Result<(NamedTempFile, Hidden), SinkError> {
     builder.prefix(&prefix).suffix(".tmp");
     // Files of `tempfile_in` could be read by their owner alone, even after they are published.
     let mut drafts = HIDDEN.lock().unwrap_or_else(PoisonError::into_inner);
-    let file = builder.make_in(directory_of(path), |name| File::create_new(name));
+    let file = builder.make_in(directory, |name| File::create_new(name));
     let file = file.map_err(|error| io_error("create", path, error))?;
     drafts.insert(file.path().to_owned());
     let hidden = Hidden(file.path().to_owned());

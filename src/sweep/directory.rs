@@ -2,12 +2,13 @@
 
 use super::error::SweepError;
 use super::spec::{Spec, change};
+use crate::archive::given::read_file;
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
 use serde_json::Value as Json;
 use std::ffi::OsString;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 /// The file with the spec.
 pub(super) const SPEC_FILE: &str = "sweep.json";
@@ -42,7 +43,7 @@ pub(super) fn claim(directory: &Path, spec: &Spec) -> Result<(), SweepError> {
 /// [`SweepError::Changed`] if it is of another sweep.
 pub(super) fn check(directory: &Path, spec: &Spec) -> Result<(), SweepError> {
     let path = directory.join(SPEC_FILE);
-    match fs::read_to_string(&path) {
+    match read_file(&path) {
         Ok(text) => refuse_other(directory, &text, spec),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(SweepError::io("read", &path)(error)),

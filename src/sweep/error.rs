@@ -53,6 +53,12 @@ pub enum SweepError {
         /// The file.
         path: PathBuf,
     },
+    /// What has the table's name is no file.
+    #[error("{} is a pipe or a device: a table is written to a file; choose another name", path.display())]
+    NoFile {
+        /// The pipe or device.
+        path: PathBuf,
+    },
     /// A part can't be merged.
     #[error("{} can't be merged: {reason}; remove it and sweep again", path.display())]
     BadPart {

@@ -2,12 +2,12 @@
 
 use super::cells::{Cells, cells};
 use super::error::SweepError;
+use crate::archive::given::open_file;
 use crate::run::scenario::Value;
 use arrow_array::RecordBatch;
 use arrow_schema::Schema;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Some columns of a table of outcomes.
@@ -60,7 +60,7 @@ impl Columns {
             path: of_path.clone(),
             reason,
         };
-        let file = File::open(&path).map_err(SweepError::io("read", &path))?;
+        let file = open_file(&path).map_err(SweepError::io("read", &path))?;
         let builder = ParquetRecordBatchReaderBuilder::try_new(file)
             .map_err(|error| wrong(error.to_string()))?;
         let schema = builder.schema().as_ref().clone();
@@ -70,7 +70,7 @@ impl Columns {
             .map(|field| field.name().as_str())
             .collect();
         for name in names {
-            if !all.contains(&plain(name).as_str()) {
+            if !all.iter().any(|column| plain(column) == plain(name)) {
                 return Err(wrong(format!(
                     "there is no column {name}; there are {}",
                     all.join(", ")
@@ -78,7 +78,7 @@ impl Columns {
             }
         }
         let wanted: Vec<usize> = (0..all.len())
-            .filter(|i| names.iter().any(|name| plain(name) == all[*i]))
+            .filter(|i| names.iter().any(|name| plain(name) == plain(all[*i])))
             .collect();
         let mask = ProjectionMask::roots(builder.parquet_schema(), wanted);
         let reader = builder
@@ -97,7 +97,8 @@ impl Columns {
     /// The unit of a column; empty if it has none.
     #[must_use]
     pub fn unit(&self, name: &str) -> &str {
-        let field = self.schema.field_with_name(&plain(name)).ok();
+        let mut fields = self.schema.fields().iter();
+        let field = fields.find(|field| plain(field.name()) == plain(name));
         let unit = field.and_then(|field| field.metadata().get("unit"));
         unit.map_or("", String::as_str)
     }
@@ -131,8 +132,11 @@ impl Columns {
     fn cells(&self, name: &str) -> Result<Cells, SweepError> {
         let mut all = Vec::new();
         for batch in &self.batches {
-            if let Some(column) = batch.column_by_name(&plain(name)) {
-                let read = cells(column.as_ref());
+            let schema = batch.schema_ref();
+            let mut fields = schema.fields().iter();
+            let index = fields.position(|field| plain(field.name()) == plain(name));
+            if let Some(index) = index {
+                let read = cells(batch.column(index).as_ref());
                 all.extend(read.map_err(|reason| self.wrong(name, &reason))?);
             }
         }

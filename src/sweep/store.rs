@@ -12,8 +12,8 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::writer::SerializedFileWriter;
 use std::ffi::OsStr;
-use std::fs::{self, File};
-use std::io::BufWriter;
+use std::fs::{self, File, Metadata};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -52,9 +52,12 @@ impl<'a> Store<'a> {
         if table.symlink_metadata().is_err() {
             return Ok(None);
         }
-        let exists = || SweepError::Exists {
-            path: table.to_owned(),
-        };
+        let path = || table.to_owned();
+        let exists = || SweepError::Exists { path: path() };
+        let is_special = |found: Metadata| !found.is_file() && !found.is_dir();
+        if table.metadata().is_ok_and(is_special) {
+            return Err(SweepError::NoFile { path: path() });
+        }
         let metadata = metadata(table).map_err(|_| exists())?;
         let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(exists)?;
         directory::refuse_other(table, spec, self.sweep.spec())?;
@@ -124,9 +127,19 @@ impl<'a> Store<'a> {
         let Some(first) = schema else {
             return Ok(());
         };
-        let mut draft = Draft::new(self.table, Existing::Keep)?;
-        self.copy(&mut draft, &first, &counts)?;
-        draft.publish()?;
+        let merge = |draft: Result<Draft, SinkError>| -> Result<(), SweepError> {
+            let mut draft = draft?;
+            self.copy(&mut draft, &first, &counts)?;
+            draft.publish()?;
+            Ok(())
+        };
+        // What is left of a draft among the parts goes with them.
+        match merge(Draft::within(&self.parts, self.table, Existing::Keep)) {
+            Err(SweepError::Sink(error)) if is_on_another_disk(&error) => {
+                merge(Draft::new(self.table, Existing::Keep))
+            }
+            merged => merged,
+        }?;
         self.clear();
         Ok(())
     }
@@ -156,7 +169,8 @@ impl<'a> Store<'a> {
         let _ = fs::remove_dir(&self.parts);
     }
 
-    /// Whether a file in the directory of parts has the name of a part of this sweep, or of the hidden draft of a file.
+    /// Whether a file in the directory of parts has the name of a part of this sweep, or of the hidden draft of a part, of
+    /// the table or of the file that says of which sweep the directory is.
     fn is_own(&self, name: &OsStr) -> bool {
         let name = name.to_string_lossy();
         let (name, is_draft) = match name.strip_prefix('.') {
@@ -173,7 +187,9 @@ impl<'a> Store<'a> {
             .next()
             .and_then(|digits| digits.parse().ok());
         let part = digits.filter(|part| *part < self.sweep.parts());
-        part.is_some_and(|part| is_file(&part_name(part))) || is_draft && is_file(SPEC_FILE)
+        let table = self.table.file_name().unwrap_or_default();
+        let is_other_draft = is_file(SPEC_FILE) || is_file(&table.to_string_lossy());
+        part.is_some_and(|part| is_file(&part_name(part))) || is_draft && is_other_draft
     }
 
     fn copy(
@@ -241,6 +257,11 @@ impl<'a> Store<'a> {
             reason: reason.to_owned(),
         }
     }
+}
+
+/// Whether a draft could not get its name because that is on another disk, as where the directory of parts is a link.
+fn is_on_another_disk(error: &SinkError) -> bool {
+    matches!(error, SinkError::Io { reason, .. } if reason.kind() == io::ErrorKind::CrossesDevices)
 }
 
 /// The name of a part's file.

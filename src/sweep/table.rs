@@ -3,6 +3,7 @@
 use super::axis::find_key;
 use super::cells::{Cells, cells};
 use super::error::SweepError;
+use crate::archive::given::open_file;
 use crate::run::scenario::{Key, Value, hex};
 use arrow_array::{Array, RecordBatch};
 use arrow_schema::Schema;
@@ -33,7 +34,7 @@ impl Table {
     /// [`SweepError::Table`] for what is neither, or has a column that is no key.
     pub fn read(path: &Path) -> Result<Self, SweepError> {
         let has = |kind| path.extension().is_some_and(|extension| extension == kind);
-        let file = File::open(path).map_err(SweepError::io("read", path))?;
+        let file = open_file(path).map_err(SweepError::io("read", path))?;
         let read = if has("parquet") {
             from_parquet(file)
         } else if has("csv") {
