@@ -11,12 +11,15 @@ use arrow_select::concat::concat_batches;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::ThreadPoolBuilder;
+use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use toprise::run::scenario::{Value, Values};
 use toprise::run::simulation::StopReason;
-use toprise::sweep::{self as sweeps, Design, Options, Shard, Spec, Sweep, Watch};
+use toprise::sweep::{
+    self as sweeps, Choice, Design, Options, Recordings, Shard, Spec, Sweep, Watch,
+};
 
 /// The column of a sweep's table with the number of a row: what is given keeps its own.
 const RUN: &str = "run";
@@ -40,6 +43,7 @@ pub fn outcomes(
     let values = base.values(None)?;
     let given = concat_batches(&table.schema, &table.batches).map_err(refused)?;
     refuse_two_bases(&given)?;
+    refuse_missing(&keep, &given)?;
     let name = |column: &usize| given.schema_ref().field(*column).name();
     // A key that is to be kept is there anyway, beside the outcomes.
     let is_kept =
@@ -83,6 +87,25 @@ fn refuse_two_bases(given: &RecordBatch) -> PyResult<()> {
     match names.find(|name| *name != first) {
         Some(other) => Err(PyValueError::new_err(format!(
             "the column scenario names several bases, {first} and {other}: choose the rows of one, and give that as base"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses to keep columns that the table doesn't have.
+fn refuse_missing(keep: &[String], given: &RecordBatch) -> PyResult<()> {
+    let fields = given.schema_ref().fields().iter();
+    let names: Vec<&str> = fields.map(|field| field.name().as_str()).collect();
+    let is_there = |name: &String| {
+        let path = |name: &str| sweeps::find_key(name).ok().map(|key| key.path);
+        let is_it =
+            |own: &&str| *own == name || path(name).is_some_and(|key| path(own) == Some(key));
+        names.iter().any(is_it)
+    };
+    match keep.iter().find(|name| !is_there(name)) {
+        Some(missing) => Err(PyValueError::new_err(format!(
+            "keep: the table has no column {missing}; it has {}",
+            names.join(", ")
         ))),
         None => Ok(()),
     }
@@ -236,7 +259,11 @@ pub fn sweep(
         fail_fast,
     };
     let runs = sweep.spec().rows();
+    let choice = Choice::of(&sweep).map_err(refused_sweep)?;
     let left = sweeps::left_to_do(&sweep, &out, shard).map_err(refused_sweep)?;
+    if choice.is_some() {
+        sweeps::check_recordings(&sweep, &out).map_err(refused_sweep)?;
+    }
     let done = Arc::new(AtomicU64::new(0));
     let counted = done.clone();
     let tell = |_: Python<'_>| match &progress {
@@ -245,7 +272,8 @@ pub fn sweep(
             .map(|_| ()),
         None => Ok(()),
     };
-    let finished = compute_watched(py, tell, move |interrupt| {
+    type Done = Result<(sweeps::Finished, Option<Json>), sweeps::SweepError>;
+    let finished = compute_watched(py, tell, move |interrupt| -> Done {
         let count = |_: Option<StopReason>| {
             counted.fetch_add(1, Ordering::Relaxed);
         };
@@ -253,19 +281,51 @@ pub fn sweep(
             carry_on: &|| !interrupt.is_asked(),
             done: &count,
         };
-        sweeps::run(&sweep, &out, &options, &watch)
+        let finished = sweeps::run(&sweep, &out, &options, &watch)?;
+        let choice = choice.filter(|_| !finished.is_interrupted);
+        let recorded = choice.map(|choice| {
+            let watch = Watch {
+                done: &|_| {},
+                ..watch
+            };
+            record(&sweep, &out, &choice, &options, &watch)
+        });
+        Ok((finished, recorded.transpose()?))
     })?;
     tell(py)?;
-    let finished = finished.map_err(refused_sweep)?;
-    let answer = serde_json::json!({
+    let (finished, recordings) = finished.map_err(refused_sweep)?;
+    let answer = json!({
         "runs": runs,
         "computed": finished.computed,
         "is_merged": finished.is_merged,
         "stops": finished.counts.stops,
         "errors": finished.counts.errors,
         "first_error": finished.counts.first_error,
+        "recordings": recordings,
     });
     Ok(answer.to_string())
+}
+
+/// Writes the recordings of chosen runs that are missing, and tells of them as `toprise sweep --format json` does, but with
+/// the runs whose recordings end early, and why, as far as that is known.
+fn record(
+    sweep: &Sweep,
+    out: &Path,
+    choice: &Choice,
+    options: &Options,
+    watch: &Watch<'_>,
+) -> Result<Json, sweeps::SweepError> {
+    let recordings = Recordings::find(sweep, out, choice, options.shard)?;
+    let recorded = recordings.write(options, watch)?;
+    let early = recordings.early().iter().map(|run| (*run, None));
+    let failed = recorded.failed.into_iter();
+    let failed = failed.map(|(run, reason)| (run, Some(reason)));
+    Ok(json!({
+        "directory": sweeps::recordings_directory(out).display().to_string(),
+        "chosen": recordings.chosen(),
+        "written": recorded.written,
+        "failed": early.chain(failed).collect::<Vec<_>>(),
+    }))
 }
 
 fn refused_sweep(error: sweeps::SweepError) -> PyErr {

@@ -134,6 +134,10 @@ def test_other_columns_go_through_if_they_are_named():
     assert [(row["run"], row["label"]) for row in rows(found)] == [(7, "a"), (8, None)]
     with pytest.raises(toprise.ScenarioError, match="unknown key label"):
         toprise.outcomes(table, BRIEF)
+    with pytest.raises(ValueError, match="no column lable; it has run, label, friction_k"):
+        toprise.outcomes(table, BRIEF, keep=["label", "lable"])
+    # Keys go by both of their names.
+    assert toprise.outcomes(table, BRIEF, keep=["label", "friction.k"]).column_names == found.column_names
 
 
 def test_a_key_that_is_kept_is_applied():
@@ -266,6 +270,37 @@ def test_a_sweep_is_written_once_whatever_computes_it(tmp_path):
         toprise.sweep(SPEC | {"set": {"stop.duration": 0.01}}, whole)
     with pytest.raises(ValueError, match="shard"):
         toprise.sweep(SPEC, parts, shard=(3, 3))
+
+
+def test_a_spec_says_which_runs_are_recorded(tmp_path):
+    spec = {"set": SPEC["set"], "over": {"friction.k": [0.01, 0.02, 0.03]}, "keep": ["friction.k > 0.015"]}
+    answer = toprise.sweep(spec, tmp_path / "a.parquet")
+    runs = tmp_path / "a.parquet.runs"
+    assert answer["recordings"] == {"directory": str(runs), "chosen": 2, "written": 2, "failed": 0}
+    recorded = toprise.read(runs / "000001.mcap")
+    row = pq.read_table(tmp_path / "a.parquet").to_pylist()[1]
+    assert recorded.scenario.digest == row["scenario_digest"]
+    assert recorded.outcome["theta"] == row["theta"]
+    more = toprise.sweep(spec | {"keep": None, "record": 1}, tmp_path / "a.parquet")
+    assert more["recordings"] == {"directory": str(runs), "chosen": 1, "written": 1, "failed": 0}
+    assert toprise.sweep({"over": spec["over"], "set": spec["set"]}, tmp_path / "a.parquet")["recordings"] is None
+    with pytest.raises(toprise.SweepError, match="there is no column mass"):
+        toprise.sweep(spec | {"keep": ["mass > 1"]}, tmp_path / "b.parquet")
+    assert not (tmp_path / "b.parquet.parts").exists()
+
+
+def test_a_recording_that_ends_early_is_warned_of(tmp_path):
+    # The kinetic energy becomes larger than any number.
+    heavy = {
+        "top.mass": 1.5e307, "top.center_distance": 1, "top.transverse_moment": 2e307, "top.axial_moment": 1e306,
+        "initial.phi_dot": 0, "initial.psi_dot": 0, "friction.law": "none", "friction.k": None,
+        "friction.dissipation": None, "stop.theta_fallen": 3, "sampling.period": 0.01,
+    }  # fmt: skip
+    with pytest.warns(toprise.RecordingWarning, match="run 0 ends early: /top/energy kinetic is inf"):
+        answer = toprise.sweep({"set": heavy, "record": 1}, tmp_path / "a.parquet")
+    assert answer["recordings"]["failed"] == 1
+    with pytest.warns(toprise.RecordingWarning, match="run 0 ends early$"):
+        assert toprise.sweep({"set": heavy, "record": 1}, tmp_path / "a.parquet")["recordings"]["failed"] == 1
 
 
 def test_specs_may_have_numbers_of_numpy_and_none(tmp_path):

@@ -6,12 +6,14 @@ import json
 import os
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from numbers import Integral
 from pathlib import Path
 from typing import Any, Union
 
 from . import _toprise
+from ._errors import RecordingWarning
 from ._toprise import Scenario, Table
 
 #: What a scenario is named by.
@@ -122,7 +124,8 @@ def sweep(
     What is there of an earlier call that was interrupted is kept. `shard=(i, n)` computes the i-th of n shares of the parts, from
     0, and merges nothing; the call without it completes the table. `progress=True` shows a bar on standard error; a function is told
     how many runs are done, of how many are left. The answer has the number of `runs` of the whole sweep and of those `computed` now, and
-    counts the runs by why they stopped, and those with an `error`.
+    counts the runs by why they stopped, and those with an `error`. Where the spec asks for whole recordings of runs, as in
+    `{"keep": ["rise_time > 30"], "record": 3}`, they are written into the directory `out` + `.runs`, and `recordings` says how many.
     """
     told: Callable[[int, int], object] | None = None
     if callable(progress):
@@ -139,6 +142,12 @@ def sweep(
             progress=told,
         )
     )
+    if recordings := counts["recordings"]:
+        failed = recordings["failed"]
+        for run, reason in failed:
+            why = f": {reason}" if reason else ""
+            warnings.warn(f"the recording of run {run} ends early{why}", RecordingWarning, stacklevel=2)
+        recordings["failed"] = len(failed)
     return counts
 
 

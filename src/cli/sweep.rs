@@ -13,9 +13,9 @@ use crate::archive::given::read_file;
 use crate::archive::publish::is_same_file;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
-    Axis, Base, Choice, Counts, Design, Finished, Method, Options, Recorded, Recordings, Shard,
-    Spec, Sweep, Table, Watch, check_recordings, is_in_row, left_to_do, parts_directory,
-    recordings_directory, run,
+    Axis, Base, Choice, Counts, Design, Finished, Method, Options, Recordings, Shard, Spec, Sweep,
+    Table, Watch, check_recordings, is_in_row, left_to_do, parts_directory, recordings_directory,
+    run,
 };
 use anyhow::{Context as _, Error, bail};
 use clap::{Args, ValueEnum};
@@ -36,13 +36,13 @@ const TRIAL_RUNS: u64 = 16;
 /// Arguments of `toprise sweep`.
 #[derive(Args, Debug, Default, PartialEq)]
 pub(super) struct SweepArguments {
-    /// Presets and scenario files to start from (several are the outermost axis), or one file that says everything: the
-    /// spec of a sweep.
+    /// Presets and scenario files to start from (several are the outermost axis), or one file that says everything, the
+    /// spec of a sweep: TOML with the keys bases, set, over, sample or table, max_steps, keep and record.
     #[arg(value_name = "BASE", default_value = "paper")]
     bases: Vec<String>,
 
-    /// Vary a key: KEY=a..b/N for N values from a to b, KEY=a..b/Nlog for evenly spaced logarithms, KEY=x,y,z for these;
-    /// with --sample KEY=a..b or KEY=a..b/log. The last of several varies fastest.
+    /// Vary a key: KEY=a..b/N for N values from a to b, KEY=a..b/Nlog for evenly spaced logarithms, KEY=x,y,z for these
+    /// (a text with a comma in quotes); with --sample KEY=a..b or KEY=a..b/log. The last of several varies fastest.
     #[arg(long, value_name = "KEY=VALUES", value_parser = parse_override)]
     over: Vec<Override>,
 
@@ -85,11 +85,13 @@ pub(super) struct SweepArguments {
 
     /// Store whole recordings of the runs whose rows fulfil a condition: a column or key, one of < <= > >= = !=, and a
     /// number, a word or null, as in 'rise_time > 30', 'stop_reason = fallen' or 'weak_time != null'. Of several, all must
-    /// hold. They go into a directory beside the table, as out.parquet.runs/000042.mcap for run 42.
+    /// hold. They go into a directory beside the table, as out.parquet.runs/000042.mcap for run 42. The conditions of a
+    /// spec, `keep = ["rise_time > 30"]`, then don't count.
     #[arg(long, value_name = "CONDITION")]
     keep: Vec<String>,
 
-    /// Store whole recordings of the first N runs that have an outcome; with --keep, of the first N that it chooses.
+    /// Store whole recordings of the first N runs that have an outcome; with --keep, of the first N that it chooses. In a
+    /// spec: `record = N`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     record: Option<u64>,
 
@@ -153,7 +155,7 @@ pub(crate) struct SweepReport {
     errors: u64,
     /// The first run that has an error; absent if none has.
     first_error: Option<crate::sweep::RowError>,
-    /// Whole recordings of chosen runs; absent unless --keep or --record asks for them, and the rows are there.
+    /// Whole recordings of chosen runs; absent unless they are asked for (--keep, --record), and the rows are there.
     recordings: Option<RecordingsReport>,
     /// Whether the sweep was interrupted.
     interrupted: bool,
@@ -172,7 +174,7 @@ struct RecordingsReport {
     chosen: u64,
     /// Number of recordings that were written now; the others were there, or are left.
     written: u64,
-    /// Number of recordings written now that end early, because the motion could not be recorded to its end.
+    /// Number of recordings that end early, because the motion could not be recorded to its end.
     failed: u64,
 }
 
@@ -181,12 +183,21 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
     let began = Instant::now();
     arguments.refuse_parts()?;
     let sweep = Sweep::new(arguments.spec()?);
-    let choice = arguments.choice(&sweep)?;
+    let choice = Choice::of(&sweep)?;
+    if let Some(name) = sweep.spec().shared_name() {
+        output::warn(&format!(
+            "several scenarios are called {name}, and the table doesn't tell their runs apart: give them other names"
+        ));
+    }
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
     if choice.is_some() {
         check_recordings(&sweep, &arguments.output)?;
     }
-    let interrupt = Interrupt::watch()?;
+    // Where nothing is written there is nothing to end in order.
+    let interrupt = match arguments.dry_run {
+        true => Interrupt::default(),
+        false => Interrupt::watch()?,
+    };
     let carry_on = || !interrupt.is_asked();
     let told = quietly(|| {
         let estimate = arguments.estimate(&sweep, left, &carry_on);
@@ -208,8 +219,8 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
     let (finished, estimate) = told?;
     let computing = began.elapsed();
     let choice = choice.filter(|_| !finished.is_interrupted && !arguments.dry_run);
-    let recorded = choice.map(|choice| arguments.record(&sweep, &choice, &carry_on));
-    let recorded = recorded.transpose()?;
+    let recordings = choice.map(|choice| arguments.record(&sweep, &choice, &carry_on));
+    let (recordings, are_cut_short) = recordings.transpose()?.unzip();
     let report = SweepReport {
         runs: sweep.spec().rows(),
         computed: finished.computed,
@@ -219,18 +230,8 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         outcomes: finished.counts.stops,
         errors: finished.counts.errors,
         first_error: finished.counts.first_error,
-        interrupted: finished.is_interrupted
-            || recorded
-                .as_ref()
-                .is_some_and(|(_, done)| done.is_interrupted),
-        recordings: recorded.map(|(chosen, done)| RecordingsReport {
-            directory: recordings_directory(&arguments.output)
-                .display()
-                .to_string(),
-            chosen,
-            written: done.written,
-            failed: done.failed.len() as u64,
-        }),
+        interrupted: finished.is_interrupted || are_cut_short.unwrap_or_default(),
+        recordings,
         estimate: estimate.filter(|_| arguments.dry_run),
         wall_time: began.elapsed().as_secs_f64(),
     };
@@ -268,8 +269,19 @@ impl SweepArguments {
         Ok(())
     }
 
-    /// The spec that the arguments make, or that their file holds.
+    /// The spec that the arguments make, or that of their file, where an argument counts more than the file.
     fn spec(&self) -> Result<Spec, Error> {
+        let mut spec = self.spec_of_runs()?;
+        spec.most_steps = self.max_steps.or(spec.most_steps);
+        spec.record = self.record.or(spec.record);
+        if !self.keep.is_empty() {
+            spec.keep = self.keep.clone();
+        }
+        Ok(spec)
+    }
+
+    /// The spec as the file has it, or with the bases and designs of the arguments.
+    fn spec_of_runs(&self) -> Result<Spec, Error> {
         if let [word] = &self.bases[..]
             && let path = Path::new(word)
             && path.is_file()
@@ -289,7 +301,7 @@ impl SweepArguments {
             .map(|count| (count, self.method.into(), self.seed));
         let table = self.table.as_deref().map(Table::read).transpose()?;
         let design = Design::of(axes, sample, table)?;
-        Ok(Spec::new(bases, design, self.max_steps)?)
+        Ok(Spec::new(bases, design, None)?)
     }
 
     fn spec_of_file(&self, text: &str, path: &Path) -> Result<Spec, Error> {
@@ -297,26 +309,16 @@ impl SweepArguments {
             bail!("the file says what varies: leave --over, --sample and --table out");
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        let mut spec = Spec::from_toml(text, folder, &self.overrides)?;
-        spec.most_steps = self.max_steps.or(spec.most_steps);
-        Ok(spec)
+        Ok(Spec::from_toml(text, folder, &self.overrides)?)
     }
 
-    /// Which runs are recorded; none if that isn't asked for.
-    fn choice(&self, sweep: &Sweep) -> Result<Option<Choice>, Error> {
-        if self.keep.is_empty() && self.record.is_none() {
-            return Ok(None);
-        }
-        Ok(Some(Choice::parse(&self.keep, self.record, sweep)?))
-    }
-
-    /// Writes the recordings that are missing; tells how many runs are chosen, and what was done.
+    /// Writes the recordings that are missing; tells of them, and whether that was interrupted.
     fn record(
         &self,
         sweep: &Sweep,
         choice: &Choice,
         carry_on: &(dyn Fn() -> bool + Sync),
-    ) -> Result<(u64, Recorded), Error> {
+    ) -> Result<(RecordingsReport, bool), Error> {
         let recordings = Recordings::find(sweep, &self.output, choice, self.shard)?;
         let missing = recordings.missing();
         if missing > 0 {
@@ -330,10 +332,21 @@ impl SweepArguments {
         let recorded = recordings.write(&self.options(), &watch);
         progress.finish();
         let recorded = recorded?;
+        for run in recordings.early() {
+            output::warn(&format!(
+                "the recording of run {run}, which was there, ends early"
+            ));
+        }
         for (run, reason) in &recorded.failed {
             output::warn(&format!("the recording of run {run} ends early: {reason}"));
         }
-        Ok((recordings.chosen(), recorded))
+        let report = RecordingsReport {
+            directory: recordings_directory(&self.output).display().to_string(),
+            chosen: recordings.chosen(),
+            written: recorded.written,
+            failed: (recordings.early().len() + recorded.failed.len()) as u64,
+        };
+        Ok((report, recorded.is_interrupted))
     }
 
     fn options(&self) -> Options {
@@ -469,16 +482,17 @@ impl RecordingsReport {
             chosen,
             written,
             directory,
-            ..
+            failed,
         } = self;
-        match chosen {
-            0 => "no run is chosen".to_owned(),
-            _ => format!(
-                "{} in {directory}, {} written now",
-                runs(*chosen),
-                count(*written)
-            ),
+        if *chosen == 0 {
+            return "no run is chosen".to_owned();
         }
+        let (chosen, written) = (runs(*chosen), count(*written));
+        let early = match failed {
+            0 => String::new(),
+            failed => format!(", {} of them end early", count(*failed)),
+        };
+        format!("{chosen} in {directory}, {written} written now{early}")
     }
 }
 

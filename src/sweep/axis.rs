@@ -57,24 +57,42 @@ pub fn column_name(key: &Key) -> String {
 }
 
 impl Axis {
-    /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas.
+    /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas. Texts may stand in
+    /// quotes, and must where a comma is in them.
     ///
     /// # Errors
     /// [`SweepError::Key`] for a key that there isn't, [`SweepError::Spec`] for values that make no sense.
     pub fn parse(name: &str, text: &str) -> Result<Self, SweepError> {
         let key = find_key(name)?;
         let wrong = |reason: String| SweepError::Spec(format!("{}={text}: {reason}", key.path));
-        let points = if key.kind.is_text() || !text.contains("..") {
-            let items = text.split(',').map(|item| value(key, item.trim()));
-            Points::List(items.collect::<Result<_, _>>().map_err(wrong)?)
+        let points = if key.kind.is_text() {
+            words(text).map(Points::List)
+        } else if text.contains("..") {
+            range(text)
         } else {
-            range(text).map_err(wrong)?
+            let items = text.split(',').map(number);
+            let values = items.map(|number| Ok(Value::Number(number?)));
+            values.collect::<Result<_, _>>().map(Points::List)
         };
         Ok(Self {
             key,
             text: text.to_owned(),
-            points,
+            points: points.map_err(wrong)?,
         })
+    }
+
+    /// Takes a list of values, each as it would stand on the command line by itself.
+    ///
+    /// # Errors
+    /// As [`Axis::parse`].
+    pub(super) fn of_list(name: &str, values: &[String]) -> Result<Self, SweepError> {
+        let is_text = find_key(name)?.kind.is_text();
+        let item = |value: &String| match is_text && !is_plain(value) {
+            true => serde_json::Value::from(value.as_str()).to_string(),
+            false => value.clone(),
+        };
+        let items: Vec<String> = values.iter().map(item).collect();
+        Self::parse(name, &items.join(","))
     }
 
     /// How many values a grid has along this axis; none if only a sample can say where they lie.
@@ -135,19 +153,56 @@ impl Axis {
     }
 }
 
-/// A value of a list.
-fn value(key: &Key, text: &str) -> Result<Value, String> {
-    if text.is_empty() {
-        return Err("a value is empty".to_owned());
-    }
-    if key.kind.is_text() {
-        return Ok(Value::Text(text.trim_matches('"').to_owned()));
-    }
-    number(text).map(Value::Number)
+/// Whether a text of a list needs no quotes.
+fn is_plain(text: &str) -> bool {
+    !text.is_empty() && text.trim() == text && !text.starts_with(['"', '\'']) && !text.contains(',')
 }
 
+/// Texts separated by commas, some of them in quotes: double ones, within which JSON's escapes hold, or single ones.
+fn words(text: &str) -> Result<Vec<Value>, String> {
+    let mut words = Vec::new();
+    let mut rest = text;
+    loop {
+        let (word, after) = first_word(rest.trim_start())?;
+        words.push(Value::Text(word));
+        let after = after.trim_start();
+        if after.is_empty() {
+            return Ok(words);
+        }
+        let next = after.strip_prefix(',');
+        rest = next.ok_or_else(|| format!("there must be a comma before {after}"))?;
+    }
+}
+
+/// The first of several texts, and what comes after it.
+fn first_word(text: &str) -> Result<(String, &str), String> {
+    let open = || format!("{text} must begin with a text in quotes, as in \"a, b\"");
+    if text.starts_with('"') {
+        let mut quoted = serde_json::Deserializer::from_str(text).into_iter();
+        let word: Option<Result<String, _>> = quoted.next();
+        let word = word.and_then(Result::ok).ok_or_else(open)?;
+        return Ok((word, &text[quoted.byte_offset()..]));
+    }
+    if let Some(quoted) = text.strip_prefix('\'') {
+        let (word, after) = quoted.split_once('\'').ok_or_else(open)?;
+        return Ok((word.to_owned(), after));
+    }
+    let (word, after) = text.split_at(text.find(',').unwrap_or(text.len()));
+    match word.trim_end() {
+        "" => Err(EMPTY.to_owned()),
+        word => Ok((word.to_owned(), after)),
+    }
+}
+
+/// What is told of a list like `1,,2`.
+const EMPTY: &str = "a value is empty";
+
 fn number(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse().ok();
+    let text = text.trim();
+    if text.is_empty() {
+        return Err(EMPTY.to_owned());
+    }
+    let number = text.parse().ok();
     number
         .filter(|number: &f64| number.is_finite())
         .ok_or_else(|| format!("{text:?} is not a finite number"))
@@ -227,6 +282,57 @@ mod tests {
         assert_eq!(numbers(&down), [1.0, 0.0, -1.0]);
         let wide = Axis::parse("initial.phi", "-1e308..1e308/3").unwrap();
         assert_eq!(numbers(&wide), [-1e308, 0.0, 1e308]);
+    }
+
+    #[test]
+    fn commas_in_quotes_belong_to_a_text() {
+        let of = |axis: &Axis| (0..axis.count().unwrap()).map(|i| axis.at(i)).collect();
+        let texts = |texts: &[&str]| -> Vec<Value> {
+            let values = texts.iter().map(|text| Value::Text((*text).to_owned()));
+            values.collect()
+        };
+        for (list, expected) in [
+            ("\"a,b\",\"c\"", &["a,b", "c"][..]),
+            (
+                " 'a,b' , c d ,\"\\u03b8, \\\"e\\\"\"",
+                &["a,b", "c d", "θ, \"e\""],
+            ),
+            ("it's,5\" long", &["it's", "5\" long"]),
+            ("''", &[""]),
+        ] {
+            let values: Vec<Value> = of(&Axis::parse("description", list).unwrap());
+            assert_eq!(values, texts(expected), "{list}");
+        }
+        // Each entry of a list is one value, and lists that need no quotes are written as on the command line.
+        for (list, expected) in [
+            (&["a,b", "c"][..], "\"a,b\",c"),
+            (
+                &["", " a", "'b'", "\"c\"", "d\ne", "f g"],
+                "\"\",\" a\",\"'b'\",\"\\\"c\\\"\",d\ne,f g",
+            ),
+        ] {
+            let list: Vec<String> = list.iter().map(|text| (*text).to_owned()).collect();
+            let axis = Axis::of_list("description", &list).unwrap();
+            assert_eq!(axis.text, expected);
+            let values: Vec<Value> = of(&axis);
+            let list: Vec<&str> = list.iter().map(String::as_str).collect();
+            assert_eq!(values, texts(&list));
+        }
+        let numbers = ["0.1".to_owned(), "0.2".to_owned()];
+        assert_eq!(
+            Axis::of_list("friction.k", &numbers).unwrap().text,
+            "0.1,0.2"
+        );
+        for (list, part) in [
+            ("\"a,b", "quotes"),
+            ("'a", "quotes"),
+            ("\"a\" b", "there must be a comma before b"),
+            ("a,,b", "empty"),
+            ("a,", "empty"),
+        ] {
+            let told = Axis::parse("description", list).unwrap_err().to_string();
+            assert!(told.contains(part), "{list}: {told}");
+        }
     }
 
     #[test]

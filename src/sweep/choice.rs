@@ -4,25 +4,19 @@ use super::axis::column_name;
 use super::error::SweepError;
 use super::part::Sweep;
 use super::reading::{Columns, plain};
+use super::spec::Spec;
 use crate::run::scenario::Kind;
 use crate::run::simulation::StopReason;
 use arrow_schema::DataType;
+use schemars::schema_for;
+use serde_json::Value as Json;
 use std::path::Path;
 
 /// The column that says why a row has no outcome: such a row is never chosen.
 const ERROR: &str = "error";
 
-/// Why a run with an outcome can have stopped.
-const STOPS: [StopReason; 8] = [
-    StopReason::Risen,
-    StopReason::Fallen,
-    StopReason::Duration,
-    StopReason::SlipStopped,
-    StopReason::Rest,
-    StopReason::Singular,
-    StopReason::Jam,
-    StopReason::Pivot,
-];
+/// The reasons to stop that leave no outcome.
+const WITHOUT_OUTCOME: [StopReason; 2] = [StopReason::Interrupted, StopReason::Failed];
 
 /// The signs of comparisons. What begins with another one stands before it.
 const RELATIONS: [(&str, Relation); 7] = [
@@ -69,6 +63,18 @@ enum Value {
 }
 
 impl Choice {
+    /// The runs that a sweep's spec asks to be recorded; none if it asks for none.
+    ///
+    /// # Errors
+    /// As [`Choice::parse`].
+    pub fn of(sweep: &Sweep) -> Result<Option<Self>, SweepError> {
+        let Spec { keep, record, .. } = sweep.spec();
+        let is_asked = !keep.is_empty() || record.is_some();
+        is_asked
+            .then(|| Self::parse(keep, *record, sweep))
+            .transpose()
+    }
+
     /// Reads conditions such as `rise_time > 30`, `stop_reason = fallen` and `weak_time = null`, which compare a column of the
     /// sweep's table, or a key that varies, with a number, a word or null.
     ///
@@ -203,24 +209,37 @@ fn word_of(column: &str, word: &str, sweep: &Sweep) -> Result<Value, String> {
     if word == "null" {
         return Ok(Value::Null);
     }
-    let known: Vec<&str> = match column {
-        "stop_reason" => STOPS.iter().map(|stop| stop.name()).collect(),
-        "scenario" => sweep.spec().bases().map(|base| &*base.name).collect(),
+    let owned = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
+    let known: Vec<String> = match column {
+        "stop_reason" => stops(),
+        "scenario" => sweep.spec().bases().map(|base| base.name.clone()).collect(),
         _ => {
             let mut keys = sweep.spec().keys().iter();
             match keys.find(|key| column_name(key) == column) {
-                Some(key) if let Kind::Choice(words) = key.kind => words.to_vec(),
-                _ => vec![word],
+                Some(key) if let Kind::Choice(words) = key.kind => owned(words),
+                _ => owned(&[word]),
             }
         }
     };
-    if word.is_empty() || !known.contains(&word) {
+    if word.is_empty() || !known.iter().any(|known| known == word) {
         let words = known.join(", ");
         return Err(format!(
             "{column} is never {word:?}; it is one of {words}, or null"
         ));
     }
     Ok(Value::Word(word.to_owned()))
+}
+
+/// Why a run with an outcome can have stopped. Read from the schema of the reasons, which has all of them.
+fn stops() -> Vec<String> {
+    let reasons = schema_for!(StopReason);
+    let all = reasons.get("oneOf").and_then(Json::as_array);
+    let names = all
+        .into_iter()
+        .flatten()
+        .filter_map(|one| one["const"].as_str());
+    let has_outcome = |name: &&str| WITHOUT_OUTCOME.iter().all(|stop| stop.name() != *name);
+    names.filter(has_outcome).map(str::to_owned).collect()
 }
 
 /// The value that a condition on a column of numbers compares with.
@@ -239,7 +258,7 @@ fn number_of(column: &str, word: &str) -> Result<Value, String> {
 #[cfg(test)]
 mod tests {
     use super::super::axis::Axis;
-    use super::super::spec::{Base, Design, Spec};
+    use super::super::spec::{Base, Design};
     use super::*;
 
     fn sweep() -> Sweep {
@@ -342,6 +361,10 @@ mod tests {
                 "it is one of risen, fallen, duration",
             ),
             (
+                "stop_reason = failed",
+                "it is one of risen, fallen, duration",
+            ),
+            (
                 "scenario = stribeck",
                 "it is one of paper, viscous, or null",
             ),
@@ -356,16 +379,30 @@ mod tests {
         }
     }
 
-    /// A reason that is new must be put among those of outcomes, or here.
+    /// Each reason by name, so that the compiler asks for a new one here.
     #[test]
     fn every_reason_to_stop_can_be_asked_for_unless_it_leaves_no_outcome() {
-        let all = schemars::schema_for!(StopReason);
-        let all = all.as_value()["oneOf"].as_array().unwrap();
-        let names = all.iter().map(|one| one["const"].as_str().unwrap());
-        let known: Vec<_> = STOPS.iter().map(|stop| stop.name()).collect();
-        for name in names {
-            let leaves_no_outcome = ["interrupted", "failed"].contains(&name);
-            assert_eq!(known.contains(&name), !leaves_no_outcome, "{name}");
+        use StopReason::*;
+        let all = [
+            Risen,
+            Fallen,
+            Duration,
+            SlipStopped,
+            Rest,
+            Singular,
+            Jam,
+            Pivot,
+            Interrupted,
+            Failed,
+        ];
+        for stop in all {
+            let leaves_outcome = match stop {
+                Risen | Fallen | Duration | SlipStopped | Rest | Singular | Jam | Pivot => true,
+                Interrupted | Failed => false,
+            };
+            let is_known = stops().iter().any(|name| name == stop.name());
+            assert_eq!(is_known, leaves_outcome, "{stop:?}");
         }
+        assert_eq!(stops().len() + WITHOUT_OUTCOME.len(), all.len());
     }
 }

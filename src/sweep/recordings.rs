@@ -10,7 +10,7 @@ use super::part::{PART_ROWS, Sweep};
 use super::row::Watch;
 use super::store::Store;
 use super::work::{Options, Shard};
-use crate::archive::format::SCENARIO_DIGEST;
+use crate::archive::format::{SCENARIO_DIGEST, STOP_REASON};
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::recording::{Condition, Recording};
 use crate::archive::sink::{RecordError, Sink, SinkError, record};
@@ -42,6 +42,7 @@ pub struct Recordings<'a> {
     directory: PathBuf,
     chosen: u64,
     missing: Vec<u64>,
+    early: Vec<u64>,
 }
 
 /// What was recorded.
@@ -63,6 +64,14 @@ enum End {
     Early(String),
     /// It was interrupted, and nothing is left of it.
     Interrupted,
+}
+
+/// A recording that is there.
+enum Found {
+    /// It reaches to where the run ended.
+    Whole,
+    /// It ends where the motion could not be recorded further.
+    Early,
 }
 
 impl<'a> Recordings<'a> {
@@ -87,10 +96,13 @@ impl<'a> Recordings<'a> {
             directory: recordings_directory(table),
             chosen: chosen.len() as u64,
             missing: Vec::new(),
+            early: Vec::new(),
         };
         for run in chosen {
-            if !recordings.has(run)? {
-                recordings.missing.push(run);
+            match recordings.found(run)? {
+                None => recordings.missing.push(run),
+                Some(Found::Early) => recordings.early.push(run),
+                Some(Found::Whole) => {}
             }
         }
         Ok(recordings)
@@ -106,6 +118,12 @@ impl<'a> Recordings<'a> {
     #[must_use]
     pub fn missing(&self) -> u64 {
         self.missing.len() as u64
+    }
+
+    /// The runs whose recordings are there and end early.
+    #[must_use]
+    pub fn early(&self) -> &[u64] {
+        &self.early
     }
 
     /// Writes the missing recordings with all threads.
@@ -145,11 +163,11 @@ impl<'a> Recordings<'a> {
         scenario.map_err(|error| SweepError::row(run, &error))
     }
 
-    /// Whether the recording of a run is there.
-    fn has(&self, run: u64) -> Result<bool, SweepError> {
+    /// The recording of a run; none if it isn't there.
+    fn found(&self, run: u64) -> Result<Option<Found>, SweepError> {
         let path = self.path(run);
         if path.symlink_metadata().is_err() {
-            return Ok(false);
+            return Ok(None);
         }
         let reason = match Recording::open(&path) {
             Err(error) => error.to_string(),
@@ -161,7 +179,9 @@ impl<'a> Recordings<'a> {
                 } else if of != Some(&self.scenario(run)?.digest()) {
                     "it is of another scenario".to_owned()
                 } else {
-                    return Ok(true);
+                    let stop = recording.end().and_then(|end| end.get(STOP_REASON));
+                    let is_early = stop.is_some_and(|stop| stop == StopReason::Failed.name());
+                    return Ok(Some(if is_early { Found::Early } else { Found::Whole }));
                 }
             }
         };

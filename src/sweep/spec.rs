@@ -8,6 +8,7 @@ use crate::archive::given;
 use crate::run::scenario::{KEYS, Key, Value, Values};
 use serde::Deserialize;
 use serde_json::{Map, Value as Json, json};
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
 /// The most rows of a sweep: parts are numbered with six digits.
@@ -85,6 +86,11 @@ pub struct Spec {
     design: Design,
     /// A run that takes more steps of the integrator than this has an error instead of an outcome.
     pub most_steps: Option<u64>,
+    /// Conditions on rows whose runs are recorded; see [`Choice::parse`](super::Choice::parse). They change nothing of the
+    /// table.
+    pub keep: Vec<String>,
+    /// The most runs that are recorded; none if all are for which the conditions hold, or none without conditions.
+    pub record: Option<u64>,
     keys: Vec<&'static Key>,
     rows_per_base: u64,
     points: Option<Points>,
@@ -103,7 +109,22 @@ struct File {
     sample: Option<SampleFile>,
     table: Option<String>,
     max_steps: Option<u64>,
+    #[serde(default)]
+    keep: Vec<String>,
+    record: Option<NonZeroU64>,
 }
+
+/// What a spec has that a scenario has not.
+const SECTIONS: [&str; 8] = [
+    "bases",
+    "set",
+    "over",
+    "sample",
+    "table",
+    "max_steps",
+    "keep",
+    "record",
+];
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -156,6 +177,8 @@ impl Spec {
                 bases,
                 design,
                 most_steps,
+                keep: Vec::new(),
+                record: None,
                 keys,
                 rows_per_base: rows,
                 points,
@@ -188,14 +211,12 @@ impl Spec {
             file.bases
         };
         let bases = words.iter().map(|word| Base::open(word, folder, &set));
-        let axes = file.over.iter().map(|(key, value)| {
-            let text = match value {
-                toml::Value::Array(values) => {
-                    values.iter().map(plain).collect::<Vec<_>>().join(",")
-                }
-                value => plain(value),
-            };
-            Axis::parse(key, &text)
+        let axes = file.over.iter().map(|(key, value)| match value {
+            toml::Value::Array(values) => {
+                let values: Vec<String> = values.iter().map(plain).collect();
+                Axis::of_list(key, &values)
+            }
+            value => Axis::parse(key, &plain(value)),
         });
         let axes = axes.collect::<Result<Vec<_>, _>>()?;
         let table = file.table.map(|path| Table::read(&folder.join(path)));
@@ -203,18 +224,19 @@ impl Spec {
             .sample
             .map(|sample| (sample.count, sample.method, sample.seed));
         let design = Design::of(axes, sample, table.transpose()?)?;
-        Self::new(bases.collect::<Result<_, _>>()?, design, file.max_steps)
+        let spec = Self::new(bases.collect::<Result<_, _>>()?, design, file.max_steps)?;
+        Ok(Self {
+            keep: file.keep,
+            record: file.record.map(NonZeroU64::get),
+            ..spec
+        })
     }
 
     /// Whether a TOML text is a spec rather than a scenario.
     #[must_use]
     pub fn is_spec(text: &str) -> bool {
         let table: Option<toml::Table> = text.parse().ok();
-        table.is_some_and(|table| {
-            ["bases", "over", "sample", "table"]
-                .iter()
-                .any(|name| table.contains_key(*name))
-        })
+        table.is_some_and(|table| SECTIONS.iter().any(|name| table.contains_key(*name)))
     }
 
     /// The number of rows.
@@ -227,6 +249,16 @@ impl Spec {
     #[must_use]
     pub fn keys(&self) -> &[&'static Key] {
         &self.keys
+    }
+
+    /// A name that several bases have, so that the table doesn't tell their runs apart.
+    #[must_use]
+    pub fn shared_name(&self) -> Option<&str> {
+        let mut names = self.bases.iter().map(|base| base.name.as_str()).enumerate();
+        let is_earlier = |(index, name): &(usize, &str)| {
+            self.bases[..*index].iter().any(|base| base.name == *name)
+        };
+        names.find(is_earlier).map(|(_, name)| name)
     }
 
     /// The bases, the outermost axis.
@@ -518,7 +550,9 @@ mod tests {
             let error = Spec::from_toml(text, Path::new("."), &[]).unwrap_err();
             error.to_string()
         };
-        assert!(told("ovr = 1").contains("ovr"));
+        let names = SECTIONS.map(|name| format!("`{name}`")).join(", ");
+        let all = format!("unknown field `ovr`, expected one of {names}");
+        assert!(told("ovr = 1").contains(&all), "{}", told("ovr = 1"));
         assert_eq!(
             told("[over]\nfriction.k = [0.1]"),
             "[over] friction.k: a key with a dot needs quotes, as in \"friction.k\" = …"

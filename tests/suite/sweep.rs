@@ -1037,3 +1037,332 @@ fn outcomes_have_no_column_of_a_key() {
         assert!(!["run", "scenario", "scenario_digest", "error"].contains(&column.as_str()));
     }
 }
+
+/// A process that dies while it merges leaves its draft among the parts, which the next one clears away.
+#[cfg(unix)]
+#[test]
+fn what_a_killed_merge_leaves_is_cleared_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let line = "sweep paper --set stop.duration=0.002 --over friction.k=0.005..0.1/40log --over initial.psi_dot=60..200/60 -o a.parquet";
+    let (code, _, told) = toprise(folder, &format!("{line} --shard 0/1"));
+    assert_eq!(code, 0, "{told}");
+    let parts = files(&folder.join("a.parquet.parts"));
+    let largest = parts.values().map(Vec::len).max().unwrap();
+    // A file that grows beyond the limit, in units of 512 bytes, is the death of the process: here the table.
+    let limit = largest / 512 + 1;
+    let program = env!("CARGO_BIN_EXE_toprise");
+    let limited = format!("ulimit -f {limit}; ulimit -c 0; exec {program} {line}");
+    let mut command = std::process::Command::new("sh");
+    let killed = command.args(["-c", &limited]).current_dir(folder).output();
+    assert_eq!(killed.unwrap().status.code(), None);
+    let names = |directory: &Path| {
+        let entries = fs::read_dir(directory).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        names.collect::<Vec<_>>()
+    };
+    assert_eq!(names(folder), ["a.parquet.parts"]);
+    let draft = |name: &String| name.starts_with(".a.parquet.");
+    let left = names(&folder.join("a.parquet.parts"));
+    assert_eq!(
+        left.iter().filter(|name| draft(name)).count(),
+        1,
+        "{left:?}"
+    );
+    let (code, _, told) = toprise(folder, line);
+    assert_eq!(code, 0, "{told}");
+    assert_eq!(names(folder), ["a.parquet"]);
+}
+
+/// The directory of parts may be a link to another disk, from which a file can't be renamed.
+#[cfg(target_os = "linux")]
+#[test]
+fn parts_may_be_on_another_disk() {
+    use std::os::unix::fs::MetadataExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let Ok(other) = tempfile::tempdir_in("/dev/shm") else {
+        return eprintln!("skipped: there is no /dev/shm");
+    };
+    let disk = |path: &Path| path.metadata().unwrap().dev();
+    if disk(folder.path()) == disk(other.path()) {
+        return eprintln!("skipped: /dev/shm is no other disk");
+    }
+    let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2")]));
+    let [here, there] = ["a.parquet", "b.parquet"].map(|name| folder.path().join(name));
+    compute(&sweep, &here, &Options::default()).unwrap();
+    std::os::unix::fs::symlink(other.path(), parts_directory(&there)).unwrap();
+    compute(&sweep, &there, &Options::default()).unwrap();
+    assert_eq!(digest(&here), digest(&there));
+    assert!(files(other.path()).is_empty());
+}
+
+/// Waiting for somebody at the other end of a pipe would take for ever.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for name in ["a.parquet", "a.csv"] {
+        let mut command = std::process::Command::new("mkfifo");
+        let made = command.arg(folder.join(name)).status().unwrap();
+        assert!(made.success());
+    }
+    let brief = "sweep paper --set stop.duration=0.01";
+    for (line, part) in [
+        (
+            format!("{brief} -o a.parquet"),
+            "a.parquet is a pipe or a device",
+        ),
+        (
+            format!("{brief} --dry-run -o a.parquet"),
+            "a.parquet is a pipe or a device",
+        ),
+        (
+            format!("{brief} -o /dev/null"),
+            "/dev/null is a pipe or a device",
+        ),
+        (
+            format!("{brief} --table a.parquet -o b.parquet"),
+            "a.parquet: it is a pipe",
+        ),
+        (
+            format!("{brief} --table a.csv -o b.parquet"),
+            "a.csv: it is a pipe",
+        ),
+        (
+            "figures --sweep a.parquet --x friction_k".to_owned(),
+            "a.parquet: it is a pipe",
+        ),
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_toprise"));
+        let command = command.current_dir(folder).args(line.split_whitespace());
+        let output = command.timeout(std::time::Duration::from_secs(60)).output();
+        let output = output.unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{line}: {told}");
+        assert!(told.contains(part), "{line}: {told}");
+    }
+    assert_eq!(fs::read_dir(folder).unwrap().count(), 2);
+}
+
+/// Where nothing is written nothing is left half done: the end comes at once.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupted_dry_run_has_no_result() {
+    let endless = "sweep frictionless --set stop.duration=3600 --dry-run";
+    let folder = tempfile::tempdir().unwrap();
+    let child = std::process::Command::new(env!("CARGO_BIN_EXE_toprise"))
+        .current_dir(folder.path())
+        .args(endless.split(' '))
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // One thread waits for signals, and others compute: then runs are being tried.
+    let tasks = format!("/proc/{}/task", child.id());
+    while fs::read_dir(&tasks).unwrap().count() < 3 {
+        std::thread::yield_now();
+    }
+    let mut kill = std::process::Command::new("kill");
+    let sent = kill.args(["-INT", &child.id().to_string()]).status();
+    assert!(sent.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    assert!(output.stdout.is_empty());
+}
+
+#[test]
+fn a_spec_says_which_runs_are_recorded_unless_an_argument_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let spec = |recording: &str| {
+        let text = format!(
+            "{recording}\n[set]\n\"stop.duration\" = 0.01\n[over]\n\"friction.k\" = \"0.01,0.02,0.03,0.04\"\n"
+        );
+        fs::write(folder.join("spec.toml"), text).unwrap();
+    };
+    let recorded = |arguments: &str| {
+        let line = format!("sweep spec.toml -o a.parquet --format json {arguments}");
+        let (code, answer, told) = toprise(folder, &line);
+        assert_eq!(code, 0, "{told}");
+        let report: serde_json::Value = serde_json::from_str(&answer).unwrap();
+        let runs = folder.join("a.parquet.runs");
+        let names = fs::read_dir(&runs).into_iter().flatten();
+        let names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<_> = names.filter(|name| name.ends_with(".mcap")).collect();
+        names.sort();
+        let _ = fs::remove_dir_all(runs);
+        assert_eq!(
+            report["recordings"]["chosen"].as_u64().unwrap_or(0),
+            names.len() as u64
+        );
+        names
+    };
+    let file = |run: u64| format!("{run:06}.mcap");
+    spec("");
+    assert!(recorded("").is_empty());
+    // What is recorded is no part of the sweep: its table stays as it is.
+    spec("keep = [\"friction.k > 0.015\", \"run < 3\"]");
+    assert_eq!(recorded(""), [file(1), file(2)]);
+    assert_eq!(recorded("--record 1"), [file(1)]);
+    assert_eq!(recorded("--keep friction.k>0.035"), [file(3)]);
+    assert!(recorded("--dry-run").is_empty());
+    spec("record = 2");
+    assert_eq!(recorded(""), [file(0), file(1)]);
+    assert_eq!(recorded("--record 3").len(), 3);
+    assert_eq!(recorded("--keep run>1"), [file(2), file(3)]);
+    for (recording, part) in [
+        ("record = 0", "record"),
+        ("keep = \"run > 1\"", "keep"),
+        ("keep = [\"mass > 1\"]", "there is no column mass"),
+    ] {
+        spec(recording);
+        let (code, _, told) = toprise(folder, "sweep spec.toml -o b.parquet");
+        assert_eq!(code, 2, "{told}");
+        assert!(told.contains(part), "{told}");
+        assert!(!folder.join("b.parquet.parts").exists());
+    }
+}
+
+/// A run whose energies become larger than any number: its outcome is known, and it is recorded up to there.
+#[test]
+fn regress_a_recording_that_ends_early_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let line = "sweep paper --set top.mass=1.5e307 --set top.center_distance=1 --set top.transverse_moment=2e307 \
+        --set top.axial_moment=1e306 --set initial.phi_dot=0 --set initial.psi_dot=0 --set friction.law=none --set friction.k= \
+        --set friction.dissipation= --set stop.theta_fallen=3 --set sampling.period=0.01 --over initial.theta=0.5,1.5 \
+        --record 2 -o a.parquet --format json";
+    let (code, answer, told) = toprise(folder, line);
+    assert_eq!(code, 3, "{told}");
+    let warned = "warning: the recording of run 0 ends early: /top/energy kinetic is inf at t = 0.62 s: only finite numbers are recorded";
+    assert!(told.contains(warned), "{told}");
+    let recordings = |answer: &str| -> serde_json::Value {
+        let report: serde_json::Value = serde_json::from_str(answer).unwrap();
+        assert_eq!(
+            (&report["outcomes"]["fallen"], &report["errors"]),
+            (&2.into(), &0.into())
+        );
+        report["recordings"].clone()
+    };
+    let expected = |written: u64| serde_json::json!({"directory": "a.parquet.runs", "chosen": 2, "written": written, "failed": 2});
+    assert_eq!(recordings(&answer), expected(2));
+    let table = read(&folder.join("a.parquet"));
+    assert_eq!(errors(&table), []);
+    assert_eq!(numbers(&table, "energy").value(0), f64::INFINITY);
+    let (code, info, _) = toprise(folder, "info a.parquet.runs/000000.mcap");
+    assert_eq!(code, 0);
+    assert!(info.contains("failed at 0.62 s: 63 samples"), "{info}");
+    // What is there says so again.
+    let (code, answer, told) = toprise(folder, line);
+    assert_eq!(code, 3, "{told}");
+    assert!(
+        told.contains("the recording of run 1, which was there, ends early"),
+        "{told}"
+    );
+    assert_eq!(recordings(&answer), expected(0));
+}
+
+/// A run that was given up has no outcome, and so no recording.
+#[test]
+fn regress_what_is_over_its_budget_is_not_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let line = "sweep paper --over stop.duration=0.001,5 --max-steps 50 --record 2 -o a.parquet --format json";
+    let (code, answer, told) = toprise(folder, line);
+    assert_eq!(code, 3, "{told}");
+    let report: serde_json::Value = serde_json::from_str(&answer).unwrap();
+    assert_eq!(report["recordings"]["chosen"], 1);
+    assert_eq!(report["recordings"]["failed"], 0);
+    let table = read(&folder.join("a.parquet"));
+    let expected = [(1, "not finished within 50 steps".to_owned())];
+    assert_eq!(errors(&table), expected);
+    assert!(folder.join("a.parquet.runs/000000.mcap").exists());
+    assert!(!folder.join("a.parquet.runs/000001.mcap").exists());
+}
+
+/// A table of others, one of whose columns has a dot in its name.
+fn drawn_over(folder: &Path, values: [f64; 3]) -> (i32, String) {
+    let numbers = |values: [f64; 3]| Arc::new(Float64Array::from(values.to_vec())) as ArrayRef;
+    let words = |word: &str| Arc::new(LargeStringArray::from(vec![word; 3])) as ArrayRef;
+    let columns = [
+        ("friction.k", numbers(values)),
+        ("initial_theta", numbers([0.1, 0.2, 0.3])),
+        ("scenario", words("paper")),
+        ("stop_reason", words("risen")),
+        ("loops", numbers([0.0; 3])),
+        ("rise_time", numbers([1.0, 2.0, 3.0])),
+    ];
+    let table = RecordBatch::try_from_iter(columns).unwrap();
+    write(&folder.join("others.parquet"), &table);
+    let line =
+        "figures --sweep others.parquet --x friction_k --y initial_theta --kinds svg --force";
+    let (code, _, told) = toprise(folder, line);
+    (code, told)
+}
+
+#[test]
+fn columns_may_have_the_names_of_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, told) = drawn_over(folder.path(), [0.1, 0.2, 0.3]);
+    assert_eq!(code, 0, "{told}");
+}
+
+#[test]
+fn numbers_beyond_all_use_are_not_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    for beyond in [1e300, -1e308] {
+        let (code, told) = drawn_over(folder.path(), [0.1, beyond, 0.3]);
+        assert_eq!(code, 2, "{told}");
+        assert!(
+            told.contains("numbers from 1e100 on can't be drawn"),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn scenarios_of_one_name_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let line = "sweep paper viscous --set stop.duration=0.001 -o a.parquet";
+    let (_, _, told) = toprise(folder, line);
+    assert!(!told.contains("warning"), "{told}");
+    let line = line
+        .replace("--set", "--set name=one --set")
+        .replace("a.p", "b.p");
+    let (code, _, told) = toprise(folder, &line);
+    assert_eq!(code, 0);
+    assert!(told.contains("several scenarios are called one"), "{told}");
+}
+
+#[test]
+fn texts_with_commas_are_whole_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = "set = { \"stop.duration\" = 0.001 }\nover = { description = [\"a, b\", \"c\"] }\n";
+    fs::write(folder.join("spec.toml"), text).unwrap();
+    let (code, _, told) = toprise(folder, "sweep spec.toml -o a.parquet");
+    assert_eq!(code, 0, "{told}");
+    let table = read(&folder.join("a.parquet"));
+    let texts = table
+        .column_by_name("description")
+        .unwrap()
+        .as_string::<i32>();
+    assert_eq!(texts.iter().flatten().collect::<Vec<_>>(), ["a, b", "c"]);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_toprise"));
+    let line = [
+        "sweep",
+        "paper",
+        "--set",
+        "stop.duration=0.001",
+        "-o",
+        "b.parquet",
+        "--over",
+    ];
+    let command = command.current_dir(folder).args(line);
+    command.arg("description=\"a, b\",c").assert().success();
+    assert_eq!(
+        digest(&folder.join("a.parquet")),
+        digest(&folder.join("b.parquet"))
+    );
+}
