@@ -81,6 +81,20 @@ impl<'a> Store<'a> {
         directory::check(&self.parts, self.sweep.spec())
     }
 
+    /// Refuses a name that the table can't get, as one that is too long, before anything is computed for it.
+    ///
+    /// # Errors
+    /// [`SweepError::Sink`].
+    pub(super) fn check_table(&self) -> Result<(), SweepError> {
+        self.draft().map(|_| ())
+    }
+
+    /// A draft of the table. What a process that was killed leaves of it goes with the parts.
+    fn draft(&self) -> Result<Draft, SweepError> {
+        let draft = Draft::within(&self.parts, self.table, Existing::Keep);
+        Ok(draft?)
+    }
+
     /// The file of a part.
     pub(super) fn part(&self, part: u64) -> PathBuf {
         self.parts.join(part_name(part))
@@ -127,16 +141,14 @@ impl<'a> Store<'a> {
         let Some(first) = schema else {
             return Ok(());
         };
-        let merge = |draft: Result<Draft, SinkError>| -> Result<(), SweepError> {
-            let mut draft = draft?;
+        let merge = |mut draft: Draft| -> Result<(), SweepError> {
             self.copy(&mut draft, &first, &counts)?;
             draft.publish()?;
             Ok(())
         };
-        // What is left of a draft among the parts goes with them.
-        match merge(Draft::within(&self.parts, self.table, Existing::Keep)) {
+        match merge(self.draft()?) {
             Err(SweepError::Sink(error)) if is_on_another_disk(&error) => {
-                merge(Draft::new(self.table, Existing::Keep))
+                merge(Draft::new(self.table, Existing::Keep)?)
             }
             merged => merged,
         }?;

@@ -7,7 +7,7 @@ use super::row::Watch;
 use super::store::Store;
 use arrow_array::RecordBatch;
 use std::ops::{ControlFlow, Range};
-use std::path::Path;
+use std::path::{Path, is_separator};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
@@ -95,6 +95,7 @@ fn complete(
     watch: &Watch<'_>,
 ) -> Result<Finished, SweepError> {
     store.open()?;
+    store.check_table()?;
     let to_do: Vec<u64> = missing(store, sweep, options.shard).collect::<Result<_, _>>()?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
@@ -146,13 +147,13 @@ pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u
 
 /// Refuses a path that no table can have, before anything is computed for it.
 fn check_name(table: &Path) -> Result<(), SweepError> {
-    match table.file_name() {
-        Some(_) => Ok(()),
-        None => Err(SweepError::Spec(format!(
-            "\"{}\" names no file: the table needs a name, as in out.parquet",
-            table.display()
-        ))),
+    let name = table.to_string_lossy();
+    if table.file_name().is_some() && !name.ends_with(is_separator) {
+        return Ok(());
     }
+    Err(SweepError::Spec(format!(
+        "\"{name}\" names no file: the table needs a name, as in out.parquet"
+    )))
 }
 
 /// The parts that are not there, in order; an error for one that is something else.

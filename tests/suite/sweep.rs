@@ -948,7 +948,7 @@ fn tables_that_others_have_written_are_drawn() {
 #[test]
 fn a_table_needs_a_name() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["..", "/"] {
+    for name in ["..", "/", "new/"] {
         let line = ["sweep", "paper", "--set", "stop.duration=0.01", "-o", name];
         let mut command = Command::new(env!("CARGO_BIN_EXE_toprise"));
         let output = command.current_dir(folder.path()).args(line).output();
@@ -960,6 +960,25 @@ fn a_table_needs_a_name() {
     let nameless = compute(&Sweep::new(spec(AXES)), Path::new(""), &Options::default());
     assert!(nameless.is_err_and(|error| error.to_string().contains("names no file")));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+/// A name that leaves room for the directory of parts, but not for a draft.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_name_that_is_too_long_is_refused_before_anything_is_computed() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a".repeat(248));
+    let done = AtomicU64::new(0);
+    let watch = Watch {
+        carry_on: &|| true,
+        done: &|_| {
+            done.fetch_add(1, Ordering::Relaxed);
+        },
+    };
+    let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2")]));
+    let refused = run(&sweep, &table, &Options::default(), &watch).unwrap_err();
+    assert!(refused.to_string().contains("too long"), "{refused}");
+    assert_eq!(done.into_inner(), 0);
 }
 
 #[test]
