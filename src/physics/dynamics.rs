@@ -16,6 +16,7 @@
 
 mod accelerations;
 mod body;
+mod bounds;
 mod euler;
 mod few_integrals;
 mod fixed;
@@ -31,6 +32,7 @@ mod support;
 
 pub use accelerations::Accelerations;
 pub use body::BodyRotation;
+pub use bounds::EulerBounds;
 pub use euler::EulerAngles;
 pub use few_integrals::FewIntegrals;
 pub use formulation::{Entry, Formulation, Guard, Passage};

@@ -31,6 +31,24 @@ pub struct PrecessionRoots {
     pub fast: f64,
 }
 
+impl PrecessionRoots {
+    /// The roots of `quadratic φ̇² − spin φ̇ + constant = 0`, unless they are not real or the fast one is infinite.
+    #[must_use]
+    pub(super) fn of(quadratic: f64, spin: f64, constant: f64) -> Option<Self> {
+        let discriminant = spin * spin - 4.0 * quadratic * constant;
+        if discriminant < 0.0 {
+            return None;
+        }
+        // The sum without cancellation; the other root follows from the product of the two.
+        let half_sum = 0.5 * (spin + discriminant.sqrt().copysign(spin));
+        let roots = Self {
+            slow: constant / half_sum,
+            fast: half_sum / quadratic,
+        };
+        (roots.slow.is_finite() && roots.fast.is_finite()).then_some(roots)
+    }
+}
+
 impl Top {
     /// Weight `M g`, N.
     #[must_use]
@@ -168,18 +186,7 @@ impl Top {
     pub fn precession_roots(&self, tilt: &Tilt) -> Option<PrecessionRoots> {
         let quadratic = (self.transverse_moment - self.axial_moment) * tilt.cos;
         let spin = self.axial_moment * tilt.rates.psi;
-        let constant = self.gravity_moment();
-        let discriminant = spin * spin - 4.0 * quadratic * constant;
-        if discriminant < 0.0 {
-            return None;
-        }
-        // The sum without cancellation; the other root follows from the product of the two.
-        let half_sum = 0.5 * (spin + discriminant.sqrt().copysign(spin));
-        let roots = PrecessionRoots {
-            slow: constant / half_sum,
-            fast: half_sum / quadratic,
-        };
-        (roots.slow.is_finite() && roots.fast.is_finite()).then_some(roots)
+        PrecessionRoots::of(quadratic, spin, self.gravity_moment())
     }
 
     /// The period of nutation without friction, s, given a state of it and the least and greatest θ, rad: exact for any
@@ -219,7 +226,13 @@ impl Top {
     /// it is weak and an upright top would not stay so (Klein and Sommerfeld; the paper, section 3).
     #[must_use]
     pub fn strength_ratio(&self, tilt: &Tilt) -> f64 {
-        let a = self.axial_moment * tilt.axial_rate() / self.transverse_moment;
+        self.strength_ratio_at(tilt.axial_rate())
+    }
+
+    /// [`Top::strength_ratio`] at an angular velocity about the symmetry axis, rad/s.
+    #[must_use]
+    pub fn strength_ratio_at(&self, axial_rate: f64) -> f64 {
+        let a = self.axial_moment * axial_rate / self.transverse_moment;
         // Of a tippe top: turned over, its centre of mass is above that of its sphere.
         let moment = self.gravity_moment().abs();
         a.abs() / (4.0 * moment / self.transverse_moment).sqrt()

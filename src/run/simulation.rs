@@ -11,6 +11,7 @@ mod record;
 mod runner;
 mod sample;
 mod tally;
+mod watch;
 
 pub use event::{Event, EventKind, StopReason, UPRIGHT};
 pub use free::{FreeSample, Landing};

@@ -4,12 +4,12 @@ use crate::support::{Run, assert_near, scenario};
 use nalgebra::Vector3;
 use serde_json::Value;
 use toprise::physics::dynamics::{
-    Formulation, FreeRotation, Guard, Impact, Model, Motion, Passage, Start, Support,
+    Formulation, FreeRotation, Guard, Impact, Model, Motion, Passage, Phase, Start, Support,
 };
 use toprise::physics::friction::{Dissipation, Friction, FrictionLaw, Losses, Smoothing};
 use toprise::physics::kinematics::{Euler, lean_to_world};
 use toprise::run::scenario::Scenario;
-use toprise::run::simulation::{EventKind, Landing, Sample, StopReason};
+use toprise::run::simulation::{Event, EventKind, Landing, Sample, StopReason};
 
 fn reference() -> Value {
     serde_json::from_str(include_str!("../data/free_peg.json")).unwrap()
@@ -301,6 +301,58 @@ fn compare_impacts<'a>(run: &Run, listed: impl Iterator<Item = &'a Value>, first
     }
 }
 
+/// Compares the states in which the peg lifts off, begins to roll or has risen with those that the reference lists. The
+/// bounds are those of [`compare`].
+fn compare_states(run: &Run, truth: &Value, model: &Model, first_impact: f64) {
+    for (name, kind) in [
+        ("liftoff_from_slide", EventKind::LiftOff),
+        ("slide_to_roll", EventKind::RollBegins),
+        ("risen", EventKind::Risen),
+    ] {
+        for listed in events_of(truth, name) {
+            // Runs that go on have no such event.
+            if kind == EventKind::Risen && run.end.stop != StopReason::Risen {
+                continue;
+            }
+            let time = digits(listed, "t").unwrap();
+            let distance = |event: &&Event| (event.time - time).abs();
+            let nearest = |a: &&Event, b: &&Event| distance(a).total_cmp(&distance(b));
+            let event = run.events_of(kind).min_by(nearest).unwrap();
+            let part = if event.time > first_impact {
+                1e-7
+            } else {
+                1e-9
+            };
+            compare_state(&event.motion, listed, model, part);
+        }
+    }
+}
+
+fn compare_state(motion: &Motion, truth: &Value, model: &Model, part: f64) {
+    let rates = motion.tilt.rates;
+    let spin = digits(truth, "psidot").unwrap().abs().max(100.0);
+    let spin_near_upright = spin / motion.tilt.sin.min(1.0);
+    let above_table = model.top.weight() * model.top.peg_radius;
+    let phi = motion.angles.phi;
+    let velocity = lean_to_world(&motion.peg.velocity_lean, phi);
+    for (key, actual, size) in [
+        ("theta", motion.angles.theta, 1.0),
+        ("thetadot", rates.theta, spin),
+        ("phidot", rates.phi, spin_near_upright),
+        ("psidot", rates.psi, spin_near_upright),
+        ("xC", motion.peg.position.x, 1.0),
+        ("yC", motion.peg.position.y, 1.0),
+        ("vCx", velocity.x, 1.0),
+        ("vCy", velocity.y, 1.0),
+        ("E", model.energy(motion) + above_table, 1.0),
+        ("J", model.jellett(motion), 1e-3),
+    ] {
+        let expected = digits(truth, key).unwrap();
+        let what = format!("{key} at {}", truth["t"]);
+        assert_near(&what, actual, expected, part * size);
+    }
+}
+
 /// Runs a scenario of the reference and compares everything that it tells of that run.
 fn validate(name: &str) {
     let reference = reference();
@@ -336,6 +388,7 @@ fn validate(name: &str) {
         compare_times("roll", &rolls, &expected, first_impact);
     }
     compare_impacts(&run, events_of(truth, "impact"), first_impact);
+    compare_states(&run, truth, &scenario.model, first_impact);
     let mut compared = 0;
     for sample in samples {
         let time = digits(sample, "t").unwrap();
@@ -551,6 +604,35 @@ fn events_are_those_of_the_motion_where_phases_change() {
 
 /// A peg that rolls and is then held no longer: how the slip begins decides what follows. The numbers are from an
 /// independent integration of the equations with SciPy's DOP853, in which the slip begins with 1e-10 or 1e-11 m/s.
+/// Started at the slow root, a top that rolls precesses without nodding; at that of a top whose peg slides, it nods.
+#[test]
+fn val_a_rolling_top_precesses_regularly_at_its_root() {
+    let run = |phi_dot: f64| {
+        let command = format!("mu=.3 start=roll phidot={phi_dot:?}");
+        Run::of(&scenario_of(&command, 1.0))
+    };
+    let start = &run(1.75).samples[0];
+    assert_eq!(start.free.unwrap().phase, Phase::Holding);
+    let root = start.precession_roots.unwrap().slow;
+    let regular = run(root);
+    assert!((regular.samples[0].precession_roots.unwrap().slow - root).abs() < 1e-12);
+    for sample in &regular.samples {
+        assert_near("θ", sample.angles.theta, 0.5, 1e-9);
+        assert_near("φ̇", sample.tilt.rates.phi, root, 1e-8);
+    }
+    let central = scenario("paper", &[]).model.top.about_center();
+    let sliding = central.precession_roots(&start.tilt).unwrap().slow;
+    let nodding = run(sliding);
+    let nods = |sample: &Sample| (sample.angles.theta - 0.5).abs() > 1e-4;
+    assert!(
+        nodding
+            .cycles
+            .iter()
+            .any(|cycle| cycle.theta_max - cycle.theta_min > 1e-4)
+    );
+    assert!(nodding.samples.iter().any(nods));
+}
+
 #[test]
 fn val_a_rolling_peg_gives_way() {
     let keys = [

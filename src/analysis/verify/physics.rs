@@ -590,14 +590,38 @@ fn energies_and_momenta() -> Law {
 fn regular_precession(scenario: &Scenario) -> Law {
     let top = scenario.model.nutating_top();
     law("regular precession", "of the terms", move |now, _| {
-        let root = precession::SLOW_ROOT.of(now);
-        let cos = math::cos(state::THETA.of(now));
-        let square = (top.transverse_moment - top.axial_moment) * root * root;
-        let linear = -top.axial_moment * state::PSI_DOT.of(now) * root;
-        let constant = top.gravity_moment();
-        let size = square.abs() + linear.abs() + constant.abs();
-        ((square * cos + linear + constant).abs() / size, 32.0 * EPS)
+        (regular_excess(&top, [0.0; 2], now), 32.0 * EPS)
     })
+}
+
+/// The slow root of a top that rolls solves the same equation with the moments of inertia of a centre of mass that goes round
+/// too. A contact point that slides may have no slip at an instant, and doesn't roll.
+fn regular_precession_of_free_peg(scenario: &Scenario) -> Law {
+    let (model, central) = (scenario.model, scenario.model.nutating_top());
+    law("regular precession", "of the terms", move |now, _| {
+        let sliding = regular_excess(&central, [0.0; 2], now);
+        let top = &model.top;
+        let height = top.peg_radius + top.center_distance * math::cos(state::THETA.of(now));
+        let moved = [top.center_distance, top.peg_radius].map(|arm| top.mass * arm * height);
+        let rolling = regular_excess(&central, moved, now);
+        let excess = match contact::REGIME.of(now) {
+            0.0 => rolling.min(sliding),
+            regime if regime.is_nan() => f64::NAN,
+            _ => sliding,
+        };
+        (excess, 32.0 * EPS)
+    })
+}
+
+/// What remains of ((I_x − I_z) cos θ + a) φ̇² − (I_z + b) ψ̇ φ̇ + M g l at the slow root, as a part of its terms.
+fn regular_excess(top: &Top, [a, b]: [f64; 2], now: &Instant<'_>) -> f64 {
+    let root = precession::SLOW_ROOT.of(now);
+    let cos = math::cos(state::THETA.of(now));
+    let square = (top.transverse_moment - top.axial_moment) * root * root;
+    let linear = -(top.axial_moment + b) * state::PSI_DOT.of(now) * root;
+    let (constant, moved) = (top.gravity_moment(), a * root * root);
+    let size = square.abs() + linear.abs() + constant.abs() + moved.abs();
+    (square * cos + moved + linear + constant).abs() / size
 }
 
 /// The friction force is no larger than the law's, and doesn't push along the slip.
@@ -637,7 +661,7 @@ fn laws_of_free_peg(scenario: &Scenario) -> Vec<Law> {
         sum_of_torques(),
         sum_of_driven_accelerations(),
         energies_of_free_peg(),
-        regular_precession(scenario),
+        regular_precession_of_free_peg(scenario),
         bound_of_free_force(scenario),
         torque_of_friction(scenario),
         energy_balance(),

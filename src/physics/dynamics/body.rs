@@ -140,11 +140,8 @@ impl Formulation<SIZE> for BodyRotation {
         with_integrals(first, &integrands)
     }
 
-    fn motion(&self, y: &[f64; SIZE], reference: Euler) -> Motion {
-        Motion {
-            angles: euler_angles(&quaternion(y), reference),
-            ..self.motion_without_turns(y, reference)
-        }
+    fn angles(&self, y: &[f64; SIZE], reference: Euler) -> Euler {
+        euler_angles(&quaternion(y), reference)
     }
 
     fn motion_without_turns(&self, y: &[f64; SIZE], reference: Euler) -> Motion {

@@ -5,13 +5,14 @@
     reason = "the derivative is unrolled where it is called with few integrals, so that the others cost nothing"
 )]
 
+use super::bounds::EulerBounds;
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entry, Formulation, Guard, Passage};
 use super::integrals::{INTEGRALS, Integrals, Kept, integrals, with_integrals};
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
-use crate::physics::integrate::{IntegrateError, System};
+use crate::physics::integrate::{Dense, IntegrateError, System};
 use crate::physics::kinematics::{Euler, Tilt, world_from_body};
 use nalgebra::UnitQuaternion;
 
@@ -120,7 +121,9 @@ impl Formulation<SIZE> for EulerAngles {
         with_integrals(first, &integrands)
     }
 
-    fn motion(&self, y: &[f64; SIZE], _reference: Euler) -> Motion {
+    #[inline]
+    fn motion_without_turns(&self, y: &[f64; SIZE], _reference: Euler) -> Motion {
+        // Here φ and ψ cost nothing.
         let angles = angles(y);
         Motion {
             angles,
@@ -131,9 +134,13 @@ impl Formulation<SIZE> for EulerAngles {
         }
     }
 
-    fn motion_without_turns(&self, y: &[f64; SIZE], reference: Euler) -> Motion {
-        // Here φ and ψ cost nothing.
-        self.motion(y, reference)
+    fn angles(&self, y: &[f64; SIZE], _reference: Euler) -> Euler {
+        angles(y)
+    }
+
+    #[inline]
+    fn bounds<const M: usize>(&self, step: &Dense<M>) -> Option<EulerBounds> {
+        Some(EulerBounds::of(step))
     }
 
     fn world_from_body(&self, y: &[f64; SIZE]) -> UnitQuaternion<f64> {
@@ -158,6 +165,10 @@ impl Formulation<SIZE> for EulerAngles {
 
     fn guard(&self, guard: Guard, motion: &Motion) -> f64 {
         fixed::guard(&self.model, guard, &motion.tilt)
+    }
+
+    fn guard_is_positive(&self, guard: Guard, bounds: &EulerBounds) -> bool {
+        fixed::guard_is_positive(&self.model, guard, bounds)
     }
 
     fn enter(

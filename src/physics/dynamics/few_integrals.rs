@@ -1,11 +1,12 @@
 //! A formulation that carries few running integrals along: what an outcome needs costs less to integrate.
 
+use super::bounds::EulerBounds;
 use super::formulation::{Entry, Formulation, Guard, Passage};
 use super::integrals::{INTEGRALS, Kept};
 use super::model::Model;
 use super::motion::{Motion, Start};
 use super::support::Phase;
-use crate::physics::integrate::{IntegrateError, System};
+use crate::physics::integrate::{Dense, IntegrateError, System};
 use crate::physics::kinematics::Euler;
 use nalgebra::UnitQuaternion;
 
@@ -43,13 +44,18 @@ impl<F: Formulation<FULL>, const FULL: usize, const N: usize> Formulation<N>
     }
 
     #[inline]
-    fn motion(&self, state: &[f64; N], reference: Euler) -> Motion {
-        self.0.motion(&widened(state), reference)
+    fn motion_without_turns(&self, state: &[f64; N], reference: Euler) -> Motion {
+        self.0.motion_without_turns(&widened(state), reference)
     }
 
     #[inline]
-    fn motion_without_turns(&self, state: &[f64; N], reference: Euler) -> Motion {
-        self.0.motion_without_turns(&widened(state), reference)
+    fn angles(&self, state: &[f64; N], reference: Euler) -> Euler {
+        self.0.angles(&widened(state), reference)
+    }
+
+    #[inline]
+    fn bounds<const M: usize>(&self, step: &Dense<M>) -> Option<EulerBounds> {
+        self.0.bounds(step)
     }
 
     fn world_from_body(&self, state: &[f64; N]) -> UnitQuaternion<f64> {
@@ -71,6 +77,11 @@ impl<F: Formulation<FULL>, const FULL: usize, const N: usize> Formulation<N>
     #[inline]
     fn guard(&self, guard: Guard, motion: &Motion) -> f64 {
         self.0.guard(guard, motion)
+    }
+
+    #[inline]
+    fn guard_is_positive(&self, guard: Guard, bounds: &EulerBounds) -> bool {
+        self.0.guard_is_positive(guard, bounds)
     }
 
     fn enter(

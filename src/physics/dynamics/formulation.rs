@@ -1,11 +1,12 @@
 //! What a choice of variables has to offer: equations, phases, and what happens between them.
 
+use super::bounds::EulerBounds;
 use super::impact::Impact;
 use super::integrals::Kept;
 use super::model::Model;
 use super::motion::{Motion, Start};
 use super::support::Phase;
-use crate::physics::integrate::{IntegrateError, System};
+use crate::physics::integrate::{Dense, IntegrateError, System};
 use crate::physics::kinematics::Euler;
 use nalgebra::UnitQuaternion;
 
@@ -88,11 +89,24 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
 
     /// The motion that a state describes. `reference` are Euler angles of a moment ago, from which φ
     /// and ψ go on without jumps of whole turns.
-    fn motion(&self, state: &[f64; N], reference: Euler) -> Motion;
+    fn motion(&self, state: &[f64; N], reference: Euler) -> Motion {
+        Motion {
+            angles: self.angles(state, reference),
+            ..self.motion_without_turns(state, reference)
+        }
+    }
 
     /// [`Formulation::motion`] for those to whom φ and ψ don't matter: they may be left as they were in `reference`, which
     /// is cheaper.
     fn motion_without_turns(&self, state: &[f64; N], reference: Euler) -> Motion;
+
+    /// The Euler angles of [`Formulation::motion`].
+    fn angles(&self, state: &[f64; N], reference: Euler) -> Euler;
+
+    /// Bounds of the inclination and the rates within a step, where they are easy to have.
+    fn bounds<const M: usize>(&self, _step: &Dense<M>) -> Option<EulerBounds> {
+        None
+    }
 
     /// The orientation in a state: turns body components into world components.
     fn world_from_body(&self, state: &[f64; N]) -> UnitQuaternion<f64>;
@@ -108,6 +122,11 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
 
     /// The value of a guard.
     fn guard(&self, guard: Guard, motion: &Motion) -> f64;
+
+    /// Whether bounds show that a guard is positive throughout; false if they don't tell.
+    fn guard_is_positive(&self, _guard: Guard, _bounds: &EulerBounds) -> bool {
+        false
+    }
 
     /// What follows where a guard has fallen to zero. `reference` as for [`Formulation::motion`].
     ///

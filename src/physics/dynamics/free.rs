@@ -13,7 +13,7 @@ use super::integrals::{INTEGRALS, Integrals, Kept, TermIntegrals, integrals, wit
 use super::lean::Lean;
 use super::model::Model;
 use super::motion::{Dissipated, Motion, Peg, Start, is_departing, slip_of_law};
-use super::reaction::{FreeBody, Inertia, Reaction};
+use super::reaction::{Arm, FreeBody, Inertia, Reaction};
 use super::support::{Phase, Support};
 use crate::physics::integrate::{IntegrateError, System};
 use crate::physics::kinematics::{
@@ -71,15 +71,16 @@ struct Parts {
     tilt: Tilt,
     /// Velocity of the centre of mass, m/s.
     velocity: Vector3<f64>,
-    /// From the centre of mass to the contact point, m.
-    arm: Vector3<f64>,
+    arm: Arm,
+    /// The velocity that the centre of mass would have if the peg rolled, m/s.
+    rolling: Vector3<f64>,
 }
 
 impl Parts {
     /// Velocity of the contact point, m/s.
     #[inline(always)]
     fn contact_velocity(&self) -> Vector3<f64> {
-        self.velocity + self.tilt.omega_lean.cross(&self.arm)
+        self.velocity - self.rolling
     }
 }
 
@@ -98,11 +99,7 @@ impl FreeRotation {
         let excess = axial * (self.inertia.transverse * self.inertia.per_axial - 1.0);
         let omega = turning + excess * Vector3::new(lean.sin, 0.0, lean.cos);
         let tilt = Tilt::from_omega(lean.sin, lean.cos, omega);
-        let arm = Vector3::new(
-            -top.center_distance * lean.sin,
-            0.0,
-            -(top.peg_radius + top.center_distance * lean.cos),
-        );
+        let arm = Arm::of(top, lean.sin, lean.cos);
         let rolling = arm.cross(&tilt.omega_lean);
         let velocity = match self.phase {
             Phase::Flying => lean.of_world(&vector(y, 10)),
@@ -117,6 +114,7 @@ impl FreeRotation {
             tilt,
             velocity,
             arm,
+            rolling,
         }
     }
 
@@ -125,16 +123,16 @@ impl FreeRotation {
         let body = self.body(parts.tilt);
         let velocity = parts.contact_velocity();
         let slip = Vector3::new(velocity.x, velocity.y, 0.0);
-        let departure = self.departure_of(&body, &slip);
+        let departure = self.departure_of(&parts.tilt, &slip);
         body.reaction(self.phase, &slip_of_law(&slip, departure.as_ref()))
     }
 
     /// The direction in which the contact point begins to slip, in the lean frame, while it has hardly begun.
     #[inline(always)]
-    fn departure_of(&self, body: &FreeBody<'_>, slip: &Vector3<f64>) -> Option<Vector3<f64>> {
+    fn departure_of(&self, tilt: &Tilt, slip: &Vector3<f64>) -> Option<Vector3<f64>> {
         match self.departure? {
             Departure::Toward(direction) => Some(direction),
-            Departure::GivingWay if is_departing(slip) => Some(body.giving_way()),
+            Departure::GivingWay if is_departing(slip) => Some(self.body(*tilt).giving_way()),
             Departure::GivingWay => None,
         }
     }
@@ -186,7 +184,7 @@ impl FreeRotation {
         let mut state = *y;
         put(&mut state, 10, &parts.lean.in_world(&parts.velocity));
         if self.phase != Phase::Flying {
-            state[9] = -parts.arm.z;
+            state[9] = -parts.arm.up;
         }
         state
     }
@@ -285,7 +283,7 @@ impl FreeRotation {
             state[4 + i] += turned[i];
             state[10 + i] += pushed[i];
         }
-        state[9] = -parts.arm.z;
+        state[9] = -parts.arm.up;
         state[SIZE - INTEGRALS] -= hit.normal_loss + hit.friction_loss;
         state[CONTROLLED] += hit.normal_loss;
         state[CONTROLLED + 1] += hit.friction_loss;
@@ -380,11 +378,12 @@ impl Formulation<SIZE> for FreeRotation {
             tilt,
             velocity,
             arm,
+            ..
         } = &parts;
         let top = &self.model.top;
         let reaction = self.reaction(&parts);
         let torque = lean.in_world(&(reaction.torque(arm) * self.inertia.per_transverse));
-        let turning = Quaternion::from_imag(lean.in_world(&tilt.omega_lean)) * quaternion(y) * 0.5;
+        let turning = turning(&quaternion(y), &lean.in_world(&tilt.omega_lean));
         let moving = lean.in_world(velocity);
         let mut acceleration = lean.in_world(&(reaction.force() * self.inertia.per_mass));
         acceleration.z -= top.gravity;
@@ -415,11 +414,8 @@ impl Formulation<SIZE> for FreeRotation {
         with_integrals(first, &self.integrands(&parts, &reaction, losses, kept))
     }
 
-    fn motion(&self, y: &State, reference: Euler) -> Motion {
-        Motion {
-            angles: euler_angles(&quaternion(y), reference),
-            ..self.motion_without_turns(y, reference)
-        }
+    fn angles(&self, y: &State, reference: Euler) -> Euler {
+        euler_angles(&quaternion(y), reference)
     }
 
     fn motion_without_turns(&self, y: &State, reference: Euler) -> Motion {
@@ -430,8 +426,9 @@ impl Formulation<SIZE> for FreeRotation {
             tilt,
             velocity,
             arm,
+            ..
         } = &parts;
-        let to_peg = Vector3::new(arm.x, 0.0, arm.z + top.peg_radius);
+        let to_peg = Vector3::new(arm.lean, 0.0, arm.up + top.peg_radius);
         let mut position = vector(y, 7) + lean.in_world(&to_peg);
         let mut velocity_lean = velocity + tilt.omega_lean.cross(&to_peg);
         if self.phase != Phase::Flying {
@@ -449,7 +446,7 @@ impl Formulation<SIZE> for FreeRotation {
             peg: Peg {
                 position,
                 velocity_lean,
-                departure: self.departure_of(&self.body(*tilt), &slip),
+                departure: self.departure_of(tilt, &slip),
                 dissipated: Dissipated {
                     impact_normal: y[CONTROLLED],
                     impact_friction: y[CONTROLLED + 1],
@@ -579,6 +576,18 @@ fn sliding_guards(model: &Model) -> &'static [Guard] {
 #[inline]
 fn quaternion(y: &State) -> Quaternion<f64> {
     Quaternion::new(y[3], y[0], y[1], y[2])
+}
+
+/// How fast a quaternion changes, 1/s, while the body turns with `omega` (rad/s, world): half their product.
+#[inline]
+fn turning(q: &Quaternion<f64>, omega: &Vector3<f64>) -> Quaternion<f64> {
+    let half = 0.5 * omega;
+    Quaternion::new(
+        -(half.x * q.i + half.y * q.j + half.z * q.k),
+        half.x * q.w + half.y * q.k - half.z * q.j,
+        half.y * q.w + half.z * q.i - half.x * q.k,
+        half.z * q.w + half.x * q.j - half.y * q.i,
+    )
 }
 
 #[inline]

@@ -231,6 +231,23 @@ enum Mark {
     SlipStopped,
 }
 
+/// The values whose zeros are looked for.
+struct Marks {
+    compressed: f64,
+    restituted: f64,
+    slip_stopped: f64,
+}
+
+impl Marks {
+    fn of(&self, mark: Mark) -> f64 {
+        match mark {
+            Mark::Compressed => self.compressed,
+            Mark::Restituted => self.restituted,
+            Mark::SlipStopped => self.slip_stopped,
+        }
+    }
+}
+
 /// An impact of a body whose contact point has the velocity `before` (m/s, lean frame), downward.
 ///
 /// # Errors
@@ -310,20 +327,16 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// The value of what is looked for, in a state in which the contact point has this velocity, m/s.
+    /// The values of what is looked for.
     #[inline]
-    fn value(&self, mark: Mark, y: &State, velocity: &Vector3<f64>) -> f64 {
+    fn marks(&self, y: &State) -> Marks {
         let process = self.integrator.system();
-        match mark {
-            Mark::Compressed => velocity.z / process.speed,
-            Mark::Restituted => {
-                let given_back = self.restitution * self.restitution;
-                y[6] - self.compression.unwrap_or_default() * (1.0 - given_back)
-            }
-            Mark::SlipStopped => {
-                let slip = Process::slip(velocity).norm();
-                slip / process.scale() - SLIP_STOPPED
-            }
+        let velocity = process.progress(y).velocity;
+        let given_back = self.restitution * self.restitution;
+        Marks {
+            compressed: velocity.z / process.speed,
+            restituted: y[6] - self.compression.unwrap_or_default() * (1.0 - given_back),
+            slip_stopped: Process::slip(&velocity).norm() / process.scale() - SLIP_STOPPED,
         }
     }
 
@@ -376,28 +389,21 @@ impl<'a> Course<'a> {
     }
 
     fn first_mark(&mut self, dense: &Dense<SIZE>) -> Option<(f64, Mark)> {
+        let mut watches = std::mem::take(&mut self.watches);
         let state = |s| dense.first_at(NEEDED, s);
-        let velocity = |y: &State| self.integrator.system().progress(y).velocity;
-        let states = KNOTS.map(state);
-        let velocities = states.each_ref().map(velocity);
-        let mut watches = self.watches.clone();
+        let at = |s| self.marks(&state(s));
+        // Not `map`, which would move everything several times.
+        let [a, b, c, d, e] = KNOTS;
+        let marks = [at(a), at(b), at(c), at(d), at(e)];
         let mut first: Option<(f64, Mark)> = None;
         for (mark, tracker) in &mut watches {
-            let values = std::array::from_fn(|i| self.value(*mark, &states[i], &velocities[i]));
+            let values = marks.each_ref().map(|marks| marks.of(*mark));
             let wanted = match mark {
                 Mark::SlipStopped => Slope::Falling,
                 Mark::Compressed | Mark::Restituted => Slope::Rising,
             };
             let mut found: Vec<Crossing> = Vec::new();
-            tracker.scan(
-                &KNOTS,
-                &values,
-                |s| {
-                    let y = state(s);
-                    self.value(*mark, &y, &velocity(&y))
-                },
-                &mut found,
-            );
+            tracker.scan(&KNOTS, &values, |s| at(s).of(*mark), &mut found);
             let crossing = found.iter().find(|crossing| crossing.slope == wanted);
             if let Some(crossing) = crossing
                 && first.is_none_or(|(s, _)| crossing.s < s)

@@ -12,7 +12,7 @@ use super::reaction::{FreeBody, Inertia};
 use super::support::{Phase, Support};
 use crate::physics::friction::{Contact, Friction, Grip};
 use crate::physics::kinematics::{Euler, Tilt};
-use crate::physics::top::Top;
+use crate::physics::top::{PrecessionRoots, Top};
 use nalgebra::Vector3;
 
 /// A top, the friction that acts on it, and how the table holds it.
@@ -131,13 +131,36 @@ impl Model {
     /// [`Top::nutation_period`]. `None` where the motion would not come back.
     #[must_use]
     pub fn nutation_period(&self, motion: &Motion, extremes: [f64; 2]) -> Option<f64> {
-        let rolls = self.support.is_free() && motion.phase == Phase::Holding;
-        let top = if rolls {
+        let top = if self.rolls(motion) {
             self.rolling_top(motion.tilt.cos)
         } else {
             self.nutating_top()
         };
         top.nutation_period(&motion.tilt, extremes)
+    }
+
+    /// The precession rates at which θ̈ would vanish at this inclination and spin rate: [`Top::precession_roots`] of a peg
+    /// that is fixed or slides without friction.
+    ///
+    /// Of a peg that rolls, with the height `h = R + l cos θ` of the centre of mass, they are the roots of
+    /// `((A − I_z) cos θ + M l h) φ̇² − (I_z + M R h) ψ̇ φ̇ + M g l = 0`: the centre of mass then goes round in a circle, for
+    /// which friction gives the force.
+    #[must_use]
+    pub fn precession_roots(&self, motion: &Motion) -> Option<PrecessionRoots> {
+        let (top, tilt) = (&self.top, &motion.tilt);
+        if !self.rolls(motion) {
+            return self.nutating_top().precession_roots(tilt);
+        }
+        let moment = top.mass * (top.peg_radius + top.center_distance * tilt.cos);
+        let quadratic =
+            (top.central_moment() - top.axial_moment) * tilt.cos + top.center_distance * moment;
+        let spin = (top.axial_moment + top.peg_radius * moment) * tilt.rates.psi;
+        PrecessionRoots::of(quadratic, spin, top.gravity_moment())
+    }
+
+    /// Whether a free peg rolls in a motion.
+    fn rolls(&self, motion: &Motion) -> bool {
+        self.support.is_free() && motion.phase == Phase::Holding
     }
 
     /// Jellett's integral `l L_n + R L_z′` about the centre of mass, kg m³/s: no force at the point of contact changes

@@ -32,10 +32,38 @@ pub(super) struct FreeBody<'a> {
     pub(super) top: &'a Top,
     pub(super) friction: &'a Friction,
     pub(super) tilt: Tilt,
-    /// From the centre of mass to the point of contact, m.
-    pub(super) arm: Vector3<f64>,
+    pub(super) arm: Arm,
     pub(super) inertia: Inertia,
     pub(super) response: Response,
+}
+
+/// The way from the centre of mass to the point of contact, m. It lies in the vertical plane of the symmetry axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Arm {
+    /// In the direction in which the axis leans.
+    pub(super) lean: f64,
+    /// Upward: negative.
+    pub(super) up: f64,
+}
+
+impl Arm {
+    #[inline(always)]
+    pub(super) fn of(top: &Top, sin: f64, cos: f64) -> Self {
+        Self {
+            lean: -top.center_distance * sin,
+            up: -(top.peg_radius + top.center_distance * cos),
+        }
+    }
+
+    /// The vector product of this and another vector.
+    #[inline(always)]
+    pub(super) fn cross(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(
+            -self.up * v.y,
+            self.up * v.x - self.lean * v.z,
+            self.lean * v.y,
+        )
+    }
 }
 
 /// The inertia of a top about its centre of mass, and inverses of it that many things need.
@@ -102,7 +130,7 @@ pub(super) struct Reaction {
 impl Reaction {
     /// Torque about the centre of mass, N m.
     #[inline(always)]
-    pub(super) fn torque(&self, arm: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn torque(&self, arm: &Arm) -> Vector3<f64> {
         arm.cross(&self.force()) + self.friction.couple + self.air
     }
 
@@ -130,7 +158,7 @@ impl<'a> FreeBody<'a> {
             top,
             friction,
             tilt,
-            arm: Vector3::new(-lever, 0.0, -height),
+            arm: Arm::of(top, sin, cos),
             inertia: *inertia,
             response: Response {
                 node: per_mass
@@ -146,29 +174,49 @@ impl<'a> FreeBody<'a> {
     /// The angular acceleration by a torque (N m), rad/s², or the change of angular velocity by a moment of impulse.
     #[inline(always)]
     pub(super) fn turned_by(&self, torque: &Vector3<f64>) -> Vector3<f64> {
-        let axis = self.tilt.axis();
-        let axial = torque.dot(&axis) * (self.inertia.per_axial - self.inertia.per_transverse);
-        torque * self.inertia.per_transverse + axial * axis
+        let (sin, cos) = (self.tilt.sin, self.tilt.cos);
+        let Inertia {
+            per_transverse,
+            per_axial,
+            ..
+        } = self.inertia;
+        let axial = (sin * torque.x + cos * torque.z) * (per_axial - per_transverse);
+        Vector3::new(
+            torque.x * per_transverse + axial * sin,
+            torque.y * per_transverse,
+            torque.z * per_transverse + axial * cos,
+        )
     }
 
     /// The acceleration of the contact point, m/s², if the table did nothing.
+    ///
+    /// The axis turns with `ω × n`. Across it the top's own rotation gives the angular acceleration
+    /// `(A − I_z) ω_n (ω × n) / A`, because `ω × L = (I_z − A) ω_n (ω × n)`.
     #[inline(always)]
     fn loose_acceleration(&self, air: &Vector3<f64>) -> Vector3<f64> {
         let omega = self.tilt.omega_lean;
-        let axis = self.tilt.axis();
-        let excess = (self.top.axial_moment - self.inertia.transverse) * self.tilt.axial_rate();
-        let momentum = self.inertia.transverse * omega + excess * axis;
-        let turning = self.turned_by(&(air - omega.cross(&momentum)));
-        let turned_arm = self.top.center_distance * omega.cross(&axis);
-        turning.cross(&self.arm)
-            - omega.cross(&turned_arm)
-            - Vector3::new(0.0, 0.0, self.top.gravity)
+        let (sin, cos) = (self.tilt.sin, self.tilt.cos);
+        let axis_turns = Vector3::new(omega.y * cos, omega.z * sin - omega.x * cos, -omega.y * sin);
+        let Inertia {
+            transverse,
+            per_transverse,
+            ..
+        } = self.inertia;
+        let excess = (transverse - self.top.axial_moment) * self.tilt.axial_rate();
+        let mut turning = axis_turns * (excess * per_transverse);
+        if self.friction.has_losses() {
+            turning += self.turned_by(air);
+        }
+        let mut acceleration =
+            -self.arm.cross(&turning) - self.top.center_distance * omega.cross(&axis_turns);
+        acceleration.z -= self.top.gravity;
+        acceleration
     }
 
     /// How the contact point answers a couple there, m/s² per N m.
     #[inline(always)]
     pub(super) fn answer_to_couple(&self, couple: &Vector3<f64>) -> Vector3<f64> {
-        self.turned_by(couple).cross(&self.arm)
+        -self.arm.cross(&self.turned_by(couple))
     }
 
     /// What the table does in a phase, while the contact point slips with `slip` (m/s).
@@ -228,7 +276,12 @@ impl<'a> FreeBody<'a> {
     #[inline(always)]
     pub(super) fn answer_per_newton(&self, friction: &Wrench) -> Vector3<f64> {
         let force = Vector3::new(friction.force.x, friction.force.y, 1.0);
-        self.response.to(&force) + self.answer_to_couple(&friction.couple)
+        let answer = self.response.to(&force);
+        if self.friction.has_losses() {
+            answer + self.answer_to_couple(&friction.couple)
+        } else {
+            answer
+        }
     }
 
     /// The force that keeps the contact point at rest.

@@ -74,7 +74,7 @@ pub enum IntegrateError {
     /// The tolerances ask for a step that t can't resolve: the solution is singular or discontinuous
     /// ahead, or the equations are not defined there.
     #[error(
-        "the step size fell to {step:e} at t = {t}: the solution is singular or discontinuous there"
+        "the step size fell to {step:e} at t = {t:?}: the solution is singular or discontinuous there"
     )]
     StepSizeUnderflow {
         /// Where the last accepted step ended.
@@ -83,7 +83,7 @@ pub enum IntegrateError {
         step: f64,
     },
     /// The state or its derivative is infinite or not a number.
-    #[error("the state or its derivative is not finite at t = {t}")]
+    #[error("the state or its derivative is not finite at t = {t:?}")]
     NonFiniteState {
         /// Where.
         t: f64,

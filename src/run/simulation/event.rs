@@ -1,6 +1,7 @@
 //! What can happen to a top, and why a run ends.
 
 use crate::physics::dynamics::Motion;
+use crate::physics::top::Top;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -148,9 +149,9 @@ impl EventKind {
         }
     }
 
-    /// What happened, for people.
+    /// What happened to a top, for people.
     #[must_use]
-    pub(super) fn describe(self, motion: &Motion) -> String {
+    pub(super) fn describe(self, top: &Top, motion: &Motion) -> String {
         let theta = motion.angles.theta;
         let rates = &motion.tilt.rates;
         match self {
@@ -169,6 +170,10 @@ impl EventKind {
             }
             Self::UprightPassage => {
                 format!("The axis swings through upright, {theta:.2e} rad from the vertical.")
+            }
+            // Where a tippe top precesses regularly it may do so backward.
+            Self::LoopingBegins if top.center_distance < 0.0 => {
+                format!("The precession turns backward, at {theta:.4} rad.")
             }
             Self::LoopingBegins => {
                 format!("The precession turns backward: the axis loops, at {theta:.4} rad.")

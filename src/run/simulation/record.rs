@@ -42,7 +42,7 @@ pub enum SimulationError {
     Integrate(#[from] IntegrateError),
     /// The steps have become so short that the run would never end.
     #[error(
-        "the motion has stalled at t = {time} s: a torque jumps back and forth there (drilling against \
+        "the motion has stalled at t = {time:?} s: a torque jumps back and forth there (drilling against \
              a top that has stopped turning, or a law that is too steep)"
     )]
     Stalled {

@@ -6,17 +6,14 @@ use super::nutation::{NutationCycle, NutationTracker};
 use super::record::{Record, RunEnd, SimulationError};
 use super::sample::Sample;
 use super::tally::Tally;
-use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Passage, Phase};
-use crate::physics::integrate::{
-    Crossing, Dense, Direction, Dop853, KNOTS, SignTracker, Slope, Tolerances, zero,
+use super::watch::{
+    Meaning, Watch, accelerations, envelope, is_steady_at_knots, keep_signs, watches,
 };
+use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Passage, Phase};
+use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope, Tolerances};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{OnStick, Scenario, Stop};
 use std::collections::VecDeque;
-use std::f64::consts::FRAC_PI_2;
-
-/// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²): smaller values are rounding, not nutation.
-const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
 
 /// A run, whatever its formulation.
 pub(super) trait RecordStream {
@@ -97,28 +94,6 @@ enum End<F, const N: usize> {
     Enter(Entry<F, N>),
 }
 
-/// A function of the motion whose zeros mean something.
-struct Watch {
-    meaning: Meaning,
-    tracker: SignTracker,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Meaning {
-    Nutation,
-    NutationRate,
-    /// φ̈ or ψ̈, for the least and greatest rates of a cycle.
-    Envelope,
-    Precession,
-    Strength,
-    Risen(f64),
-    Fallen(f64),
-    /// What ends the phase.
-    Guard(Guard),
-    /// How fast a top turns whose contact point sticks.
-    Turning,
-}
-
 enum Pending {
     Event(EventKind, f64, Motion),
     /// The peg is on the table again, after this many impacts.
@@ -168,7 +143,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             sense,
         };
         Ok(Self {
-            watches: watches(&settings, integrator.system()),
+            watches: watches(&settings.stop, integrator.system()),
             integrator,
             settings,
             detail,
@@ -195,9 +170,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// Takes a step and finds what happens in it.
     fn step(&mut self) -> Result<(), SimulationError> {
-        if let Some(dense) = &self.dense {
-            self.reference = self.motion(dense, 1.0).angles;
-        }
+        let (system, state) = (self.integrator.system(), self.integrator.y());
+        self.reference = system.angles(state, self.reference);
         let dense = self.integrator.step_densely()?;
         self.check_advance(dense.t0 + dense.h)?;
         let mut crossings = self.crossings(&dense).into_iter();
@@ -229,35 +203,42 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// All zeros of the watched functions in a step, in the order of time.
     fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, Meaning, Slope)> {
-        // Not `map`, which would move each motion several times.
-        let [a, b, c, d, e] = KNOTS;
-        let at = |s| self.motion_alone(dense, s);
-        let motions = [at(a), at(b), at(c), at(d), at(e)];
+        let (system, sense) = (self.integrator.system(), self.settings.sense);
+        let bounds = system.bounds(dense);
+        let mut motions = None;
         let mut watches = std::mem::take(&mut self.watches);
         let mut found: Vec<Crossing> = Vec::new();
         let mut all = Vec::new();
         for Watch { meaning, tracker } in &mut watches {
             let meaning = *meaning;
-            if self.detail == Detail::Outcome
-                && meaning == Meaning::NutationRate
-                && is_steady(dense.h, &motions, tracker.sign())
+            let looks_closer = meaning == Meaning::NutationRate && self.detail == Detail::All;
+            if !looks_closer
+                && let (Some(bounds), Some(positive)) = (&bounds, tracker.sign())
+                && meaning.keeps_sign(positive, system, sense, bounds)
             {
                 continue;
             }
-            let values = if meaning == Meaning::NutationRate && self.detail == Detail::All {
-                let accelerations = motions.each_ref().map(|motion| self.accelerations(motion));
-                envelope(dense.h, &motions, &accelerations, &mut all);
+            let motions = motions.get_or_insert_with(|| self.motions_at_knots(dense));
+            let values = if looks_closer {
+                let accelerations = motions
+                    .each_ref()
+                    .map(|motion| accelerations(system.model(), motion));
+                envelope(dense.h, motions, &accelerations, &mut all);
                 accelerations
                     .each_ref()
                     .map(|acceleration| acceleration.theta)
+            } else if meaning == Meaning::NutationRate
+                && is_steady_at_knots(dense.h, motions, tracker.sign())
+            {
+                continue;
             } else {
-                self.values(meaning, &motions)
+                meaning.values(system, sense, motions)
             };
             tracker.scan(
                 &KNOTS,
                 &values,
                 |s| {
-                    let [value] = self.values(meaning, &[self.motion_alone(dense, s)]);
+                    let [value] = meaning.values(system, sense, &[self.motion_alone(dense, s)]);
                     value
                 },
                 &mut found,
@@ -272,34 +253,12 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         all
     }
 
-    /// The values of a watched function in motions. Factors of sin θ keep it regular upright.
-    #[inline]
-    fn values<const K: usize>(&self, meaning: Meaning, motions: &[Motion; K]) -> [f64; K] {
-        let system = self.integrator.system();
-        let sense = self.settings.sense;
-        match meaning {
-            Meaning::Nutation => each(motions, |m| m.tilt.sin * m.tilt.rates.theta),
-            Meaning::NutationRate => each(motions, |m| self.accelerations(m).theta),
-            // Found without a tracker.
-            Meaning::Envelope => [f64::NAN; K],
-            Meaning::Precession => each(motions, |m| {
-                sense * m.tilt.rates.phi * m.tilt.sin * m.tilt.sin
-            }),
-            Meaning::Strength => {
-                let top = system.model().nutating_top();
-                each(motions, |m| top.strength_ratio(&m.tilt) - 1.0)
-            }
-            Meaning::Risen(limit) | Meaning::Fallen(limit) => {
-                each(motions, |m| m.angles.theta - limit)
-            }
-            Meaning::Guard(guard) => each(motions, |m| system.guard(guard, m)),
-            Meaning::Turning => each(motions, |m| sense * m.tilt.omega_lean.z),
-        }
-    }
-
-    fn accelerations(&self, motion: &Motion) -> Euler {
-        let contact = self.model().contact_in(motion);
-        self.model().euler_accelerations(&contact, motion)
+    /// The motions at the [`KNOTS`] of a step.
+    fn motions_at_knots(&self, dense: &Dense<N>) -> [Motion; 5] {
+        // Not `map`, which would move each motion several times.
+        let [a, b, c, d, e] = KNOTS;
+        let at = |s| self.motion_alone(dense, s);
+        [at(a), at(b), at(c), at(d), at(e)]
     }
 
     /// Turns a zero of a watched function into what it means.
@@ -517,10 +476,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn hand_out(&mut self, pending: Pending) -> Record {
         match pending {
             Pending::Event(kind, time, motion) => {
-                self.event(kind, time, motion, kind.describe(&motion))
+                let sentence = kind.describe(&self.model().top, &motion);
+                self.event(kind, time, motion, sentence)
             }
             Pending::Landing(bounces, time, motion) => {
-                let described = EventKind::Landing.describe(&motion);
+                let described = EventKind::Landing.describe(&self.model().top, &motion);
                 let counted = match bounces {
                     1 => "1 impact".to_owned(),
                     bounces => format!("{bounces} impacts"),
@@ -545,11 +505,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn enter(&mut self, time: f64, entry: &Entry<F, N>) -> Result<(), SimulationError> {
         self.dense = None;
         let system = entry.formulation;
-        self.reference = system.motion(&entry.state, self.reference).angles;
+        self.reference = system.angles(&entry.state, self.reference);
         self.integrator
             .restart(system, time, entry.state, Direction::Forward)?;
         self.integrator.limit_next_step(entry.first_step);
-        let before = std::mem::replace(&mut self.watches, watches(&self.settings, &system));
+        let before = std::mem::replace(&mut self.watches, watches(&self.settings.stop, &system));
         let motion = system.motion(&entry.state, self.reference);
         if self.model().support.is_free() {
             // Nutation goes on; what an impact changes at once has changed since the last step.
@@ -670,84 +630,6 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
     }
 }
 
-/// A number of each motion.
-#[inline]
-fn each<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [f64; K] {
-    let mut numbers = [0.0; K];
-    for (number, motion) in numbers.iter_mut().zip(motions) {
-        *number = of(motion);
-    }
-    numbers
-}
-
-/// Finds the turning points of φ̇ and ψ̇ in a step: where the cubics through the knots, with their slopes, turn. What
-/// this misses of an extreme value is of the order of the square of how far it misses the turning point.
-fn envelope<const K: usize>(
-    h: f64,
-    motions: &[Motion; K],
-    accelerations: &[Euler; K],
-    found: &mut Vec<(f64, Meaning, Slope)>,
-) {
-    for (rate, acceleration) in [
-        (|m: &Motion| m.tilt.rates.phi, |a: &Euler| a.phi),
-        (|m| m.tilt.rates.psi, |a| a.psi),
-    ] as [(fn(&Motion) -> f64, fn(&Euler) -> f64); 2]
-    {
-        for i in 1..K {
-            let width = h * (KNOTS[i] - KNOTS[i - 1]);
-            let [d0, d1] = [i - 1, i].map(|i| acceleration(&accelerations[i]));
-            if d0 * d1 < 0.0 {
-                let rise = (rate(&motions[i]) - rate(&motions[i - 1])) / width;
-                let slope = |s: f64| {
-                    d0 + s * (6.0 * rise - 4.0 * d0 - 2.0 * d1)
-                        + 3.0 * s * s * (d0 + d1 - 2.0 * rise)
-                };
-                let s = zero(d0, d1, slope);
-                let direction = if d1 > 0.0 {
-                    Slope::Rising
-                } else {
-                    Slope::Falling
-                };
-                let s = KNOTS[i - 1] + s * (KNOTS[i] - KNOTS[i - 1]);
-                found.push((s, Meaning::Envelope, direction));
-            }
-        }
-    }
-}
-
-/// Whether θ̈ keeps this sign in a step, as far as the θ̇ at its knots can tell: the slopes of the polynomial through them all
-/// have the sign, are farther from zero than from one another, and far beyond noise and rounding. So are most steps, as a
-/// nutation takes twenty; their accelerations need not be computed.
-fn is_steady(h: f64, motions: &[Motion; 5], sign: Option<bool>) -> bool {
-    let Some(positive) = sign else {
-        return false;
-    };
-    let rates = motions.each_ref().map(|motion| motion.tilt.rates.theta);
-    let scale = if positive { 1.0 } else { -1.0 } / (3.0 * h);
-    // The derivatives of the quartic through five equidistant points: 12 times the spacing is 3 h.
-    let slopes = [
-        [-25.0, 48.0, -36.0, 16.0, -3.0],
-        [-3.0, -10.0, 18.0, -6.0, 1.0],
-        [1.0, -8.0, 0.0, 8.0, -1.0],
-        [-1.0, 6.0, -18.0, 10.0, 3.0],
-        [3.0, -16.0, 36.0, -48.0, 25.0],
-    ]
-    .map(|weights| {
-        let terms = weights
-            .iter()
-            .zip(&rates)
-            .map(|(weight, rate)| weight * rate);
-        scale * terms.sum::<f64>()
-    });
-    let least = slopes.iter().copied().fold(f64::INFINITY, f64::min);
-    let greatest = slopes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let largest = rates
-        .iter()
-        .fold(0.0_f64, |most, rate| most.max(rate.abs()));
-    let rounding = 128.0 * f64::EPSILON * largest * scale.abs();
-    least > greatest - least && least > 10.0 * NUTATION_FLOOR.1 && least > 1e3 * rounding
-}
-
 /// The event that a passage is; none where the phases tell it.
 fn kind_of(passage: &Passage) -> Option<EventKind> {
     match passage {
@@ -772,70 +654,6 @@ fn shared(tolerances: Tolerances, share: f64) -> Tolerances {
         relative: (share * relative).max(relative.min(1e-14)),
         absolute: share * absolute,
     }
-}
-
-/// Lets watches go on with the signs that those of the phase before have seen.
-fn keep_signs(before: &[Watch], now: &mut [Watch]) {
-    for watch in now {
-        let known = before.iter().find(|known| {
-            known.meaning == watch.meaning && !matches!(watch.meaning, Meaning::Guard(_))
-        });
-        if let Some(known) = known {
-            watch.tracker = known.tracker;
-        }
-    }
-}
-
-/// What follows the sign of a guard. Those of a free peg are positive when their phase begins, but for the slip, which
-/// begins at zero. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
-fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
-    match guard {
-        Guard::Gap => SignTracker::with_sign(true, 1e-16),
-        Guard::Slip => SignTracker::default(),
-        _ if is_free => SignTracker::with_sign(true, 0.0),
-        _ => SignTracker::default(),
-    }
-}
-
-/// What to look for in a run, as long as it stays in its phase.
-fn watches<F: Formulation<N>, const N: usize>(
-    settings: &LoopSettings,
-    formulation: &F,
-) -> Vec<Watch> {
-    let stop = &settings.stop;
-    let watch = |meaning, floor| Watch {
-        meaning,
-        tracker: SignTracker::with_floor(floor),
-    };
-    let model = formulation.model();
-    let is_free = model.support.is_free();
-    let guards = formulation.guards().iter().map(|guard| Watch {
-        meaning: Meaning::Guard(*guard),
-        tracker: guard_tracker(*guard, is_free),
-    });
-    if formulation.phase() == Phase::Holding && !is_free {
-        let mut watches = vec![watch(Meaning::Strength, 0.0)];
-        watches.extend(guards);
-        watches.push(watch(Meaning::Turning, 0.0));
-        return watches;
-    }
-    let mut watches = vec![
-        watch(Meaning::Nutation, NUTATION_FLOOR.0),
-        watch(Meaning::NutationRate, NUTATION_FLOOR.1),
-        watch(Meaning::Precession, 0.0),
-    ];
-    // A tippe top has no upright position to be too weak for, and turns over where another falls.
-    if model.top.center_distance > 0.0 {
-        let fallen = stop.theta_fallen.unwrap_or(FRAC_PI_2);
-        watches.push(watch(Meaning::Strength, 0.0));
-        watches.push(watch(Meaning::Fallen(fallen), 0.0));
-    }
-    watches.extend(
-        stop.theta_risen
-            .map(|limit| watch(Meaning::Risen(limit), 0.0)),
-    );
-    watches.extend(guards);
-    watches
 }
 
 /// Seconds of whole nanoseconds: correctly rounded.

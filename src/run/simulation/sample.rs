@@ -109,7 +109,6 @@ impl Sample {
         let momentum_node = model.momentum_node(motion);
         let momentum_lean = tilt.node_to_lean(&momentum_node);
         let free = FreeSample::new(model, motion, &contact);
-        let precessing = model.nutating_top();
         let peg_position = motion.peg.position;
         Self {
             index,
@@ -138,8 +137,8 @@ impl Sample {
             vertical_momentum: momentum_lean.z,
             axial_momentum: momentum_node.z,
             momentum_world: world(&momentum_lean),
-            precession_roots: precessing.precession_roots(&tilt),
-            strength_ratio: precessing.strength_ratio(&tilt),
+            precession_roots: model.precession_roots(motion),
+            strength_ratio: model.nutating_top().strength_ratio(&tilt),
             free,
         }
     }

@@ -1,0 +1,267 @@
+//! What is watched in a run: functions of the motion whose zeros mean something.
+
+use crate::physics::dynamics::{EulerBounds, Formulation, Guard, Model, Motion, Phase};
+use crate::physics::integrate::{Bounds, KNOTS, SignTracker, Slope, zero};
+use crate::physics::kinematics::Euler;
+use crate::run::scenario::Stop;
+use std::f64::consts::FRAC_PI_2;
+
+/// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²): smaller values are rounding, not nutation.
+const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
+
+/// A function of the motion whose zeros mean something.
+pub(super) struct Watch {
+    /// What its zeros mean.
+    pub meaning: Meaning,
+    /// Its sign so far.
+    pub tracker: SignTracker,
+}
+
+/// What a zero of a watched function means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Meaning {
+    /// An extreme of θ.
+    Nutation,
+    /// An extreme of θ̇.
+    NutationRate,
+    /// An extreme of φ̇ or ψ̇, for the least and greatest rates of a cycle.
+    Envelope,
+    /// The precession turns round.
+    Precession,
+    /// The spin becomes too weak, or strong enough, to hold an upright top.
+    Strength,
+    /// The top has risen to this inclination, rad.
+    Risen(f64),
+    /// The top has fallen to this inclination, rad.
+    Fallen(f64),
+    /// What ends the phase.
+    Guard(Guard),
+    /// A top whose contact point sticks has come to rest.
+    Turning,
+}
+
+impl Meaning {
+    /// The values of the watched function in motions with this sense of precession (+1 or −1). Factors of sin θ keep it
+    /// regular upright.
+    #[inline]
+    pub fn values<F: Formulation<N>, const N: usize, const K: usize>(
+        self,
+        system: &F,
+        sense: f64,
+        motions: &[Motion; K],
+    ) -> [f64; K] {
+        match self {
+            Self::Nutation => each(motions, |m| m.tilt.sin * m.tilt.rates.theta),
+            Self::NutationRate => each(motions, |m| accelerations(system.model(), m).theta),
+            // Found without a tracker.
+            Self::Envelope => [f64::NAN; K],
+            Self::Precession => each(motions, |m| {
+                sense * m.tilt.rates.phi * m.tilt.sin * m.tilt.sin
+            }),
+            Self::Strength => {
+                let top = system.model().nutating_top();
+                each(motions, |m| top.strength_ratio(&m.tilt) - 1.0)
+            }
+            Self::Risen(limit) | Self::Fallen(limit) => each(motions, |m| m.angles.theta - limit),
+            Self::Guard(guard) => each(motions, |m| system.guard(guard, m)),
+            Self::Turning => each(motions, |m| sense * m.tilt.omega_lean.z),
+        }
+    }
+
+    /// Whether bounds show that the watched function keeps this sign throughout a step; false if they don't tell.
+    #[inline]
+    pub fn keeps_sign<F: Formulation<N>, const N: usize>(
+        self,
+        positive: bool,
+        system: &F,
+        sense: f64,
+        bounds: &EulerBounds,
+    ) -> bool {
+        let is_inclined = || bounds.least_sine() > 0.0;
+        match self {
+            Self::Nutation => bounds.theta_dot.have_sign(positive) && is_inclined(),
+            Self::NutationRate => is_steady(positive, bounds),
+            Self::Precession => {
+                bounds.phi_dot.have_sign(positive == (sense > 0.0)) && is_inclined()
+            }
+            Self::Strength => {
+                let (top, rate) = (system.model().nutating_top(), bounds.axial_rate());
+                let (weakest, strongest) = (rate.least, rate.greatest);
+                if positive {
+                    weakest > 0.0 && top.strength_ratio_at(weakest) > 1.0 + STRENGTH_ROUNDING
+                } else {
+                    top.strength_ratio_at(strongest) < 1.0 - STRENGTH_ROUNDING
+                }
+            }
+            Self::Risen(limit) | Self::Fallen(limit) => {
+                let beyond = if positive {
+                    bounds.theta.least - limit
+                } else {
+                    limit - bounds.theta.greatest
+                };
+                beyond > 0.0
+            }
+            Self::Guard(guard) => positive && system.guard_is_positive(guard, bounds),
+            Self::Envelope | Self::Turning => false,
+        }
+    }
+}
+
+/// Far more than the strength ratio is rounded by.
+const STRENGTH_ROUNDING: f64 = 1e-9;
+
+/// Whether θ̈ keeps this sign in a step, as far as the slope of θ̇ can tell: its bounds have the sign, are farther from zero than
+/// from one another, and far beyond noise and rounding. So are most steps, as a nutation takes twenty; their accelerations
+/// need not be computed.
+#[inline]
+fn is_steady(positive: bool, bounds: &EulerBounds) -> bool {
+    let slope = bounds.theta_dot_slope;
+    let Bounds { least, greatest } = slope.magnitude();
+    slope.have_sign(positive) && least > greatest - least && least > 10.0 * NUTATION_FLOOR.1
+}
+
+/// The Euler accelerations in a motion, rad/s².
+pub(super) fn accelerations(model: &Model, motion: &Motion) -> Euler {
+    model.euler_accelerations(&model.contact_in(motion), motion)
+}
+
+/// A number of each motion.
+#[inline]
+fn each<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [f64; K] {
+    let mut numbers = [0.0; K];
+    for (number, motion) in numbers.iter_mut().zip(motions) {
+        *number = of(motion);
+    }
+    numbers
+}
+
+/// Finds the turning points of φ̇ and ψ̇ in a step: where the cubics through the knots, with their slopes, turn. What
+/// this misses of an extreme value is of the order of the square of how far it misses the turning point.
+pub(super) fn envelope<const K: usize>(
+    h: f64,
+    motions: &[Motion; K],
+    accelerations: &[Euler; K],
+    found: &mut Vec<(f64, Meaning, Slope)>,
+) {
+    for (rate, acceleration) in [
+        (|m: &Motion| m.tilt.rates.phi, |a: &Euler| a.phi),
+        (|m| m.tilt.rates.psi, |a| a.psi),
+    ] as [(fn(&Motion) -> f64, fn(&Euler) -> f64); 2]
+    {
+        for i in 1..K {
+            let width = h * (KNOTS[i] - KNOTS[i - 1]);
+            let [d0, d1] = [i - 1, i].map(|i| acceleration(&accelerations[i]));
+            if d0 * d1 < 0.0 {
+                let rise = (rate(&motions[i]) - rate(&motions[i - 1])) / width;
+                let slope = |s: f64| {
+                    d0 + s * (6.0 * rise - 4.0 * d0 - 2.0 * d1)
+                        + 3.0 * s * s * (d0 + d1 - 2.0 * rise)
+                };
+                let s = zero(d0, d1, slope);
+                let direction = if d1 > 0.0 {
+                    Slope::Rising
+                } else {
+                    Slope::Falling
+                };
+                let s = KNOTS[i - 1] + s * (KNOTS[i] - KNOTS[i - 1]);
+                found.push((s, Meaning::Envelope, direction));
+            }
+        }
+    }
+}
+
+/// [`is_steady`] without bounds, as far as the θ̇ at the knots can tell: the slopes of the polynomial through them all
+/// have the sign, are farther from zero than from one another, and far beyond noise and rounding. So are most steps, as a
+/// nutation takes twenty; their accelerations need not be computed.
+pub(super) fn is_steady_at_knots(h: f64, motions: &[Motion; 5], sign: Option<bool>) -> bool {
+    let Some(positive) = sign else {
+        return false;
+    };
+    let rates = motions.each_ref().map(|motion| motion.tilt.rates.theta);
+    let scale = if positive { 1.0 } else { -1.0 } / (3.0 * h);
+    // The derivatives of the quartic through five equidistant points: 12 times the spacing is 3 h.
+    let slopes = [
+        [-25.0, 48.0, -36.0, 16.0, -3.0],
+        [-3.0, -10.0, 18.0, -6.0, 1.0],
+        [1.0, -8.0, 0.0, 8.0, -1.0],
+        [-1.0, 6.0, -18.0, 10.0, 3.0],
+        [3.0, -16.0, 36.0, -48.0, 25.0],
+    ]
+    .map(|weights| {
+        let terms = weights
+            .iter()
+            .zip(&rates)
+            .map(|(weight, rate)| weight * rate);
+        scale * terms.sum::<f64>()
+    });
+    let least = slopes.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = slopes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let largest = rates
+        .iter()
+        .fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    let rounding = 128.0 * f64::EPSILON * largest * scale.abs();
+    least > greatest - least && least > 10.0 * NUTATION_FLOOR.1 && least > 1e3 * rounding
+}
+
+/// Lets watches go on with the signs that those of the phase before have seen.
+pub(super) fn keep_signs(before: &[Watch], now: &mut [Watch]) {
+    for watch in now {
+        let known = before.iter().find(|known| {
+            known.meaning == watch.meaning && !matches!(watch.meaning, Meaning::Guard(_))
+        });
+        if let Some(known) = known {
+            watch.tracker = known.tracker;
+        }
+    }
+}
+
+/// What follows the sign of a guard. Those of a free peg are positive when their phase begins, but for the slip, which
+/// begins at zero. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
+fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
+    match guard {
+        Guard::Gap => SignTracker::with_sign(true, 1e-16),
+        Guard::Slip => SignTracker::default(),
+        _ if is_free => SignTracker::with_sign(true, 0.0),
+        _ => SignTracker::default(),
+    }
+}
+
+/// What to look for in a run, as long as it stays in its phase.
+pub(super) fn watches<F: Formulation<N>, const N: usize>(
+    stop: &Stop,
+    formulation: &F,
+) -> Vec<Watch> {
+    let watch = |meaning, floor| Watch {
+        meaning,
+        tracker: SignTracker::with_floor(floor),
+    };
+    let model = formulation.model();
+    let is_free = model.support.is_free();
+    let guards = formulation.guards().iter().map(|guard| Watch {
+        meaning: Meaning::Guard(*guard),
+        tracker: guard_tracker(*guard, is_free),
+    });
+    if formulation.phase() == Phase::Holding && !is_free {
+        let mut watches = vec![watch(Meaning::Strength, 0.0)];
+        watches.extend(guards);
+        watches.push(watch(Meaning::Turning, 0.0));
+        return watches;
+    }
+    let mut watches = vec![
+        watch(Meaning::Nutation, NUTATION_FLOOR.0),
+        watch(Meaning::NutationRate, NUTATION_FLOOR.1),
+        watch(Meaning::Precession, 0.0),
+    ];
+    // A tippe top has no upright position to be too weak for, and turns over where another falls.
+    if model.top.center_distance > 0.0 {
+        let fallen = stop.theta_fallen.unwrap_or(FRAC_PI_2);
+        watches.push(watch(Meaning::Strength, 0.0));
+        watches.push(watch(Meaning::Fallen(fallen), 0.0));
+    }
+    watches.extend(
+        stop.theta_risen
+            .map(|limit| watch(Meaning::Risen(limit), 0.0)),
+    );
+    watches.extend(guards);
+    watches
+}
