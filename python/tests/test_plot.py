@@ -92,3 +92,11 @@ def test_what_is_no_grid_is_refused():
     lacking = pl.DataFrame(ROWS).head(5)
     with pytest.raises(ValueError, match="no grid"):
         toprise.plot.map(lacking, "friction_k", "initial_psi_dot")
+    with pytest.raises(ValueError, match="no rows"):
+        toprise.plot.map(lacking.head(0), "friction_k", "initial_psi_dot")
+
+
+def test_keys_go_by_their_paths_too():
+    rows = pl.DataFrame(ROWS)
+    one, other = (toprise.plot.map(rows, *names) for names in (("friction_k", "initial_psi_dot"), ("friction.k", "initial.psi_dot")))
+    assert one.get_xlabel() == other.get_xlabel() == "friction_k"

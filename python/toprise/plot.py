@@ -31,11 +31,14 @@ def map(  # noqa: A001: it is the name of what it draws
 ) -> Axes:
     """Draws a column of a grid of outcomes over two others.
 
-    `table` is a `Table`, or what pyarrow, Polars or pandas make of a sweep's file; `x` and `y` name the columns of two keys, such
-    as `friction_k`, whose every combination has one row. Rows without a value in `color` are coloured by why their runs
+    `table` is a `Table`, or what pyarrow, Polars or pandas make of a sweep's file; `x` and `y` name two keys, such as `friction.k`
+    or `friction_k`, whose every combination has one row. Rows without a value in `color` are coloured by why their runs
     stopped. A line surrounds the runs in which the axis loops. Axes are logarithmic where the values of a key are.
     """
+    x, y, color = (name.replace(".", "_") for name in (x, y, color))
     xs, ys, values = (_column(table, name).astype(float) for name in (x, y, color))
+    if len(xs) == 0:
+        raise ValueError("the table has no rows: there is nothing to draw")
     found = _column(table, "stop_reason").astype(object)
     reasons = np.array([reason if isinstance(reason, str) else "failed" for reason in found])
     is_without = ~np.isfinite(values)
