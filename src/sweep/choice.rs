@@ -135,6 +135,9 @@ impl Condition {
         let (sign, relation) = *sign.ok_or(FORM)?;
         let word = rest[sign.len()..].trim();
         let column = plain(name.trim());
+        if column.is_empty() {
+            return Err(FORM.to_owned());
+        }
         let schema = sweep.schema();
         let columns = schema.fields().iter().filter(|field| field.name() != ERROR);
         let Some(field) = columns.clone().find(|field| *field.name() == column) else {
@@ -333,6 +336,7 @@ mod tests {
         for (text, part) in [
             ("", "a condition is a column"),
             ("rise_time", "a condition is a column"),
+            ("= 1", "a condition is a column"),
             ("rise_time ! 3", "a condition is a column"),
             (
                 "risetime > 30",
