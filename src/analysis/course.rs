@@ -354,4 +354,31 @@ mod tests {
         // The integrator sums the work of friction to 1e-12 of it.
         assert!((whole - part).abs() <= 1e-12 * whole, "{whole} {part}");
     }
+
+    fn take_energy(course: &mut Course, total: f64, work: f64) {
+        let mut numbers = vec![0.0; ENERGY.info().numbers.len()];
+        numbers[energy::TOTAL.index()] = total;
+        numbers[energy::FRICTION_WORK.index()] = work;
+        course.take(&Message {
+            channel: ENERGY.index(),
+            sequence: 0,
+            time_ns: 0,
+            numbers: &numbers,
+            texts: &[],
+        });
+    }
+
+    /// What friction has done before the first message belongs to the energy at the start.
+    #[test]
+    fn the_balance_of_energy_begins_with_the_run() {
+        let mut course = Course::default();
+        take_energy(&mut course, f64::NAN, -1.0);
+        take_energy(&mut course, 6.0, f64::NAN);
+        take_energy(&mut course, 5.0, -2.0);
+        take_energy(&mut course, 4.0, -3.0);
+        assert_eq!((course.energy, course.imbalance), (Some([7.0, 4.0]), 0.0));
+        take_energy(&mut course, 3.5, -3.0);
+        take_energy(&mut course, 3.0, -4.0);
+        assert_eq!((course.energy, course.imbalance), (Some([7.0, 3.0]), 0.5));
+    }
 }

@@ -1,9 +1,8 @@
 //! Arguments that several commands have.
 
 use crate::telemetry::encoding::Encoding;
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use schemars::JsonSchema;
-use serde::Serialize;
 
 /// The form of an answer, as its options choose it.
 #[derive(Args, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,22 +39,14 @@ pub(super) enum Format {
     Markdown,
 }
 
-/// The encoding of a recording's messages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum EncodingName {
-    /// JSON with JSON Schema: read everywhere.
-    Json,
-    /// Protocol Buffers: smaller, faster, plotted by Rerun.
-    Protobuf,
-}
+/// Encodings have their names on the command line too.
+impl ValueEnum for Encoding {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
 
-impl From<EncodingName> for Encoding {
-    fn from(name: EncodingName) -> Self {
-        match name {
-            EncodingName::Json => Self::Json,
-            EncodingName::Protobuf => Self::Protobuf,
-        }
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(self.meaning()))
     }
 }
 

@@ -1,6 +1,6 @@
 //! `toprise convert`.
 
-use super::arguments::{EncodingName, FormArguments};
+use super::arguments::FormArguments;
 use super::done::Done;
 use super::page::{Page, Section};
 use super::progress::Progress;
@@ -9,6 +9,7 @@ use super::table::Table;
 use crate::archive::convert::convert as write;
 use crate::archive::publish::Existing;
 use crate::archive::recording::Recording;
+use crate::telemetry::encoding::Encoding;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use schemars::JsonSchema;
@@ -28,7 +29,7 @@ pub(super) struct ConvertArguments {
 
     /// Encoding of the new recording's messages.
     #[arg(long, value_enum)]
-    encoding: EncodingName,
+    encoding: Encoding,
 
     /// Replace the file if it exists.
     #[arg(long)]
@@ -46,7 +47,7 @@ pub(super) struct ConvertReport {
     /// Its size.
     bytes: u64,
     /// The encoding of its messages.
-    encoding: EncodingName,
+    encoding: Encoding,
     /// SHA-256 of its content, which is that of the old recording.
     content_digest: String,
 }
@@ -60,7 +61,7 @@ pub(super) fn convert(arguments: &ConvertArguments) -> Result<Done, Error> {
         &recording,
         &arguments.output,
         Existing::forced(arguments.force),
-        arguments.encoding.into(),
+        arguments.encoding,
         &|bytes| progress.add(bytes),
     );
     progress.finish();
@@ -101,7 +102,7 @@ mod tests {
             ConvertArguments {
                 input: "a.mcap".into(),
                 output: "b.mcap".into(),
-                encoding: EncodingName::Protobuf,
+                encoding: Encoding::Protobuf,
                 force: false,
                 form: FormArguments::default(),
             }

@@ -5,7 +5,7 @@ mod junit;
 #[cfg(feature = "rerun")]
 mod viewer;
 
-use super::arguments::{EncodingName, Format, Override, parse_override};
+use super::arguments::{Format, Override, parse_override};
 use super::done::Done;
 use super::given::{Given, open};
 use super::page::Page;
@@ -20,6 +20,7 @@ use crate::archive::given::read_file;
 use crate::archive::publish::{Existing, refuse_inputs};
 use crate::archive::sink::SinkError;
 use crate::telemetry::Message;
+use crate::telemetry::encoding::Encoding;
 use crate::telemetry::side::Side;
 use anyhow::{Context as _, Error, bail};
 use clap::{Args, ValueEnum};
@@ -100,8 +101,8 @@ pub(super) struct DiffArguments {
     mcap: Option<PathBuf>,
 
     /// Encoding of that file's messages.
-    #[arg(long, value_enum, default_value_t = EncodingName::Protobuf, requires = "mcap")]
-    encoding: EncodingName,
+    #[arg(long, value_enum, default_value_t = Encoding::Protobuf, requires = "mcap")]
+    encoding: Encoding,
 
     #[cfg(feature = "rerun")]
     #[command(flatten)]
@@ -291,7 +292,7 @@ impl DiffArguments {
         Ok(Some(DifferenceFile::create(
             path,
             existing,
-            self.encoding.into(),
+            self.encoding,
             subjects,
         )?))
     }

@@ -2,10 +2,10 @@
 //!
 //! What happens once or twice in a run, such as its fall, is matched in its order. Loops, passages through upright and
 //! extremes of θ come again with each nutation: there an event of A is looked for in B where B's averaged motion is
-//! where A's was ([`Passage::counterpart`]), and what is farther from there than half the way to its neighbours is
+//! where A's was ([`LevelPassage::counterpart`]), and what is farther from there than half the way to its neighbours is
 //! another event.
 
-use super::passage::Passage;
+use super::passage::LevelPassage;
 use super::touch::SAME_LEVEL;
 use crate::analysis::course::{Course, Event};
 use crate::run::simulation::EventKind;
@@ -108,7 +108,7 @@ pub(super) struct Events {
 
 impl Events {
     /// Compares the events of two runs, along their averaged motions if these are known.
-    pub(super) fn compare(a: &Course, b: &Course, passage: Option<&Passage>) -> Self {
+    pub(super) fn compare(a: &Course, b: &Course, passage: Option<&LevelPassage>) -> Self {
         let mut found = Self::default();
         for (name, [of_a, of_b]) in by_kind(a, b) {
             found.add_kind(name, &of_a, &of_b, passage);
@@ -129,7 +129,7 @@ impl Events {
         shifts.map(f64::abs).fold(0.0, f64::max)
     }
 
-    fn add_kind(&mut self, name: &str, a: &[&Event], b: &[&Event], passage: Option<&Passage>) {
+    fn add_kind(&mut self, name: &str, a: &[&Event], b: &[&Event], passage: Option<&LevelPassage>) {
         let matches = matches(name, a, b, passage);
         let shifts: Vec<f64> = matches
             .iter()
@@ -181,7 +181,7 @@ fn matches(
     name: &str,
     a: &[&Event],
     b: &[&Event],
-    passage: Option<&Passage>,
+    passage: Option<&LevelPassage>,
 ) -> Vec<(usize, usize)> {
     let kind = EventKind::find(name);
     let times = |events: &[&Event]| -> Vec<f64> { events.iter().map(|event| event.time).collect() };
@@ -220,7 +220,7 @@ fn in_order(a: usize, b: usize) -> impl Iterator<Item = (usize, usize)> {
 
 /// Matches events that come with the nutation where the averaged motions are the same; behind those, where the averages no
 /// longer go the same way, each with the one that follows.
-fn match_along(passage: &Passage, a: &[f64], b: &[f64]) -> Vec<(usize, usize)> {
+fn match_along(passage: &LevelPassage, a: &[f64], b: &[f64]) -> Vec<(usize, usize)> {
     let expected = a.iter().enumerate();
     let expected = expected.filter_map(|(i, time)| Some((i, passage.counterpart(*time)?)));
     let mut last = f64::NEG_INFINITY;

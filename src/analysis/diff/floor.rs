@@ -8,7 +8,7 @@ use super::averages;
 use super::events::Events;
 use super::observer::While;
 use super::options::Options;
-use super::passage::Passage;
+use super::passage::LevelPassage;
 use super::plan::ComparisonPlan;
 use super::reading::read_both;
 use super::topic::ComparedTopic;
@@ -87,7 +87,7 @@ fn error(scenario: &Scenario, carry_on: &(dyn Fn() -> bool + Sync)) -> Option<In
     let plan = ComparisonPlan::new(runs, &options).ok()?;
     let findings = read_both(runs, &plan, &options.tolerances, &mut While(carry_on)).ok()?;
     let [first, second] = [0, 1].map(|side| &findings.runs[side].course);
-    let passage = Passage::find(first, second, [0.0; 2]);
+    let passage = LevelPassage::find(first, second, [0.0; 2]);
     let events = Events::compare(first, second, passage.as_ref());
     let means = averages::compare(first, second).map(|averaged| averaged.means);
     let theta = means.and_then(|means| means.first().map(|mean| mean.largest.abs()));

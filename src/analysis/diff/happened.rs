@@ -6,7 +6,7 @@
 use super::budget::{Budget, Energies};
 use super::events::{EventKindDifference, EventMoment, EventPair, Events};
 use super::floor::Floor;
-use super::passage::{Passage, ripple};
+use super::passage::{LevelPassage, ripple};
 use super::touch::{CommonLevels, Levels, Touches};
 use crate::analysis::course::Course;
 use crate::run::simulation::EventKind;
@@ -131,7 +131,7 @@ pub(super) fn compare(
 ) -> Happened {
     let [a, b] = runs;
     let integrators = floor.map_or([0.0; 2], |floor| [floor.a.theta_mean, floor.b.theta_mean]);
-    let passage = Passage::find(a.course, b.course, integrators);
+    let passage = LevelPassage::find(a.course, b.course, integrators);
     let mut happened = Happened::default();
     if both_have_events {
         let events = Events::compare(a.course, b.course, passage.as_ref());

@@ -22,7 +22,7 @@ const LEFT_OUT: f64 = 4.0;
 
 /// How two averaged motions pass a level of θ.
 #[derive(Clone, Debug)]
-pub(super) struct Passage {
+pub(super) struct LevelPassage {
     /// The level, rad.
     pub(super) level: f64,
     /// When A and B pass it, s.
@@ -53,7 +53,7 @@ impl Way {
     }
 }
 
-impl Passage {
+impl LevelPassage {
     /// Finds how both averaged motions pass the farthest level that both reach, if they go anywhere, and the same way.
     /// `integrators` are the errors of A's and B's averaged θ, rad.
     pub(super) fn find(a: &Course, b: &Course, integrators: [f64; 2]) -> Option<Self> {

@@ -8,13 +8,13 @@ use super::options::{Align, Offset, Options};
 use super::rule::{Interpolation, Rule};
 use super::time_map::TimeMap;
 use super::times::{MessageTimes, Times};
-use super::topics::Topics;
+use super::topics::ComparedTopics;
 use super::touch::CommonLevels;
 use crate::analysis::subject::Subject;
 use crate::archive::format::SAMPLE_PERIOD;
 use crate::telemetry::fields::{EVENTS, NUTATION};
 use crate::telemetry::side::Side;
-use crate::telemetry::{Topic, Topics as AllTopics};
+use crate::telemetry::{Topic, Topics};
 use std::ops::ControlFlow;
 
 /// The topics that tell what happened and how the motion was on average: small ones.
@@ -61,7 +61,7 @@ impl ComparisonPlan {
     /// Decides how to compare two runs.
     pub(super) fn new(runs: [Subject<'_>; 2], options: &Options) -> Result<Self, DiffError> {
         let are_ours = runs.iter().all(|run| run.is_ours());
-        let topics = Topics::new(runs, are_ours, &options.topics, &options.tolerances)?;
+        let topics = ComparedTopics::new(runs, are_ours, &options.topics, &options.tolerances)?;
         if are_ours {
             Self::of_table(runs, options, topics)
         } else {
@@ -73,7 +73,7 @@ impl ComparisonPlan {
     fn of_table(
         runs: [Subject<'_>; 2],
         options: &Options,
-        found: Topics,
+        found: ComparedTopics,
     ) -> Result<Self, DiffError> {
         let Options { align, topics, .. } = options;
         let map = TimeMap::new(runs, *align)?;
@@ -131,7 +131,7 @@ impl ComparisonPlan {
     fn of_files(
         runs: [Subject<'_>; 2],
         options: &Options,
-        found: Topics,
+        found: ComparedTopics,
     ) -> Result<Self, DiffError> {
         let align = options.align;
         if !matches!(align, Align::Time | Align::Index) {
@@ -218,7 +218,7 @@ fn first_time(run: Subject<'_>, offset: Offset) -> Option<u64> {
         return Some(0);
     }
     let mut first = None;
-    run.read(&AllTopics::All, &mut |message, _| {
+    run.read(&Topics::All, &mut |message, _| {
         first = Some(message.time_ns);
         ControlFlow::Break(())
     });

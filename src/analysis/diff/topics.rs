@@ -12,7 +12,7 @@ const NAMED: usize = 20;
 
 /// The topics of two runs.
 #[derive(Debug)]
-pub(super) struct Topics {
+pub(super) struct ComparedTopics {
     /// Topics that are compared: both runs have them, and they were asked for.
     pub(super) compared: Vec<String>,
     /// Topics of both recordings of toprise that the telemetry table doesn't have: their bytes are compared.
@@ -23,7 +23,7 @@ pub(super) struct Topics {
     pub(super) ignored: Vec<String>,
 }
 
-impl Topics {
+impl ComparedTopics {
     /// Chooses the topics to compare: those that are `wanted`, or all if none are. What only one of the runs
     /// has counts only where everything is compared.
     pub(super) fn new(

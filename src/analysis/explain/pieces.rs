@@ -43,14 +43,14 @@ pub(super) struct Piece {
     /// around it if it has none; NaN where they are not recorded. They change by friction alone, slowly.
     pub(super) momenta: [f64; 2],
     /// What its samples tell of the contact; NaN where it has none.
-    pub(super) contact: Contact,
+    pub(super) contact: ContactMeans,
     /// Half the range of θ̇, rad/s; NaN where it isn't recorded.
     pub(super) swing: f64,
 }
 
 /// The contact during a nutation, as samples show it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Contact {
+pub(super) struct ContactMeans {
     /// Mean slip speed, m/s.
     pub(super) slip: f64,
     /// Mean of the slip along the line of nodes, m/s.
@@ -59,7 +59,7 @@ pub(super) struct Contact {
     pub(super) loads: [f64; 2],
 }
 
-impl Contact {
+impl ContactMeans {
     const NONE: Self = Self {
         slip: f64::NAN,
         along: f64::NAN,
@@ -159,7 +159,7 @@ impl Piece {
                 demanded: mean(|p| p.regular.demanded),
             },
             momenta: [f64::NAN; 2],
-            contact: Contact::NONE,
+            contact: ContactMeans::NONE,
             swing: f64::NAN,
         })
     }
@@ -382,7 +382,7 @@ impl Pieces {
                 ),
             },
             momenta,
-            contact: Contact::of(&self.open),
+            contact: ContactMeans::of(&self.open),
             swing: 0.5 * (fastest - slowest),
         };
         self.open.clear();
@@ -482,7 +482,7 @@ impl Pieces {
                 false => Regular::at(&self.top, theta, rates, friction),
             },
             momenta: [f64::NAN; 2],
-            contact: Contact::NONE,
+            contact: ContactMeans::NONE,
             swing: f64::NAN,
         });
         let sticks = self.sticks;

@@ -35,7 +35,7 @@ const STEPS_OF_DENSE: f64 = 10.0;
 type Judge = Box<dyn Fn(&Instant<'_>, &History) -> (f64, f64)>;
 
 /// A law, and how well it has been kept.
-struct Law {
+struct PhysicalLaw {
     name: &'static str,
     unit: &'static str,
     judge: Judge,
@@ -55,7 +55,7 @@ struct Worst {
 
 /// Watches over all laws that a scenario's motion must keep.
 pub(super) struct Physics {
-    laws: Vec<Law>,
+    laws: Vec<PhysicalLaw>,
     /// For each channel of the table its numbers at this instant.
     rows: Vec<Option<Vec<f64>>>,
     time_ns: u64,
@@ -154,11 +154,11 @@ impl Physics {
 
     pub(super) fn checks(mut self) -> Vec<Check> {
         self.judge();
-        self.laws.iter().map(Law::check).collect()
+        self.laws.iter().map(PhysicalLaw::check).collect()
     }
 }
 
-impl Law {
+impl PhysicalLaw {
     fn check(&self) -> Check {
         let group = Group::Physics;
         if self.instants == 0 {
@@ -337,8 +337,8 @@ fn law(
     name: &'static str,
     unit: &'static str,
     judge: impl Fn(&Instant<'_>, &History) -> (f64, f64) + 'static,
-) -> Law {
-    Law {
+) -> PhysicalLaw {
+    PhysicalLaw {
         name,
         unit,
         judge: Box::new(judge),
@@ -349,7 +349,7 @@ fn law(
 }
 
 /// All laws that hold in a scenario.
-fn laws(scenario: &Scenario) -> Vec<Law> {
+fn laws(scenario: &Scenario) -> Vec<PhysicalLaw> {
     if scenario.model.support.is_free() {
         return laws_of_free_peg(scenario);
     }
@@ -387,7 +387,7 @@ fn laws(scenario: &Scenario) -> Vec<Law> {
 }
 
 /// Friction gives no energy. Torques that mix directions, like those of the air, do so up to rounding.
-fn only_takes(scenario: &Scenario) -> Law {
+fn only_takes(scenario: &Scenario) -> PhysicalLaw {
     let Model { top, friction, .. } = scenario.model;
     law("friction only takes", "W", move |now, _| {
         let allowed = if friction.has_losses() {
@@ -401,7 +401,7 @@ fn only_takes(scenario: &Scenario) -> Law {
 }
 
 /// A momentum stays what it was.
-fn constant(name: &'static str, field: NumberField, first: fn(&History) -> f64) -> Law {
+fn constant(name: &'static str, field: NumberField, first: fn(&History) -> f64) -> PhysicalLaw {
     law(name, "kg m²/s", move |now, history| {
         let error = (field.of(now) - first(history)).abs();
         (error, history.momentum_error(now))
@@ -409,7 +409,7 @@ fn constant(name: &'static str, field: NumberField, first: fn(&History) -> f64) 
 }
 
 /// The torque of friction is that of the force, as far as it acts, and of what acts beside it.
-fn torque_of_friction(scenario: &Scenario) -> Law {
+fn torque_of_friction(scenario: &Scenario) -> PhysicalLaw {
     let friction = &scenario.model.friction;
     if friction.dissipation.is_of_force() && !friction.has_losses() {
         torque_of_force(scenario)
@@ -424,7 +424,7 @@ fn turns(now: &Instant<'_>) -> f64 {
 }
 
 /// The quaternion is a rotation, and turns body components of axis and rates into those in the world.
-fn orientation() -> Law {
+fn orientation() -> PhysicalLaw {
     law("orientation", "", |now, _| {
         let quaternion = pose::ORIENTATION.of(now);
         let rotation = UnitQuaternion::new_unchecked(quaternion);
@@ -438,7 +438,7 @@ fn orientation() -> Law {
 }
 
 /// The contact point slips at ω × r with r = −R z′.
-fn slip(scenario: &Scenario) -> Law {
+fn slip(scenario: &Scenario) -> PhysicalLaw {
     let radius = scenario.model.top.peg_radius;
     law("slip velocity", "m/s", move |now, _| {
         let omega = pose::OMEGA_WORLD.of(now);
@@ -451,7 +451,7 @@ fn slip(scenario: &Scenario) -> Law {
 }
 
 /// The torques add up in each frame. Turning a vector into the body frame rounds it twelve times.
-fn sum_of_torques() -> Law {
+fn sum_of_torques() -> PhysicalLaw {
     use torque::{
         FRICTION_BODY, FRICTION_NODE, GRAVITY_BODY, GRAVITY_NODE, TOTAL_BODY, TOTAL_NODE,
     };
@@ -468,7 +468,7 @@ fn sum_of_torques() -> Law {
 }
 
 /// r × f has the length R |f| in every frame.
-fn torque_of_force(scenario: &Scenario) -> Law {
+fn torque_of_force(scenario: &Scenario) -> PhysicalLaw {
     let radius = scenario.model.top.peg_radius;
     law("torque of the force", "N m", move |now, _| {
         let expected = radius * contact::FRICTION_FORCE.of(now).norm();
@@ -479,7 +479,7 @@ fn torque_of_force(scenario: &Scenario) -> Law {
 }
 
 /// Parts of r × f, and the torques beside it that follow from rates and slip speed.
-fn torque_of_parts(scenario: &Scenario) -> Law {
+fn torque_of_parts(scenario: &Scenario) -> PhysicalLaw {
     let Model { top, friction, .. } = scenario.model;
     law("torque of friction", "N m", move |now, _| {
         let (normal, axis) = (contact::NORMAL_FORCE.of(now), pose::AXIS.of(now));
@@ -538,7 +538,7 @@ fn kept(part: Dissipation, torque: &Vector3<f64>, axis: &Vector3<f64>) -> Vector
 }
 
 /// The accelerations are the sums of their terms.
-fn sum_of_accelerations() -> Law {
+fn sum_of_accelerations() -> PhysicalLaw {
     use acceleration::*;
     let angles: [(NumberField, &[NumberField]); 3] = [
         (
@@ -570,7 +570,7 @@ fn sum_of_accelerations() -> Law {
 }
 
 /// Kinetic and potential energy add up; the kinetic is ω·L/2, whose summands may cancel; the momenta are components of L.
-fn energies_and_momenta() -> Law {
+fn energies_and_momenta() -> PhysicalLaw {
     law("energies and momenta", "of their size", |now, _| {
         let (kinetic, potential) = (energy::KINETIC.of(now), energy::POTENTIAL.of(now));
         let (momentum, omega) = (momentum::WORLD.of(now), pose::OMEGA_WORLD.of(now));
@@ -587,7 +587,7 @@ fn energies_and_momenta() -> Law {
 }
 
 /// The slow root solves (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0. The rounding of cos θ is one of 1, not of itself.
-fn regular_precession(scenario: &Scenario) -> Law {
+fn regular_precession(scenario: &Scenario) -> PhysicalLaw {
     let top = scenario.model.nutating_top();
     law("regular precession", "of the terms", move |now, _| {
         (regular_excess(&top, [0.0; 2], now), 32.0 * EPS)
@@ -596,7 +596,7 @@ fn regular_precession(scenario: &Scenario) -> Law {
 
 /// The slow root of a top that rolls solves the same equation with the moments of inertia of a centre of mass that goes round
 /// too. A contact point that slides may have no slip at an instant, and doesn't roll.
-fn regular_precession_of_free_peg(scenario: &Scenario) -> Law {
+fn regular_precession_of_free_peg(scenario: &Scenario) -> PhysicalLaw {
     let (model, central) = (scenario.model, scenario.model.nutating_top());
     law("regular precession", "of the terms", move |now, _| {
         let sliding = regular_excess(&central, [0.0; 2], now);
@@ -625,7 +625,7 @@ fn regular_excess(top: &Top, [a, b]: [f64; 2], now: &Instant<'_>) -> f64 {
 }
 
 /// The friction force is no larger than the law's, and doesn't push along the slip.
-fn bound_of_force(scenario: &Scenario) -> Law {
+fn bound_of_force(scenario: &Scenario) -> PhysicalLaw {
     let friction_law = scenario.model.friction.law;
     law("bound of the force", "of the force", move |now, _| {
         let force = contact::FRICTION_FORCE.of(now);
@@ -643,7 +643,7 @@ fn bound_of_force(scenario: &Scenario) -> Law {
 }
 
 /// The change of energy is the work of friction.
-fn energy_balance() -> Law {
+fn energy_balance() -> PhysicalLaw {
     law("energy balance", "J", |now, history| {
         let change = energy::TOTAL.of(now) - history.energy;
         let allowed = 2.0 * history.energy_error(now);
@@ -653,7 +653,7 @@ fn energy_balance() -> Law {
 }
 
 /// The laws that hold for a top whose peg is free.
-fn laws_of_free_peg(scenario: &Scenario) -> Vec<Law> {
+fn laws_of_free_peg(scenario: &Scenario) -> Vec<PhysicalLaw> {
     let friction = scenario.model.friction;
     let mut laws = vec![
         orientation(),
@@ -686,7 +686,7 @@ fn laws_of_free_peg(scenario: &Scenario) -> Vec<Law> {
 
 /// The contact point slips at v + ω × r with the velocity v of the peg's centre and r = −R z′; not at all where it
 /// doesn't slip.
-fn slip_of_free_peg(scenario: &Scenario) -> Law {
+fn slip_of_free_peg(scenario: &Scenario) -> PhysicalLaw {
     let radius = scenario.model.top.peg_radius;
     law("slip velocity", "m/s", move |now, _| {
         let (omega, peg) = (pose::OMEGA_WORLD.of(now), free_peg::VELOCITY.of(now));
@@ -703,7 +703,7 @@ fn slip_of_free_peg(scenario: &Scenario) -> Law {
 
 /// The accelerations are the sums of their terms and of what the acceleration of the peg adds, of which rounding is that
 /// of the largest term.
-fn sum_of_driven_accelerations() -> Law {
+fn sum_of_driven_accelerations() -> PhysicalLaw {
     use acceleration::*;
     law("sum of accelerations", "of the terms", |now, _| {
         let error = |total: NumberField, terms: &[NumberField]| {
@@ -738,7 +738,7 @@ fn sum_of_driven_accelerations() -> Law {
 }
 
 /// Kinetic and potential energy add up; the kinetic is that of the centre of mass and of the rotation about it.
-fn energies_of_free_peg() -> Law {
+fn energies_of_free_peg() -> PhysicalLaw {
     law("energies and momenta", "of their size", |now, _| {
         let (kinetic, potential) = (energy::KINETIC.of(now), energy::POTENTIAL.of(now));
         let translational = free_peg::TRANSLATIONAL.of(now);
@@ -756,7 +756,7 @@ fn energies_of_free_peg() -> Law {
 
 /// The friction force is no larger than the law's, and doesn't push along the slip. Where rolling ends, the force is the
 /// largest there is, up to the error of the integrator; where it began, the slip is too slow to have a direction.
-fn bound_of_free_force(scenario: &Scenario) -> Law {
+fn bound_of_free_force(scenario: &Scenario) -> PhysicalLaw {
     let friction_law = scenario.model.friction.law;
     law("bound of the force", "N", move |now, history| {
         let force = contact::FRICTION_FORCE.of(now);
@@ -775,7 +775,7 @@ fn bound_of_free_force(scenario: &Scenario) -> Law {
 const DEPARTING: f64 = 1e-9;
 
 /// The work of friction is what the sliding, the losses and the impacts took.
-fn losses_add_up() -> Law {
+fn losses_add_up() -> PhysicalLaw {
     law("losses", "J", |now, history| {
         let lost = free_peg::LOST_SLIDING.of(now)
             + free_peg::LOST_LOSSES.of(now)
@@ -789,7 +789,7 @@ fn losses_add_up() -> Law {
 }
 
 /// The centre of mass accelerates by the forces of table and gravity.
-fn newton(scenario: &Scenario) -> Law {
+fn newton(scenario: &Scenario) -> PhysicalLaw {
     let top = scenario.model.top;
     law(
         "acceleration of the centre of mass",
@@ -806,7 +806,7 @@ fn newton(scenario: &Scenario) -> Law {
 }
 
 /// The table only pushes, where there is no gap; the peg is never below it.
-fn contact_of_free_peg(scenario: &Scenario) -> Law {
+fn contact_of_free_peg(scenario: &Scenario) -> PhysicalLaw {
     let radius = scenario.model.top.peg_radius;
     law("contact with the table", "N", move |now, history| {
         let (normal, gap) = (contact::NORMAL_FORCE.of(now), free_peg::GAP.of(now));
@@ -825,7 +825,7 @@ fn contact_of_free_peg(scenario: &Scenario) -> Law {
 }
 
 /// No impact gives energy, and the table only pushes.
-fn impacts_lose() -> Law {
+fn impacts_lose() -> PhysicalLaw {
     law("impacts lose energy", "J", |now, _| {
         let normal = impacts::LOST_RESTITUTION.of(now);
         let friction = impacts::LOST_FRICTION.of(now);
@@ -839,7 +839,7 @@ fn impacts_lose() -> Law {
 }
 
 /// Jellett's integral stays what it was through sliding, rolling, flight and impacts.
-fn jellett(scenario: &Scenario) -> Law {
+fn jellett(scenario: &Scenario) -> PhysicalLaw {
     let top = scenario.model.top;
     law("Jellett's integral", "kg m³/s", move |now, history| {
         let error = (free_peg::JELLETT.of(now) - history.jellett).abs();
@@ -850,7 +850,7 @@ fn jellett(scenario: &Scenario) -> Law {
 
 /// Routh's integral stays what it was as long as the peg rolls. It is at most so many times the angular momentum as the
 /// root of its moments is larger than the axial one.
-fn routh(scenario: &Scenario) -> Law {
+fn routh(scenario: &Scenario) -> PhysicalLaw {
     let top = scenario.model.top;
     let lever = top.peg_radius + top.center_distance.abs();
     let whole = top.central_moment() + top.axial_moment + top.mass * lever * lever;
@@ -866,7 +866,7 @@ fn routh(scenario: &Scenario) -> Law {
 }
 
 /// In flight nothing changes the angular momentum about the centre of mass, nor its horizontal velocity.
-fn free_flight() -> Law {
+fn free_flight() -> PhysicalLaw {
     law("free flight", "kg m²/s", |now, history| {
         let (momentum, velocity) = &history.flight;
         let turned = (center_of_mass::ANGULAR_MOMENTUM.of(now) - momentum).norm();

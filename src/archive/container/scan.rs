@@ -188,3 +188,33 @@ impl<'a> Scanner<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is found in a file whose only record is a message that claims a body so much longer than it is.
+    fn found(excess: u64) -> Vec<Found> {
+        const BODY: u64 = 30;
+        let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+        let mut bytes = MAGIC.to_vec();
+        bytes.push(op::MESSAGE);
+        bytes.extend_from_slice(&(BODY + excess).to_le_bytes());
+        bytes.resize(bytes.len() + BODY as usize, 0);
+        std::fs::write(&path, bytes).unwrap();
+        let source = Source::open(&path).unwrap();
+        let mut scanner = Scanner::new(&source);
+        std::iter::from_fn(|| scanner.next().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_record_may_end_where_the_file_ends_but_not_behind_it() {
+        let record = RecordSpan {
+            opcode: op::MESSAGE,
+            offset: 8,
+            length: 39,
+        };
+        assert_eq!(found(0), [Found::Record(record), Found::Cut(47..47)]);
+        assert_eq!(found(1), [Found::Cut(8..47)]);
+    }
+}

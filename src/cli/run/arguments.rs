@@ -2,9 +2,10 @@
 
 use crate::archive::publish::Existing;
 use crate::archive::writer::Form;
-use crate::cli::arguments::{EncodingName, FormArguments, Override, parse_override};
+use crate::cli::arguments::{FormArguments, Override, parse_override};
 #[cfg(feature = "rerun")]
 use crate::cli::viewer::ViewerArguments;
+use crate::telemetry::encoding::Encoding;
 use crate::telemetry::{Telemetry, Topics};
 use anyhow::Error;
 use clap::Args;
@@ -41,8 +42,8 @@ pub(crate) struct RunArguments {
     pub(super) viewer: ViewerArguments,
 
     /// Encoding of the MCAP file's messages.
-    #[arg(long, value_enum, default_value_t = EncodingName::Json)]
-    encoding: EncodingName,
+    #[arg(long, value_enum, default_value_t = Encoding::Json)]
+    encoding: Encoding,
 
     /// Leave out the channels that let viewers show the MCAP file by themselves.
     #[arg(long)]
@@ -74,7 +75,7 @@ impl RunArguments {
     /// The form of the MCAP file.
     pub(super) fn mcap_form(&self) -> Form {
         Form {
-            encoding: self.encoding.into(),
+            encoding: self.encoding,
             views: !self.no_views,
         }
     }

@@ -3,7 +3,7 @@
 use super::error::ScenarioError;
 use super::key::{Key, Kind, Presence, Value};
 use super::keys::KEYS;
-use super::words::Choice;
+use super::words::Words;
 use std::collections::BTreeMap;
 
 /// A name is taken for a misspelt key or word if it is at least this much like it, by Jaro and Winkler.
@@ -102,7 +102,7 @@ impl Values {
     }
 
     /// The meaning of the word that a key is set to.
-    pub(super) fn choice<T: Choice>(&self, path: &'static str) -> Result<T, ScenarioError> {
+    pub(super) fn choice<T: Words>(&self, path: &'static str) -> Result<T, ScenarioError> {
         let word = self.text(path)?;
         match T::of_word(word) {
             Some(meaning) => Ok(meaning),
@@ -111,7 +111,7 @@ impl Values {
     }
 
     /// The meaning of the word that a key is set to; none if the key is left out.
-    pub(super) fn optional_choice<T: Choice>(
+    pub(super) fn optional_choice<T: Words>(
         &self,
         path: &'static str,
     ) -> Result<Option<T>, ScenarioError> {

@@ -3,7 +3,7 @@
 use crate::physics::friction::Dissipation;
 
 /// A choice that a scenario makes with a word.
-pub(super) trait Choice: Copy + 'static {
+pub(super) trait Words: Copy + 'static {
     /// Every word with its meaning, in the order in which people are told of them.
     const WORDS: &'static [(&'static str, Self)];
 
@@ -23,7 +23,7 @@ pub enum FormulationKind {
     Body,
 }
 
-impl Choice for FormulationKind {
+impl Words for FormulationKind {
     const WORDS: &'static [(&'static str, Self)] = &[("euler", Self::Euler), ("body", Self::Body)];
 }
 
@@ -36,7 +36,7 @@ pub enum OnStick {
     Continue,
 }
 
-impl Choice for OnStick {
+impl Words for OnStick {
     const WORDS: &'static [(&'static str, Self)] =
         &[("stop", Self::Stop), ("continue", Self::Continue)];
 }
@@ -48,11 +48,11 @@ pub(super) enum SupportKind {
     Free,
 }
 
-impl Choice for SupportKind {
+impl Words for SupportKind {
     const WORDS: &'static [(&'static str, Self)] = &[("fixed", Self::Fixed), ("free", Self::Free)];
 }
 
-impl Choice for Dissipation {
+impl Words for Dissipation {
     const WORDS: &'static [(&'static str, Self)] = &[
         ("full", Self::Full),
         ("without-nutation-part", Self::WithoutNutationPart),
@@ -84,7 +84,7 @@ impl SlidingLaw {
     }
 }
 
-impl Choice for SlidingLaw {
+impl Words for SlidingLaw {
     const WORDS: &'static [(&'static str, Self)] = &[
         ("none", Self::None),
         ("coulomb", Self::Coulomb),
@@ -107,7 +107,7 @@ pub(super) const SLIDING_LAWS: &[&str] = &words::<SlidingLaw, { SlidingLaw::WORD
 pub(super) const ACTING_LAWS: &[&str] = SLIDING_LAWS.split_at(1).1;
 
 /// The words of a choice, for the table of keys.
-const fn words<T: Choice, const N: usize>() -> [&'static str; N] {
+const fn words<T: Words, const N: usize>() -> [&'static str; N] {
     let mut words = [""; N];
     let mut i = 0;
     while i < N {

@@ -2,6 +2,7 @@
 
 use crate::physics::dynamics::Motion;
 use crate::physics::top::Top;
+use crate::run::listed::listed;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -22,84 +23,61 @@ pub struct Event {
     pub description: String,
 }
 
-/// Kinds of events.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum EventKind {
-    /// The run begins.
-    Start,
-    /// θ has fallen to `stop.theta_risen`.
-    Risen,
-    /// θ has grown to `stop.theta_fallen`, or to π/2.
-    Fallen,
-    /// θ passes a minimum.
-    NutationMinimum,
-    /// θ passes a maximum.
-    NutationMaximum,
-    /// θ passes a minimum within 0.01 rad of zero: the axis swings through the vertical.
-    UprightPassage,
-    /// The precession turns retrograde: the axis makes loops.
-    LoopingBegins,
-    /// The precession turns back to its normal sense.
-    LoopingEnds,
-    /// The spin has become too weak to hold an upright top: a² = 4 M g l / I_x (Klein and Sommerfeld).
-    WeakTop,
-    /// The spin has become strong enough again: the reverse of [`EventKind::WeakTop`].
-    StrongTop,
-    /// The contact point has stopped slipping.
-    SlipStops,
-    /// The contact point has stopped slipping, and friction holds it: the top turns about the vertical as a
-    /// whole.
-    Stick,
-    /// Friction does not hold the contact point any longer.
-    SlipResumes,
-    /// A top whose contact point sticks has stopped turning too.
-    Rest,
-    /// The Euler angles have become singular: sin θ is nearly 0.
-    Singular,
-    /// The peg leaves the table.
-    LiftOff,
-    /// The peg is on the table again, after one impact or several.
-    Landing,
-    /// The peg begins to roll.
-    RollBegins,
-    /// The peg rolls no longer.
-    RollEnds,
-    /// The peg jams: no force of the table keeps it out of it.
-    Jam,
-    /// The top turns about the vertical only; rolling resistance holds it.
-    Pivot,
+listed! {
+    /// Kinds of events.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, JsonSchema)]
+    #[serde(rename_all = "snake_case")]
+    pub enum EventKind {
+        /// The run begins.
+        Start,
+        /// θ has fallen to `stop.theta_risen`.
+        Risen,
+        /// θ has grown to `stop.theta_fallen`, or to π/2.
+        Fallen,
+        /// θ passes a minimum.
+        NutationMinimum,
+        /// θ passes a maximum.
+        NutationMaximum,
+        /// θ passes a minimum within 0.01 rad of zero: the axis swings through the vertical.
+        UprightPassage,
+        /// The precession turns retrograde: the axis makes loops.
+        LoopingBegins,
+        /// The precession turns back to its normal sense.
+        LoopingEnds,
+        /// The spin has become too weak to hold an upright top: a² = 4 M g l / I_x (Klein and Sommerfeld).
+        WeakTop,
+        /// The spin has become strong enough again: the reverse of [`EventKind::WeakTop`].
+        StrongTop,
+        /// The contact point has stopped slipping.
+        SlipStops,
+        /// The contact point has stopped slipping, and friction holds it: the top turns about the vertical as a
+        /// whole.
+        Stick,
+        /// Friction does not hold the contact point any longer.
+        SlipResumes,
+        /// A top whose contact point sticks has stopped turning too.
+        Rest,
+        /// The Euler angles have become singular: sin θ is nearly 0.
+        Singular,
+        /// The peg leaves the table.
+        LiftOff,
+        /// The peg is on the table again, after one impact or several.
+        Landing,
+        /// The peg begins to roll.
+        RollBegins,
+        /// The peg rolls no longer.
+        RollEnds,
+        /// The peg jams: no force of the table keeps it out of it.
+        Jam,
+        /// The top turns about the vertical only; rolling resistance holds it.
+        Pivot,
+    }
 }
 
 /// A nutation minimum below this angle counts as a passage through upright, rad.
 pub const UPRIGHT: f64 = 0.01;
 
 impl EventKind {
-    /// All kinds.
-    pub const ALL: [Self; 21] = [
-        Self::Start,
-        Self::Risen,
-        Self::Fallen,
-        Self::NutationMinimum,
-        Self::NutationMaximum,
-        Self::UprightPassage,
-        Self::LoopingBegins,
-        Self::LoopingEnds,
-        Self::WeakTop,
-        Self::StrongTop,
-        Self::SlipStops,
-        Self::Stick,
-        Self::SlipResumes,
-        Self::Rest,
-        Self::Singular,
-        Self::LiftOff,
-        Self::Landing,
-        Self::RollBegins,
-        Self::RollEnds,
-        Self::Jam,
-        Self::Pivot,
-    ];
-
     /// The kind with this name in recordings; none for a name of another version.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
