@@ -442,8 +442,8 @@ impl Object<u32> {
         while !data.is_empty() {
             let (number, wire) = take(&mut data)?;
             match (self.find(number, &mut next), wire) {
-                (Some(Target::Number(index)), Wire::Eight(bytes)) => {
-                    row.numbers[*index] = f64::from_le_bytes(bytes);
+                (Some(Target::Number(index)), Wire::Eight(bits)) => {
+                    row.numbers[*index] = f64::from_bits(bits);
                 }
                 (Some(Target::Object(object)), Wire::Bytes(inner)) => object.fill(inner, row)?,
                 (Some(Target::Text(index)), Wire::Bytes(bytes)) => {

@@ -6,8 +6,8 @@ use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_f
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Wire<'a> {
     Varint(u64),
-    Eight([u8; 8]),
-    Four([u8; 4]),
+    Eight(u64),
+    Four(u32),
     Bytes(&'a [u8]),
     /// With its end.
     Group(&'a [u8]),
@@ -18,11 +18,22 @@ pub(super) enum Wire<'a> {
 /// Takes a field off the front: its number, and what stands in it.
 #[inline]
 pub(super) fn take<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
-    let (number, wire) = decode_key(data).map_err(|error| error.to_string())?;
+    let (number, wire) = match **data {
+        // Most numbers of fields are small.
+        [key @ 8..0x80, ..] => {
+            *data = &data[1..];
+            let wire = WireType::try_from(u64::from(key & 7));
+            (
+                u32::from(key >> 3),
+                wire.map_err(|error| error.to_string())?,
+            )
+        }
+        _ => decode_key(data).map_err(|error| error.to_string())?,
+    };
     let wire = match wire {
         WireType::Varint => varint(data)?,
-        WireType::SixtyFourBit => Wire::Eight(take_array(data)?),
-        WireType::ThirtyTwoBit => Wire::Four(take_array(data)?),
+        WireType::SixtyFourBit => eight(data)?,
+        WireType::ThirtyTwoBit => four(data)?,
         WireType::LengthDelimited => {
             let length = decode_varint(data).map_err(|error| error.to_string())?;
             let length = usize::try_from(length).map_err(|error| error.to_string())?;
@@ -50,7 +61,17 @@ pub(super) fn varint(data: &mut &[u8]) -> Result<Wire<'static>, String> {
 const CUT: &str = "it ends within a field";
 
 #[inline]
-pub(super) fn take_array<const N: usize>(data: &mut &[u8]) -> Result<[u8; N], String> {
+pub(super) fn eight(data: &mut &[u8]) -> Result<Wire<'static>, String> {
+    Ok(Wire::Eight(u64::from_le_bytes(take_array(data)?)))
+}
+
+#[inline]
+pub(super) fn four(data: &mut &[u8]) -> Result<Wire<'static>, String> {
+    Ok(Wire::Four(u32::from_le_bytes(take_array(data)?)))
+}
+
+#[inline]
+fn take_array<const N: usize>(data: &mut &[u8]) -> Result<[u8; N], String> {
     let (array, rest) = data.split_first_chunk().ok_or(CUT)?;
     *data = rest;
     Ok(*array)

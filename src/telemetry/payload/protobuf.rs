@@ -4,7 +4,7 @@
 
 use super::tree::{Filling, Node, Place, Segment, Tree, Zero};
 use super::value::Value;
-use crate::telemetry::wire::{Wire, take, take_array, varint};
+use crate::telemetry::wire::{Wire, eight, four, take, varint};
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorSet};
@@ -459,8 +459,8 @@ impl Kind {
     fn zero(self) -> Wire<'static> {
         match self {
             Self::Message(_) | Self::Scalar(Type::String | Type::Bytes) => Wire::Bytes(&[]),
-            Self::Scalar(Type::Double | Type::Fixed64 | Type::Sfixed64) => Wire::Eight([0; 8]),
-            Self::Scalar(Type::Float | Type::Fixed32 | Type::Sfixed32) => Wire::Four([0; 4]),
+            Self::Scalar(Type::Double | Type::Fixed64 | Type::Sfixed64) => Wire::Eight(0),
+            Self::Scalar(Type::Float | Type::Fixed32 | Type::Sfixed32) => Wire::Four(0),
             Self::Scalar(_) => Wire::Varint(0),
         }
     }
@@ -486,8 +486,8 @@ fn is_packable(scalar: Type) -> bool {
 #[inline]
 fn value(scalar: Type, wire: Wire<'_>) -> Option<Value> {
     Some(match (scalar, wire) {
-        (Type::Double, Wire::Eight(bytes)) => Value::Real(f64::from_le_bytes(bytes)),
-        (Type::Float, Wire::Four(bytes)) => Value::Real(f32::from_le_bytes(bytes).into()),
+        (Type::Double, Wire::Eight(bits)) => Value::Real(f64::from_bits(bits)),
+        (Type::Float, Wire::Four(bits)) => Value::Real(f32::from_bits(bits).into()),
         (Type::Bool, Wire::Varint(bits)) => Value::Bool(bits != 0),
         (Type::Bytes, Wire::Bytes(bytes)) => Value::Bytes(bytes.into()),
         (Type::String, Wire::Bytes(bytes)) => match std::str::from_utf8(bytes) {
@@ -509,10 +509,10 @@ fn integer(scalar: Type, wire: Wire<'_>) -> Option<i128> {
         (Type::Sint32, Wire::Varint(bits)) => zigzag(u64::from(bits as u32)),
         (Type::Sint64, Wire::Varint(bits)) => zigzag(bits),
         (Type::Bool, Wire::Varint(bits)) => i128::from(bits != 0),
-        (Type::Fixed32, Wire::Four(bytes)) => u32::from_le_bytes(bytes).into(),
-        (Type::Sfixed32, Wire::Four(bytes)) => i32::from_le_bytes(bytes).into(),
-        (Type::Fixed64, Wire::Eight(bytes)) => u64::from_le_bytes(bytes).into(),
-        (Type::Sfixed64, Wire::Eight(bytes)) => i64::from_le_bytes(bytes).into(),
+        (Type::Fixed32, Wire::Four(bits)) => bits.into(),
+        (Type::Sfixed32, Wire::Four(bits)) => (bits as i32).into(),
+        (Type::Fixed64, Wire::Eight(bits)) => bits.into(),
+        (Type::Sfixed64, Wire::Eight(bits)) => (bits as i64).into(),
         _ => return None,
     })
 }
@@ -531,8 +531,8 @@ fn zigzag(bits: u64) -> i128 {
 #[inline]
 fn take_packed(scalar: Type, data: &mut &[u8]) -> Result<Wire<'static>, String> {
     Ok(match Kind::Scalar(scalar).zero() {
-        Wire::Eight(_) => Wire::Eight(take_array(data)?),
-        Wire::Four(_) => Wire::Four(take_array(data)?),
+        Wire::Eight(_) => eight(data)?,
+        Wire::Four(_) => four(data)?,
         _ => varint(data)?,
     })
 }
