@@ -1,11 +1,12 @@
 //! `toprise schema`.
 
-use super::arguments::{EncodingName, FormArguments};
+use super::arguments::FormArguments;
 use super::done::Done;
 use super::page::{Page, Part, Section};
 use super::report::{self, WrittenFile};
 use super::table::Table;
 use crate::archive::publish::{self, Existing};
+use crate::telemetry::encoding::Encoding;
 use crate::telemetry::protobuf::{proto_file, proto_file_name};
 use crate::telemetry::schema::{file_name, json_schema};
 use crate::telemetry::{ChannelInfo, Topic, UnknownTopic, channels};
@@ -22,8 +23,8 @@ pub(super) struct SchemaArguments {
     topic: Option<String>,
 
     /// Encoding whose schema to print: JSON Schema or a .proto file.
-    #[arg(long, value_enum, default_value_t = EncodingName::Json, requires = "topic")]
-    encoding: EncodingName,
+    #[arg(long, value_enum, default_value_t = Encoding::Json, requires = "topic")]
+    encoding: Encoding,
 
     /// Write all schemas, of channels and of reports, into this directory, replacing those there.
     #[arg(long, value_name = "DIRECTORY", conflicts_with = "topic")]
@@ -52,7 +53,7 @@ struct ChannelSchema {
     /// What it carries.
     meaning: &'static str,
     /// The language of the definition: JSON Schema for JSON, a .proto file for protobuf.
-    encoding: EncodingName,
+    encoding: Encoding,
     /// The definition of its messages.
     definition: String,
 }
@@ -80,7 +81,7 @@ impl SchemaReport {
     fn add(
         &mut self,
         channels: impl IntoIterator<Item = &'static ChannelInfo>,
-        encoding: EncodingName,
+        encoding: Encoding,
     ) {
         let channels = channels.into_iter().map(|channel| ChannelSchema {
             topic: channel.topic,
@@ -88,8 +89,8 @@ impl SchemaReport {
             meaning: channel.meaning,
             encoding,
             definition: match encoding {
-                EncodingName::Json => json_schema(channel),
-                EncodingName::Protobuf => proto_file(channel),
+                Encoding::Json => json_schema(channel),
+                Encoding::Protobuf => proto_file(channel),
             },
         });
         self.channels.extend(channels);
@@ -145,7 +146,7 @@ mod tests {
             parse::<SchemaArguments>("/top/state --encoding protobuf").unwrap(),
             SchemaArguments {
                 topic: Some("/top/state".to_owned()),
-                encoding: EncodingName::Protobuf,
+                encoding: Encoding::Protobuf,
                 ..base
             }
         );

@@ -6,26 +6,38 @@ use super::json::{JsonDecoder, JsonEncoder};
 use super::message::Message;
 use super::protobuf::{ProtobufDecoder, ProtobufEncoder, file_descriptor_set};
 use super::schema::json_schema;
+use crate::run::listed::listed;
+use schemars::JsonSchema;
+use serde::Serialize;
 
-/// An encoding of messages, with the description of its messages that goes with it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
-    /// JSON with JSON Schema: read everywhere.
-    Json,
-    /// Protocol Buffers with a `FileDescriptorSet`: smaller and faster.
-    Protobuf,
+listed! {
+    /// An encoding of messages, with the description of its messages that goes with it.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Encoding {
+        /// JSON with JSON Schema: read everywhere.
+        Json,
+        /// Protocol Buffers: smaller, faster, plotted by Rerun.
+        Protobuf,
+    }
 }
 
 impl Encoding {
-    /// All encodings.
-    pub const ALL: [Self; 2] = [Self::Json, Self::Protobuf];
-
     /// Its name in MCAP channels.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Json => "json",
             Self::Protobuf => "protobuf",
+        }
+    }
+
+    /// What it is for, as the help has it.
+    #[must_use]
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Json => "JSON with JSON Schema: read everywhere",
+            Self::Protobuf => "Protocol Buffers: smaller, faster, plotted by Rerun",
         }
     }
 
