@@ -5,6 +5,7 @@ use super::decoding::{DecodeError, Object, Paths, Row, Target};
 use super::message::Message;
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::io::Write as _;
 
@@ -133,14 +134,15 @@ impl JsonDecoder {
         }
         let known = |path: &&String| channel.leaves().any(|leaf| leaf.path == **path);
         let matched = present.iter().filter(known).count();
+        let message = Object(members);
         let decoder = Self {
-            message: Object(members),
+            unknown: unknown_members(&message, &present),
+            message,
             numbers: present
                 .iter()
                 .filter_map(|path| channel.number_index(path))
                 .collect(),
             expected: matched + STAMP_PARTS,
-            unknown: present.len() - matched,
             is_partial: false,
         };
         Ok((decoder, present))
@@ -208,6 +210,33 @@ fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), DecodeE
         }
     }
     Ok(())
+}
+
+/// How many members a message with leaves at these paths has beside those of the table. An object that is unknown counts
+/// once, with all that is in it.
+fn unknown_members(message: &Object<String>, paths: &[String]) -> usize {
+    let members = paths
+        .iter()
+        .filter_map(|path| unknown_member(message, path));
+    members.collect::<BTreeSet<_>>().len()
+}
+
+/// The path of the outermost member on the way to a leaf that is unknown, if one is.
+fn unknown_member<'a>(message: &Object<String>, path: &'a str) -> Option<&'a str> {
+    let (mut object, mut start) = (message, 0);
+    loop {
+        let length = path[start..].find('.').unwrap_or(path.len() - start);
+        let end = start + length;
+        let name = &path[start..end];
+        let known = object.0.iter().find(|(known, _)| known == name);
+        match known {
+            Some((_, Target::Object(inner))) if end < path.len() => {
+                (object, start) = (inner, end + 1);
+            }
+            Some((_, Target::Number(_) | Target::Text(_))) if end == path.len() => return None,
+            _ => return Some(&path[..end]),
+        }
+    }
 }
 
 /// What was met in a message.

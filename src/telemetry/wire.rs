@@ -1,6 +1,6 @@
 //! Protobuf's wire format: the fields of a message, one after the other.
 
-use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
+use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, key_len, skip_field};
 
 /// What stands in a field, by the way it is written.
 #[derive(Clone, Copy, Debug)]
@@ -9,7 +9,7 @@ pub(super) enum Wire<'a> {
     Eight(u64),
     Four(u32),
     Bytes(&'a [u8]),
-    /// With its end.
+    /// What stands between its beginning and its end.
     Group(&'a [u8]),
     /// The end of a group.
     End,
@@ -45,7 +45,7 @@ pub(super) fn take<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
             let group = *data;
             skip_field(wire, number, data, DecodeContext::default())
                 .map_err(|error| error.to_string())?;
-            Wire::Group(&group[..group.len() - data.len()])
+            Wire::Group(&group[..group.len() - data.len() - key_len(number)])
         }
         WireType::EndGroup => Wire::End,
     };

@@ -649,6 +649,8 @@ fn what_proto2_does_not_set_is_not_a_number() {
     let group = [&[0x13, 0x15, 7, 0, 0, 0, 0x14][..], &varint(1, 1)].concat();
     let found = decode(&mut decoder, group);
     assert_fields(&found, &[("a", Some(1.0)), ("g.b", Some(7.0))]);
+    let stray = [&varint(1, 1)[..], &[0x14]].concat();
+    assert!(reason(&mut decoder, stray).contains("a group 2 ends that has not begun"));
 }
 
 #[test]

@@ -430,10 +430,12 @@ fn kinds_of_files_are_told_apart() {
             "timestamp": { "type": "object", "properties": { "sec": {}, "nsec": {} } },
             "theta": { "type": "number" },
             "wobble": { "type": "number" },
+            "gust": { "type": "object", "properties": { "x": {}, "y": {} } },
         },
     });
     let message = json!({
         "timestamp": { "sec": 0, "nsec": 0 }, "theta": 0.5, "wobble": 1.0,
+        "gust": { "x": 2.0, "y": [3.0] },
     });
     let schema = schema.to_string();
     let channels = [
@@ -446,11 +448,14 @@ fn kinds_of_files_are_told_apart() {
     let differences = recording.differences();
     assert_eq!(differences.len(), 2);
     assert_eq!(differences[0].0, "/top/state");
-    assert_eq!(differences[0].1.unknown, ["wobble"]);
+    assert_eq!(differences[0].1.unknown, ["wobble", "gust.x", "gust.y"]);
     assert!(differences[0].1.missing.contains(&"phi_dot".to_owned()));
     assert_eq!(differences[1].0, "/top/novel");
     assert_eq!(recording.series(state::THETA).unwrap().values, [0.5]);
     assert!(recording.series(state::PHI).unwrap().values[0].is_nan());
+    let mut reader = recording.reader(Selection::default());
+    let message = reader.next().unwrap().unwrap();
+    assert_eq!(state::THETA.of(&message), 0.5);
 }
 
 #[test]

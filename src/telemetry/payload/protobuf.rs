@@ -266,8 +266,8 @@ impl Reading<'_> {
         while !data.is_empty() {
             let before = data;
             let (number, wire) = take(&mut data)?;
-            if matches!(wire, Wire::End) && data.is_empty() {
-                break;
+            if matches!(wire, Wire::End) {
+                return Err(format!("a group {number} ends that has not begun"));
             }
             let Some(field) = of_type.find(number, &mut next_field) else {
                 let length = before.len() - data.len();
