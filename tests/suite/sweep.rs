@@ -1169,7 +1169,9 @@ fn pipes_and_devices_are_refused_at_once() {
 #[test]
 fn an_interrupted_dry_run_has_no_result() {
     let interrupted = || {
-        let child = std::process::Command::new(env!("CARGO_BIN_EXE_toprise"))
+        // What a shell starts in the background has the signal ignored, and hands that on.
+        let child = std::process::Command::new("env")
+            .args(["--default-signal=INT", env!("CARGO_BIN_EXE_toprise")])
             .args(["sweep", "frictionless", "--dry-run"])
             .args(["--set", "stop.duration=3600"])
             .stdout(std::process::Stdio::piped())

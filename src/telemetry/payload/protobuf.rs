@@ -504,15 +504,15 @@ fn integer(scalar: Type, wire: Wire<'_>) -> Option<i128> {
         // Writers extend the sign of 32 bits to 64; readers cut off what is too much.
         (Type::Int32 | Type::Enum, Wire::Varint(bits)) => (bits as i32).into(),
         (Type::Uint32, Wire::Varint(bits)) => (bits as u32).into(),
-        (Type::Int64, Wire::Varint(bits)) => (bits as i64).into(),
-        (Type::Uint64, Wire::Varint(bits)) => bits.into(),
+        (Type::Int64, Wire::Varint(bits)) | (Type::Sfixed64, Wire::Eight(bits)) => {
+            (bits as i64).into()
+        }
+        (Type::Uint64, Wire::Varint(bits)) | (Type::Fixed64, Wire::Eight(bits)) => bits.into(),
         (Type::Sint32, Wire::Varint(bits)) => zigzag(u64::from(bits as u32)),
         (Type::Sint64, Wire::Varint(bits)) => zigzag(bits),
         (Type::Bool, Wire::Varint(bits)) => i128::from(bits != 0),
         (Type::Fixed32, Wire::Four(bits)) => bits.into(),
         (Type::Sfixed32, Wire::Four(bits)) => (bits as i32).into(),
-        (Type::Fixed64, Wire::Eight(bits)) => bits.into(),
-        (Type::Sfixed64, Wire::Eight(bits)) => (bits as i64).into(),
         _ => return None,
     })
 }
