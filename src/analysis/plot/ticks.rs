@@ -22,8 +22,8 @@ pub(crate) struct Scale {
 #[derive(Clone, Debug, PartialEq)]
 enum Logarithms {
     Decades(Decades),
-    /// Those that stand along an axis of the numbers themselves.
-    Numbers(Box<Scale>),
+    /// Those that stand along an axis of the numbers themselves, in units of this power of ten.
+    Numbers(Box<Scale>, i32),
 }
 
 /// Numbers of one digit.
@@ -112,11 +112,7 @@ impl Scale {
         while count(low, high, step) > most.max(3) as f64 {
             step = step.next();
         }
-        let exponent = match decade(magnitude) {
-            // These are easily read as they are.
-            -1..=3 => 0,
-            decade => decade.div_euclid(3) * 3,
-        };
+        let exponent = easy_exponent(decade(magnitude));
         Self {
             low,
             high,
@@ -140,14 +136,18 @@ impl Scale {
         let mut decades = of_digits.into_iter().chain(of_powers);
         let fitting =
             decades.find(|decades| (2..=most.max(3)).contains(&linear.decades(*decades).len()));
-        let numbers = || Self::new(libm::exp10(linear.low), libm::exp10(linear.high), most);
         let logarithms = match fitting {
             Some(decades) => Logarithms::Decades(decades),
-            None => Logarithms::Numbers(Box::new(numbers())),
+            None => {
+                let unit = easy_exponent(linear.low.floor() as i32);
+                let [low, high] = [linear.low, linear.high]
+                    .map(|logarithm| libm::exp10(logarithm - f64::from(unit)));
+                Logarithms::Numbers(Box::new(Self::new(low, high, most)), unit)
+            }
         };
         let exponent = match &logarithms {
             Logarithms::Decades(_) => 0,
-            Logarithms::Numbers(numbers) => numbers.exponent,
+            Logarithms::Numbers(numbers, unit) => numbers.exponent + unit,
         };
         Self {
             exponent,
@@ -181,10 +181,10 @@ impl Scale {
     pub(crate) fn ticks(&self) -> Vec<Tick> {
         match &self.logarithms {
             Some(Logarithms::Decades(decades)) => self.decades(*decades),
-            Some(Logarithms::Numbers(numbers)) => {
+            Some(Logarithms::Numbers(numbers, unit)) => {
                 let ticks = numbers.ticks().into_iter();
                 let place = |tick: Tick| Tick {
-                    value: libm::log10(tick.value),
+                    value: libm::log10(tick.value) + f64::from(*unit),
                     ..tick
                 };
                 ticks.map(place).collect()
@@ -217,8 +217,11 @@ impl Scale {
 
     /// The values of the ticks without numbers, between the others.
     pub(crate) fn minor(&self) -> Vec<f64> {
-        if let Some(Logarithms::Numbers(numbers)) = &self.logarithms {
-            return numbers.minor().into_iter().map(libm::log10).collect();
+        if let Some(Logarithms::Numbers(numbers, unit)) = &self.logarithms {
+            let numbers = numbers.minor().into_iter();
+            return numbers
+                .map(|number| libm::log10(number) + f64::from(*unit))
+                .collect();
         }
         if let Some(Logarithms::Decades(decades)) = self.logarithms {
             let numbers = self.decades(decades);
@@ -272,6 +275,14 @@ fn decade(number: f64) -> i32 {
         .split_once('e')
         .and_then(|(_, exponent)| exponent.parse().ok());
     exponent.unwrap_or(0)
+}
+
+/// The power of ten in whose units numbers of a decade are easily read.
+fn easy_exponent(decade: i32) -> i32 {
+    match decade {
+        -1..=3 => 0,
+        decade => decade.div_euclid(3) * 3,
+    }
 }
 
 fn count(low: f64, high: f64, step: Step) -> f64 {
@@ -392,7 +403,7 @@ mod tests {
         #[cfg(feature = "sweep")]
         #[test]
         fn ticks_of_logarithms_are_few_and_read_as_their_values(
-            low in -12.0..6.0, span in 1e-3..18.0, most in 3_usize..10,
+            low in -30.0..6.0, span in 1e-3..18.0, most in 3_usize..10,
         ) {
             let scale = Scale::of_logarithms(low, low + span, most);
             let ticks = scale.ticks();
