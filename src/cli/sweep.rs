@@ -32,6 +32,8 @@ use std::time::{Duration, Instant};
 const TRIAL: Duration = Duration::from_millis(500);
 /// The most of such runs.
 const TRIAL_RUNS: u64 = 16;
+/// Before a sweep of fewer runs for each of those nothing is tried: it would take longer than it is worth.
+const RUNS_PER_TRIAL: u64 = 100;
 
 /// Arguments of `toprise sweep`.
 #[derive(Args, Debug, Default, PartialEq)]
@@ -362,8 +364,8 @@ impl SweepArguments {
         self.jobs.map_or_else(all, usize::from)
     }
 
-    /// How long the rows that are left will take, s, judged by some of them; none if there are none, or the user asked
-    /// for an end.
+    /// How long the rows that are left will take, s, judged by some of them; none if there are none or few, or the user
+    /// asked for an end.
     fn estimate(
         &self,
         sweep: &Sweep,
@@ -377,9 +379,13 @@ impl SweepArguments {
             done: &|_| {},
         };
         let rows = sweep.spec().rows();
-        let tried = TRIAL_RUNS.min(rows);
+        let worth = match self.dry_run {
+            true => left,
+            false => left / RUNS_PER_TRIAL,
+        };
+        let tried = TRIAL_RUNS.min(worth);
         let mut done = 0;
-        while left > 0 && done < tried && began.elapsed() < TRIAL {
+        while done < tried && began.elapsed() < TRIAL {
             // Spread over the sweep, beginning in its middle.
             let row = (rows / 2 + done * rows / tried) % rows;
             sweep.batch(row..row + 1, &watch)?;
