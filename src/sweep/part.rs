@@ -15,7 +15,7 @@ use parquet::basic::{Compression, ZstdLevel};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
-use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
+use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, ParallelIterator as _};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -83,10 +83,11 @@ impl Sweep {
     /// Never: the columns are made for the schema.
     #[must_use]
     pub fn batch(&self, rows: Range<u64>, watch: &Watch<'_>) -> Option<(RecordBatch, Counts)> {
-        let computed: Option<Vec<Row>> = rows
-            .clone()
+        // One by one: no thread is left with many rows while the others have none.
+        let computed: Option<Vec<Row>> = (0..rows.clone().count())
             .into_par_iter()
-            .map(|index| self.row(index, watch))
+            .with_max_len(1)
+            .map(|index| self.row(rows.start + index as u64, watch))
             .collect();
         let computed = computed?;
         let mut counts = Counts::default();
