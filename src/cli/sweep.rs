@@ -32,7 +32,7 @@ use std::time::{Duration, Instant};
 const TRIAL: Duration = Duration::from_millis(500);
 /// The most of such runs.
 const TRIAL_RUNS: u64 = 16;
-/// Before a sweep of fewer runs for each of those nothing is tried: it would take longer than it is worth.
+/// At most one run in a hundred is tried beforehand, and none before a sweep of fewer: trials are run one after the other.
 const RUNS_PER_TRIAL: u64 = 100;
 
 /// Arguments of `toprise sweep`.

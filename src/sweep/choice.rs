@@ -8,8 +8,6 @@ use super::spec::Spec;
 use crate::run::scenario::Kind;
 use crate::run::simulation::StopReason;
 use arrow_schema::DataType;
-use schemars::schema_for;
-use serde_json::Value as Json;
 use std::path::Path;
 
 /// The column that says why a row has no outcome: such a row is never chosen.
@@ -233,16 +231,11 @@ fn word_of(column: &str, word: &str, sweep: &Sweep) -> Result<Value, String> {
     Ok(Value::Word(word.to_owned()))
 }
 
-/// Why a run with an outcome can have stopped. Read from the schema of the reasons, which has all of them.
+/// Why a run with an outcome can have stopped, by name.
 fn stops() -> Vec<String> {
-    let reasons = schema_for!(StopReason);
-    let all = reasons.get("oneOf").and_then(Json::as_array);
-    let names = all
-        .into_iter()
-        .flatten()
-        .filter_map(|one| one["const"].as_str());
-    let has_outcome = |name: &&str| WITHOUT_OUTCOME.iter().all(|stop| stop.name() != *name);
-    names.filter(has_outcome).map(str::to_owned).collect()
+    let all = StopReason::ALL.into_iter();
+    let with_outcome = all.filter(|stop| !WITHOUT_OUTCOME.contains(stop));
+    with_outcome.map(|stop| stop.name().to_owned()).collect()
 }
 
 /// The value that a condition on a column of numbers compares with.
@@ -387,19 +380,7 @@ mod tests {
     #[test]
     fn every_reason_to_stop_can_be_asked_for_unless_it_leaves_no_outcome() {
         use StopReason::*;
-        let all = [
-            Risen,
-            Fallen,
-            Duration,
-            SlipStopped,
-            Rest,
-            Singular,
-            Jam,
-            Pivot,
-            Interrupted,
-            Failed,
-        ];
-        for stop in all {
+        for stop in StopReason::ALL {
             let leaves_outcome = match stop {
                 Risen | Fallen | Duration | SlipStopped | Rest | Singular | Jam | Pivot => true,
                 Interrupted | Failed => false,
@@ -407,6 +388,6 @@ mod tests {
             let is_known = stops().iter().any(|name| name == stop.name());
             assert_eq!(is_known, leaves_outcome, "{stop:?}");
         }
-        assert_eq!(stops().len() + WITHOUT_OUTCOME.len(), all.len());
+        assert_eq!(stops().len() + WITHOUT_OUTCOME.len(), StopReason::ALL.len());
     }
 }

@@ -187,30 +187,32 @@ impl EventKind {
     }
 }
 
-/// Why a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum StopReason {
-    /// θ fell to `stop.theta_risen`.
-    Risen,
-    /// θ grew to `stop.theta_fallen`.
-    Fallen,
-    /// `stop.duration` is over.
-    Duration,
-    /// The contact point stopped slipping; `stop.on_stick = "continue"` goes on.
-    SlipStopped,
-    /// The contact point sticks and the top has stopped turning: nothing will change.
-    Rest,
-    /// The Euler angles became singular; the `body` formulation goes on there.
-    Singular,
-    /// The free peg jammed: no force of the table keeps it out of it.
-    Jam,
-    /// The top with a free peg turns about the vertical only, held by rolling resistance.
-    Pivot,
-    /// Nothing in the scenario ended the run: it was broken off.
-    Interrupted,
-    /// The integrator could not go on.
-    Failed,
+listed! {
+    /// Why a run ended.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+    #[serde(rename_all = "snake_case")]
+    pub enum StopReason {
+        /// θ fell to `stop.theta_risen`.
+        Risen,
+        /// θ grew to `stop.theta_fallen`.
+        Fallen,
+        /// `stop.duration` is over.
+        Duration,
+        /// The contact point stopped slipping; `stop.on_stick = "continue"` goes on.
+        SlipStopped,
+        /// The contact point sticks and the top has stopped turning: nothing will change.
+        Rest,
+        /// The Euler angles became singular; the `body` formulation goes on there.
+        Singular,
+        /// The free peg jammed: no force of the table keeps it out of it.
+        Jam,
+        /// The top with a free peg turns about the vertical only, held by rolling resistance.
+        Pivot,
+        /// Nothing in the scenario ended the run: it was broken off.
+        Interrupted,
+        /// The integrator could not go on.
+        Failed,
+    }
 }
 
 impl StopReason {
