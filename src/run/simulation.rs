@@ -20,7 +20,7 @@ pub use record::{Record, RunEnd, SimulationError};
 pub use sample::{Frames, Sample};
 pub use tally::{EventCount, Tally};
 
-use crate::physics::dynamics::{BodyRotation, EulerAngles, FewIntegrals, FreeRotation};
+use crate::physics::dynamics::{BodyRotation, EulerAngles, FEW_INTEGRALS, FreeRotation, INTEGRALS};
 use crate::run::scenario::{FormulationKind, Scenario};
 use runner::{Detail, RecordStream, Runner};
 
@@ -39,14 +39,19 @@ impl Simulation {
         Ok(Self {
             run: match scenario.formulation {
                 _ if scenario.model.support.is_free() => {
-                    Box::new(Runner::<FreeRotation, _>::new(scenario, Detail::All)?)
+                    Box::new(Runner::<
+                        FreeRotation,
+                        { FreeRotation::VARIABLES + INTEGRALS },
+                    >::new(scenario, Detail::All)?)
                 }
-                FormulationKind::Euler => {
-                    Box::new(Runner::<EulerAngles, _>::new(scenario, Detail::All)?)
-                }
-                FormulationKind::Body => {
-                    Box::new(Runner::<BodyRotation, _>::new(scenario, Detail::All)?)
-                }
+                FormulationKind::Euler => Box::new(Runner::<
+                    EulerAngles,
+                    { EulerAngles::VARIABLES + INTEGRALS },
+                >::new(scenario, Detail::All)?),
+                FormulationKind::Body => Box::new(Runner::<
+                    BodyRotation,
+                    { BodyRotation::VARIABLES + INTEGRALS },
+                >::new(scenario, Detail::All)?),
             },
             carry_on: Box::new(|| true),
         })
@@ -98,17 +103,24 @@ pub fn tallied(
     scenario: &Scenario,
     mut carry_on: impl FnMut() -> bool,
 ) -> Result<(RunEnd, Tally), SimulationError> {
-    type Few<F, const FULL: usize, const N: usize> = Runner<FewIntegrals<F, FULL>, N>;
     let (detail, carry_on) = (Detail::Outcome, &mut carry_on);
     match scenario.formulation {
-        _ if scenario.model.support.is_free() => {
-            Few::<FreeRotation, 27, 18>::new(scenario, detail)?.tallied(carry_on)
-        }
+        _ if scenario.model.support.is_free() => Runner::<
+            FreeRotation,
+            { FreeRotation::VARIABLES + FEW_INTEGRALS },
+        >::new(scenario, detail)?
+        .tallied(carry_on),
         FormulationKind::Euler => {
-            Few::<EulerAngles, 17, 8>::new(scenario, detail)?.tallied(carry_on)
+            Runner::<EulerAngles, { EulerAngles::VARIABLES + FEW_INTEGRALS }>::new(
+                scenario, detail,
+            )?
+            .tallied(carry_on)
         }
         FormulationKind::Body => {
-            Few::<BodyRotation, 18, 9>::new(scenario, detail)?.tallied(carry_on)
+            Runner::<BodyRotation, { BodyRotation::VARIABLES + FEW_INTEGRALS }>::new(
+                scenario, detail,
+            )?
+            .tallied(carry_on)
         }
     }
 }

@@ -624,7 +624,7 @@ fn dense_errors<S: System<N> + Copy, const N: usize>(
 }
 
 /// A top that exchanges little energy in a fast precession: its steps are chosen too long for the dense output.
-fn fast_precession() -> (BodyRotation, [f64; 7 + INTEGRALS]) {
+fn fast_precession() -> (BodyRotation, [f64; BodyRotation::VARIABLES + INTEGRALS]) {
     let scenario = scenario(
         "rise-by-loss-of-spin",
         &[
@@ -643,7 +643,7 @@ fn fast_precession() -> (BodyRotation, [f64; 7 + INTEGRALS]) {
 }
 
 /// The paper's top, with a friction that sets in over `speed` m/s of slip: soft or stiff.
-fn sliding_top(speed: &str) -> (EulerAngles, [f64; 6 + INTEGRALS]) {
+fn sliding_top(speed: &str) -> (EulerAngles, [f64; EulerAngles::VARIABLES + INTEGRALS]) {
     let scenario = scenario(
         "full-coulomb",
         &[

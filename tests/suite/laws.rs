@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use toprise::analysis::verify::{Options, Verdict, verify};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
-use toprise::physics::dynamics::{BodyRotation, EulerAngles, Model, Phase};
+use toprise::physics::dynamics::{BodyRotation, EulerAngles, FEW_INTEGRALS, Model, Phase};
 use toprise::physics::friction::{
     Air, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing, drilling_torque,
 };
@@ -693,8 +693,10 @@ fn the_formulations_agree_on_every_derivative_at_rest() {
     let phase = Phase::Holding;
     let euler = EulerAngles { model, phase };
     let body = BodyRotation { model, phase };
-    let y = EulerAngles::state(angles, rates, &model);
-    let z = BodyRotation::state(angles, rates, &model);
+    let y: [f64; EulerAngles::VARIABLES + FEW_INTEGRALS] =
+        EulerAngles::state(angles, rates, &model);
+    let z: [f64; BodyRotation::VARIABLES + FEW_INTEGRALS] =
+        BodyRotation::state(angles, rates, &model);
     // dL_z/dt = I φ̈, and the work is that of the air.
     let (s, c) = libm::sincos(0.5);
     let moment = model.top.vertical_moment(s, c);

@@ -7,7 +7,7 @@
 
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entry, Formulation, Guard, Passage};
-use super::integrals::{INTEGRALS, Integrals, Kept, integrals, with_integrals};
+use super::integrals::{INTEGRALS, Integrals, integrals, with_integrals};
 use super::lean::Lean;
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
@@ -36,9 +36,10 @@ pub struct BodyRotation {
     pub phase: Phase,
 }
 
-const SIZE: usize = 7 + INTEGRALS;
-
 impl BodyRotation {
+    /// How many numbers of a state describe the motion; the running integrals come behind them.
+    pub const VARIABLES: usize = 7;
+
     /// Slipping.
     #[must_use]
     pub fn new(model: Model) -> Self {
@@ -65,19 +66,38 @@ impl BodyRotation {
     }
 }
 
-impl System<SIZE> for BodyRotation {
-    const CONTROLLED: usize = 7;
+impl<const N: usize> System<N> for BodyRotation {
+    const CONTROLLED: usize = Self::VARIABLES;
 
     #[inline]
-    fn derivative(&self, _t: f64, y: &[f64; SIZE]) -> [f64; SIZE] {
-        self.slope(y, Kept::All)
+    fn derivative(&self, _t: f64, y: &[f64; N]) -> [f64; N] {
+        let q = quaternion(y);
+        let lean = Lean::of(&q);
+        let tilt = self.tilt(&lean, &momentum(y));
+        let contact = self.model.contact(&tilt);
+        let friction = self.model.friction_torque(&contact, &tilt);
+        let torque = lean.in_world(&(self.model.top.gravity_torque(&tilt) + friction));
+        let omega = lean.in_world(&tilt.omega_lean);
+        let turning = Quaternion::from_imag(omega) * q * 0.5;
+        let integrands = if N == Self::VARIABLES + INTEGRALS {
+            let theta = atan2(lean.sin, lean.cos);
+            let terms = self.model.accelerations(&contact, &tilt);
+            self.model
+                .integrands(&contact, &friction, &tilt, &terms, theta)
+        } else {
+            self.model.few_integrands(&contact, &friction, &tilt)
+        };
+        let first = [
+            turning.i, turning.j, turning.k, turning.w, torque.x, torque.y, torque.z,
+        ];
+        with_integrals(first, &integrands)
     }
 }
 
 impl BodyRotation {
     /// The state at the start from Euler angles (rad) and rates (rad/s).
     #[must_use]
-    pub fn state(angles: Euler, rates: Euler, model: &Model) -> [f64; SIZE] {
+    pub fn state<const N: usize>(angles: Euler, rates: Euler, model: &Model) -> [f64; N] {
         let q = world_from_body(angles);
         let tilt = Tilt::from_rates(angles.theta, rates);
         let momentum_lean = tilt.node_to_lean(&model.top.angular_momentum_node(&tilt));
@@ -88,9 +108,13 @@ impl BodyRotation {
 
     /// The state with the contact point brought to rest at the same angular momentum about the vertical.
     #[must_use]
-    pub fn brought_to_rest(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
+    pub fn brought_to_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let lean = Lean::of(&quaternion(y));
-        let tilt = self.in_phase(Phase::Holding).tilt(&lean, &momentum(y));
+        let held = Self {
+            phase: Phase::Holding,
+            ..*self
+        };
+        let tilt = held.tilt(&lean, &momentum(y));
         let top = &self.model.top;
         let momentum = lean.in_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
         let mut rested = *y;
@@ -99,52 +123,27 @@ impl BodyRotation {
     }
 }
 
-impl FixedPeg<SIZE> for BodyRotation {
+impl<const N: usize> FixedPeg<N> for BodyRotation {
     fn in_phase(self, phase: Phase) -> Self {
         Self { phase, ..self }
     }
 
-    fn rested(&self, y: &[f64; SIZE]) -> [f64; SIZE] {
+    fn rested(&self, y: &[f64; N]) -> [f64; N] {
         self.brought_to_rest(y)
     }
 }
 
-impl Formulation<SIZE> for BodyRotation {
-    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; SIZE], Option<Passage>) {
+impl<const N: usize> Formulation<N> for BodyRotation {
+    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Passage>) {
         let state = Self::state(start.angles, start.rates, model);
         fixed::start(Self::new(*model), state, start, may_hold)
     }
 
-    #[inline(always)]
-    fn slope(&self, y: &[f64; SIZE], kept: Kept) -> [f64; SIZE] {
-        let q = quaternion(y);
-        let lean = Lean::of(&q);
-        let tilt = self.tilt(&lean, &momentum(y));
-        let contact = self.model.contact(&tilt);
-        let friction = self.model.friction_torque(&contact, &tilt);
-        let torque = lean.in_world(&(self.model.top.gravity_torque(&tilt) + friction));
-        let omega = lean.in_world(&tilt.omega_lean);
-        let turning = Quaternion::from_imag(omega) * q * 0.5;
-        let integrands = match kept {
-            Kept::All => {
-                let theta = atan2(lean.sin, lean.cos);
-                let terms = self.model.accelerations(&contact, &tilt);
-                self.model
-                    .integrands(&contact, &friction, &tilt, &terms, theta)
-            }
-            Kept::Few => self.model.few_integrands(&contact, &friction, &tilt),
-        };
-        let first = [
-            turning.i, turning.j, turning.k, turning.w, torque.x, torque.y, torque.z,
-        ];
-        with_integrals(first, &integrands)
-    }
-
-    fn angles(&self, y: &[f64; SIZE], reference: Euler) -> Euler {
+    fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {
         euler_angles(&quaternion(y), reference)
     }
 
-    fn motion_without_turns(&self, y: &[f64; SIZE], reference: Euler) -> Motion {
+    fn motion_without_turns(&self, y: &[f64; N], reference: Euler) -> Motion {
         let q = quaternion(y);
         Motion {
             angles: Euler {
@@ -154,11 +153,11 @@ impl Formulation<SIZE> for BodyRotation {
             tilt: self.tilt(&Lean::of(&q), &momentum(y)),
             peg: Peg::fixed(self.model.top.peg_radius),
             phase: self.phase,
-            integrals: integrals(y),
+            integrals: integrals::<{ Self::VARIABLES }, N>(y),
         }
     }
 
-    fn world_from_body(&self, y: &[f64; SIZE]) -> UnitQuaternion<f64> {
+    fn world_from_body(&self, y: &[f64; N]) -> UnitQuaternion<f64> {
         Unit::new_normalize(quaternion(y))
     }
 
@@ -185,19 +184,19 @@ impl Formulation<SIZE> for BodyRotation {
     fn enter(
         &self,
         guard: Guard,
-        y: &[f64; SIZE],
+        y: &[f64; N],
         reference: Euler,
-    ) -> Result<Entry<Self, SIZE>, IntegrateError> {
+    ) -> Result<Entry<Self, N>, IntegrateError> {
         Ok(fixed::enter(self, guard, y, reference))
     }
 }
 
 #[inline]
-fn quaternion(y: &[f64; SIZE]) -> Quaternion<f64> {
+fn quaternion<const N: usize>(y: &[f64; N]) -> Quaternion<f64> {
     Quaternion::new(y[3], y[0], y[1], y[2])
 }
 
 #[inline]
-fn momentum(y: &[f64; SIZE]) -> Vector3<f64> {
+fn momentum<const N: usize>(y: &[f64; N]) -> Vector3<f64> {
     Vector3::new(y[4], y[5], y[6])
 }

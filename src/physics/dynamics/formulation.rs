@@ -2,7 +2,6 @@
 
 use super::bounds::EulerBounds;
 use super::impact::Impact;
-use super::integrals::Kept;
 use super::model::Model;
 use super::motion::{Motion, Start};
 use super::support::Phase;
@@ -73,8 +72,8 @@ pub struct Entry<F, const N: usize> {
     pub first_step: f64,
 }
 
-/// A choice of variables for the equations of motion, with `N` numbers as state, of which the last
-/// [`INTEGRALS`](super::INTEGRALS) are the running integrals.
+/// A choice of variables for the equations of motion, with `N` numbers as state, of which the last are the running
+/// integrals: all [`INTEGRALS`](super::INTEGRALS), or only [`FEW_INTEGRALS`](super::FEW_INTEGRALS).
 pub trait Formulation<const N: usize>: System<N> + Copy {
     /// The part of the tolerances by which a step may err. The nutation of a top with a free peg grows by itself, and
     /// errors with it.
@@ -83,9 +82,6 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     /// The equations, the state and what happens where the motion starts. Only if `may_hold` friction can hold the peg of
     /// a top that turns as a whole from the start.
     fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Passage>);
-
-    /// [`System::derivative`], with the running integrals that are kept.
-    fn slope(&self, state: &[f64; N], kept: Kept) -> [f64; N];
 
     /// The motion that a state describes. `reference` are Euler angles of a moment ago, from which φ
     /// and ψ go on without jumps of whole turns.

@@ -9,7 +9,7 @@ use super::accelerations::accelerations_about;
 use super::fixed::NO_SLIP;
 use super::formulation::{Entry, Formulation, Guard, Passage};
 use super::impact::{Impact, impact};
-use super::integrals::{INTEGRALS, Integrals, Kept, TermIntegrals, integrals, with_integrals};
+use super::integrals::{INTEGRALS, Integrals, TermIntegrals, integrals, with_integrals};
 use super::lean::Lean;
 use super::model::Model;
 use super::motion::{Dissipated, Motion, Peg, Start, is_departing, slip_of_law};
@@ -62,8 +62,6 @@ enum Departure {
 
 const CONTROLLED: usize = 13;
 const DISSIPATED: usize = 3;
-const SIZE: usize = CONTROLLED + DISSIPATED + INTEGRALS;
-type State = [f64; SIZE];
 
 /// A state taken apart, in the lean frame.
 struct Parts {
@@ -85,13 +83,16 @@ impl Parts {
 }
 
 impl FreeRotation {
+    /// How many numbers of a state describe the motion; the running integrals come behind them.
+    pub const VARIABLES: usize = CONTROLLED + DISSIPATED;
+
     #[inline(always)]
     fn body(&self, tilt: Tilt) -> FreeBody<'_> {
         FreeBody::new(&self.model.top, &self.model.friction, &self.inertia, tilt)
     }
 
     #[inline(always)]
-    fn parts(&self, y: &State) -> Parts {
+    fn parts<const N: usize>(&self, y: &[f64; N]) -> Parts {
         let top = &self.model.top;
         let lean = Lean::of(&quaternion(y));
         let turning = lean.of_world(&vector(y, 4));
@@ -137,9 +138,9 @@ impl FreeRotation {
         }
     }
 
-    /// What the running integrals grow by per second, where the losses have this power, W.
+    /// What the running integrals, all or few, grow by per second, where the losses have this power, W.
     #[inline(always)]
-    fn integrands(&self, parts: &Parts, reaction: &Reaction, losses: f64, kept: Kept) -> Integrals {
+    fn integrands(&self, parts: &Parts, reaction: &Reaction, losses: f64, all: bool) -> Integrals {
         let Parts { lean, tilt, .. } = parts;
         let top = &self.model.top;
         let (mut slip_path, mut slip_work) = (0.0, 0.0);
@@ -153,7 +154,7 @@ impl FreeRotation {
             slip_path,
             ..Integrals::default()
         };
-        if kept == Kept::Few {
+        if !all {
             return few;
         }
         // About the peg's centre, as for a fixed peg.
@@ -179,7 +180,7 @@ impl FreeRotation {
     }
 
     /// The state with the components that don't count in this phase as they would be if they did.
-    fn completed(&self, y: &State) -> State {
+    fn completed<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let parts = self.parts(y);
         let mut state = *y;
         put(&mut state, 10, &parts.lean.in_world(&parts.velocity));
@@ -190,7 +191,7 @@ impl FreeRotation {
     }
 
     /// How the motion goes on from a peg that has rolled and is held no longer.
-    fn departing(&self, y: &State) -> Self {
+    fn departing<const N: usize>(&self, y: &[f64; N]) -> Self {
         let parts = self.parts(y);
         let reaction = self.reaction(&parts);
         let sliding = Self {
@@ -205,7 +206,7 @@ impl FreeRotation {
     }
 
     /// How the motion goes on from a peg on the table whose contact point slips, or is `at_rest`.
-    fn on_table(&self, y: &State, at_rest: bool) -> Self {
+    fn on_table<const N: usize>(&self, y: &[f64; N], at_rest: bool) -> Self {
         let sliding = self.in_phase(Phase::Sliding);
         let departing = at_rest && self.model.friction.is_set_valued_at_rest();
         if departing {
@@ -233,7 +234,7 @@ impl FreeRotation {
     }
 
     /// Whether friction holds the contact point of a peg that rolls.
-    fn is_held(&self, y: &State) -> bool {
+    fn is_held<const N: usize>(&self, y: &[f64; N]) -> bool {
         let reaction = self.reaction(&self.parts(y));
         reaction.normal > 0.0 && self.grip(&reaction) >= 0.0
     }
@@ -245,7 +246,7 @@ impl FreeRotation {
     }
 
     /// The state with the contact point brought to rest, and how long that takes, s.
-    fn rested(&self, y: &State) -> (State, f64) {
+    fn rested<const N: usize>(&self, y: &[f64; N]) -> ([f64; N], f64) {
         let parts = self.parts(y);
         let velocity = parts.contact_velocity();
         let slip = Vector3::new(velocity.x, velocity.y, 0.0);
@@ -258,12 +259,15 @@ impl FreeRotation {
             0.0
         };
         let slope = self.derivative(0.0, y);
-        let state: State = std::array::from_fn(|i| y[i] + delay * slope[i]);
+        let state: [f64; N] = std::array::from_fn(|i| y[i] + delay * slope[i]);
         (self.in_phase(Phase::Holding).completed(&state), delay)
     }
 
     /// The state after an impact, and how the motion goes on.
-    fn after_impact(&self, y: &State) -> Result<(Self, State, Passage), IntegrateError> {
+    fn after_impact<const N: usize>(
+        &self,
+        y: &[f64; N],
+    ) -> Result<(Self, [f64; N], Passage), IntegrateError> {
         let Support::FreePeg { restitution } = self.model.support else {
             return Ok((*self, *y, Passage::LiftsOff));
         };
@@ -284,7 +288,7 @@ impl FreeRotation {
             state[10 + i] += pushed[i];
         }
         state[9] = -parts.arm.up;
-        state[SIZE - INTEGRALS] -= hit.normal_loss + hit.friction_loss;
+        state[Self::VARIABLES] -= hit.normal_loss + hit.friction_loss;
         state[CONTROLLED] += hit.normal_loss;
         state[CONTROLLED + 1] += hit.friction_loss;
         let flying = self.in_phase(Phase::Flying);
@@ -306,7 +310,7 @@ impl FreeRotation {
     }
 
     /// The longest that the first step in flight may be, s: about as long as the flight, if the peg falls back at once.
-    fn first_step(&self, y: &State) -> f64 {
+    fn first_step<const N: usize>(&self, y: &[f64; N]) -> f64 {
         let parts = self.parts(y);
         let rise = parts.contact_velocity().z;
         let body = self.body(parts.tilt);
@@ -319,59 +323,11 @@ impl FreeRotation {
     }
 }
 
-impl System<SIZE> for FreeRotation {
+impl<const N: usize> System<N> for FreeRotation {
     const CONTROLLED: usize = CONTROLLED;
 
     #[inline]
-    fn derivative(&self, _t: f64, y: &State) -> State {
-        self.slope(y, Kept::All)
-    }
-}
-
-impl Formulation<SIZE> for FreeRotation {
-    const ERROR_SHARE: f64 = 0.1;
-
-    fn start(model: &Model, start: &Start, _may_hold: bool) -> (Self, State, Option<Passage>) {
-        let Start {
-            angles,
-            rates,
-            peg_position,
-            peg_velocity,
-        } = *start;
-        let top = &model.top;
-        let q = world_from_body(angles);
-        let tilt = Tilt::from_rates(angles.theta, rates);
-        let central = top.about_center();
-        let momentum = tilt.node_to_lean(&central.angular_momentum_node(&tilt));
-        let turning = lean_to_world(&(momentum / central.transverse_moment), angles.phi);
-        let axis = lean_to_world(&tilt.axis(), angles.phi);
-        let omega = lean_to_world(&tilt.omega_lean, angles.phi);
-        let center = peg_position + top.center_distance * axis;
-        let velocity = peg_velocity + top.center_distance * omega.cross(&axis);
-        let mut state = [0.0; SIZE];
-        state[..4].copy_from_slice(&[q.i, q.j, q.k, q.w]);
-        put(&mut state, 4, &turning);
-        put(&mut state, 7, &center);
-        put(&mut state, 10, &velocity);
-        let flying = Self {
-            model: *model,
-            phase: Phase::Flying,
-            departure: None,
-            inertia: Inertia::of(top),
-            sliding_guards: sliding_guards(model),
-        };
-        if peg_position.z > top.peg_radius || peg_velocity.z != 0.0 {
-            return (flying, state, None);
-        }
-        let slip = flying.parts(&state).contact_velocity();
-        let at_rest = hypot(slip.x, slip.y) <= NO_SLIP;
-        let formulation = flying.on_table(&state, at_rest);
-        let passage = (formulation.phase == Phase::Holding).then_some(Passage::Rolls);
-        (formulation, state, passage)
-    }
-
-    #[inline(always)]
-    fn slope(&self, y: &State, kept: Kept) -> State {
+    fn derivative(&self, _t: f64, y: &[f64; N]) -> [f64; N] {
         let parts = self.parts(y);
         let Parts {
             lean,
@@ -393,7 +349,7 @@ impl Formulation<SIZE> for FreeRotation {
             (rise, fall) = (0.0, 0.0);
         }
         let losses = (reaction.friction.couple + reaction.air).dot(&tilt.omega_lean);
-        let first: [f64; CONTROLLED + DISSIPATED] = [
+        let first: [f64; Self::VARIABLES] = [
             turning.i,
             turning.j,
             turning.k,
@@ -411,14 +367,59 @@ impl Formulation<SIZE> for FreeRotation {
             0.0,
             -losses,
         ];
-        with_integrals(first, &self.integrands(&parts, &reaction, losses, kept))
+        let integrands =
+            self.integrands(&parts, &reaction, losses, N == Self::VARIABLES + INTEGRALS);
+        with_integrals(first, &integrands)
+    }
+}
+
+impl<const N: usize> Formulation<N> for FreeRotation {
+    const ERROR_SHARE: f64 = 0.1;
+
+    fn start(model: &Model, start: &Start, _may_hold: bool) -> (Self, [f64; N], Option<Passage>) {
+        let Start {
+            angles,
+            rates,
+            peg_position,
+            peg_velocity,
+        } = *start;
+        let top = &model.top;
+        let q = world_from_body(angles);
+        let tilt = Tilt::from_rates(angles.theta, rates);
+        let central = top.about_center();
+        let momentum = tilt.node_to_lean(&central.angular_momentum_node(&tilt));
+        let turning = lean_to_world(&(momentum / central.transverse_moment), angles.phi);
+        let axis = lean_to_world(&tilt.axis(), angles.phi);
+        let omega = lean_to_world(&tilt.omega_lean, angles.phi);
+        let center = peg_position + top.center_distance * axis;
+        let velocity = peg_velocity + top.center_distance * omega.cross(&axis);
+        let mut state = [0.0; N];
+        state[..4].copy_from_slice(&[q.i, q.j, q.k, q.w]);
+        put(&mut state, 4, &turning);
+        put(&mut state, 7, &center);
+        put(&mut state, 10, &velocity);
+        let flying = Self {
+            model: *model,
+            phase: Phase::Flying,
+            departure: None,
+            inertia: Inertia::of(top),
+            sliding_guards: sliding_guards(model),
+        };
+        if peg_position.z > top.peg_radius || peg_velocity.z != 0.0 {
+            return (flying, state, None);
+        }
+        let slip = flying.parts(&state).contact_velocity();
+        let at_rest = hypot(slip.x, slip.y) <= NO_SLIP;
+        let formulation = flying.on_table(&state, at_rest);
+        let passage = (formulation.phase == Phase::Holding).then_some(Passage::Rolls);
+        (formulation, state, passage)
     }
 
-    fn angles(&self, y: &State, reference: Euler) -> Euler {
+    fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {
         euler_angles(&quaternion(y), reference)
     }
 
-    fn motion_without_turns(&self, y: &State, reference: Euler) -> Motion {
+    fn motion_without_turns(&self, y: &[f64; N], reference: Euler) -> Motion {
         let top = &self.model.top;
         let parts = self.parts(y);
         let Parts {
@@ -454,11 +455,11 @@ impl Formulation<SIZE> for FreeRotation {
                 },
             },
             phase: self.phase,
-            integrals: integrals(y),
+            integrals: integrals::<{ Self::VARIABLES }, N>(y),
         }
     }
 
-    fn world_from_body(&self, y: &State) -> UnitQuaternion<f64> {
+    fn world_from_body(&self, y: &[f64; N]) -> UnitQuaternion<f64> {
         Unit::new_normalize(quaternion(y))
     }
 
@@ -508,9 +509,9 @@ impl Formulation<SIZE> for FreeRotation {
     fn enter(
         &self,
         guard: Guard,
-        y: &State,
+        y: &[f64; N],
         reference: Euler,
-    ) -> Result<Entry<Self, SIZE>, IntegrateError> {
+    ) -> Result<Entry<Self, N>, IntegrateError> {
         let (mut delay, mut state) = (0.0, self.completed(y));
         let (formulation, passage) = match guard {
             Guard::Slip => {
@@ -574,7 +575,7 @@ fn sliding_guards(model: &Model) -> &'static [Guard] {
 }
 
 #[inline]
-fn quaternion(y: &State) -> Quaternion<f64> {
+fn quaternion<const N: usize>(y: &[f64; N]) -> Quaternion<f64> {
     Quaternion::new(y[3], y[0], y[1], y[2])
 }
 
@@ -591,10 +592,10 @@ fn turning(q: &Quaternion<f64>, omega: &Vector3<f64>) -> Quaternion<f64> {
 }
 
 #[inline]
-fn vector(y: &State, at: usize) -> Vector3<f64> {
+fn vector<const N: usize>(y: &[f64; N], at: usize) -> Vector3<f64> {
     Vector3::new(y[at], y[at + 1], y[at + 2])
 }
 
-fn put(y: &mut State, at: usize, v: &Vector3<f64>) {
+fn put<const N: usize>(y: &mut [f64; N], at: usize, v: &Vector3<f64>) {
     y[at..at + 3].copy_from_slice(v.as_slice());
 }

@@ -9,17 +9,12 @@ use super::accelerations::Accelerations;
 use crate::physics::kinematics::Tilt;
 use nalgebra::Vector3;
 
-/// How many running integrals travel with the motion: see [`Integrals`].
+/// How many running integrals travel with the motion, if all do: see [`Integrals`].
 pub const INTEGRALS: usize = 11;
 
-/// Which of the running integrals a derivative has to have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kept {
-    /// All of them.
-    All,
-    /// The work of friction and the path slipped; the others may be 0.
-    Few,
-}
+/// How many of them an outcome needs, the first: the work of friction and the path slipped. They influence nothing, so a
+/// state that carries no more has the same motion, to the last bit, and costs less.
+pub const FEW_INTEGRALS: usize = 2;
 
 /// Integrals over the motion so far, from the start of the run. They are carried along by the
 /// integrator and never influence the motion.
@@ -100,10 +95,10 @@ fn as_array(integrals: &Integrals) -> [f64; INTEGRALS] {
     ]
 }
 
-/// The running integrals at the end of a state vector.
+/// The running integrals at the end of a state vector, behind its first `M` numbers; 0 for those it does not carry.
 #[inline]
-pub(super) fn integrals<const N: usize>(state: &[f64; N]) -> Integrals {
-    let at = |index: usize| state[N - INTEGRALS + index];
+pub(super) fn integrals<const M: usize, const N: usize>(state: &[f64; N]) -> Integrals {
+    let at = |index: usize| state.get(M + index).copied().unwrap_or_default();
     Integrals {
         friction_work: at(0),
         slip_path: at(1),
@@ -119,14 +114,25 @@ pub(super) fn integrals<const N: usize>(state: &[f64; N]) -> Integrals {
     }
 }
 
-/// A state vector: `first`, then running integrals or what they grow by per second.
-#[inline]
+/// As many of the running integrals, or of what they grow by per second, as there is room for.
+#[inline(always)]
+pub(super) fn first_of<const I: usize>(integrals: &Integrals) -> [f64; I] {
+    const {
+        assert!(I == INTEGRALS || I == FEW_INTEGRALS);
+    }
+    let all = as_array(integrals);
+    std::array::from_fn(|i| all[i])
+}
+
+/// A state vector: `first`, then the running integrals, or what both grow by per second.
+#[inline(always)]
 pub(super) fn with_integrals<const M: usize, const N: usize>(
     first: [f64; M],
     integrals: &Integrals,
 ) -> [f64; N] {
-    let mut state = [0.0; N];
-    state[..M].copy_from_slice(&first);
-    state[M..].copy_from_slice(&as_array(integrals));
-    state
+    const {
+        assert!(N == M + INTEGRALS || N == M + FEW_INTEGRALS);
+    }
+    let integrals = as_array(integrals);
+    std::array::from_fn(|i| if i < M { first[i] } else { integrals[i - M] })
 }
