@@ -194,7 +194,7 @@ fn sweep_over(keys: &RecordBatch, values: &Values, max_steps: Option<u64>) -> Py
     let values = values.clone();
     let table = sweeps::Table::from_batches(keys.schema_ref(), std::slice::from_ref(keys));
     let table = table.map_err(errors::scenario)?;
-    let bases = vec![sweeps::Base { name, values }];
+    let bases = vec![sweeps::Base::new(name, values)];
     let spec = Spec::new(bases, Design::Table(table), max_steps).map_err(refused_sweep)?;
     Ok(Sweep::new(spec))
 }

@@ -21,9 +21,21 @@ pub struct Base {
     pub name: String,
     /// Its keys and values.
     pub values: Values,
+    /// The keys that were set otherwise than the scenario has them.
+    set: Vec<&'static str>,
 }
 
 impl Base {
+    /// A scenario as it is.
+    #[must_use]
+    pub fn new(name: String, values: Values) -> Self {
+        Self {
+            name,
+            values,
+            set: Vec::new(),
+        }
+    }
+
     /// The preset of this name, or the scenario of the file or recording at this path, with some keys set otherwise.
     ///
     /// # Errors
@@ -36,14 +48,21 @@ impl Base {
         let path = folder.join(word);
         let path: PathBuf = if path.is_file() { path } else { word.into() };
         let mut values = given::values(&path)?;
+        let mut keys = Vec::new();
         for (key, value) in set {
-            values.set(find_key(key)?.path, value).map_err(wrong)?;
+            let key = find_key(key)?;
+            values.set(key.path, value).map_err(wrong)?;
+            keys.push(key.path);
         }
         let name = match values.get("name") {
             Some(Value::Text(name)) => name.clone(),
             _ => word.to_owned(),
         };
-        Ok(Self { name, values })
+        Ok(Self {
+            name,
+            values,
+            set: keys,
+        })
     }
 
     /// Its keys and values as JSON.
@@ -169,6 +188,17 @@ impl Spec {
             keys[..*i].iter().any(same)
         }) {
             return wrong(format!("{} varies twice", keys[twice].path));
+        }
+        // A table may leave a key to the base.
+        if !matches!(design, Design::Table(_))
+            && let Some(key) = bases
+                .iter()
+                .flat_map(|base| &base.set)
+                .find(|set| keys.iter().any(|key| key.path == **set))
+        {
+            return wrong(format!(
+                "{key} is set and varies too: what it is set to would have no effect"
+            ));
         }
         let all = rows.checked_mul(bases.len() as u64);
         match all {
@@ -604,5 +634,21 @@ mod tests {
             assert!(error.contains(part), "{error}");
         }
         assert!(Spec::new(Vec::new(), Design::Grid(Vec::new()), None).is_err());
+    }
+
+    #[test]
+    fn a_key_that_varies_is_not_set_too() {
+        let set = [("friction_k".to_owned(), "0.2".to_owned())];
+        let bases = || vec![Base::open("paper", Path::new("."), &set).unwrap()];
+        let axes = || vec![Axis::parse("friction.k", "0.1,1").unwrap()];
+        for design in [
+            Design::Grid(axes()),
+            Design::of(axes(), Some((10, Method::Sobol, 0)), None).unwrap(),
+        ] {
+            let told = Spec::new(bases(), design, None).unwrap_err().to_string();
+            assert!(told.contains("friction.k is set and varies too"), "{told}");
+        }
+        let text = "set.\"friction.k\" = 0.2\n[over]\n\"friction.k\" = [0.1, 1]";
+        assert!(Spec::from_toml(text, Path::new("."), &[]).is_err());
     }
 }

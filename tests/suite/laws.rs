@@ -14,8 +14,9 @@ use toprise::physics::friction::{
 };
 use toprise::physics::integrate::System;
 use toprise::physics::kinematics::{Euler, Tilt};
+use toprise::run::outcome;
 use toprise::run::scenario::{KEYS, Kind, LAWS, Scenario};
-use toprise::run::simulation::{EventKind, StopReason};
+use toprise::run::simulation::{EventKind, Simulation, SimulationError, StopReason};
 
 fn model(friction: Friction) -> Model {
     let mut model = scenario("paper", &[]).model;
@@ -707,6 +708,25 @@ fn the_formulations_agree_on_every_derivative_at_rest() {
 }
 
 #[test]
+fn a_top_whose_energy_is_beyond_numbers_is_refused() {
+    for formulation in ["euler", "body"] {
+        let scenario = scenario(
+            "paper",
+            &[
+                ("formulation", formulation),
+                ("top.transverse_moment", "1e300"),
+                ("top.axial_moment", "1e300"),
+                ("initial.psi_dot", "1e5"),
+            ],
+        );
+        let error = Simulation::new(&scenario).err().unwrap();
+        assert_eq!(error, SimulationError::NonFiniteEnergy);
+        let error = outcome(&scenario, || true).unwrap_err();
+        assert_eq!(error, SimulationError::NonFiniteEnergy);
+    }
+}
+
+#[test]
 fn a_nutation_that_ends_after_the_run_is_not_counted() {
     for (preset, duration) in [("stribeck", "2"), ("paper", "6.75")] {
         let run = Run::of(&scenario(preset, &[("stop.duration", duration)]));
@@ -726,9 +746,7 @@ fn a_run_that_no_longer_gets_on_ends_with_an_error() {
             ("drilling.patch_radius", "1e-2"),
         ],
     );
-    let error = toprise::run::simulation::Simulation::new(&scenario)
-        .unwrap()
-        .find_map(Result::err);
+    let error = Simulation::new(&scenario).unwrap().find_map(Result::err);
     let error = error.expect("it ends with an error").to_string();
     assert!(error.contains("has stalled"), "{error}");
 }

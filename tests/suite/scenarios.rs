@@ -334,6 +334,30 @@ fn errors_quote_the_beginning_of_what_is_long() {
 }
 
 #[test]
+fn a_number_that_is_refused_is_told_without_rows_of_zeros() {
+    for (key, value, told) in [
+        (
+            "top.axial_moment",
+            "1e300",
+            "top.axial_moment = 1e300: must be",
+        ),
+        (
+            "initial.psi_dot",
+            "-3e200",
+            "initial.psi_dot = -3e200: must be",
+        ),
+        ("friction.k", "-0.25", "friction.k = -0.25: must be"),
+        ("top.mass", "-1", "top.mass = -1: must be"),
+        ("top.mass", "-1e-30", "top.mass = -1e-30: must be"),
+    ] {
+        let mut values = Preset::find("paper").unwrap().values().unwrap();
+        let error = values.set(key, value).err();
+        let error = error.unwrap_or_else(|| Scenario::new(values).unwrap_err());
+        assert!(error.to_string().starts_with(told), "{error}");
+    }
+}
+
+#[test]
 fn a_scenario_is_set_otherwise_key_by_key() {
     let paper = Preset::find("paper").unwrap().scenario().unwrap();
     let changed = paper

@@ -28,7 +28,10 @@ use toprise::sweep::{
 /// Runs that end at once, over a grid of 2,400: three parts.
 fn spec(axes: &[(&str, &str)]) -> Spec {
     let set = [("stop.duration", "0.002"), ("sampling.period", "0.001")];
-    let set = set.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    let fixed = set
+        .into_iter()
+        .filter(|(key, _)| axes.iter().all(|(axis, _)| axis != key));
+    let set: Vec<_> = fixed.map(|(k, v)| (k.to_owned(), v.to_owned())).collect();
     let base = Base::open("paper", Path::new(""), &set).unwrap();
     let axes = axes
         .iter()

@@ -1,7 +1,7 @@
 //! A scenario that has passed every check, in the types of the physics.
 
 use super::error::ScenarioError;
-use super::key::{Key, Value};
+use super::key::{Key, Value, typed};
 use super::keys::{FORMAT, KEYS};
 use super::model::model;
 use super::values::{Values, nanoseconds};
@@ -268,7 +268,7 @@ impl Scenario {
             } else {
                 Err(ScenarioError::OutOfRange {
                     key: "top.center_distance",
-                    value: distance.to_string(),
+                    value: typed(distance),
                     allowed:
                         "a finite number > 0; negative with support.kind = \"free\" for a tippe top"
                             .to_owned(),
@@ -346,7 +346,7 @@ impl Scenario {
             if top.axial_moment > limit {
                 return Err(ScenarioError::OutOfRange {
                     key: "top.axial_moment",
-                    value: top.axial_moment.to_string(),
+                    value: typed(top.axial_moment),
                     allowed: format!("at most {limit:e} kg m² = {what}: no rigid body exceeds it"),
                 });
             }
@@ -359,7 +359,7 @@ impl Scenario {
         if self.formulation == FormulationKind::Euler && !(theta > 0.0 && theta < PI) {
             return Err(ScenarioError::OutOfRange {
                 key: "initial.theta",
-                value: theta.to_string(),
+                value: typed(theta),
                 allowed: "between 0 and π with formulation = \"euler\", which is singular there; \
                           formulation = \"body\" allows both"
                     .to_owned(),
@@ -389,8 +389,11 @@ impl Scenario {
             if wrong {
                 return Err(ScenarioError::Conflict {
                     key,
-                    value: limit.unwrap_or_default().to_string(),
-                    reason: format!("the top starts beyond it, at initial.theta = {theta}"),
+                    value: typed(limit.unwrap_or_default()),
+                    reason: format!(
+                        "the top starts beyond it, at initial.theta = {}",
+                        typed(theta)
+                    ),
                 });
             }
         }
@@ -438,10 +441,11 @@ impl Scenario {
         if duration * 1e9 / self.sample_period_ns as f64 > f64::from(u32::MAX) {
             return Err(ScenarioError::OutOfRange {
                 key: "sampling.period",
-                value: (self.sample_period_ns as f64 / 1e9).to_string(),
+                value: typed(self.sample_period_ns as f64 / 1e9),
                 allowed: format!(
-                    "long enough for at most {} samples in stop.duration = {duration} s",
-                    u32::MAX
+                    "long enough for at most {} samples in stop.duration = {} s",
+                    u32::MAX,
+                    typed(duration)
                 ),
             });
         }

@@ -21,6 +21,16 @@ impl fmt::Display for Value {
     }
 }
 
+/// A number as one would type it: without rows of zeros.
+pub(super) fn typed(number: f64) -> String {
+    let size = number.abs();
+    if size == 0.0 || (1e-5..1e15).contains(&size) {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
+}
+
 /// Which values a key takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {

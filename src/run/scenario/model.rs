@@ -1,6 +1,7 @@
 //! The top and the friction that a scenario's values describe.
 
 use super::error::ScenarioError;
+use super::key::typed;
 use super::values::Values;
 use super::words::{SlidingLaw, SupportKind};
 use crate::physics::dynamics::{Model, Support};
@@ -46,7 +47,7 @@ fn friction(values: &Values) -> Result<Friction, ScenarioError> {
     if matches!(law, FrictionLaw::Contensou { .. }) && values.get("drilling.k").is_some() {
         return Err(ScenarioError::Conflict {
             key: "drilling.k",
-            value: values.number("drilling.k")?.to_string(),
+            value: typed(values.number("drilling.k")?),
             reason: "friction.law = \"contensou\" has a drilling torque of its own".to_owned(),
         });
     }

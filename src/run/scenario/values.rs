@@ -1,7 +1,7 @@
 //! Keys with values, as a person writes them.
 
 use super::error::ScenarioError;
-use super::key::{Key, Kind, Presence, Value};
+use super::key::{Key, Kind, Presence, Value, typed};
 use super::keys::KEYS;
 use super::words::Words;
 use std::collections::BTreeMap;
@@ -269,7 +269,7 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
     if allowed && number.is_finite() {
         Ok(Value::Number(number))
     } else {
-        Err(out_of_range(key, &number.to_string()))
+        Err(out_of_range(key, &typed(number)))
     }
 }
 

@@ -40,6 +40,12 @@ pub enum SimulationError {
     /// The integrator gave up.
     #[error("the motion can't be integrated further: {0}")]
     Integrate(#[from] IntegrateError),
+    /// The energy is beyond the range of numbers.
+    #[error(
+        "the energy of the top is not finite at the start: its mass, its moments of inertia or its rates are \
+             too large"
+    )]
+    NonFiniteEnergy,
     /// The steps have become so short that the run would never end.
     #[error(
         "the motion has stalled at t = {time:?} s: a torque jumps back and forth there (drilling against \

@@ -132,6 +132,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             shared(scenario.tolerances, F::ERROR_SHARE),
             Direction::Forward,
         )?;
+        let energy_at_start = scenario.model.energy(&motion);
+        if !energy_at_start.is_finite() {
+            return Err(SimulationError::NonFiniteEnergy);
+        }
         let sense = if motion.tilt.axial_rate() < 0.0 {
             -1.0
         } else {
@@ -157,7 +161,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             impacts: 0,
             bounces: 0,
             since_check: (0, 0.0),
-            energy_at_start: scenario.model.energy(&motion),
+            energy_at_start,
             end,
             last: (0.0, motion),
             stopped: None,
