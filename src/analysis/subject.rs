@@ -212,7 +212,7 @@ fn simulate(
     };
     let mut simulation = match Simulation::new(scenario) {
         Ok(simulation) => simulation,
-        Err(error) => return lost(error.to_string()),
+        Err(error) => return lost(format!("the motion: {error}")),
     };
     let mut telemetry = Telemetry::with_topics(topics);
     let mut losses = Vec::new();
@@ -223,7 +223,7 @@ fn simulate(
                 ControlFlow::Break(()) => Err(Stopped::Unwanted),
             }),
             Err(error) => {
-                losses.push(error.to_string());
+                losses.push(format!("the rest of the motion: {error}"));
                 break;
             }
         };
@@ -231,7 +231,7 @@ fn simulate(
             Ok(()) => {}
             Err(Stopped::Unwanted) => break,
             Err(Stopped::Telemetry(error)) => {
-                losses.push(error.to_string());
+                losses.push(format!("the rest of the motion: {error}"));
                 break;
             }
         }

@@ -1,8 +1,12 @@
 //! Numbers for people.
 
-/// A number with `digits` after the point and the typographic minus.
+/// A number with `digits` after the point and the typographic minus; a huge one with its power of ten.
 pub(super) fn number(value: f64, digits: usize) -> String {
-    let text = format!("{value:.digits$}");
+    let text = if value.abs() < 1e15 {
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.digits$e}")
+    };
     match text.strip_prefix('-') {
         // What rounds to zero has no sign.
         Some(zero) if zero.chars().all(|digit| matches!(digit, '0' | '.')) => zero.to_owned(),
@@ -50,5 +54,7 @@ mod tests {
         assert_eq!(number(-0.0, 2), "0.00");
         assert_eq!(number(-4e-5, 4), "0.0000");
         assert_eq!(number(f64::NEG_INFINITY, 4), "−inf");
+        assert_eq!(number(f64::NAN, 4), "NaN");
+        assert_eq!(number(-1.5e300, 2), "−1.50e300");
     }
 }

@@ -77,7 +77,7 @@ pub struct FreeOutcome {
 /// ```
 ///
 /// # Errors
-/// [`SimulationError`] if the motion can't be integrated to its end.
+/// [`SimulationError`] if the motion can't be computed to its end.
 pub fn outcome(
     scenario: &Scenario,
     carry_on: impl FnMut() -> bool,

@@ -20,7 +20,7 @@ pub use record::{Record, RunEnd, SimulationError};
 pub use sample::{Frames, Sample};
 pub use tally::{EventCount, Tally};
 
-use crate::physics::dynamics::{BodyRotation, EulerAngles, FEW_INTEGRALS, FreeRotation, INTEGRALS};
+use crate::physics::dynamics::{BodyRotation, EulerAngles, FreeRotation};
 use crate::run::scenario::{FormulationKind, Scenario};
 use runner::{Detail, RecordStream, Runner};
 
@@ -34,24 +34,19 @@ impl Simulation {
     /// Starts the run that `scenario` defines.
     ///
     /// # Errors
-    /// [`SimulationError::Integrate`] if the accelerations are not finite at the start.
+    /// [`SimulationError::Integrate`] if the accelerations are not finite at the start, and
+    /// [`SimulationError::NonFiniteEnergy`] if the energy is not.
     pub fn new(scenario: &Scenario) -> Result<Self, SimulationError> {
+        type Free = Runner<FreeRotation, { FreeRotation::STATE_LENGTH }>;
+        type Euler = Runner<EulerAngles, { EulerAngles::STATE_LENGTH }>;
+        type Body = Runner<BodyRotation, { BodyRotation::STATE_LENGTH }>;
         Ok(Self {
             run: match scenario.formulation {
                 _ if scenario.model.support.is_free() => {
-                    Box::new(Runner::<
-                        FreeRotation,
-                        { FreeRotation::VARIABLES + INTEGRALS },
-                    >::new(scenario, Detail::All)?)
+                    Box::new(Free::new(scenario, Detail::All)?)
                 }
-                FormulationKind::Euler => Box::new(Runner::<
-                    EulerAngles,
-                    { EulerAngles::VARIABLES + INTEGRALS },
-                >::new(scenario, Detail::All)?),
-                FormulationKind::Body => Box::new(Runner::<
-                    BodyRotation,
-                    { BodyRotation::VARIABLES + INTEGRALS },
-                >::new(scenario, Detail::All)?),
+                FormulationKind::Euler => Box::new(Euler::new(scenario, Detail::All)?),
+                FormulationKind::Body => Box::new(Body::new(scenario, Detail::All)?),
             },
             carry_on: Box::new(|| true),
         })
@@ -103,24 +98,13 @@ pub fn tallied(
     scenario: &Scenario,
     mut carry_on: impl FnMut() -> bool,
 ) -> Result<(RunEnd, Tally), SimulationError> {
+    type Free = Runner<FreeRotation, { FreeRotation::SHORT_STATE_LENGTH }>;
+    type Euler = Runner<EulerAngles, { EulerAngles::SHORT_STATE_LENGTH }>;
+    type Body = Runner<BodyRotation, { BodyRotation::SHORT_STATE_LENGTH }>;
     let (detail, carry_on) = (Detail::Outcome, &mut carry_on);
     match scenario.formulation {
-        _ if scenario.model.support.is_free() => Runner::<
-            FreeRotation,
-            { FreeRotation::VARIABLES + FEW_INTEGRALS },
-        >::new(scenario, detail)?
-        .tallied(carry_on),
-        FormulationKind::Euler => {
-            Runner::<EulerAngles, { EulerAngles::VARIABLES + FEW_INTEGRALS }>::new(
-                scenario, detail,
-            )?
-            .tallied(carry_on)
-        }
-        FormulationKind::Body => {
-            Runner::<BodyRotation, { BodyRotation::VARIABLES + FEW_INTEGRALS }>::new(
-                scenario, detail,
-            )?
-            .tallied(carry_on)
-        }
+        _ if scenario.model.support.is_free() => Free::new(scenario, detail)?.tallied(carry_on),
+        FormulationKind::Euler => Euler::new(scenario, detail)?.tallied(carry_on),
+        FormulationKind::Body => Body::new(scenario, detail)?.tallied(carry_on),
     }
 }

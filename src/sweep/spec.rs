@@ -21,7 +21,7 @@ pub struct Base {
     pub name: String,
     /// Its keys and values.
     pub values: Values,
-    /// The keys that were set otherwise than the scenario has them.
+    /// The keys that were set beside the scenario.
     set: Vec<&'static str>,
 }
 
@@ -52,7 +52,9 @@ impl Base {
         for (key, value) in set {
             let key = find_key(key)?;
             values.set(key.path, value).map_err(wrong)?;
-            keys.push(key.path);
+            if values.get(key.path).is_some() {
+                keys.push(key.path);
+            }
         }
         let name = match values.get("name") {
             Some(Value::Text(name)) => name.clone(),
@@ -189,13 +191,12 @@ impl Spec {
         }) {
             return wrong(format!("{} varies twice", keys[twice].path));
         }
-        // A table may leave a key to the base.
-        if !matches!(design, Design::Table(_))
-            && let Some(key) = bases
-                .iter()
-                .flat_map(|base| &base.set)
-                .find(|set| keys.iter().any(|key| key.path == **set))
-        {
+        let always_varies = |set: &str| match &design {
+            Design::Table(table) => table.always_has(set),
+            Design::Grid(_) | Design::Sample { .. } => keys.iter().any(|key| key.path == set),
+        };
+        let mut set = bases.iter().flat_map(|base| &base.set);
+        if let Some(key) = set.find(|key| always_varies(key)) {
             return wrong(format!(
                 "{key} is set and varies too: what it is set to would have no effect"
             ));
@@ -509,6 +510,8 @@ fn check_sample(axes: &[Axis], method: Method) -> Result<(), SweepError> {
 fn plain(value: &toml::Value) -> String {
     match value {
         toml::Value::String(text) => text.clone(),
+        // TOML's own text of it may have rows of zeros.
+        toml::Value::Float(number) => format!("{number:?}"),
         value => value.to_string(),
     }
 }
@@ -639,7 +642,12 @@ mod tests {
     #[test]
     fn a_key_that_varies_is_not_set_too() {
         let set = [("friction_k".to_owned(), "0.2".to_owned())];
-        let bases = || vec![Base::open("paper", Path::new("."), &set).unwrap()];
+        let bases = || {
+            let plain = paper().into_iter();
+            plain
+                .chain([Base::open("viscous", Path::new("."), &set).unwrap()])
+                .collect()
+        };
         let axes = || vec![Axis::parse("friction.k", "0.1,1").unwrap()];
         for design in [
             Design::Grid(axes()),
@@ -649,6 +657,11 @@ mod tests {
             assert!(told.contains("friction.k is set and varies too"), "{told}");
         }
         let text = "set.\"friction.k\" = 0.2\n[over]\n\"friction.k\" = [0.1, 1]";
-        assert!(Spec::from_toml(text, Path::new("."), &[]).is_err());
+        let told = Spec::from_toml(text, Path::new("."), &[]).unwrap_err();
+        assert!(told.to_string().contains("varies too"), "{told}");
+        // A key that is removed is set to nothing.
+        let removed = [("friction.k".to_owned(), String::new())];
+        let base = Base::open("paper", Path::new("."), &removed).unwrap();
+        assert!(Spec::new(vec![base], Design::Grid(axes()), None).is_ok());
     }
 }

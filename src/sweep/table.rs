@@ -82,6 +82,12 @@ impl Table {
         self.columns.iter().map(|column| column.key).collect()
     }
 
+    /// Whether each row has a value for this key, so that none is left to the base.
+    pub(super) fn always_has(&self, key: &str) -> bool {
+        let mut columns = self.columns.iter();
+        columns.any(|column| column.key.path == key && column.cells.iter().all(Option::is_some))
+    }
+
     /// The number of rows.
     #[must_use]
     pub fn rows(&self) -> u64 {

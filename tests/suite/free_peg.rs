@@ -4,8 +4,7 @@ use crate::support::{Run, assert_near, scenario};
 use nalgebra::Vector3;
 use serde_json::Value;
 use toprise::physics::dynamics::{
-    Formulation, FreeRotation, Guard, INTEGRALS, Impact, Model, Motion, Passage, Phase, Start,
-    Support,
+    Formulation, FreeRotation, Guard, Impact, Model, Motion, Passage, Phase, Start, Support,
 };
 use toprise::physics::friction::{Dissipation, Friction, FrictionLaw, Losses, Smoothing};
 use toprise::physics::kinematics::{Euler, lean_to_world};
@@ -57,7 +56,7 @@ fn hit(command: &str) -> (Model, Motion, Impact) {
         ..scenario("paper", &[]).model
     };
     let start = start_of_impact(&model, command);
-    let (system, state, _): (_, [f64; FreeRotation::VARIABLES + INTEGRALS], _) =
+    let (system, state, _): (_, [f64; FreeRotation::STATE_LENGTH], _) =
         FreeRotation::start(&model, &start, true);
     let entry = system.enter(Guard::Gap, &state, start.angles).unwrap();
     let (Passage::Bounces(impact) | Passage::Lands(impact)) = entry.passage else {

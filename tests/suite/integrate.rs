@@ -11,7 +11,7 @@ use crate::support::scenario;
 use proptest::prelude::*;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
-use toprise::physics::dynamics::{BodyRotation, EulerAngles, INTEGRALS};
+use toprise::physics::dynamics::{BodyRotation, EulerAngles};
 use toprise::physics::integrate::{
     Crossing, Dense, Direction, Dop853, IntegrateError, KNOTS, SignTracker, Slope, System,
     Tolerances,
@@ -624,7 +624,7 @@ fn dense_errors<S: System<N> + Copy, const N: usize>(
 }
 
 /// A top that exchanges little energy in a fast precession: its steps are chosen too long for the dense output.
-fn fast_precession() -> (BodyRotation, [f64; BodyRotation::VARIABLES + INTEGRALS]) {
+fn fast_precession() -> (BodyRotation, [f64; BodyRotation::STATE_LENGTH]) {
     let scenario = scenario(
         "rise-by-loss-of-spin",
         &[
@@ -643,7 +643,7 @@ fn fast_precession() -> (BodyRotation, [f64; BodyRotation::VARIABLES + INTEGRALS
 }
 
 /// The paper's top, with a friction that sets in over `speed` m/s of slip: soft or stiff.
-fn sliding_top(speed: &str) -> (EulerAngles, [f64; EulerAngles::VARIABLES + INTEGRALS]) {
+fn sliding_top(speed: &str) -> (EulerAngles, [f64; EulerAngles::STATE_LENGTH]) {
     let scenario = scenario(
         "full-coulomb",
         &[
@@ -662,12 +662,13 @@ const DENSE_BOUND: f64 = 10.0 * 2.64;
 #[test]
 fn val_dense_output_keeps_to_the_tolerances_over_stiff_and_soft_tops() {
     let (top, state) = fast_precession();
-    let checked =
-        |integrator: &mut Dop853<_, { 7 + INTEGRALS }>| integrator.step_densely().unwrap();
+    let checked = |integrator: &mut Dop853<_, { BodyRotation::STATE_LENGTH }>| {
+        integrator.step_densely().unwrap()
+    };
     let found = dense_errors(top, state, 1e-9, 0.3, checked);
     assert!(found.largest < DENSE_BOUND, "{}", found.largest);
     // Where only the error at the ends counts, the dense output errs by far more.
-    let unchecked = |integrator: &mut Dop853<_, { 7 + INTEGRALS }>| {
+    let unchecked = |integrator: &mut Dop853<_, { BodyRotation::STATE_LENGTH }>| {
         integrator.step().unwrap();
         integrator.dense()
     };
@@ -676,8 +677,9 @@ fn val_dense_output_keeps_to_the_tolerances_over_stiff_and_soft_tops() {
     for speed in ["0.1", "1e-3", "1e-6"] {
         let (top, state) = sliding_top(speed);
         for tolerance in [1e-7, 1e-10] {
-            let checked =
-                |integrator: &mut Dop853<_, { 6 + INTEGRALS }>| integrator.step_densely().unwrap();
+            let checked = |integrator: &mut Dop853<_, { EulerAngles::STATE_LENGTH }>| {
+                integrator.step_densely().unwrap()
+            };
             let found = dense_errors(top, state, tolerance, 0.3, checked);
             assert!(found.largest < DENSE_BOUND, "{speed} {}", found.largest);
         }
@@ -687,14 +689,14 @@ fn val_dense_output_keeps_to_the_tolerances_over_stiff_and_soft_tops() {
 /// Two oscillators in one are what the equations of a top come to.
 #[test]
 fn val_the_defect_of_the_dense_output_tells_its_error() {
-    let unchecked = |integrator: &mut Dop853<_, { 7 + INTEGRALS }>| {
+    let unchecked = |integrator: &mut Dop853<_, { BodyRotation::STATE_LENGTH }>| {
         integrator.step().unwrap();
         integrator.dense()
     };
     let (top, state) = fast_precession();
     let (least, most) = dense_errors(top, state, 1e-9, 0.3, unchecked).defect_per_error;
     assert!(least > 2.3 && most < 3.8, "{least} {most}");
-    let unchecked = |integrator: &mut Dop853<_, { 6 + INTEGRALS }>| {
+    let unchecked = |integrator: &mut Dop853<_, { EulerAngles::STATE_LENGTH }>| {
         integrator.step().unwrap();
         integrator.dense()
     };

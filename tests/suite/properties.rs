@@ -3,9 +3,7 @@
 use crate::support::{Run, scenario};
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use toprise::physics::dynamics::{
-    BodyRotation, EulerAngles, Formulation, INTEGRALS, Model, Support,
-};
+use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Model, Support};
 use toprise::physics::friction::{Dissipation, Friction, FrictionLaw};
 use toprise::physics::integrate::System;
 use toprise::physics::kinematics::{
@@ -149,12 +147,12 @@ proptest! {
         let model = model(part, 0.03);
         let (euler, body) = (EulerAngles::new(model), BodyRotation::new(model));
         let h = 1e-7;
-        let y: [f64; EulerAngles::VARIABLES + INTEGRALS] = EulerAngles::state(a, r, &model);
+        let y: [f64; EulerAngles::STATE_LENGTH] = EulerAngles::state(a, r, &model);
         let dy = euler.derivative(0.0, &y);
-        let y_next: [f64; EulerAngles::VARIABLES + INTEGRALS] = std::array::from_fn(|i| y[i] + h * dy[i]);
-        let z: [f64; BodyRotation::VARIABLES + INTEGRALS] = BodyRotation::state(a, r, &model);
+        let y_next: [f64; EulerAngles::STATE_LENGTH] = std::array::from_fn(|i| y[i] + h * dy[i]);
+        let z: [f64; BodyRotation::STATE_LENGTH] = BodyRotation::state(a, r, &model);
         let dz = body.derivative(0.0, &z);
-        let z_next: [f64; BodyRotation::VARIABLES + INTEGRALS] = std::array::from_fn(|i| z[i] + h * dz[i]);
+        let z_next: [f64; BodyRotation::STATE_LENGTH] = std::array::from_fn(|i| z[i] + h * dz[i]);
         let first = euler.motion(&y_next, a);
         let second = body.motion(&z_next, a);
         // Terms of order (h ω)², ω up to 600 rad/s (1/sin θ times the rates near upright): 4e-9.

@@ -66,7 +66,7 @@ fn each_error_names_key_value_and_what_is_allowed() {
         ),
         (
             &[("top.axial_moment", "2e-4")],
-            &["top.axial_moment", "0.0002", "1.704e-4"],
+            &["top.axial_moment", "2e-4", "1.704e-4"],
         ),
         (
             &[("top.axial_moment", "1e-4")],
@@ -176,7 +176,7 @@ fn each_error_names_key_value_and_what_is_allowed() {
         ),
         (
             &[("rolling.arm", "-1e-4")],
-            &["rolling.arm", "-0.0001", "0.0 to 1.0"],
+            &["rolling.arm", "-1e-4", "0.0 to 1.0"],
         ),
         (&[("air.axial", "nan")], &["air.axial", "NaN"]),
         (
@@ -349,6 +349,19 @@ fn a_number_that_is_refused_is_told_without_rows_of_zeros() {
         ("friction.k", "-0.25", "friction.k = -0.25: must be"),
         ("top.mass", "-1", "top.mass = -1: must be"),
         ("top.mass", "-1e-30", "top.mass = -1e-30: must be"),
+        ("top.mass", "0", "top.mass = 0: must be"),
+        ("initial.psi_dot", "1e15", "initial.psi_dot = 1e15: must be"),
+        (
+            "initial.psi_dot",
+            "12345678",
+            "initial.psi_dot = 12345678: must be",
+        ),
+        ("top.mass", "-0.001", "top.mass = -0.001: must be"),
+        (
+            "top.center_distance",
+            "-1",
+            "top.center_distance = -1: must be a finite number > 0",
+        ),
     ] {
         let mut values = Preset::find("paper").unwrap().values().unwrap();
         let error = values.set(key, value).err();

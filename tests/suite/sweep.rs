@@ -22,7 +22,8 @@ use toprise::run::outcome::Cell;
 use toprise::run::scenario::Scenario;
 use toprise::sweep::{
     Axis, Base, Choice, Design, Finished, Method, Options, Recorded, Recordings, RunResult, Shard,
-    Spec, Sweep, SweepError, Watch, check_recordings, parts_directory, recordings_directory, run,
+    Spec, Sweep, SweepError, Table, Watch, check_recordings, parts_directory, recordings_directory,
+    run,
 };
 
 /// Runs that end at once, over a grid of 2,400: three parts.
@@ -210,6 +211,27 @@ fn a_row_is_the_outcome_of_its_scenario() {
 fn panicking(scenario: &Scenario, carry_on: &mut dyn FnMut() -> bool) -> RunResult {
     assert!(scenario.rates.psi != 110.0, "a test wants this");
     outcome(scenario, carry_on)
+}
+
+/// A table leaves a key to the base where a cell is empty.
+#[test]
+fn a_key_that_each_row_of_a_table_has_is_not_set_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("design.csv");
+    let set = [("friction.k".to_owned(), "0.2".to_owned())];
+    let told = |rows: &str| {
+        fs::write(&path, format!("friction.k,initial.theta\n{rows}")).unwrap();
+        let base = Base::open("paper", Path::new(""), &set).unwrap();
+        let table = Design::Table(Table::read(&path).unwrap());
+        let spec = Spec::new(vec![base], table, None);
+        spec.map(|_| ()).map_err(|error| error.to_string())
+    };
+    assert_eq!(told("0.1,0.5\n,0.4\n"), Ok(()));
+    let error = told("0.1,0.5\n0.2,0.4\n").unwrap_err();
+    assert!(
+        error.contains("friction.k is set and varies too"),
+        "{error}"
+    );
 }
 
 #[test]

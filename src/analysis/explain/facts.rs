@@ -32,8 +32,11 @@ pub enum ExplainError {
         missing: Topic,
     },
     /// The run is empty.
-    #[error("it has fewer than two samples")]
-    Empty,
+    #[error("it has fewer than two samples{}", .without.as_ref().map_or_else(String::new, |loss| format!(", without {loss}")))]
+    Empty {
+        /// What of it could not be read or simulated.
+        without: Option<String>,
+    },
     /// Nobody wanted the story any more.
     #[error("it was interrupted before the run was read to its end")]
     Interrupted,
@@ -159,7 +162,9 @@ pub(super) fn gather(
         losses.splice(0..0, recording.losses().iter().map(ToString::to_string));
     }
     if pieces.samples < 2 {
-        return Err(ExplainError::Empty);
+        return Err(ExplainError::Empty {
+            without: losses.into_iter().next(),
+        });
     }
     let mut facts = Facts {
         scenario,

@@ -1,13 +1,8 @@
 //! Variables without a singularity: orientation as a quaternion and angular momentum.
 
-#![allow(
-    clippy::inline_always,
-    reason = "the derivative is unrolled where it is called with few integrals, so that the others cost nothing"
-)]
-
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entry, Formulation, Guard, Passage};
-use super::integrals::{INTEGRALS, Integrals, integrals, with_integrals};
+use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, integrals, with_integrals};
 use super::lean::Lean;
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
@@ -38,7 +33,11 @@ pub struct BodyRotation {
 
 impl BodyRotation {
     /// How many numbers of a state describe the motion; the running integrals come behind them.
-    pub const VARIABLES: usize = 7;
+    const VARIABLES: usize = 7;
+    /// The length of a state that carries all running integrals.
+    pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;
+    /// The length of a state that carries only those which an outcome needs.
+    pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
 
     /// Slipping.
     #[must_use]
@@ -79,7 +78,7 @@ impl<const N: usize> System<N> for BodyRotation {
         let torque = lean.in_world(&(self.model.top.gravity_torque(&tilt) + friction));
         let omega = lean.in_world(&tilt.omega_lean);
         let turning = Quaternion::from_imag(omega) * q * 0.5;
-        let integrands = if N == Self::VARIABLES + INTEGRALS {
+        let integrands = if N == Self::STATE_LENGTH {
             let theta = atan2(lean.sin, lean.cos);
             let terms = self.model.accelerations(&contact, &tilt);
             self.model

@@ -2,7 +2,7 @@
 
 #![allow(
     clippy::inline_always,
-    reason = "the derivative is unrolled where it is called with few integrals, so that the others cost nothing"
+    reason = "the rates go from the stages to the equations in registers only if what is between is unrolled"
 )]
 
 use super::bounds::EulerBounds;
@@ -29,7 +29,11 @@ pub struct EulerAngles {
 
 impl EulerAngles {
     /// How many numbers of a state describe the motion; the running integrals come behind them.
-    pub const VARIABLES: usize = 6;
+    const VARIABLES: usize = 6;
+    /// The length of a state that carries all running integrals.
+    pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;
+    /// The length of a state that carries only those which an outcome needs.
+    pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
 
     /// Slipping.
     #[must_use]
@@ -46,7 +50,10 @@ impl<const N: usize> System<N> for EulerAngles {
 
     #[inline(always)]
     fn derivative(&self, _t: f64, y: &[f64; N]) -> [f64; N] {
-        if N == Self::VARIABLES + INTEGRALS {
+        const {
+            assert!(N == Self::STATE_LENGTH || N == Self::SHORT_STATE_LENGTH);
+        }
+        if N == Self::STATE_LENGTH {
             self.slope::<N, INTEGRALS>(y)
         } else {
             self.slope::<N, FEW_INTEGRALS>(y)
@@ -56,9 +63,10 @@ impl<const N: usize> System<N> for EulerAngles {
 
 /// What the rates and the running integrals grow by per second.
 ///
-/// In this order the compiler stores as a pair what the integrator reads as a pair, and the state comes as single numbers.
-/// Elsewise a processor waits at each stage until what it has stored as two numbers has reached its cache: a tenth of the
-/// time of an outcome, and a quarter of that of an integration with all integrals.
+/// The integrator works on pairs of numbers. A processor that reads as a pair what it has just written as two numbers, or
+/// the reverse of two pairs, waits until they have reached its cache, at each stage: a tenth of the time of an outcome, and
+/// a quarter of that of an integration with all integrals. In this order the compiler writes as a pair what is read as
+/// one.
 #[repr(C)]
 struct Growth<const I: usize> {
     theta_dot: f64,
@@ -86,6 +94,7 @@ impl EulerAngles {
         })
     }
 
+    /// Out of line, so that it is given single numbers in registers: see [`Growth`].
     #[inline(never)]
     fn growth<const I: usize>(
         &self,

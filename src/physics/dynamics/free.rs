@@ -9,7 +9,9 @@ use super::accelerations::accelerations_about;
 use super::fixed::NO_SLIP;
 use super::formulation::{Entry, Formulation, Guard, Passage};
 use super::impact::{Impact, impact};
-use super::integrals::{INTEGRALS, Integrals, TermIntegrals, integrals, with_integrals};
+use super::integrals::{
+    FEW_INTEGRALS, INTEGRALS, Integrals, TermIntegrals, integrals, with_integrals,
+};
 use super::lean::Lean;
 use super::model::Model;
 use super::motion::{Dissipated, Motion, Peg, Start, is_departing, slip_of_law};
@@ -84,7 +86,11 @@ impl Parts {
 
 impl FreeRotation {
     /// How many numbers of a state describe the motion; the running integrals come behind them.
-    pub const VARIABLES: usize = CONTROLLED + DISSIPATED;
+    const VARIABLES: usize = CONTROLLED + DISSIPATED;
+    /// The length of a state that carries all running integrals.
+    pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;
+    /// The length of a state that carries only those which an outcome needs.
+    pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
 
     #[inline(always)]
     fn body(&self, tilt: Tilt) -> FreeBody<'_> {
@@ -367,8 +373,8 @@ impl<const N: usize> System<N> for FreeRotation {
             0.0,
             -losses,
         ];
-        let integrands =
-            self.integrands(&parts, &reaction, losses, N == Self::VARIABLES + INTEGRALS);
+        let all = N == Self::STATE_LENGTH;
+        let integrands = self.integrands(&parts, &reaction, losses, all);
         with_integrals(first, &integrands)
     }
 }

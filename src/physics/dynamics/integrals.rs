@@ -114,7 +114,7 @@ pub(super) fn integrals<const M: usize, const N: usize>(state: &[f64; N]) -> Int
     }
 }
 
-/// As many of the running integrals, or of what they grow by per second, as there is room for.
+/// All or few of the running integrals, or of what they grow by per second.
 #[inline(always)]
 pub(super) fn first_of<const I: usize>(integrals: &Integrals) -> [f64; I] {
     const {

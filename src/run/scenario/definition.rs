@@ -93,8 +93,8 @@ impl Scenario {
             },
             values,
         };
-        scenario.check_body()?;
         scenario.check_support()?;
+        scenario.check_body()?;
         scenario.check_start()?;
         scenario.check_end()?;
         Ok(scenario)
@@ -347,7 +347,10 @@ impl Scenario {
                 return Err(ScenarioError::OutOfRange {
                     key: "top.axial_moment",
                     value: typed(top.axial_moment),
-                    allowed: format!("at most {limit:e} kg m² = {what}: no rigid body exceeds it"),
+                    allowed: format!(
+                        "at most {} kg m² = {what}: no rigid body exceeds it",
+                        typed(limit)
+                    ),
                 });
             }
         }

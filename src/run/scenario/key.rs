@@ -24,7 +24,7 @@ impl fmt::Display for Value {
 /// A number as one would type it: without rows of zeros.
 pub(super) fn typed(number: f64) -> String {
     let size = number.abs();
-    if size == 0.0 || (1e-5..1e15).contains(&size) {
+    if size == 0.0 || (1e-3..1e15).contains(&size) {
         number.to_string()
     } else {
         format!("{number:e}")

@@ -239,7 +239,10 @@ fn nearest<'a>(names: impl Iterator<Item = (f64, &'a str)> + Clone) -> String {
 fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
     let wrong_type = || ScenarioError::WrongType {
         key: key.path,
-        value: excerpt(&value.to_string()),
+        value: match value {
+            toml::Value::Float(number) => typed(*number),
+            value => excerpt(&value.to_string()),
+        },
         expected: key.kind.to_string(),
     };
     if key.kind.is_text() {

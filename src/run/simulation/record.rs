@@ -42,8 +42,8 @@ pub enum SimulationError {
     Integrate(#[from] IntegrateError),
     /// The energy is beyond the range of numbers.
     #[error(
-        "the energy of the top is not finite at the start: its mass, its moments of inertia or its rates are \
-             too large"
+        "the energy at the start is beyond the range of numbers: masses, moments of inertia, rates, velocities, \
+             heights or the gravity are too large"
     )]
     NonFiniteEnergy,
     /// The steps have become so short that the run would never end.
