@@ -15,6 +15,7 @@ use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Recording, Selection};
 use toprise::archive::sink::{Sink, record};
 use toprise::archive::writer::{Form, McapSink};
+use toprise::physics::dynamics::EulerAngles;
 use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};
 use toprise::run::outcome;
 use toprise::run::scenario::{Preset, Scenario};
@@ -226,6 +227,24 @@ fn changed(preset: &str, keys: &[(&str, &str)]) -> Scenario {
     Scenario::new(values).expect("the scenario is sound")
 }
 
+/// The paper's rise integrated, and not looked at.
+fn integrated(densely: bool) -> f64 {
+    let paper = changed("paper", &[]);
+    let state: [f64; EulerAngles::STATE_LENGTH] =
+        EulerAngles::state(paper.angles, paper.rates, &paper.model);
+    let system = EulerAngles::new(paper.model);
+    let mut integrator = Dop853::new(system, 0.0, state, paper.tolerances, Direction::Forward)
+        .expect("the start is regular");
+    while integrator.t() < 24.719 {
+        if densely {
+            black_box(integrator.step_densely().expect("the motion is regular"));
+        } else {
+            integrator.step().expect("the motion is regular");
+        }
+    }
+    integrator.y()[1]
+}
+
 /// Outcomes: the paper's whole rise, the same top held and free, and a peg that bounces to rest or doesn't bounce.
 fn outcomes(criterion: &mut Criterion) {
     let viscous = [
@@ -252,6 +271,14 @@ fn outcomes(criterion: &mut Criterion) {
     ];
     let mut group = criterion.benchmark_group("outcome");
     group.sample_size(20);
+    for (name, densely) in [
+        ("its integration, plain steps", false),
+        ("its integration, dense output and all integrals", true),
+    ] {
+        group.bench_function(format!("paper's rise: {name}"), |b| {
+            b.iter(|| black_box(integrated(densely)));
+        });
+    }
     for (name, scenario) in all {
         let of = |scenario| outcome(scenario, || true).expect("the run succeeds");
         if let Some(free) = of(&scenario).free {

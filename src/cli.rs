@@ -119,14 +119,15 @@ Exit codes:
   1  verification failed, or runs differ
   2  bad usage, unreadable input or failed output
   3  finished with losses: interrupted, parts of a file unreadable, runs compared
-     in parts, or the motion could not be integrated to its end";
+     in parts, or the motion could not be computed to its end
+  130  interrupted before there was anything to say";
 
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Simulate a scenario and record it.
     ///
     /// Exit codes: 0 recorded, 2 bad scenario or failed output, 3 recorded up to where it was interrupted or the
-    /// motion could not be integrated further.
+    /// motion could not be computed further.
     Run(run::RunArguments),
     /// Show recordings in the Rerun viewer, as the run itself would have been shown.
     ///

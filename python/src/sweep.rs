@@ -318,8 +318,7 @@ fn record(
     let recordings = Recordings::find(sweep, out, choice, options.shard)?;
     let recorded = recordings.write(options, watch)?;
     let early = recordings.early().iter().map(|run| (*run, None));
-    let failed = recorded.failed.into_iter();
-    let failed = failed.map(|(run, reason)| (run, Some(reason)));
+    let failed = recorded.failed;
     Ok(json!({
         "directory": sweeps::recordings_directory(out).display().to_string(),
         "chosen": recordings.chosen(),

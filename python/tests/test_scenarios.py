@@ -56,7 +56,7 @@ def test_numbers_of_any_kind_are_values():
 @pytest.mark.parametrize(
     ("overrides", "error", "text"),
     [
-        ({"friction.k": -1}, toprise.ScenarioError, r"friction.k = -1: must be a number from 0.0 to 100.0"),
+        ({"friction.k": -1}, toprise.ScenarioError, r"friction.k = -1: must be a number from 0 to 100"),
         ({"friction.k": float("nan")}, toprise.ScenarioError, "friction.k = NaN"),
         ({"friction.k": float("inf")}, toprise.ScenarioError, "friction.k = inf"),
         ({"friction.k": True}, toprise.ScenarioError, "friction.k = true"),

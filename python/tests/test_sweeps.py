@@ -99,7 +99,7 @@ def test_rows_that_cannot_be_run_say_why():
     found = rows(toprise.outcomes(wrong, BRIEF))
     assert found[0]["error"] is None
     assert "friction.k = NaN" in found[1]["error"]
-    assert found[2]["error"] == "friction.k = -1: must be a number from 0.0 to 100.0"
+    assert found[2]["error"] == "friction.k = -1: must be a number from 0 to 100"
     assert "friction.k = inf" in found[3]["error"]
     assert found[1]["stop_reason"] is None and found[1]["theta"] is None
     over = toprise.outcomes(pa.table({"friction_k": [0.03]}), BRIEF, max_steps=1)
@@ -287,20 +287,6 @@ def test_a_spec_says_which_runs_are_recorded(tmp_path):
     with pytest.raises(toprise.SweepError, match="there is no column mass"):
         toprise.sweep(spec | {"keep": ["mass > 1"]}, tmp_path / "b.parquet")
     assert not (tmp_path / "b.parquet.parts").exists()
-
-
-def test_a_recording_that_ends_early_is_warned_of(tmp_path):
-    # The kinetic energy becomes larger than any number.
-    heavy = {
-        "top.mass": 1.5e307, "top.center_distance": 1, "top.transverse_moment": 2e307, "top.axial_moment": 1e306,
-        "initial.phi_dot": 0, "initial.psi_dot": 0, "friction.law": "none", "friction.k": None,
-        "friction.dissipation": None, "stop.theta_fallen": 3, "sampling.period": 0.01,
-    }  # fmt: skip
-    with pytest.warns(toprise.RecordingWarning, match="run 0 ends early: /top/energy kinetic is inf"):
-        answer = toprise.sweep({"set": heavy, "record": 1}, tmp_path / "a.parquet")
-    assert answer["recordings"]["failed"] == 1
-    with pytest.warns(toprise.RecordingWarning, match="run 0 ends early$"):
-        assert toprise.sweep({"set": heavy, "record": 1}, tmp_path / "a.parquet")["recordings"]["failed"] == 1
 
 
 def test_specs_may_have_numbers_of_numpy_and_none(tmp_path):

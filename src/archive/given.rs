@@ -90,7 +90,18 @@ fn text(word: &Path) -> Result<String, GivenError> {
 /// # Errors
 /// As [`open_file`].
 pub fn read_file(path: &Path) -> io::Result<String> {
-    io::read_to_string(open_file(path)?)
+    read_text(open_file(path)?)
+}
+
+/// The text in a file that is open.
+///
+/// # Errors
+/// The system's, or that it is no text.
+pub fn read_text(file: File) -> io::Result<String> {
+    io::read_to_string(file).map_err(|error| match error.kind() {
+        io::ErrorKind::InvalidData => io::Error::new(error.kind(), "it is not a text in UTF-8"),
+        _ => error,
+    })
 }
 
 /// Opens a file for reading. Opening a pipe that nobody writes to would wait for ever: it is refused.

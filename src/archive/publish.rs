@@ -269,7 +269,8 @@ impl Draft {
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.preface == 0 {
-            return self.file.write(bytes);
+            // Errors of the temporary file itself would tell its hidden name.
+            return self.file.as_file_mut().write(bytes);
         }
         self.first.extend_from_slice(bytes);
         if self.first.len() > self.preface {
@@ -282,7 +283,7 @@ impl Write for Draft {
         if !self.first.is_empty() {
             self.replace_preface()?;
         }
-        self.file.flush()
+        self.file.as_file_mut().flush()
     }
 }
 
@@ -317,10 +318,25 @@ fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
     Ok(())
 }
 
+/// What the name of a hidden draft has from that of its file: all of it, or its beginning where the two would differ in
+/// that the longer one is too long for the file system.
+#[must_use]
+pub fn name_in_drafts(path: &Path) -> OsString {
+    /// Most file systems allow 255 bytes, of which the rest of a draft's name takes 12.
+    const LONGEST: usize = 240;
+    let name = path.file_name().unwrap_or_default();
+    if name.len() <= LONGEST {
+        return name.to_owned();
+    }
+    let mut name = name.to_string_lossy().into_owned();
+    name.truncate(name.floor_char_boundary(LONGEST));
+    name.into()
+}
+
 /// A new hidden file, named after `path`.
 fn hidden(directory: &Path, path: &Path) -> Result<(NamedTempFile, Hidden), SinkError> {
     let mut prefix = OsString::from(".");
-    prefix.push(path.file_name().unwrap_or_default());
+    prefix.push(name_in_drafts(path));
     prefix.push(".");
     let mut builder = Builder::new();
     builder.prefix(&prefix).suffix(".tmp");

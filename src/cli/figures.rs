@@ -75,7 +75,7 @@ pub(super) struct FiguresArguments {
 
     /// Draw only runs with this value in a column, as in scenario=paper.
     #[cfg(feature = "sweep")]
-    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = super::arguments::parse_override, requires = "sweep")]
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where, requires = "sweep")]
     chosen: Vec<super::arguments::Override>,
 
     /// Width of the figures in mm: from 130 mm on there are two columns of plots.
@@ -117,6 +117,13 @@ impl Kind {
 
 fn names() -> PossibleValuesParser {
     PossibleValuesParser::new(FIGURES.iter().map(|figure| figure.name))
+}
+
+/// Reads the value of `--where`.
+#[cfg(feature = "sweep")]
+fn parse_where(text: &str) -> Result<super::arguments::Override, String> {
+    super::arguments::parse_override(text)
+        .map_err(|_| "must be COLUMN=VALUE, as in scenario=paper".to_owned())
 }
 
 fn parse_width(text: &str) -> Result<f64, String> {
@@ -426,6 +433,12 @@ fn map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> Result
 /// Reads what a map shows.
 #[cfg(feature = "sweep")]
 fn read_map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> Result<Map, Error> {
+    let column = |name: &str| name.replace('.', "_");
+    if let Some(y) = &arguments.y
+        && column(y) == column(x)
+    {
+        bail!("--x and --y are both {x}: choose two columns");
+    }
     let mut names = vec![
         "scenario",
         "stop_reason",
@@ -471,7 +484,8 @@ fn read_map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> R
         })
     };
     let loops = columns.numbers("loops")?.into_iter();
-    let loops = loops.map(|count| count > 0.0).collect();
+    let loops = loops.map(|count| (!count.is_nan()).then_some(count > 0.0));
+    let loops = loops.collect();
     let names = scenarios.into_iter().map(Option::unwrap_or_default);
     Ok(Map {
         x: axis(x)?,

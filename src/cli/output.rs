@@ -64,7 +64,10 @@ fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
     match written {
         // Who reads no further has read enough: the exit code says the rest.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        result => result,
+        result => result.map_err(|error| {
+            let told = format!("cannot write to standard output: {error}");
+            io::Error::new(error.kind(), told)
+        }),
     }
 }
 
@@ -124,6 +127,17 @@ pub(super) fn with_causes(error: &anyhow::Error) -> String {
 mod tests {
     use super::*;
     use anyhow::anyhow;
+
+    #[test]
+    fn what_cannot_be_written_is_named() {
+        // An array has no room.
+        let told = write(&mut &mut [0_u8; 2][..], "answer").unwrap_err();
+        let told = told.to_string();
+        assert!(
+            told.starts_with("cannot write to standard output: "),
+            "{told}"
+        );
+    }
 
     #[test]
     fn causes_are_told_once() {

@@ -35,6 +35,9 @@ const TRIAL_RUNS: u64 = 16;
 /// At most one run in a hundred is tried beforehand, and none before a sweep of fewer: trials are run one after the other.
 const RUNS_PER_TRIAL: u64 = 100;
 
+/// The most threads.
+const MOST_JOBS: u16 = 1024;
+
 /// Arguments of `toprise sweep`.
 #[derive(Args, Debug, Default, PartialEq)]
 pub(super) struct SweepArguments {
@@ -49,7 +52,7 @@ pub(super) struct SweepArguments {
     over: Vec<Override>,
 
     /// Instead of a grid, choose so many points among the values.
-    #[arg(long, value_name = "N", conflicts_with = "table")]
+    #[arg(long, value_name = "N", value_parser = parse_count, allow_negative_numbers = true, conflicts_with = "table")]
     sample: Option<u64>,
 
     /// How the points of a sample are chosen.
@@ -57,7 +60,7 @@ pub(super) struct SweepArguments {
     method: MethodName,
 
     /// Another sample of its kind; 0 is the sequence of Sobol as it is published.
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "sample")]
+    #[arg(long, value_name = "N", value_parser = parse_seed, allow_negative_numbers = true, default_value = "0", requires = "sample")]
     seed: u64,
 
     /// Take the values from a table, .parquet or .csv, whose columns are named like keys, as in `friction_k`.
@@ -73,16 +76,16 @@ pub(super) struct SweepArguments {
     output: PathBuf,
 
     /// Number of threads; all processors if left out.
-    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(short = 'j', long, value_name = "N", value_parser = parse_jobs, allow_negative_numbers = true)]
     jobs: Option<u16>,
 
     /// Compute one share of N only, I from 0 to N − 1, as one of several machines; a sweep without --shard then merges
     /// what all of them have written.
-    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
+    #[arg(long, value_name = "I/N", value_parser = parse_shard, allow_hyphen_values = true)]
     shard: Option<Shard>,
 
     /// Give up a run after so many steps of the integrator: its row then has an error.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_count, allow_negative_numbers = true)]
     max_steps: Option<u64>,
 
     /// Store whole recordings of the runs whose rows fulfil a condition: a column or key, one of < <= > >= = !=, and a
@@ -94,10 +97,10 @@ pub(super) struct SweepArguments {
 
     /// Store whole recordings of the first N runs that have an outcome; with --keep, of the first N that it chooses. In a
     /// spec: `record = N`.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = parse_count, allow_negative_numbers = true)]
     record: Option<u64>,
 
-    /// End at the first row with an error, with exit code 2.
+    /// End at the first row with an error, with exit code 2, whether it is computed now or was there.
     #[arg(long)]
     fail_fast: bool,
 
@@ -126,6 +129,23 @@ impl From<MethodName> for Method {
             MethodName::Random => Self::Random,
         }
     }
+}
+
+fn parse_count(text: &str) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|number| *number > 0);
+    number.ok_or_else(|| format!("must be a whole number from 1 to {}", u64::MAX))
+}
+
+fn parse_seed(text: &str) -> Result<u64, String> {
+    let number = text.parse();
+    number.map_err(|_| format!("must be a whole number from 0 to {}", u64::MAX))
+}
+
+fn parse_jobs(text: &str) -> Result<u16, String> {
+    let number = text.parse().ok();
+    number
+        .filter(|number| (1..=MOST_JOBS).contains(number))
+        .ok_or_else(|| format!("must be a whole number from 1 to {MOST_JOBS}"))
 }
 
 fn parse_shard(text: &str) -> Result<Shard, String> {
@@ -185,7 +205,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
     let began = Instant::now();
     arguments.refuse_parts()?;
     let sweep = Sweep::new(arguments.spec()?);
-    let choice = Choice::of(&sweep)?;
+    let choice = arguments.choice(&sweep)?;
     if let Some(name) = sweep.spec().shared_name() {
         output::warn(&format!(
             "several scenarios are called {name}, and the table doesn't tell their runs apart: give them other names"
@@ -282,6 +302,15 @@ impl SweepArguments {
         Ok(spec)
     }
 
+    /// Which runs are recorded; none if that is not asked for.
+    fn choice(&self, sweep: &Sweep) -> Result<Option<Choice>, Error> {
+        let choice = Choice::of(sweep);
+        if self.keep.is_empty() {
+            return choice.with_context(|| self.bases.join(" "));
+        }
+        Ok(choice?)
+    }
+
     /// The spec as the file has it, or with the bases and designs of the arguments.
     fn spec_of_runs(&self) -> Result<Spec, Error> {
         if let [word] = &self.bases[..]
@@ -340,7 +369,11 @@ impl SweepArguments {
             ));
         }
         for (run, reason) in &recorded.failed {
-            output::warn(&format!("the recording of run {run} ends early: {reason}"));
+            let reason = match reason {
+                Some(reason) => format!(": {reason}"),
+                None => String::new(),
+            };
+            output::warn(&format!("the recording of run {run} ends early{reason}"));
         }
         let report = RecordingsReport {
             directory: recordings_directory(&self.output).display().to_string(),
@@ -606,5 +639,27 @@ mod tests {
         ] {
             assert!(parse::<SweepArguments>(line).is_err(), "{line}");
         }
+    }
+
+    #[test]
+    fn wrong_numbers_are_told_in_plain_words() {
+        for (line, told) in [
+            ("-j 0", "must be a whole number from 1 to 1024"),
+            ("-j -1", "must be a whole number from 1 to 1024"),
+            ("-j 70000", "must be a whole number from 1 to 1024"),
+            ("--max-steps 0", "must be a whole number from 1 to 184"),
+            ("--max-steps -1", "must be a whole number from 1 to 184"),
+            ("--record 0", "must be a whole number from 1 to 184"),
+            ("--sample 1e3", "must be a whole number from 1 to 184"),
+            ("--sample 9 --seed -1", "must be a whole number from 0 to "),
+            ("--shard -1/3", "must be I/N"),
+            ("--shard 3/3", "must be I/N"),
+        ] {
+            let error = parse::<SweepArguments>(line).unwrap_err().to_string();
+            assert!(error.contains(told), "{line}: {error}");
+            assert!(!error.contains("-- -"), "{line}: {error}");
+        }
+        let seed = |line| parse::<SweepArguments>(line).unwrap().seed;
+        assert_eq!((seed(""), seed("--sample 9 --seed 7")), (0, 7));
     }
 }

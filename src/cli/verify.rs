@@ -240,7 +240,11 @@ impl VerifiedFile {
                 (Tone::Bad, conclusion)
             }
             FileVerdict::Incomplete => {
-                let state = self.state.map_or("", Condition::name);
+                // The file may be whole, and the run in it not.
+                let state = match self.state {
+                    Some(Condition::Whole) | None => "a part of a run",
+                    Some(state) => state.name(),
+                };
                 let conclusion = format!("{state}: what is there is right, but it is not complete");
                 (Tone::Weak, conclusion)
             }

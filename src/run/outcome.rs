@@ -24,9 +24,9 @@ pub struct Outcome {
     pub rise_time: Option<f64>,
     /// When the spin first became too weak to hold an upright top, s. None if it did not.
     pub weak_time: Option<f64>,
-    /// When the axis first began to loop, s. None if it did not.
+    /// When the axis first began to loop, s: the precession of a tippe top, when it first turned backward. None if it did not.
     pub loop_time: Option<f64>,
-    /// How often the axis began to loop.
+    /// How often the axis began to loop: the precession of a tippe top, how often it turned backward.
     pub loops: u64,
     /// Number of whole nutation cycles.
     pub nutations: u64,
@@ -296,10 +296,11 @@ pub const COLUMNS: &[Column] = &[
     number("stop_time", "s", "when the run ended", |o| real(o.stop_time)),
     number("rise_time", "s", "when the top had risen: θ fell to stop.theta_risen; null if it did not",
         |o| o.rise_time.map(Cell::Number)),
-    number("weak_time", "s", "when the spin first became too weak to hold an upright top; null if it did not",
+    number("weak_time", "s", "when the spin first became too weak to hold an upright top; null if it did not, or was from the start",
         |o| o.weak_time.map(Cell::Number)),
-    number("loop_time", "s", "when the axis first began to loop; null if it did not", |o| o.loop_time.map(Cell::Number)),
-    integer("loops", "how often the axis began to loop", |o| counted(o.loops)),
+    number("loop_time", "s", "when the axis first began to loop (of a tippe top: the precession turned backward); null if it did not",
+        |o| o.loop_time.map(Cell::Number)),
+    integer("loops", "how often the axis began to loop (of a tippe top: the precession turned backward)", |o| counted(o.loops)),
     integer("nutations", "number of whole nutation cycles", |o| counted(o.nutations)),
     number("theta", "rad", "inclination θ at the end", |o| real(o.theta)),
     number("phi_dot", "rad/s", "precession rate φ̇ at the end", |o| real(o.rates.phi)),

@@ -34,8 +34,7 @@ impl Simulation {
     /// Starts the run that `scenario` defines.
     ///
     /// # Errors
-    /// [`SimulationError::Integrate`] if the accelerations are not finite at the start, and
-    /// [`SimulationError::NonFiniteEnergy`] if the energy is not.
+    /// [`SimulationError::Integrate`] if the accelerations are not finite at the start.
     pub fn new(scenario: &Scenario) -> Result<Self, SimulationError> {
         type Free = Runner<FreeRotation, { FreeRotation::STATE_LENGTH }>;
         type Euler = Runner<EulerAngles, { EulerAngles::STATE_LENGTH }>;

@@ -176,11 +176,17 @@ fn words(text: &str) -> Result<Vec<Value>, String> {
 
 /// The first of several texts, and what comes after it.
 fn first_word(text: &str) -> Result<(String, &str), String> {
-    let open = || format!("{text} must begin with a text in quotes, as in \"a, b\"");
+    let open = || format!("{text}: the closing quote is missing");
     if text.starts_with('"') {
         let mut quoted = serde_json::Deserializer::from_str(text).into_iter();
         let word: Option<Result<String, _>> = quoted.next();
-        let word = word.and_then(Result::ok).ok_or_else(open)?;
+        let word = word.unwrap_or_else(|| Ok(String::new()));
+        let word = word.map_err(|error| match error.is_eof() {
+            true => open(),
+            false => {
+                format!("{text}: within double quotes JSON's escapes hold, as in \\\" and \\n")
+            }
+        })?;
         return Ok((word, &text[quoted.byte_offset()..]));
     }
     if let Some(quoted) = text.strip_prefix('\'') {
@@ -324,8 +330,9 @@ mod tests {
             "0.1,0.2"
         );
         for (list, part) in [
-            ("\"a,b", "quotes"),
-            ("'a", "quotes"),
+            ("\"a,b", "\"a,b: the closing quote is missing"),
+            ("'a", "'a: the closing quote is missing"),
+            ("\"a\\q\"", "JSON's escapes hold"),
             ("\"a\" b", "there must be a comma before b"),
             ("a,,b", "empty"),
             ("a,", "empty"),

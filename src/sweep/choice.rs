@@ -85,7 +85,7 @@ impl Choice {
     ) -> Result<Self, SweepError> {
         let parse = |text: &String| {
             let condition = Condition::parse(text, sweep);
-            condition.map_err(|reason| SweepError::Spec(format!("{text:?}: {reason}")))
+            condition.map_err(|reason| SweepError::Spec(format!("keep {text:?}: {reason}")))
         };
         let conditions = conditions.iter().map(parse);
         Ok(Self {
@@ -202,12 +202,13 @@ impl Relation {
 
 /// What a condition looks like.
 const FORM: &str = "a condition is a column, one of < <= > >= = !=, and a number, a word or null, \
-                    as in 'rise_time > 30'; several conditions are several --keep";
+                    as in 'rise_time > 30'; each condition is given by itself";
 
 /// The value that a condition on a column of words compares with.
 fn word_of(column: &str, word: &str, sweep: &Sweep) -> Result<Value, String> {
     let word = word.trim_matches(['"', '\'']);
-    if word == "null" {
+    let may_be_null = column != "scenario";
+    if word == "null" && may_be_null {
         return Ok(Value::Null);
     }
     let owned = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
@@ -224,8 +225,9 @@ fn word_of(column: &str, word: &str, sweep: &Sweep) -> Result<Value, String> {
     };
     if word.is_empty() || !known.iter().any(|known| known == word) {
         let words = known.join(", ");
+        let or_null = if may_be_null { ", or null" } else { "" };
         return Err(format!(
-            "{column} is never {word:?}; it is one of {words}, or null"
+            "{column} is never {word:?}; it is one of {words}{or_null}"
         ));
     }
     Ok(Value::Word(word.to_owned()))
@@ -246,7 +248,7 @@ fn number_of(column: &str, word: &str) -> Result<Value, String> {
     match word.parse() {
         Ok(number) if f64::is_finite(number) => Ok(Value::Number(number)),
         _ => Err(format!(
-            "{column} holds numbers, and {word:?} is neither a finite number nor null; several conditions are several --keep"
+            "{column} holds numbers, and {word:?} is neither a finite number nor null; each condition is given by itself"
         )),
     }
 }
@@ -342,7 +344,7 @@ mod tests {
             ("rise_time > late", "is neither a finite number nor null"),
             (
                 "rise_time > 30 and loops > 0",
-                "several conditions are several --keep",
+                "each condition is given by itself",
             ),
             ("rise_time >", "is neither a finite number nor null"),
             ("rise_time > inf", "is neither a finite number nor null"),
@@ -362,10 +364,6 @@ mod tests {
                 "it is one of risen, fallen, duration",
             ),
             (
-                "scenario = stribeck",
-                "it is one of paper, viscous, or null",
-            ),
-            (
                 "friction.dissipation = some",
                 "it is one of full, without-nutation-part",
             ),
@@ -374,6 +372,24 @@ mod tests {
             let told = parsed(text).unwrap_err();
             assert!(told.contains(part), "{text}: {told}");
         }
+    }
+
+    /// What the table has in each row is not called null.
+    #[test]
+    fn every_run_has_a_scenario() {
+        for (text, told) in [
+            (
+                "scenario = stribeck",
+                "scenario is never \"stribeck\"; it is one of paper, viscous",
+            ),
+            (
+                "scenario != null",
+                "scenario is never \"null\"; it is one of paper, viscous",
+            ),
+        ] {
+            assert_eq!(parsed(text), Err(told.to_owned()));
+        }
+        assert!(parsed("stop_reason = null").is_ok());
     }
 
     /// Each reason by name, so that the compiler asks for a new one here.

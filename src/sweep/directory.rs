@@ -1,7 +1,7 @@
-//! The directories beside a sweep's table. Each has a file that says of which sweep it is.
+//! The directories beside a sweep's table. Each has a file that says of which sweep it is: its spec as JSON.
 
 use super::error::SweepError;
-use super::spec::{Spec, change};
+use super::spec::change;
 use crate::archive::given::read_file;
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
@@ -24,27 +24,27 @@ pub(super) fn beside(table: &Path, suffix: &str) -> PathBuf {
 ///
 /// # Errors
 /// [`SweepError::Changed`] if it is of another sweep.
-pub(super) fn claim(directory: &Path, spec: &Spec) -> Result<(), SweepError> {
+pub(super) fn claim(directory: &Path, sweep: &Json) -> Result<(), SweepError> {
     let path = directory.join(SPEC_FILE);
     if !path.exists() {
-        let text = format!("{:#}\n", spec.to_json());
+        let text = format!("{sweep:#}\n");
         match publish::write(&path, Existing::Keep, text.as_bytes()) {
             // Another process was faster.
             Ok(()) | Err(SinkError::Exists { .. }) => {}
             Err(error) => return Err(error.into()),
         }
     }
-    check(directory, spec)
+    check(directory, sweep)
 }
 
 /// Finds whether a directory, if there is one, is of this sweep.
 ///
 /// # Errors
 /// [`SweepError::Changed`] if it is of another sweep.
-pub(super) fn check(directory: &Path, spec: &Spec) -> Result<(), SweepError> {
+pub(super) fn check(directory: &Path, sweep: &Json) -> Result<(), SweepError> {
     let path = directory.join(SPEC_FILE);
     match read_file(&path) {
-        Ok(text) => refuse_other(directory, &text, spec),
+        Ok(text) => refuse_other(directory, &text, sweep),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(SweepError::io("read", &path)(error)),
     }
@@ -54,13 +54,13 @@ pub(super) fn check(directory: &Path, spec: &Spec) -> Result<(), SweepError> {
 ///
 /// # Errors
 /// [`SweepError::Changed`].
-pub(super) fn refuse_other(path: &Path, text: &str, spec: &Spec) -> Result<(), SweepError> {
+pub(super) fn refuse_other(path: &Path, text: &str, sweep: &Json) -> Result<(), SweepError> {
     let Ok(before) = serde_json::from_str::<Json>(text) else {
         return Err(SweepError::Unreadable {
             path: path.to_owned(),
         });
     };
-    match change(&before, &spec.to_json()) {
+    match change(&before, sweep) {
         None => Ok(()),
         Some(change) => Err(SweepError::Changed {
             path: path.to_owned(),

@@ -16,6 +16,7 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
 use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, ParallelIterator as _};
+use serde_json::Value as Json;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -29,6 +30,8 @@ pub(super) const COUNTS_ENTRY: &str = "toprise.counts";
 /// A sweep that can be computed row by row.
 pub struct Sweep {
     spec: Spec,
+    /// The spec as JSON, made once: it has a digest of all of a table's rows.
+    identity: Json,
     schema: SchemaRef,
     run: Run,
 }
@@ -39,6 +42,7 @@ impl Sweep {
     pub fn new(spec: Spec) -> Self {
         let schema = Arc::new(Schema::new(fields(&spec)));
         Self {
+            identity: spec.to_json(),
             spec,
             schema,
             run: run_whole,
@@ -55,6 +59,11 @@ impl Sweep {
     #[must_use]
     pub fn spec(&self) -> &Spec {
         &self.spec
+    }
+
+    /// What tells this sweep from another: [`Spec::to_json`].
+    pub(super) fn identity(&self) -> &Json {
+        &self.identity
     }
 
     /// The columns of the table, with units and meanings as metadata.

@@ -33,7 +33,7 @@ pub fn recordings_directory(table: &Path) -> PathBuf {
 /// # Errors
 /// [`SweepError::Changed`].
 pub fn check_recordings(sweep: &Sweep, table: &Path) -> Result<(), SweepError> {
-    directory::check(&recordings_directory(table), sweep.spec())
+    directory::check(&recordings_directory(table), sweep.identity())
 }
 
 /// Recordings of chosen runs: which there must be, and which of them are missing.
@@ -50,18 +50,21 @@ pub struct Recordings<'a> {
 pub struct Recorded {
     /// Number of recordings that were written.
     pub written: u64,
-    /// Runs whose recordings end early because their motion could not be recorded to its end, and why.
-    pub failed: Vec<(u64, String)>,
+    /// Runs whose recordings end early because their motion could not be recorded to its end, and why; the reason is not
+    /// known of a recording that another process wrote meanwhile.
+    pub failed: Vec<(u64, Option<String>)>,
     /// Whether it was interrupted.
     pub is_interrupted: bool,
 }
 
 /// How the recording of a run ended.
 enum End {
-    /// The run is recorded; or another process has done so.
+    /// The run is recorded.
     Whole,
     /// It is recorded up to where its motion could not be recorded further, and why.
     Early(String),
+    /// Another process was faster, and recorded it.
+    There(Found),
     /// It was interrupted, and nothing is left of it.
     Interrupted,
 }
@@ -134,7 +137,7 @@ impl<'a> Recordings<'a> {
         if self.missing.is_empty() {
             return Ok(Recorded::default());
         }
-        directory::claim(&self.directory, self.sweep.spec())?;
+        directory::claim(&self.directory, self.sweep.identity())?;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(options.threads)
             .build()?;
@@ -146,8 +149,10 @@ impl<'a> Recordings<'a> {
                 End::Whole => recorded.written += 1,
                 End::Early(why) => {
                     recorded.written += 1;
-                    recorded.failed.push((*run, why));
+                    recorded.failed.push((*run, Some(why)));
                 }
+                End::There(Found::Whole) => {}
+                End::There(Found::Early) => recorded.failed.push((*run, None)),
                 End::Interrupted => recorded.is_interrupted = true,
             }
         }
@@ -188,6 +193,12 @@ impl<'a> Recordings<'a> {
         Err(SweepError::BadRecording { path, run, reason })
     }
 
+    /// What another process has recorded of a run, whose file now has the name.
+    fn faster(&self, run: u64, error: SinkError) -> Result<End, SweepError> {
+        let found = self.found(run)?;
+        found.map(End::There).ok_or_else(|| error.into())
+    }
+
     /// Records a run as `toprise run` does.
     fn write_one(&self, run: u64, watch: &Watch<'_>) -> Result<End, SweepError> {
         let mut is_interrupted = !(watch.carry_on)();
@@ -195,8 +206,7 @@ impl<'a> Recordings<'a> {
             return Ok(End::Interrupted);
         }
         let draft = match Draft::new(&self.path(run), Existing::Keep) {
-            // Another process was faster, and came to the same bytes.
-            Err(SinkError::Exists { .. }) => return Ok(End::Whole),
+            Err(error @ SinkError::Exists { .. }) => return self.faster(run, error),
             draft => draft?,
         };
         let scenario = self.scenario(run)?;
@@ -225,7 +235,8 @@ impl<'a> Recordings<'a> {
             }
         };
         match sink.finish(&end) {
-            Ok(_) | Err(SinkError::Exists { .. }) => {}
+            Ok(_) => {}
+            Err(error @ SinkError::Exists { .. }) => return self.faster(run, error),
             Err(error) => return Err(error.into()),
         }
         (watch.done)(Some(end.stop));

@@ -6,9 +6,10 @@ use super::sample::{Method, Points, most_axes};
 use super::table::Table;
 use crate::archive::given;
 use crate::run::scenario::{KEYS, Key, Value, Values};
-use serde::Deserialize;
+use serde::de::{Deserializer, Error as _, Unexpected, Visitor};
+use serde::{Deserialize, de};
 use serde_json::{Map, Value as Json, json};
-use std::num::NonZeroU64;
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// The most rows of a sweep: parts are numbered with six digits.
@@ -122,17 +123,97 @@ pub struct Spec {
 #[serde(deny_unknown_fields)]
 struct File {
     #[serde(default)]
-    bases: Vec<String>,
-    #[serde(default)]
+    bases: Texts,
+    #[serde(default, deserialize_with = "section")]
     set: toml::Table,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "section")]
     over: toml::Table,
     sample: Option<SampleFile>,
     table: Option<String>,
-    max_steps: Option<u64>,
+    max_steps: Option<Count>,
     #[serde(default)]
-    keep: Vec<String>,
-    record: Option<NonZeroU64>,
+    keep: Texts,
+    record: Option<Count>,
+}
+
+/// A whole number from 1 on.
+#[derive(Clone, Copy, Debug)]
+struct Count(u64);
+
+impl<'de> Deserialize<'de> for Count {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let number = deserializer.deserialize_u64(Whole { least: 1 })?;
+        Ok(Self(number))
+    }
+}
+
+/// A whole number from 0 on.
+fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+    deserializer.deserialize_u64(Whole { least: 0 })
+}
+
+/// Takes whole numbers, and says so of others in words that are not Rust's.
+struct Whole {
+    least: u64,
+}
+
+impl Visitor<'_> for Whole {
+    type Value = u64;
+
+    fn expecting(&self, told: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(told, "a whole number from {} on", self.least)
+    }
+
+    fn visit_u64<E: de::Error>(self, number: u64) -> Result<u64, E> {
+        if number < self.least {
+            return Err(E::invalid_value(Unexpected::Unsigned(number), &self));
+        }
+        Ok(number)
+    }
+
+    fn visit_i64<E: de::Error>(self, number: i64) -> Result<u64, E> {
+        match u64::try_from(number) {
+            Ok(number) => self.visit_u64(number),
+            Err(_) => Err(E::invalid_value(Unexpected::Signed(number), &self)),
+        }
+    }
+}
+
+/// A list of texts.
+#[derive(Debug, Default, Deserialize)]
+#[serde(try_from = "toml::Value")]
+struct Texts(Vec<String>);
+
+impl TryFrom<toml::Value> for Texts {
+    type Error = &'static str;
+
+    fn try_from(value: toml::Value) -> Result<Self, Self::Error> {
+        let texts = value.as_array().map(|all| {
+            let texts = all.iter().map(|text| text.as_str().map(str::to_owned));
+            texts.collect::<Option<Vec<_>>>()
+        });
+        texts
+            .flatten()
+            .map(Self)
+            .ok_or("must be a list of texts in quotes, as in [\"…\", \"…\"]")
+    }
+}
+
+/// A section of keys and values.
+fn section<'de, D: Deserializer<'de>>(deserializer: D) -> Result<toml::Table, D::Error> {
+    match toml::Value::deserialize(deserializer)? {
+        toml::Value::Table(table) => Ok(table),
+        _ => Err(D::Error::custom("must be a section of keys and values")),
+    }
+}
+
+/// How the points of a sample are chosen, by name.
+fn method<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Method, D::Error> {
+    match toml::Value::deserialize(deserializer)?.as_str() {
+        Some("sobol") => Ok(Method::Sobol),
+        Some("random") => Ok(Method::Random),
+        _ => Err(D::Error::custom("must be \"sobol\" or \"random\"")),
+    }
 }
 
 /// What a spec has that a scenario has not.
@@ -148,12 +229,15 @@ const SECTIONS: [&str; 8] = [
 ];
 
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a section with count, method and seed"
+)]
 struct SampleFile {
-    count: u64,
-    #[serde(default)]
+    count: Count,
+    #[serde(default, deserialize_with = "method")]
     method: Method,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole")]
     seed: u64,
 }
 
@@ -170,6 +254,9 @@ impl Spec {
         let wrong = |reason: String| Err(SweepError::Spec(reason));
         if bases.is_empty() {
             return wrong("a sweep needs at least one preset or scenario file".to_owned());
+        }
+        if most_steps == Some(0) {
+            return wrong("max_steps = 0: a run takes at least one step".to_owned());
         }
         let (keys, rows, points) = match &design {
             Design::Grid(axes) => (keys_of(axes), grid_size(axes)?, None),
@@ -236,10 +323,10 @@ impl Spec {
             .iter()
             .map(|(key, value)| (key.clone(), plain(value)));
         let set: Vec<_> = own.chain(set.iter().cloned()).collect();
-        let words = if file.bases.is_empty() {
+        let words = if file.bases.0.is_empty() {
             vec!["paper".to_owned()]
         } else {
-            file.bases
+            file.bases.0
         };
         let bases = words.iter().map(|word| Base::open(word, folder, &set));
         let axes = file.over.iter().map(|(key, value)| match value {
@@ -253,12 +340,13 @@ impl Spec {
         let table = file.table.map(|path| Table::read(&folder.join(path)));
         let sample = file
             .sample
-            .map(|sample| (sample.count, sample.method, sample.seed));
+            .map(|sample| (sample.count.0, sample.method, sample.seed));
         let design = Design::of(axes, sample, table.transpose()?)?;
-        let spec = Self::new(bases.collect::<Result<_, _>>()?, design, file.max_steps)?;
+        let most_steps = file.max_steps.map(|count| count.0);
+        let spec = Self::new(bases.collect::<Result<_, _>>()?, design, most_steps)?;
         Ok(Self {
-            keep: file.keep,
-            record: file.record.map(NonZeroU64::get),
+            keep: file.keep.0,
+            record: file.record.map(|count| count.0),
             ..spec
         })
     }
@@ -476,7 +564,7 @@ fn grid_size(axes: &[Axis]) -> Result<u64, SweepError> {
             let Axis { key, text, .. } = axis;
             let name = key.path;
             SweepError::Spec(format!(
-                "{name}={text}: a grid needs the number of values, as in {name}=a..b/10 or a..b/10log; --sample does not"
+                "{name}={text}: a grid needs the number of values, as in {name}=a..b/10 or a..b/10log; a sample does not"
             ))
         })?;
         size.checked_mul(count)
@@ -488,7 +576,7 @@ fn grid_size(axes: &[Axis]) -> Result<u64, SweepError> {
 fn check_sample(axes: &[Axis], method: Method) -> Result<(), SweepError> {
     let wrong = |reason: String| Err(SweepError::Spec(reason));
     if axes.is_empty() {
-        return wrong("a sample needs at least one axis: --over KEY=a..b".to_owned());
+        return wrong("a sample needs at least one axis, as in friction.k = 0.01..1".to_owned());
     }
     if axes.len() > most_axes(method) {
         return wrong(format!(
@@ -591,6 +679,43 @@ mod tests {
             "[over] friction.k: a key with a dot needs quotes, as in \"friction.k\" = …"
         );
         assert!(told("[set]\nstop.duration = 2").contains("\"stop.duration\" = …"));
+    }
+
+    #[test]
+    fn what_is_wrong_in_a_file_is_told_in_plain_words() {
+        for (text, part) in [
+            ("record = 0", "expected a whole number from 1 on"),
+            ("max_steps = 0", "expected a whole number from 1 on"),
+            ("max_steps = 1e3", "expected a whole number from 1 on"),
+            ("max_steps = -1", "expected a whole number from 1 on"),
+            ("keep = \"run > 1\"", "must be a list of texts"),
+            ("keep = [1]", "must be a list of texts"),
+            ("bases = \"paper\"", "must be a list of texts"),
+            ("set = 1", "must be a section"),
+            ("over = []", "must be a section"),
+            ("sample = 10", "expected a section with count"),
+            ("sample.count = 0", "expected a whole number from 1 on"),
+            (
+                "sample = { count = 9, seed = -1 }",
+                "expected a whole number from 0 on",
+            ),
+            (
+                "sample = { count = 9, method = \"x\" }",
+                "must be \"sobol\" or \"random\"",
+            ),
+            ("sample.count = 9", "at least one axis, as in friction.k"),
+        ] {
+            let told = Spec::from_toml(text, Path::new(""), &[]).unwrap_err();
+            let told = told.to_string();
+            assert!(told.contains(part), "{text}: {told}");
+            for word in [
+                "u64", "nonzero", "sequence", "map", "struct", "variant", "--",
+            ] {
+                assert!(!told.contains(word), "{text}: {told}");
+            }
+        }
+        let none = Spec::new(paper(), Design::Grid(Vec::new()), Some(0)).unwrap_err();
+        assert!(none.to_string().contains("at least one step"), "{none}");
     }
 
     #[test]

@@ -29,6 +29,8 @@ pub fn parts_directory(table: &Path) -> PathBuf {
 /// The places of a sweep's files.
 pub(super) struct Store<'a> {
     sweep: &'a Sweep,
+    /// Its identity as text, which each seal is made from.
+    identity: String,
     table: &'a Path,
     parts: PathBuf,
 }
@@ -38,6 +40,7 @@ impl<'a> Store<'a> {
         let parts = parts_directory(table);
         Self {
             sweep,
+            identity: sweep.identity().to_string(),
             table,
             parts,
         }
@@ -60,7 +63,7 @@ impl<'a> Store<'a> {
         }
         let metadata = metadata(table).map_err(|_| exists())?;
         let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(exists)?;
-        directory::refuse_other(table, spec, self.sweep.spec())?;
+        directory::refuse_other(table, spec, self.sweep.identity())?;
         let counts = entry(&metadata, COUNTS_ENTRY).ok_or_else(exists)?;
         serde_json::from_str(counts).map(Some).map_err(|_| exists())
     }
@@ -70,7 +73,7 @@ impl<'a> Store<'a> {
     /// # Errors
     /// [`SweepError::Changed`] if it is of another one.
     pub(super) fn open(&self) -> Result<(), SweepError> {
-        directory::claim(&self.parts, self.sweep.spec())
+        directory::claim(&self.parts, self.sweep.identity())
     }
 
     /// Finds whether the directory of the parts, if there is one, is of this sweep.
@@ -78,7 +81,7 @@ impl<'a> Store<'a> {
     /// # Errors
     /// [`SweepError::Changed`] if it is of another one.
     pub(super) fn check_parts(&self) -> Result<(), SweepError> {
-        directory::check(&self.parts, self.sweep.spec())
+        directory::check(&self.parts, self.sweep.identity())
     }
 
     /// Refuses a name that the table can't get, as one that is too long, before anything is computed for it.
@@ -111,12 +114,26 @@ impl<'a> Store<'a> {
         self.checked(part).map(|_| true)
     }
 
+    /// How the rows of a part that is there came out.
+    ///
+    /// # Errors
+    /// [`SweepError::BadPart`] if it is something else.
+    pub(super) fn counts(&self, part: u64) -> Result<Counts, SweepError> {
+        self.counts_in(&self.checked(part)?, part)
+    }
+
+    fn counts_in(&self, metadata: &ParquetMetaData, part: u64) -> Result<Counts, SweepError> {
+        let text = entry(metadata, COUNTS_ENTRY);
+        let counts = text.and_then(|text| serde_json::from_str(text).ok());
+        counts.ok_or_else(|| self.bad(part, "its counts are missing"))
+    }
+
     /// Writes a part: whole, or not at all.
     ///
     /// # Errors
     /// [`SweepError::Sink`] if the disk is full, or the like.
     pub(super) fn write(&self, part: u64, mut bytes: Vec<u8>) -> Result<(), SweepError> {
-        seal(&mut bytes, self.sweep.spec(), part);
+        seal(&mut bytes, &self.identity, part);
         match publish::write(&self.part(part), Existing::Keep, &bytes) {
             // Another process that computes the same part was faster, and came to the same bytes.
             Ok(()) | Err(SinkError::Exists { .. }) => Ok(()),
@@ -133,9 +150,7 @@ impl<'a> Store<'a> {
         let mut schema = None;
         for part in 0..self.sweep.parts() {
             let metadata = self.checked(part)?;
-            let own =
-                entry(&metadata, COUNTS_ENTRY).and_then(|text| serde_json::from_str(text).ok());
-            counts.add(own.ok_or_else(|| self.bad(part, "its counts are missing"))?);
+            counts.add(self.counts_in(&metadata, part)?);
             schema.get_or_insert(metadata);
         }
         let Some(first) = schema else {
@@ -199,36 +214,38 @@ impl<'a> Store<'a> {
             .next()
             .and_then(|digits| digits.parse().ok());
         let part = digits.filter(|part| *part < self.sweep.parts());
-        let table = self.table.file_name().unwrap_or_default();
+        let table = publish::name_in_drafts(self.table);
         let is_other_draft = is_file(SPEC_FILE) || is_file(&table.to_string_lossy());
         part.is_some_and(|part| is_file(&part_name(part))) || is_draft && is_other_draft
     }
 
+    /// Copies the parts into a draft of the table.
     fn copy(
         &self,
         draft: &mut Draft,
         first: &ParquetMetaData,
         counts: &Counts,
     ) -> Result<(), SweepError> {
+        let cannot_write = |error| cannot_write(self.table, error);
         let file = first.file_metadata();
         let arrow = file.key_value_metadata().into_iter().flatten();
         let mut entries: Vec<_> = arrow
             .filter(|entry| ![COUNTS_ENTRY, SEAL_ENTRY].contains(&entry.key.as_str()))
             .cloned()
             .collect();
-        let spec = self.sweep.spec().to_json().to_string();
-        entries.push(KeyValue::new(SPEC_ENTRY.to_owned(), spec));
+        entries.push(KeyValue::new(SPEC_ENTRY.to_owned(), self.identity.clone()));
         entries.push(counts_entry(counts)?);
         let schema = file.schema_descr().root_schema_ptr();
         let output = BufWriter::new(draft);
-        let mut writer = SerializedFileWriter::new(output, schema, Arc::new(properties(entries)))?;
+        let writer = SerializedFileWriter::new(output, schema, Arc::new(properties(entries)));
+        let mut writer = writer.map_err(cannot_write)?;
         for part in 0..self.sweep.parts() {
             let path = self.part(part);
             // Checked before.
             let metadata = metadata(&path).map_err(|error| self.bad(part, &error.to_string()))?;
             let file = File::open(&path).map_err(SweepError::io("read", &path))?;
             for group in metadata.row_groups() {
-                let mut copy = writer.next_row_group()?;
+                let mut copy = writer.next_row_group().map_err(cannot_write)?;
                 for column in group.columns() {
                     let close = ColumnCloseResult {
                         bytes_written: column.compressed_size() as u64,
@@ -238,12 +255,13 @@ impl<'a> Store<'a> {
                         column_index: None,
                         offset_index: None,
                     };
-                    copy.append_column(&file, close)?;
+                    let copied = copy.append_column(&file, close);
+                    copied.map_err(cannot_write)?;
                 }
-                copy.close()?;
+                copy.close().map_err(cannot_write)?;
             }
         }
-        writer.close()?;
+        writer.close().map_err(cannot_write)?;
         Ok(())
     }
 
@@ -257,7 +275,7 @@ impl<'a> Store<'a> {
         let bytes = fs::read(&path).map_err(SweepError::io("read", &path))?;
         let is_own = |found: &ParquetMetaData| {
             let seal = entry(found, SEAL_ENTRY);
-            seal.is_some_and(|seal| is_sealed(bytes, seal, self.sweep.spec(), part))
+            seal.is_some_and(|seal| is_sealed(bytes, seal, &self.identity, part))
         };
         let found = metadata(&path).ok().filter(is_own);
         found.ok_or_else(|| self.bad(part, "it is damaged, or of another sweep"))
@@ -268,6 +286,17 @@ impl<'a> Store<'a> {
             path: self.part(part),
             reason: reason.to_owned(),
         }
+    }
+}
+
+/// Why a table can't be written: the system's reason, where there is one, and not how the Parquet writer wraps it.
+fn cannot_write(table: &Path, error: ParquetError) -> SweepError {
+    let ParquetError::External(cause) = error else {
+        return error.into();
+    };
+    match cause.downcast() {
+        Ok(reason) => SweepError::io("write", table)(*reason),
+        Err(cause) => ParquetError::External(cause).into(),
     }
 }
 
@@ -291,4 +320,19 @@ fn entry<'a>(metadata: &'a ParquetMetaData, name: &str) -> Option<&'a str> {
     let entries = metadata.file_metadata().key_value_metadata()?;
     let found = entries.iter().find(|entry| entry.key == name)?;
     found.value.as_deref()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_system_refuses_is_told_with_the_name_of_the_table() {
+        let full = io::Error::from(io::ErrorKind::StorageFull);
+        let told = cannot_write(Path::new("a.parquet"), full.into()).to_string();
+        assert_eq!(told, "cannot write a.parquet: no storage space");
+        let other = ParquetError::General("odd".to_owned());
+        let told = cannot_write(Path::new("a.parquet"), other).to_string();
+        assert!(told.ends_with("odd"), "{told}");
+    }
 }

@@ -3,7 +3,7 @@
 use super::axis::find_key;
 use super::cells::{Cells, cells};
 use super::error::SweepError;
-use crate::archive::given::open_file;
+use crate::archive::given::{open_file, read_text};
 use crate::run::scenario::{Key, Value, hex};
 use arrow_array::{Array, RecordBatch};
 use arrow_schema::Schema;
@@ -11,7 +11,6 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value as Json;
 use sha2::{Digest as _, Sha256};
 use std::fs::File;
-use std::io;
 use std::path::Path;
 
 /// A table with a column for each key that varies. Where a cell is empty, the base's own value holds.
@@ -146,41 +145,90 @@ fn is_nameless_index(name: &str) -> bool {
 }
 
 fn from_csv(file: File) -> Result<Table, String> {
-    let mut text = io::read_to_string(file).map_err(|error| error.to_string())?;
+    let text = read_text(file).map_err(|error| error.to_string())?;
+    let mut text = text.trim_start_matches('\u{feff}').to_owned();
     let header = csv_reader(&text).headers().cloned();
     let header = header.map_err(|error| error.to_string())?;
     if header.len() == 1 {
         text = with_empty_cells(&text);
     }
-    let keys = header.iter().map(find_key);
+    // A column without a name is an index that pandas has written.
     let mut columns = Vec::new();
-    for key in keys {
-        columns.push(Column {
-            key: key.map_err(|error| error.to_string())?,
+    for name in &header {
+        let column = |key| Column {
+            key,
             cells: Vec::new(),
+        };
+        columns.push(match name {
+            "" => None,
+            name => Some(column(find_key(name).map_err(|error| error.to_string())?)),
         });
     }
-    let mut rows = 0;
+    let mut rows: u64 = 0;
     for record in csv_reader(&text).records() {
-        let record = record.map_err(|error| error.to_string())?;
-        rows += 1;
-        for (Column { key, cells }, text) in columns.iter_mut().zip(&record) {
-            let value = if text.is_empty() {
-                None
-            } else if key.kind.is_text() {
-                Some(Value::Text(text.to_owned()))
-            } else {
-                let number = text.parse().map(Value::Number);
-                let told = |_| format!("row {rows}: {} = {text:?} is no number", key.path);
-                Some(number.map_err(told)?)
-            };
-            cells.push(value);
+        let record = record.map_err(|error| csv_error(&error, &text))?;
+        let told = |reason: String| {
+            let line = record.position().map_or(0, |start| line(start, &text));
+            format!("line {line}: {reason}")
+        };
+        for (column, cell) in columns.iter_mut().zip(&record) {
+            match column {
+                Some(Column { key, cells }) => cells.push(csv_cell(key, cell).map_err(told)?),
+                None if cell.parse() == Ok(rows) => {}
+                None => {
+                    let reason = format!(
+                        "{cell:?} is in a column without a name, which may only count the rows (0, 1, 2, …): name it, or leave it out"
+                    );
+                    return Err(told(reason));
+                }
+            }
         }
+        rows += 1;
     }
     if rows == 0 {
         return Err("there are no rows".to_owned());
     }
+    let columns = columns.into_iter().flatten().collect();
     Ok(Table { columns, rows })
+}
+
+/// A cell of a CSV file: empty, a word or a number.
+fn csv_cell(key: &Key, cell: &str) -> Result<Option<Value>, String> {
+    if cell.is_empty() {
+        return Ok(None);
+    }
+    if key.kind.is_text() {
+        return Ok(Some(Value::Text(cell.to_owned())));
+    }
+    let number = cell.parse().map(|number| Some(Value::Number(number)));
+    number.map_err(|_| format!("{} = {cell:?} is no number", key.path))
+}
+
+/// What is wrong with a CSV file, with the line in which it is.
+fn csv_error(error: &csv::Error, text: &str) -> String {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths {
+            pos: Some(start),
+            expected_len,
+            len,
+        } => {
+            let cells = if *len == 1 { "cell" } else { "cells" };
+            let line = line(start, text);
+            format!("line {line} has {len} {cells}, and the header {expected_len}")
+        }
+        _ => error.to_string(),
+    }
+}
+
+/// The number, from 1, of the line of the text in which a record starts: its position is where the one before it ended.
+fn line(start: &csv::Position, text: &str) -> usize {
+    let is_end = |byte: &u8| matches!(byte, b'\r' | b'\n');
+    let (before, rest) = text
+        .as_bytes()
+        .split_at((start.byte() as usize).min(text.len()));
+    let passed = rest.iter().take_while(|byte| is_end(byte));
+    let all = before.iter().chain(passed);
+    1 + all.filter(|byte| **byte == b'\n').count()
 }
 
 fn csv_reader(text: &str) -> csv::Reader<&[u8]> {
@@ -209,5 +257,67 @@ fn cells_of(key: &Key, column: &dyn Array) -> Result<Cells, String> {
     match cells.iter().flatten().find(is_wrong) {
         Some(value) => Err(format!("{value}: must be {}", key.kind)),
         None => Ok(cells),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write as _;
+
+    fn read(text: impl AsRef<[u8]>) -> Result<Table, String> {
+        let mut file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
+        file.write_all(text.as_ref()).unwrap();
+        let path = format!("{}: ", file.path().display());
+        Table::read(file.path()).map_err(|error| error.to_string().replace(&path, ""))
+    }
+
+    /// What `DataFrame.to_csv` writes.
+    #[test]
+    fn an_index_of_pandas_in_a_csv_file_is_passed_over() {
+        let plain = read("friction_k,initial.phi\n0.1,1\n0.2,\n").unwrap();
+        let table = read(",friction_k,initial.phi\n0,0.1,1\n1,0.2,\n").unwrap();
+        assert_eq!(table.rows(), 2);
+        assert_eq!(table.digest(), plain.digest());
+        // What counts nothing could be meant as values.
+        for text in [
+            ",friction_k\n0,0.1\n2,0.2\n",
+            ",friction_k\n0,0.1\n,0.2\n",
+            ",friction_k\n0,0.1\n0.5,0.2\n",
+        ] {
+            let told = read(text).unwrap_err();
+            assert!(told.starts_with("line 3: "), "{told}");
+            assert!(told.contains("without a name"), "{told}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_in_a_csv_file_is_told_with_its_line() {
+        for (text, told) in [
+            (
+                "friction_k\n0.1\nfast\n",
+                "line 3: friction.k = \"fast\" is no number",
+            ),
+            (
+                "friction_k\n\n\nfast\n",
+                "line 4: friction.k = \"fast\" is no number",
+            ),
+            (
+                "friction_k,initial.phi\r\n0.1,1\r\n\r\n\r\n0.2,fast",
+                "line 5: initial.phi = \"fast\" is no number",
+            ),
+            (
+                "\u{feff}friction_k,initial.phi\n\"0.1\",1\n0.2,\"fast\"\n",
+                "line 3: initial.phi = \"fast\" is no number",
+            ),
+            (
+                "friction_k,initial.phi\n0.1,1\n\n0.2\n",
+                "line 4 has 1 cell, and the header 2",
+            ),
+        ] {
+            assert_eq!(read(text).unwrap_err(), told, "{text:?}");
+        }
+        let told = read(b"friction_k\n\xff\n").unwrap_err();
+        assert_eq!(told, "it is not a text in UTF-8");
     }
 }

@@ -34,7 +34,8 @@ pub struct Options {
     pub threads: usize,
     /// Computes the parts of this share alone, and doesn't merge.
     pub shard: Option<Shard>,
-    /// Ends at the first row with an error instead of going on.
+    /// Ends at the first row with an error instead of going on: of all rows or those of the share, whether they are
+    /// computed now or were there.
     pub fail_fast: bool,
 }
 
@@ -68,62 +69,80 @@ pub fn run(
 ) -> Result<Finished, SweepError> {
     check_name(table)?;
     let store = Store::new(sweep, table);
+    let mut finished = Finished::default();
     let result = match store.finished()? {
-        Some(_) => Ok(Finished::default()),
-        None => complete(&store, sweep, options, watch),
+        Some(_) => Ok(()),
+        None => complete(&store, sweep, options, watch, &mut finished),
     };
     // What is missing may have been completed elsewhere meanwhile, and the parts cleared away.
     let merged = store.finished().ok().flatten();
-    let mut finished = match result {
+    match result {
         Err(error @ SweepError::Row { .. }) => return Err(error),
         Err(error) if merged.is_none() => return Err(error),
-        result => result.unwrap_or_default(),
-    };
+        _ => {}
+    }
     if let Some(counts) = merged {
         store.clear_rest();
+        if options.fail_fast {
+            refuse(counts.first_error.as_ref())?;
+        }
         finished.counts = counts;
         finished.is_merged = true;
     }
     Ok(finished)
 }
 
-/// Computes the parts that are missing, and merges all unless that is left to another process.
+/// Ends a sweep with the error of a row, if there is one.
+fn refuse(error: Option<&RowError>) -> Result<(), SweepError> {
+    match error.cloned() {
+        Some(RowError { run, error }) => Err(SweepError::Row { run, error }),
+        None => Ok(()),
+    }
+}
+
+/// Computes the parts that are missing, and merges all unless that is left to another process. What was done is told even
+/// if that fails.
 fn complete(
     store: &Store<'_>,
     sweep: &Sweep,
     options: &Options,
     watch: &Watch<'_>,
-) -> Result<Finished, SweepError> {
+    finished: &mut Finished,
+) -> Result<(), SweepError> {
     store.open()?;
     store.check_table()?;
-    let to_do: Vec<u64> = missing(store, sweep, options.shard).collect::<Result<_, _>>()?;
+    let mut to_do: Vec<u64> = missing(store, sweep, options.shard).collect::<Result<_, _>>()?;
+    let failed = match options.fail_fast {
+        true => first_failed(store, sweep, options.shard)?,
+        false => None,
+    };
+    if let Some((part, _)) = failed {
+        to_do.retain(|missing| *missing < part);
+    }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()?;
-    let mut finished = Finished::default();
     // One part is computed while another one is written.
     let (sender, receiver) = sync_channel(0);
     let written = thread::scope(|scope| {
         let writer = scope.spawn(|| write_all(store, receiver));
         let computed = pool.install(|| {
             let mut to_do = to_do.into_iter();
-            to_do.try_for_each(|part| compute(sweep, part, options, watch, &sender, &mut finished))
+            to_do.try_for_each(|part| compute(sweep, part, options, watch, &sender, finished))
         });
         drop(sender);
         let written = writer.join();
         let written = written.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        written.and(match computed {
-            ControlFlow::Break(Some(RowError { run, error })) => {
-                Err(SweepError::Row { run, error })
-            }
-            ControlFlow::Break(None) | ControlFlow::Continue(()) => Ok(()),
-        })
+        written.and(refuse(computed.break_value().flatten().as_ref()))
     });
     written?;
+    if !finished.is_interrupted {
+        refuse(failed.map(|(_, error)| error).as_ref())?;
+    }
     if options.shard.is_none() && !finished.is_interrupted {
         store.merge()?;
     }
-    Ok(finished)
+    Ok(())
 }
 
 /// How many rows a run would have to compute; an error if what is there is of another sweep.
@@ -156,20 +175,39 @@ fn check_name(table: &Path) -> Result<(), SweepError> {
     )))
 }
 
+/// All parts, or those of a share, in order.
+fn parts(sweep: &Sweep, shard: Option<Shard>) -> impl Iterator<Item = u64> {
+    let is_own = move |part: &u64| shard.is_none_or(|shard| shard.has(*part));
+    (0..sweep.parts()).filter(is_own)
+}
+
 /// The parts that are not there, in order; an error for one that is something else.
 fn missing(
     store: &Store<'_>,
     sweep: &Sweep,
     shard: Option<Shard>,
 ) -> impl Iterator<Item = Result<u64, SweepError>> {
-    let is_own = move |part: &u64| shard.is_none_or(|shard| shard.has(*part));
-    (0..sweep.parts())
-        .filter(is_own)
-        .filter_map(|part| match store.has(part) {
-            Ok(true) => None,
-            Ok(false) => Some(Ok(part)),
-            Err(error) => Some(Err(error)),
-        })
+    parts(sweep, shard).filter_map(|part| match store.has(part) {
+        Ok(true) => None,
+        Ok(false) => Some(Ok(part)),
+        Err(error) => Some(Err(error)),
+    })
+}
+
+/// The first part that is there and has a row with an error, and that row.
+fn first_failed(
+    store: &Store<'_>,
+    sweep: &Sweep,
+    shard: Option<Shard>,
+) -> Result<Option<(u64, RowError)>, SweepError> {
+    for part in parts(sweep, shard) {
+        if store.has(part)?
+            && let Some(error) = store.counts(part)?.first_error
+        {
+            return Ok(Some((part, error)));
+        }
+    }
+    Ok(None)
 }
 
 /// Computes a part and hands it on. Breaks off if it was interrupted, if it can't be handed on, which the writer tells,
@@ -182,19 +220,24 @@ fn compute(
     sender: &SyncSender<Computed>,
     finished: &mut Finished,
 ) -> ControlFlow<Option<RowError>> {
-    let rows = sweep.rows_of(part);
-    let count = rows.end - rows.start;
-    if options.fail_fast
-        && let Some(error) = first_refused(sweep, rows.clone())
-    {
-        return ControlFlow::Break(Some(error));
+    let mut rows = sweep.rows_of(part);
+    let refused = match options.fail_fast {
+        true => first_refused(sweep, rows.clone()),
+        false => None,
+    };
+    if let Some(error) = &refused {
+        // Of the rows before it another one may fail; those after it don't matter.
+        rows.end = error.run;
     }
+    let count = rows.end - rows.start;
     let Some((batch, counts)) = sweep.batch(rows, watch) else {
         finished.is_interrupted = true;
         return ControlFlow::Break(None);
     };
-    if options.fail_fast && counts.first_error.is_some() {
-        return ControlFlow::Break(counts.first_error);
+    if options.fail_fast
+        && let Some(error) = counts.first_error.clone().or(refused)
+    {
+        return ControlFlow::Break(Some(error));
     }
     finished.computed += count;
     finished.counts.add(counts.clone());

@@ -273,7 +273,7 @@ fn laws_are_listed() {
     assert_eq!(names.collect::<Vec<_>>(), listed);
     let parameter = &json[1]["parameters"][0];
     assert_eq!(parameter["key"], "friction.k");
-    assert_eq!(parameter["allowed"], "a number from 0.0 to 100.0");
+    assert_eq!(parameter["allowed"], "a number from 0 to 100");
 }
 
 #[test]

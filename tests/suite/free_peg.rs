@@ -127,8 +127,6 @@ fn scenario_of(command: &str, end: f64) -> Scenario {
         ("friction.dissipation", "full"),
         ("stop.on_stick", "continue"),
         ("sampling.period", "1.0"),
-        ("integrator.relative_tolerance", "1e-13"),
-        ("integrator.absolute_tolerance", "1e-13"),
         ("initial.center_x", "0.0"),
         ("initial.center_y", "0.0"),
     ]
@@ -603,8 +601,6 @@ fn events_are_those_of_the_motion_where_phases_change() {
     }
 }
 
-/// A peg that rolls and is then held no longer: how the slip begins decides what follows. The numbers are from an
-/// independent integration of the equations with SciPy's DOP853, in which the slip begins with 1e-10 or 1e-11 m/s.
 /// Started at the slow root, a top that rolls precesses without nodding; at that of a top whose peg slides, it nods.
 #[test]
 fn val_a_rolling_top_precesses_regularly_at_its_root() {
@@ -617,10 +613,12 @@ fn val_a_rolling_top_precesses_regularly_at_its_root() {
     let root = start.precession_roots.unwrap().slow;
     let regular = run(root);
     assert!((regular.samples[0].precession_roots.unwrap().slow - root).abs() < 1e-12);
+    // What a nutation that begins with the rounding of the root has grown to.
     for sample in &regular.samples {
-        assert_near("θ", sample.angles.theta, 0.5, 1e-9);
-        assert_near("φ̇", sample.tilt.rates.phi, root, 1e-8);
+        assert_near("θ", sample.angles.theta, 0.5, 1e-12);
+        assert_near("φ̇", sample.tilt.rates.phi, root, 1e-10);
     }
+    // The other root is off by a fourth.
     let central = scenario("paper", &[]).model.top.about_center();
     let sliding = central.precession_roots(&start.tilt).unwrap().slow;
     let nodding = run(sliding);
@@ -634,6 +632,8 @@ fn val_a_rolling_top_precesses_regularly_at_its_root() {
     assert!(nodding.samples.iter().any(nods));
 }
 
+/// A peg that rolls and is then held no longer: how the slip begins decides what follows. The numbers are from an
+/// independent integration of the equations with SciPy's DOP853, in which the slip begins with 1e-10 or 1e-11 m/s.
 #[test]
 fn val_a_rolling_peg_gives_way() {
     let keys = [
@@ -654,6 +654,103 @@ fn val_a_rolling_peg_gives_way() {
     assert_near("rolls again", rolls[1], 0.123_451_906_8, 2e-10);
     let theta = run.end.motion.angles.theta;
     assert_near("θ at the end", theta, 0.434_993_699_20, 2e-10);
+}
+
+/// A first hop of 172 µs, and slip that begins slowly where rolling ends. The numbers are from an independent integration of
+/// the equations by extrapolation of order 18 in numbers of 80 bits; the bounds are those of the references.
+#[test]
+fn val_shallow_hops_and_slow_departures() {
+    let run = |k: &str, duration: &str| {
+        let keys = [
+            ("friction.k", k),
+            ("stop.theta_risen", ""),
+            ("stop.theta_fallen", ""),
+            ("stop.duration", duration),
+        ];
+        Run::of(&scenario("free-paper", &keys))
+    };
+    let times = |run: &Run, kind| -> Vec<f64> {
+        let of_kind = run.events.iter().filter(|event| event.kind == kind);
+        of_kind.map(|event| event.time).collect()
+    };
+    let shallow = run("0.017", "9");
+    let (up, down) = (
+        times(&shallow, EventKind::LiftOff),
+        times(&shallow, EventKind::Landing),
+    );
+    assert_eq!((up.len(), down.len()), (45, 45));
+    assert_near("lifts off", up[0], 6.406_115_721_686_595, 1e-9 * up[0]);
+    assert_near("lands", down[0], 6.406_287_362_676_669, 1e-7 * down[0]);
+    assert_near("lifts off again", up[1], 6.428_131_670_657, 1e-7 * up[1]);
+    let slow = run("1.5", "0.07");
+    assert_eq!(times(&slow, EventKind::SlipStops), [0.0; 0]);
+    let ends = times(&slow, EventKind::RollEnds);
+    assert_near("rolls no longer", ends[1], 0.061_793_477_17, 1e-9);
+    let up = times(&slow, EventKind::LiftOff);
+    assert_near("third lift-off", up[2], 0.066_961_890_40, 1e-9);
+    // It did not end in a minute.
+    let keys = [
+        ("friction.k", "1.923"),
+        ("rolling.arm", "1.06e-5"),
+        ("initial.phi_dot", "6.703"),
+        ("initial.psi_dot", "-116.2"),
+        ("initial.theta", "0.8013"),
+        ("stop.theta_risen", ""),
+        ("stop.theta_fallen", ""),
+        ("stop.duration", "0.05"),
+    ];
+    let rolling = Run::of(&scenario("free-paper", &keys));
+    assert_eq!(times(&rolling, EventKind::SlipStops), [0.0; 0]);
+    assert!(rolling.end.statistics.accepted < 20_000);
+}
+
+/// The dense output of a long step errs by more than the height of a peg that has just lifted off.
+#[test]
+fn a_peg_lifts_off_at_loose_tolerances_too() {
+    for tolerance in ["1e-9", "1e-8", "1e-7"] {
+        let keys = [
+            ("integrator.relative_tolerance", tolerance),
+            ("integrator.absolute_tolerance", tolerance),
+            ("stop.duration", "4"),
+        ];
+        let run = Run::of(&scenario("free-paper", &keys));
+        let count = |kind| run.events.iter().filter(|event| event.kind == kind).count();
+        // As at 1e-12, the preset's.
+        assert_eq!(count(EventKind::LiftOff), 35, "{tolerance}");
+        assert_eq!(count(EventKind::Landing), 34, "{tolerance}");
+        for hit in &run.impacts {
+            assert!(hit.before.z < 0.0, "{tolerance}: {}", hit.time);
+        }
+    }
+}
+
+/// Where an impact ends the run, its end is behind the impact.
+#[test]
+fn a_run_that_a_landing_ends_ends_behind_it() {
+    let run = |keys: &[(&str, &str)]| {
+        let common = [("support.restitution", "0"), ("friction.k", "1.5")];
+        let scenario = scenario("drop", &[&common, keys].concat());
+        Run::of(&scenario)
+    };
+    let held = run(&[("stop.on_stick", "stop")]);
+    assert_eq!(held.end.stop, StopReason::SlipStopped);
+    let duration = format!("{:?}", held.end.time);
+    for run in [held, run(&[("stop.duration", &duration)])] {
+        let [hit] = run.impacts.as_slice() else {
+            panic!("{} impacts", run.impacts.len());
+        };
+        let event = run.events.last().unwrap();
+        assert_eq!(
+            (event.kind, event.time),
+            (EventKind::RollBegins, run.end.time)
+        );
+        assert_eq!(run.end.motion, event.motion);
+        let lost = run.end.energy_at_start - run.end.energy;
+        let taken = hit.normal_loss + hit.friction_loss;
+        assert!(taken > 0.001);
+        // The rounding of energies of about 1 J.
+        assert_near("energy", lost, taken, 1e-14);
+    }
 }
 
 /// P. Painlevé's paradox, C. R. Acad. Sci. 121 (1895) 112: where `W_zz = k W_xz d_x` no normal force keeps the peg out of

@@ -44,6 +44,20 @@ const NOT_PRECESSING: (&str, &str) = ("initial.phi_dot", "0");
 #[test]
 fn what_is_told_of_free_pegs_is_what_happened() {
     let cases = [
+        // A landing ends it, behind the last sample.
+        Expected {
+            preset: "drop",
+            keys: &[
+                ("support.restitution", "0"),
+                ("friction.k", "1.5"),
+                ("stop.on_stick", "stop"),
+            ],
+            told: &[
+                "It landed as the run ended.",
+                "What follows is told up to the last sample, at 0.0310 s: an impact came after it, at 0.0318 s.",
+            ],
+            not_told: &["had not come to stay"],
+        },
         // It falls while it rolls: nothing bounds its inclination, and Routh's integral is zero.
         Expected {
             preset: "free-paper",

@@ -44,14 +44,20 @@ fn the_digest_is_that_of_the_run_not_of_its_name() {
 #[test]
 fn each_error_names_key_value_and_what_is_allowed() {
     for (overrides, parts) in [
-        (&[("top.mass", "-1")][..], &["top.mass", "-1", "> 0"][..]),
-        (&[("top.mass", "0")], &["top.mass", "0", "> 0"]),
+        (
+            &[("top.mass", "-1")][..],
+            &["top.mass", "-1", "from 1e-30"][..],
+        ),
+        (&[("top.mass", "0")], &["top.mass", "0", "from 1e-30"]),
         (
             &[("top.transverse_moment", "-1e-5")],
-            &["top.transverse_moment", "> 0"],
+            &["top.transverse_moment", "from 1e-30"],
         ),
-        (&[("top.peg_radius", "0")], &["top.peg_radius", "> 0"]),
-        (&[("top.mass", "inf")], &["top.mass", "inf", "finite"]),
+        (
+            &[("top.peg_radius", "0")],
+            &["top.peg_radius", "from 1e-15"],
+        ),
+        (&[("top.mass", "inf")], &["top.mass", "inf", "from 1e-30"]),
         (&[("initial.phi", "nan")], &["initial.phi", "NaN", "finite"]),
         (&[("top.mass", "heavy")], &["top.mass", "heavy", "number"]),
         (&[("top.mass", "\"0.1\"")], &["top.mass", "number"]),
@@ -176,7 +182,7 @@ fn each_error_names_key_value_and_what_is_allowed() {
         ),
         (
             &[("rolling.arm", "-1e-4")],
-            &["rolling.arm", "-1e-4", "0.0 to 1.0"],
+            &["rolling.arm", "-1e-4", "0 to 1"],
         ),
         (&[("air.axial", "nan")], &["air.axial", "NaN"]),
         (
@@ -357,6 +363,16 @@ fn a_number_that_is_refused_is_told_without_rows_of_zeros() {
             "initial.psi_dot = 12345678: must be",
         ),
         ("top.mass", "-0.001", "top.mass = -0.001: must be"),
+        (
+            "top.mass",
+            "1e31",
+            "top.mass = 1e31: must be a number from 1e-30 to 1e30",
+        ),
+        (
+            "top.mass",
+            "1",
+            "top.transverse_moment = 8.52e-5: must be more than 4e-4 kg m²",
+        ),
         (
             "top.center_distance",
             "-1",

@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use toprise::run::outcome;
 use toprise::run::outcome::Cell;
-use toprise::run::scenario::Scenario;
+use toprise::run::scenario::{Scenario, Value};
 use toprise::sweep::{
     Axis, Base, Choice, Design, Finished, Method, Options, Recorded, Recordings, RunResult, Shard,
     Spec, Sweep, SweepError, Table, Watch, check_recordings, parts_directory, recordings_directory,
@@ -213,6 +213,26 @@ fn panicking(scenario: &Scenario, carry_on: &mut dyn FnMut() -> bool) -> RunResu
     outcome(scenario, carry_on)
 }
 
+/// `--set` takes the numbers that `--over` takes, and leaves texts as they are.
+#[test]
+fn numbers_need_no_digit_on_both_sides_of_the_point() {
+    let set = [
+        ("initial.theta", ".5"),
+        ("friction.k", "1."),
+        ("description", ".5"),
+    ];
+    let set = set.map(|(key, text)| (key.to_owned(), text.to_owned()));
+    let base = Base::open("paper", Path::new(""), &set).unwrap();
+    let found = |key| base.values.get(key).cloned();
+    assert_eq!(found("initial.theta"), Some(Value::Number(0.5)));
+    assert_eq!(found("friction.k"), Some(Value::Number(1.0)));
+    assert_eq!(found("description"), Some(Value::Text(".5".to_owned())));
+    for text in ["fast", "inf", "nan", "1.5.", "--1"] {
+        let set = [("initial.psi_dot".to_owned(), text.to_owned())];
+        assert!(Base::open("paper", Path::new(""), &set).is_err(), "{text}");
+    }
+}
+
 /// A table leaves a key to the base where a cell is empty.
 #[test]
 fn a_key_that_each_row_of_a_table_has_is_not_set_too() {
@@ -291,6 +311,57 @@ fn a_sweep_may_end_at_the_first_error() {
     let error = compute(&sweep, &table, &options).unwrap_err().to_string();
     assert!(error.starts_with("run 2: initial.theta = 4"), "{error}");
     assert!(!table.exists());
+}
+
+/// What is there is ended at too: the first row in order.
+#[test]
+fn regress_a_first_error_may_be_in_a_part_or_table_that_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a.parquet");
+    // The third of four parts has the first inclinations from which tops have fallen, the fourth has no others.
+    let sweep = Sweep::new(spec(&[("initial.theta", "0.2..2.2/4000")]));
+    let shard = |index| Some(Shard { index, count: 4 });
+    let go = |shard, fail_fast| {
+        let options = Options {
+            shard,
+            fail_fast,
+            ..Options::default()
+        };
+        compute(&sweep, &table, &options)
+    };
+    let told = |result: Result<Finished, SweepError>| match result {
+        Err(SweepError::Row { run, .. }) => Some(run),
+        Ok(_) => None,
+        Err(other) => panic!("{other}"),
+    };
+    assert_eq!(told(go(shard(3), false)), None);
+    assert_eq!(told(go(shard(3), true)), Some(3000));
+    assert_eq!(told(go(shard(0), true)), None);
+    // The part that is missing comes before the one that is there.
+    let first = sweep.rows_of(2).find(|row| sweep.scenario(*row).is_err());
+    assert!(first.is_some_and(|row| row > 2000), "{first:?}");
+    assert_eq!(told(go(None, true)), first);
+    assert_eq!(told(go(shard(2), false)), None);
+    assert_eq!(told(go(None, true)), first);
+    assert!(!table.exists());
+    assert_eq!(told(go(None, false)), None);
+    assert!(table.exists());
+    assert_eq!(told(go(None, true)), first);
+}
+
+/// A row whose run fails comes before one whose values make no scenario.
+#[test]
+fn regress_the_first_error_is_the_first_whatever_its_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a.parquet");
+    let mut spec = spec(&[("stop.duration", "0.002,10,-1")]);
+    spec.most_steps = Some(500);
+    let options = Options {
+        fail_fast: true,
+        ..Options::default()
+    };
+    let error = compute(&Sweep::new(spec), &table, &options).unwrap_err();
+    assert!(matches!(error, SweepError::Row { run: 1, .. }), "{error}");
 }
 
 #[test]
@@ -661,6 +732,30 @@ fn recordings_are_kept_and_completed_but_never_replaced() {
     assert!(matches!(refused, SweepError::Changed { .. }), "{refused}");
 }
 
+/// What has appeared since the first look is looked at as what was there.
+#[test]
+fn regress_recordings_of_another_process_are_not_taken_for_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2,0.3")]));
+    let table = folder.path().join("a.parquet");
+    compute(&sweep, &table, &Options::default()).unwrap();
+    let all = choice(&[], Some(3), &sweep);
+    let find = || Recordings::find(&sweep, &table, &all, None).unwrap();
+    let write = |recordings: &Recordings<'_>| {
+        everything(|watch| recordings.write(&Options::default(), watch))
+    };
+    let (late, later) = (find(), find());
+    assert_eq!(write(&find()).unwrap().written, 3);
+    assert_eq!(write(&late).unwrap(), Recorded::default());
+    let other = recordings_directory(&table).join("000001.mcap");
+    fs::copy(recordings_directory(&table).join("000000.mcap"), other).unwrap();
+    let refused = write(&later).unwrap_err();
+    assert!(
+        matches!(refused, SweepError::BadRecording { run: 1, .. }),
+        "{refused}"
+    );
+}
+
 #[test]
 fn the_command_records_runs_as_run_does() {
     let folder = tempfile::tempdir().unwrap();
@@ -755,6 +850,13 @@ fn sweeps_are_drawn_as_maps_and_curves() {
         told.contains("there is no column friction; there are run, scenario"),
         "{told}"
     );
+    let twice = "figures --sweep a.parquet --x friction_k --y friction.k -o d";
+    let (code, _, told) = toprise(folder, twice);
+    assert_eq!(code, 2);
+    assert!(
+        told.contains("--x and --y are both friction_k: choose two columns"),
+        "{told}"
+    );
 }
 
 /// A part is taken for that of this sweep only if it is, and every bit of it is as it was written.
@@ -838,6 +940,8 @@ fn what_comes_late_is_cleared_away() {
     // While its first row is done, another process does everything.
     let finished = run(&sweep, &table, &late, &watch).unwrap();
     assert!(finished.is_merged, "{finished:?}");
+    // What it computed is told, though it was not needed.
+    assert_eq!(finished.computed, 1000);
     assert!(!parts_directory(&table).exists());
     // So is what a process left that was killed while it cleared.
     compute(&sweep, &folder.path().join("b.parquet"), &late).unwrap();
@@ -987,12 +1091,16 @@ fn a_table_needs_a_name() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// A name that leaves room for the directory of parts, but not for a draft.
+/// A name that leaves room for the directory of parts is a table's, and one that does not is not.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_name_that_is_too_long_is_refused_before_anything_is_computed() {
     let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a".repeat(248));
+    let table = folder.path().join("a".repeat(249));
+    let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2")]));
+    compute(&sweep, &table, &Options::default()).unwrap();
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    let table = folder.path().join("a".repeat(250));
     let done = AtomicU64::new(0);
     let watch = Watch {
         carry_on: &|| true,
@@ -1000,10 +1108,10 @@ fn a_name_that_is_too_long_is_refused_before_anything_is_computed() {
             done.fetch_add(1, Ordering::Relaxed);
         },
     };
-    let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2")]));
     let refused = run(&sweep, &table, &Options::default(), &watch).unwrap_err();
     assert!(refused.to_string().contains("too long"), "{refused}");
     assert_eq!(done.into_inner(), 0);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
 #[test]
@@ -1194,9 +1302,9 @@ fn pipes_and_devices_are_refused_at_once() {
 #[test]
 fn an_interrupted_dry_run_has_no_result() {
     let interrupted = || {
-        // What a shell starts in the background has the signal ignored, and hands that on.
+        // What a shell starts in the background has signals ignored, as has what `nohup` starts, and hands that on.
         let child = std::process::Command::new("env")
-            .args(["--default-signal=INT", env!("CARGO_BIN_EXE_toprise")])
+            .args(["--default-signal", env!("CARGO_BIN_EXE_toprise")])
             .args(["sweep", "frictionless", "--dry-run"])
             .args(["--set", "stop.duration=3600"])
             .stdout(std::process::Stdio::piped())
@@ -1269,47 +1377,9 @@ fn a_spec_says_which_runs_are_recorded_unless_an_argument_does() {
         let (code, _, told) = toprise(folder, "sweep spec.toml -o b.parquet");
         assert_eq!(code, 2, "{told}");
         assert!(told.contains(part), "{told}");
+        assert!(told.contains("spec.toml"), "{told}");
         assert!(!folder.join("b.parquet.parts").exists());
     }
-}
-
-/// A run whose energies become larger than any number: its outcome is known, and it is recorded up to there.
-#[test]
-fn regress_a_recording_that_ends_early_says_so() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let line = "sweep paper --set top.mass=1.5e307 --set top.center_distance=1 --set top.transverse_moment=2e307 \
-        --set top.axial_moment=1e306 --set initial.phi_dot=0 --set initial.psi_dot=0 --set friction.law=none --set friction.k= \
-        --set friction.dissipation= --set stop.theta_fallen=3 --set sampling.period=0.01 --over initial.theta=0.5,1.5 \
-        --record 2 -o a.parquet --format json";
-    let (code, answer, told) = toprise(folder, line);
-    assert_eq!(code, 3, "{told}");
-    let warned = "warning: the recording of run 0 ends early: /top/energy kinetic is inf at t = 0.62 s: only finite numbers are recorded";
-    assert!(told.contains(warned), "{told}");
-    let recordings = |answer: &str| -> serde_json::Value {
-        let report: serde_json::Value = serde_json::from_str(answer).unwrap();
-        assert_eq!(
-            (&report["outcomes"]["fallen"], &report["errors"]),
-            (&2.into(), &0.into())
-        );
-        report["recordings"].clone()
-    };
-    let expected = |written: u64| serde_json::json!({"directory": "a.parquet.runs", "chosen": 2, "written": written, "failed": 2});
-    assert_eq!(recordings(&answer), expected(2));
-    let table = read(&folder.join("a.parquet"));
-    assert_eq!(errors(&table), []);
-    assert_eq!(numbers(&table, "energy").value(0), f64::INFINITY);
-    let (code, info, _) = toprise(folder, "info a.parquet.runs/000000.mcap");
-    assert_eq!(code, 0);
-    assert!(info.contains("failed at 0.62 s: 63 samples"), "{info}");
-    // What is there says so again.
-    let (code, answer, told) = toprise(folder, line);
-    assert_eq!(code, 3, "{told}");
-    assert!(
-        told.contains("the recording of run 1, which was there, ends early"),
-        "{told}"
-    );
-    assert_eq!(recordings(&answer), expected(0));
 }
 
 /// A run that was given up has no outcome, and so no recording.

@@ -321,8 +321,10 @@ impl<'p> Reading<'p> {
             self.check_patterns()?;
         }
         let [a, b] = &self.findings.runs;
-        let is_empty = a.span.is_none() && b.span.is_none();
-        if is_empty || self.findings.compared().any(ComparedTopic::has_pairs) {
+        // Nothing is the same as nothing, if that is all there is.
+        let is_empty = |run: &RunFindings| run.span.is_none() && run.losses.is_empty();
+        let are_empty = is_empty(a) && is_empty(b);
+        if are_empty || self.findings.compared().any(ComparedTopic::has_pairs) {
             return Ok(self.findings);
         }
         let empty = |side: Side, run: &RunFindings| DiffError::NoMessages {
@@ -336,7 +338,8 @@ impl<'p> Reading<'p> {
         Err(match (a.span, b.span) {
             (Some(a), Some(b)) if !self.plan.overlap(a, b) => DiffError::NoOverlap { a, b },
             (Some(_), Some(_)) => DiffError::NoCommonTimes,
-            (None, _) => empty(Side::A, a),
+            (None, Some(_)) => empty(Side::A, a),
+            (None, None) if !is_empty(a) => empty(Side::A, a),
             (_, None) => empty(Side::B, b),
         })
     }

@@ -32,7 +32,7 @@ pub enum ExplainError {
         missing: Topic,
     },
     /// The run is empty.
-    #[error("it has fewer than two samples{}", .without.as_ref().map_or_else(String::new, |loss| format!(", without {loss}")))]
+    #[error("{}", .without.as_ref().map_or_else(|| "it has fewer than two samples".to_owned(), |loss| format!("it lacks {loss}")))]
     Empty {
         /// What of it could not be read or simulated.
         without: Option<String>,

@@ -306,8 +306,16 @@ fn flight(facts: &Facts, peg: &PegCourse, series: &Series, is_last: bool) -> Str
             quantity(fastest, 3, "m/s")
         ));
     }
+    let has_landed = {
+        let mut events = facts.course.events.iter();
+        events.any(|event| event.name == EventKind::Landing.name() && event.time >= to)
+    };
     if is_last {
-        told.push_str(" It had not come to stay on the table when the run ended.");
+        told.push_str(if has_landed {
+            " It landed as the run ended."
+        } else {
+            " It had not come to stay on the table when the run ended."
+        });
     }
     told
 }
@@ -674,6 +682,14 @@ pub(super) fn energy(facts: &Facts, course: &CourseReport) -> Option<Chapter> {
     let (peg, report) = (facts.course.peg.as_ref()?, course.peg.as_ref()?);
     let (first, last) = (course.energy_first?, course.energy_last?);
     let mut sentences = Vec::new();
+    let last_sample = course.last_sample?;
+    if let Some(hit) = peg.impacts.iter().find(|hit| hit.time > last_sample) {
+        sentences.push(format!(
+            "What follows is told up to the last sample, at {}: an impact came after it, at {}.",
+            moment(last_sample),
+            moment(hit.time)
+        ));
+    }
     if let Some(stayed) = facts.energy_stayed(course) {
         sentences.push(stayed);
     } else {

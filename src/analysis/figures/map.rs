@@ -9,6 +9,7 @@ use crate::analysis::plot::style::{self, COLOURS, DASHES, FONT, LINE, MARGIN, ME
 use crate::analysis::plot::text::Text;
 use crate::analysis::plot::ticks::{BEYOND_USE, Scale};
 use crate::physics::math::log10;
+use crate::run::simulation::StopReason;
 
 /// Values that differ at least so many times are drawn over their logarithms, if their spacing says nothing else.
 const LOGARITHMIC: f64 = 30.0;
@@ -47,15 +48,27 @@ const RAMP: [Colour; 9] = [
     Colour(253, 231, 37),
 ];
 
-/// Colours of outcomes without a value, none of which is in the ramp.
-const FALLEN: Colour = Colour(0xd5, 0x5e, 0x00);
-const NOT_YET: Colour = Colour(0xdd, 0xdd, 0xdd);
+/// What is told of runs that have no outcome, and their colour.
+const NO_OUTCOME_WORDS: &str = "no outcome";
 const NO_OUTCOME: Colour = Colour(0x30, 0x30, 0x30);
-const OTHERS: [Colour; 3] = [
-    Colour(0xcc, 0x79, 0xa7),
-    Colour(0x99, 0x99, 0x99),
-    Colour(0xf0, 0xc8, 0xa0),
-];
+
+/// The colour of reasons to stop that are not known here.
+const UNKNOWN: Colour = Colour(0xf0, 0xc8, 0xa0);
+
+/// The colour of runs that stopped for a reason and have no value to show: the same in every figure, and none of the ramp.
+fn stop_colour(stop: StopReason) -> Colour {
+    match stop {
+        StopReason::Fallen => Colour(0xd5, 0x5e, 0x00),
+        StopReason::Duration => Colour(0xdd, 0xdd, 0xdd),
+        StopReason::Risen => Colour(0xcc, 0x79, 0xa7),
+        StopReason::SlipStopped => Colour(0x99, 0x99, 0x99),
+        StopReason::Rest => Colour(0xa6, 0xce, 0xe3),
+        StopReason::Singular => Colour(0x8c, 0x56, 0x4b),
+        StopReason::Jam => Colour(0x80, 0x00, 0x20),
+        StopReason::Pivot => Colour(0xff, 0xb6, 0xc1),
+        StopReason::Interrupted | StopReason::Failed => NO_OUTCOME,
+    }
+}
 
 /// A quantity of a map: its name, its unit, and its value in each run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -79,8 +92,8 @@ pub struct Map {
     pub color: MapAxis,
     /// Why each run stopped; none where it has no outcome.
     pub stops: Vec<Option<String>>,
-    /// Whether the axis looped.
-    pub loops: Vec<bool>,
+    /// Whether the axis looped; none where that is not known.
+    pub loops: Vec<Option<bool>>,
     /// The scenario of each run: each has a curve of its own.
     pub scenarios: Vec<String>,
 }
@@ -89,8 +102,22 @@ pub struct Map {
 struct Along {
     is_log: bool,
     /// Each different value once, in order.
+    values: Vec<f64>,
+    /// Where these are drawn: neighbours that differ too little may be drawn at one place.
     levels: Vec<f64>,
+    /// Where each run is drawn.
     places: Vec<f64>,
+}
+
+/// A border between two cells of a grid of which only one loops.
+struct Border {
+    /// The cell on its left or below it.
+    column: usize,
+    row: usize,
+    /// Whether the other cell is on the right rather than above.
+    is_upright: bool,
+    /// 1 where the other cell loops, −1 where this one does.
+    toward: f64,
 }
 
 impl Along {
@@ -108,12 +135,14 @@ impl Along {
     fn of(values: &[f64], is_log: bool) -> Self {
         let place = |value: &f64| if is_log { log10(*value) } else { *value };
         let places: Vec<f64> = values.iter().map(place).collect();
-        let mut levels: Vec<f64> = places.iter().copied().filter(|p| p.is_finite()).collect();
-        levels.sort_by(f64::total_cmp);
-        levels.dedup();
+        let drawn = values.iter().filter(|value| place(value).is_finite());
+        let mut values: Vec<f64> = drawn.copied().collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
         Self {
             is_log,
-            levels,
+            levels: values.iter().map(place).collect(),
+            values,
             places,
         }
     }
@@ -142,8 +171,10 @@ impl Along {
         edges
     }
 
-    fn level(&self, place: f64) -> Option<usize> {
-        self.levels.iter().position(|level| *level == place)
+    /// Which of the different values this is.
+    fn level(&self, value: f64) -> Option<usize> {
+        let level = self.values.partition_point(|other| *other < value);
+        (self.values.get(level) == Some(&value)).then_some(level)
     }
 
     fn scale(&self, (low, high): Point, most: usize) -> Scale {
@@ -175,7 +206,7 @@ fn is_logarithmic(values: &[f64]) -> bool {
     let is_even = |levels: &[f64]| {
         let gaps = levels.windows(2).map(|pair| pair[1] - pair[0]);
         let (least, greatest) = extremes(gaps);
-        greatest - least <= EVEN * greatest
+        least > 0.0 && greatest - least <= EVEN * greatest
     };
     if is_even(&sorted) {
         false
@@ -190,9 +221,42 @@ impl Map {
     /// # Errors
     /// What stands in the way: no runs, or several at one place.
     pub fn draw(&self, width: f64) -> Result<Drawing, String> {
-        if !self.x.values.iter().any(|value| value.is_finite()) {
-            return Err(format!("no run has a value of {}", self.x.name));
+        let placed = self.placed();
+        if placed.stops.is_empty() {
+            let also = self.y.iter().map(|y| format!(" and one of {}", y.name));
+            let also: String = also.collect();
+            return Err(format!("no run has a value of {}{also}", self.x.name));
         }
+        placed.drawn(width)
+    }
+
+    /// The runs that have a place in the figure.
+    fn placed(&self) -> Self {
+        let is_placed = |run: usize| {
+            let mut axes = [&self.x].into_iter().chain(&self.y);
+            axes.all(|axis| axis.values[run].is_finite())
+        };
+        fn of<T: Clone>(all: &[T], runs: &[usize]) -> Vec<T> {
+            runs.iter().map(|run| all[*run].clone()).collect()
+        }
+        let runs: Vec<usize> = (0..self.stops.len())
+            .filter(|run| is_placed(*run))
+            .collect();
+        let axis = |axis: &MapAxis| MapAxis {
+            values: of(&axis.values, &runs),
+            ..axis.clone()
+        };
+        Self {
+            x: axis(&self.x),
+            y: self.y.as_ref().map(axis),
+            color: axis(&self.color),
+            stops: of(&self.stops, &runs),
+            loops: of(&self.loops, &runs),
+            scenarios: of(&self.scenarios, &runs),
+        }
+    }
+
+    fn drawn(&self, width: f64) -> Result<Drawing, String> {
         for axis in [&self.x, &self.color].into_iter().chain(&self.y) {
             let is_beyond = |value: &&f64| value.is_finite() && value.abs() >= BEYOND_USE;
             if let Some(value) = axis.values.iter().find(is_beyond) {
@@ -214,7 +278,7 @@ impl Map {
 
     /// What stands for a run that has no value to show.
     fn outcome(&self, run: usize) -> &str {
-        self.stops[run].as_deref().unwrap_or("no outcome")
+        self.stops[run].as_deref().unwrap_or(NO_OUTCOME_WORDS)
     }
 
     /// The outcomes of runs that have no value to show, in the order of their names.
@@ -226,14 +290,15 @@ impl Map {
         outcomes
     }
 
-    /// The colours of outcomes, each with its own.
+    /// The colours of outcomes.
     fn outcome_colours(&self) -> Vec<(&str, Colour)> {
-        let mut others = OTHERS.iter().cycle();
-        let mut colour = |outcome: &str| match outcome {
-            "fallen" => FALLEN,
-            "duration" => NOT_YET,
-            "no outcome" => NO_OUTCOME,
-            _ => *others.next().unwrap_or(&NOT_YET),
+        let colour = |outcome: &str| {
+            let stop = StopReason::ALL.iter().find(|stop| stop.name() == outcome);
+            match stop {
+                Some(stop) => stop_colour(*stop),
+                None if outcome == NO_OUTCOME_WORDS => NO_OUTCOME,
+                None => UNKNOWN,
+            }
         };
         let outcomes = self.outcomes().into_iter();
         outcomes.map(|outcome| (outcome, colour(outcome))).collect()
@@ -260,15 +325,17 @@ impl Map {
             let found = colours.iter().find(|(name, _)| *name == outcome);
             found.map_or(NO_OUTCOME, |(_, colour)| *colour)
         };
-        let is_looping =
-            cells.is_some() && self.loops.contains(&true) && self.loops.contains(&false);
+        let borders = match &cells {
+            Some(cells) => self.borders(cells, across.levels.len()),
+            None => Vec::new(),
+        };
 
         let mut drawing = Drawing::new(width);
         let mut key: Vec<_> = colours
             .iter()
             .map(|(outcome, colour)| self.entry(outcome, *colour))
             .collect();
-        if is_looping {
+        if !borders.is_empty() {
             key.push(Entry::line(
                 contour(),
                 "edge of the runs that loop; ticks point to them",
@@ -307,8 +374,8 @@ impl Map {
         match &cells {
             Some(cells) => {
                 draw_cells(&mut drawing, &frame, [&across, &upward], cells, &of);
-                if is_looping {
-                    let lines = self.contour(&frame, [&across, &upward], cells);
+                if !borders.is_empty() {
+                    let lines = contour_lines(&frame, [&across, &upward], &borders);
                     drawing.group("where looping begins", lines);
                 }
             }
@@ -349,15 +416,15 @@ impl Map {
         let mut cells = vec![None; columns * rows];
         for run in 0..runs {
             let at = [
-                across.level(across.places[run]),
-                upward.level(upward.places[run]),
+                across.level(self.x.values[run]),
+                upward.level(y.values[run]),
             ];
             let [Some(column), Some(row)] = at else {
                 continue;
             };
             if cells[row * columns + column].replace(run).is_some() {
                 return Err(format!(
-                    "several runs have {} = {} and {} = {}: choose among them with --where",
+                    "several runs have {} = {:?} and {} = {:?}: choose among them with --where",
                     self.x.name, self.x.values[run], y.name, y.values[run]
                 ));
             }
@@ -365,45 +432,34 @@ impl Map {
         Ok(Some(cells))
     }
 
-    /// The edges between cells of which only one loops.
-    fn contour(&self, frame: &Frame, axes: [&Along; 2], cells: &[Option<usize>]) -> Vec<Shape> {
-        let [xs, ys] = axes.map(Along::edges);
-        let columns = axes[0].levels.len();
+    /// The borders between cells of which only one loops, where both are known.
+    fn borders(&self, cells: &[Option<usize>], columns: usize) -> Vec<Border> {
+        let rows = cells.len() / columns.max(1);
         let loops = |column: usize, row: usize| {
-            let run = cells.get(row * columns + column).copied().flatten()?;
-            Some(self.loops[run])
+            let is_there = column < columns && row < rows;
+            let run = is_there.then(|| cells[row * columns + column]).flatten()?;
+            self.loops[run]
         };
-        let differ = |one: Option<bool>, other: Option<bool>| {
-            one.zip(other).is_some_and(|(one, other)| one != other)
-        };
-        let mut lines = Vec::new();
-        // An edge, and from its middle a tick in a direction.
-        let mut line = |from: Point, to: Point, (right, up): (f64, f64)| {
-            let (from, to) = (frame.place(from), frame.place(to));
-            let (x, y) = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
-            let tick = vec![(x, y), (x + right * EDGE_TICK, y - up * EDGE_TICK)];
-            for points in [vec![from, to], tick] {
-                lines.push(Shape::Line {
-                    points,
-                    stroke: contour(),
-                });
-            }
-        };
-        let toward = |here: Option<bool>| if here == Some(true) { -1.0 } else { 1.0 };
-        for row in 0..axes[1].levels.len() {
+        let mut borders = Vec::new();
+        for row in 0..rows {
             for column in 0..columns {
-                let here = loops(column, row);
-                if column + 1 < columns && differ(here, loops(column + 1, row)) {
-                    let x = xs[column + 1];
-                    line((x, ys[row]), (x, ys[row + 1]), (toward(here), 0.0));
-                }
-                if row + 1 < axes[1].levels.len() && differ(here, loops(column, row + 1)) {
-                    let y = ys[row + 1];
-                    line((xs[column], y), (xs[column + 1], y), (0.0, toward(here)));
+                let neighbours = [(true, column + 1, row), (false, column, row + 1)];
+                for (is_upright, right, above) in neighbours {
+                    let pair = loops(column, row).zip(loops(right, above));
+                    if let Some((here, there)) = pair
+                        && here != there
+                    {
+                        borders.push(Border {
+                            column,
+                            row,
+                            is_upright,
+                            toward: if there { 1.0 } else { -1.0 },
+                        });
+                    }
                 }
             }
         }
-        lines
+        borders
     }
 
     fn draw_bar(&self, drawing: &mut Drawing, beside: Bounds, scale: Scale, range: (f64, f64)) {
@@ -512,13 +568,13 @@ impl Map {
             let mut runs: Vec<usize> = (0..self.scenarios.len())
                 .filter(|run| self.scenarios[*run] == *name && across.places[*run].is_finite())
                 .collect();
-            runs.sort_by(|a, b| across.places[*a].total_cmp(&across.places[*b]));
+            runs.sort_by(|a, b| self.x.values[*a].total_cmp(&self.x.values[*b]));
             if let Some(pair) = runs
                 .windows(2)
-                .find(|pair| across.places[pair[0]] == across.places[pair[1]])
+                .find(|pair| self.x.values[pair[0]] == self.x.values[pair[1]])
             {
                 return Err(format!(
-                    "several runs of {name} have {} = {}: choose among them with --where",
+                    "several runs of {name} have {} = {:?}: choose among them with --where",
                     self.x.name, self.x.values[pair[0]]
                 ));
             }
@@ -576,6 +632,33 @@ const OVERLAP: f64 = 0.15;
 /// The line around what loops.
 fn contour() -> Stroke {
     style::line(style::BLACK, MEDIUM)
+}
+
+/// Borders as lines, with a tick in the middle of each toward the cell that loops.
+fn contour_lines(frame: &Frame, axes: [&Along; 2], borders: &[Border]) -> Vec<Shape> {
+    let [xs, ys] = axes.map(Along::edges);
+    let mut lines = Vec::new();
+    for border in borders {
+        let (column, row) = (border.column, border.row);
+        let (from, (right, up)) = if border.is_upright {
+            ((xs[column + 1], ys[row]), (border.toward, 0.0))
+        } else {
+            ((xs[column], ys[row + 1]), (0.0, border.toward))
+        };
+        let (from, to) = (
+            frame.place(from),
+            frame.place((xs[column + 1], ys[row + 1])),
+        );
+        let (x, y) = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
+        let tick = vec![(x, y), (x + right * EDGE_TICK, y - up * EDGE_TICK)];
+        for points in [vec![from, to], tick] {
+            lines.push(Shape::Line {
+                points,
+                stroke: contour(),
+            });
+        }
+    }
+    lines
 }
 
 fn dot(centre: Point, fill: Colour) -> Shape {
@@ -682,6 +765,7 @@ fn draw_cells(
 #[cfg(test)]
 mod tests {
     use super::*;
+    const NAN: f64 = f64::NAN;
 
     #[test]
     fn widely_spread_values_are_drawn_over_their_logarithms() {
@@ -720,7 +804,7 @@ mod tests {
             y: None,
             color: axis(column, &of([3.0, f64::NAN])),
             stops: vec![Some("duration".to_owned()); runs],
-            loops: vec![false; runs],
+            loops: vec![Some(false); runs],
             scenarios: (0..runs).map(|run| format!("s{}", run / 2)).collect(),
         }
     }
@@ -795,5 +879,109 @@ mod tests {
 
         let told = curves(36, "rise_time").draw(150.0).unwrap_err();
         assert!(told.contains("36 scenarios"), "{told}");
+    }
+
+    /// A grid of two by two, over x = 1, 2 and y = 1, 2.
+    fn grid(shown: [f64; 4], stops: [Option<&str>; 4], loops: [Option<bool>; 4]) -> Map {
+        Map {
+            x: axis("friction_k", &[1.0, 2.0, 1.0, 2.0]),
+            y: Some(axis("initial_theta", &[1.0, 1.0, 2.0, 2.0])),
+            color: axis("rise_time", &shown),
+            stops: stops.map(|stop| stop.map(str::to_owned)).to_vec(),
+            loops: loops.to_vec(),
+            scenarios: vec!["paper".to_owned(); 4],
+        }
+    }
+
+    const EDGE: &str = "edge of the runs that loop; ticks point to them";
+
+    #[test]
+    fn runs_without_an_outcome_have_no_edge_of_looping() {
+        let (yes, no) = (Some(true), Some(false));
+        let (risen, shown) = (
+            [Some("risen"), None, Some("risen"), None],
+            [1.0, NAN, 2.0, NAN],
+        );
+        let lines = |loops| {
+            let drawing = grid(shown, risen, loops).draw(85.0).unwrap();
+            let edge = drawing.groups.iter();
+            let mut edge = edge.filter(|group| group.meaning == "where looping begins");
+            let lines = edge.next().map_or(0, |group| group.shapes.len());
+            assert_eq!(texts(&drawing).contains(&EDGE), lines > 0);
+            lines
+        };
+        // Each border has a tick.
+        assert_eq!(lines([yes, None, no, None]), 2);
+        assert_eq!(lines([yes, None, yes, None]), 0);
+        assert_eq!(lines([yes, None, None, no]), 0);
+        assert_eq!(lines([yes, no, no, no]), 4);
+    }
+
+    #[test]
+    fn a_reason_to_stop_has_one_colour_in_all_figures() {
+        let colours = |stops: [Option<&str>; 4]| -> Vec<Colour> {
+            let map = grid([NAN; 4], stops, [None; 4]);
+            let colours = map.outcome_colours().into_iter();
+            colours.map(|(_, colour)| colour).collect()
+        };
+        let slip = Some("slip_stopped");
+        let alone = colours([slip; 4]);
+        let among = colours([Some("risen"), Some("rest"), slip, None]);
+        assert_eq!(among.len(), 4);
+        assert_eq!(among.last(), alone.first());
+        let all = StopReason::ALL.into_iter().map(stop_colour);
+        let mut all: Vec<_> = all.map(|colour| format!("{colour:?}")).collect();
+        all.sort();
+        all.dedup();
+        // Those that leave no outcome share a colour.
+        assert_eq!(all.len(), StopReason::ALL.len() - 1);
+    }
+
+    #[test]
+    fn what_is_not_drawn_is_neither_in_the_legend_nor_in_the_range() {
+        let mut map = grid(
+            [1.0, NAN, 2.0, NAN],
+            [Some("risen"), Some("fallen"), Some("risen"), Some("rest")],
+            [None; 4],
+        );
+        map.x.values = map.color.values.clone();
+        map.y = Some(axis("theta", &[0.01, 3.0, 0.02, 2.0]));
+        let drawing = map.draw(85.0).unwrap();
+        for absent in ["fallen", "rest", "2", "3"] {
+            let up = texts(&drawing);
+            let is_there = up.iter().filter(|text| **text == absent).count();
+            // The times 1 and 2 are at the x axis and the bar.
+            assert!(
+                is_there <= if absent == "2" { 2 } else { 0 },
+                "{absent}: {up:?}"
+            );
+        }
+        map.y = Some(axis("theta", &[NAN, 1.0, NAN, 1.0]));
+        let told = map.draw(85.0).unwrap_err();
+        assert_eq!(told, "no run has a value of friction_k and one of theta");
+    }
+
+    #[test]
+    fn values_that_hardly_differ_are_different_places() {
+        let near = [1e15, 1.0000000000000002e15, 1.0000000000000004e15];
+        assert!(!Along::new(&near).is_log);
+        let wide = Along::new(&[near[0], near[1], 1e20]);
+        assert!(wide.is_log);
+        assert_eq!(wide.level(near[1]), Some(1));
+        let runs = |y: [f64; 3]| {
+            let all = near.into_iter().cycle().take(9).collect::<Vec<_>>();
+            let up: Vec<f64> = y.into_iter().flat_map(|value| [value; 3]).collect();
+            Map {
+                x: axis("initial_phi", &all),
+                y: Some(axis("initial_theta", &up)),
+                color: axis("rise_time", &[1.0; 9]),
+                stops: vec![None; 9],
+                loops: vec![None; 9],
+                scenarios: vec![String::new(); 9],
+            }
+        };
+        assert!(runs([0.1, 0.2, 0.3]).draw(85.0).is_ok());
+        let told = runs([5e-324, 5e-324, 0.3]).draw(85.0).unwrap_err();
+        assert!(told.contains("initial_theta = 5e-324:"), "{told}");
     }
 }

@@ -532,16 +532,17 @@ fn combine_controlled<S: System<N>, const N: usize, const M: usize, const K: usi
     sum
 }
 
-/// The controlled components of [`advance`]; the quadratures, which no derivative depends on, stay as they are.
+/// The controlled components of [`advance`]; 0 for the quadratures, which no derivative depends on and which take time to
+/// copy.
 #[inline(always)]
 fn advance_controlled<S: System<N>, const N: usize>(
     y: &[f64; N],
     h: f64,
     dy: &[f64; N],
 ) -> [f64; N] {
-    let mut advanced = *y;
+    let mut advanced = [0.0; N];
     for i in 0..S::CONTROLLED {
-        advanced[i] += h * dy[i];
+        advanced[i] = y[i] + h * dy[i];
     }
     advanced
 }

@@ -6,7 +6,7 @@ use thiserror::Error;
 pub trait System<const N: usize> {
     /// The first `CONTROLLED` components enter the error norm and so choose the steps; at least one. The
     /// rest are quadratures that travel along (a dissipated energy, a path length) and never influence
-    /// the steps. No derivative may depend on them: within a step they are given as they were at its start.
+    /// the steps. No derivative may depend on them: within a step they are given as 0.
     const CONTROLLED: usize = N;
 
     /// The derivative y′ at (t, y). Where it is not defined it may be infinite or NaN.

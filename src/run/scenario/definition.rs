@@ -332,10 +332,20 @@ impl Scenario {
 
     fn check_body(&self) -> Result<(), ScenarioError> {
         let top = &self.model.top;
+        let offset = top.mass * top.center_distance * top.center_distance;
+        if top.transverse_moment <= offset {
+            return Err(ScenarioError::OutOfRange {
+                key: "top.transverse_moment",
+                value: typed(top.transverse_moment),
+                allowed: format!(
+                    "more than {} kg m² = top.mass · top.center_distance²: so much the mass has at the centre of mass alone",
+                    typed(offset)
+                ),
+            });
+        }
         // No body has a larger axial moment than twice its transverse one, about any point of its axis;
         // the centre of mass is the hardest.
         let limit = 2.0 * top.transverse_moment;
-        let offset = top.mass * top.center_distance * top.center_distance;
         for (limit, what) in [
             (limit, "2 · top.transverse_moment"),
             (

@@ -42,8 +42,6 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// Any finite number.
     Any,
-    /// A finite number larger than 0.
-    Positive,
     /// A finite number not less than the first and not larger than the second.
     Between(f64, f64),
     /// A whole number of nanoseconds from 1 ns to one hour, in seconds.
@@ -68,8 +66,9 @@ impl fmt::Display for Kind {
             ),
             Self::Choice(words) => write!(f, "one of {}", words.join(", ")),
             Self::Any => write!(f, "a finite number"),
-            Self::Positive => write!(f, "a finite number > 0"),
-            Self::Between(low, high) => write!(f, "a number from {low:?} to {high:?}"),
+            Self::Between(low, high) => {
+                write!(f, "a number from {} to {}", typed(*low), typed(*high))
+            }
             Self::Nanoseconds => write!(f, "a whole number of nanoseconds from 1e-9 to 3600 s"),
         }
     }

@@ -1,7 +1,7 @@
 //! The table of everything that a scenario says: one row per key.
 
 use super::key::Key;
-use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Positive, Text};
+use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Text};
 use super::key::Presence::{self, Beside, Optional, OptionalWith, Required, With};
 use super::words::{
     ACTING_LAWS, DISSIPATIONS, FORMULATIONS, ON_STICK, SLIDING_LAWS, SUPPORTS, SlidingLaw,
@@ -24,6 +24,10 @@ const fn key(
     }
 }
 
+/// Masses and moments of inertia. Products of several of them, and of lengths and rates, are numbers still.
+const INERTIA: Kind = Between(1e-30, 1e30);
+/// Lengths of the top, and the gravity.
+const SCALE: Kind = Between(1e-15, 1e15);
 /// Slip speeds that set the scale of a law.
 const SPEED: Kind = Between(1e-9, 1e6);
 
@@ -50,14 +54,14 @@ pub const KEYS: &[Key] = &[
     key("description", "", Text, Optional, "a sentence for people"),
     key("formulation", "", Choice(FORMULATIONS), Required,
         "variables of integration: Euler angles (singular upright), or rotation of the body"),
-    key("gravity", "m/s²", Positive, Required, "acceleration of gravity g"),
-    key("top.mass", "kg", Positive, Required, "mass M"),
-    key("top.transverse_moment", "kg m²", Positive, Required,
+    key("gravity", "m/s²", SCALE, Required, "acceleration of gravity g"),
+    key("top.mass", "kg", INERTIA, Required, "mass M"),
+    key("top.transverse_moment", "kg m²", INERTIA, Required,
         "transverse moment of inertia I_x about the peg's centre"),
-    key("top.axial_moment", "kg m²", Positive, Required, "axial moment of inertia I_z"),
-    key("top.center_distance", "m", Any, Required,
+    key("top.axial_moment", "kg m²", INERTIA, Required, "axial moment of inertia I_z"),
+    key("top.center_distance", "m", Between(-1e15, 1e15), Required,
         "distance l from the peg's centre to the centre of mass; negative, for a tippe top, where the support is free"),
-    key("top.peg_radius", "m", Positive, Required, "radius R of the spherical peg"),
+    key("top.peg_radius", "m", SCALE, Required, "radius R of the spherical peg"),
     key("initial.phi", "rad", Any, Required, "precession angle φ"),
     key("initial.theta", "rad", Between(0.0, PI), Required, "nutation angle (inclination) θ"),
     key("initial.psi", "rad", Any, Required, "spin angle ψ"),

@@ -57,6 +57,13 @@ impl Values {
         };
         let value = value
             .filter(|value| !is_text || value.is_str())
+            // Numbers such as `.5` and `1.`, which TOML has not.
+            .or_else(|| {
+                text.parse()
+                    .ok()
+                    .filter(|_| !is_text)
+                    .map(toml::Value::Float)
+            })
             .unwrap_or_else(|| toml::Value::from(text));
         self.put(path, value)
     }
@@ -264,7 +271,6 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
         _ => return Err(wrong_type()),
     };
     let allowed = match key.kind {
-        Kind::Positive => number > 0.0,
         Kind::Between(low, high) => number >= low && number <= high,
         Kind::Nanoseconds => nanoseconds(number).is_some(),
         Kind::Any | Kind::Text | Kind::Name | Kind::Choice(_) => true,

@@ -149,12 +149,15 @@ impl EventKind {
             Self::UprightPassage => {
                 format!("The axis swings through upright, {theta:.2e} rad from the vertical.")
             }
-            // Where a tippe top precesses regularly it may do so backward.
+            // Regular precession of a tippe top may be backward: that makes no loops.
             Self::LoopingBegins if top.center_distance < 0.0 => {
                 format!("The precession turns backward, at {theta:.4} rad.")
             }
             Self::LoopingBegins => {
                 format!("The precession turns backward: the axis loops, at {theta:.4} rad.")
+            }
+            Self::LoopingEnds if top.center_distance < 0.0 => {
+                format!("The precession turns forward, at {theta:.4} rad.")
             }
             Self::LoopingEnds => format!("The precession turns forward again, at {theta:.4} rad."),
             Self::WeakTop => format!(
@@ -250,7 +253,7 @@ impl StopReason {
             Self::Jam => "the peg jams: no force of the table keeps it out of it",
             Self::Pivot => "the top turns about the vertical only, held by rolling resistance",
             Self::Interrupted => "interrupted",
-            Self::Failed => "the motion could not be integrated further",
+            Self::Failed => "the motion could not be computed or recorded further",
         }
     }
 }

@@ -40,18 +40,21 @@ pub enum SimulationError {
     /// The integrator gave up.
     #[error("the motion can't be integrated further: {0}")]
     Integrate(#[from] IntegrateError),
-    /// The energy is beyond the range of numbers.
-    #[error(
-        "the energy at the start is beyond the range of numbers: masses, moments of inertia, rates, velocities, \
-             heights or the gravity are too large"
-    )]
-    NonFiniteEnergy,
     /// The steps have become so short that the run would never end.
     #[error(
         "the motion has stalled at t = {time:?} s: a torque jumps back and forth there (drilling against \
              a top that has stopped turning, or a law that is too steep)"
     )]
     Stalled {
+        /// When, s.
+        time: f64,
+    },
+    /// The phases have become so short that the run would never end.
+    #[error(
+        "the motion has stalled at t = {time:?} s: the peg leaves the table and touches it again without end there \
+             (smaller integrator.absolute_tolerance and integrator.relative_tolerance tell the one from the other)"
+    )]
+    Chatters {
         /// When, s.
         time: f64,
     },

@@ -36,6 +36,11 @@ const STALLED_STEPS: u32 = 1_000_000;
 /// The time that a run which has not stalled takes at least for [`STALLED_STEPS`], s.
 const STALLED_TIME: f64 = 0.05;
 
+/// A run has stalled too if this many phases take it no farther than [`CHATTER_TIME`]: the slowest bounce takes 2e-7 s.
+const CHATTER_PHASES: u32 = 1000;
+/// The time that a run which has not stalled takes at least for [`CHATTER_PHASES`], s.
+const CHATTER_TIME: f64 = 1e-9;
+
 /// How much of a run is looked at. It never changes the steps, nor what happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Detail {
@@ -68,6 +73,8 @@ pub(super) struct Runner<F, const N: usize> {
     bounces: u32,
     /// Steps since it was last checked that the run advances, and the time of that check, s.
     since_check: (u32, f64),
+    /// Phases entered since the run last advanced by [`CHATTER_TIME`], and the time then, s.
+    since_phase: (u32, f64),
     energy_at_start: f64,
     /// Where the step is left before its end, once that is known.
     end: Option<(f64, End<F, N>)>,
@@ -88,8 +95,8 @@ struct LoopSettings {
 /// Why a step is left before its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum End<F, const N: usize> {
-    /// The run is over.
-    Stop(StopReason),
+    /// The run is over. After an impact this is the motion then; otherwise it is that which the step has there.
+    Stop(StopReason, Option<Motion>),
     /// Another phase begins.
     Enter(Entry<F, N>),
 }
@@ -123,7 +130,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut end = None;
         if motion.phase == Phase::Holding && scenario.model.support.is_free() {
             pending.push_back(Pending::Event(EventKind::RollBegins, 0.0, motion));
-            end = (!may_hold).then_some((0.0, End::Stop(StopReason::SlipStopped)));
+            end = (!may_hold).then_some((0.0, End::Stop(StopReason::SlipStopped, None)));
         }
         let integrator = Dop853::new(
             formulation,
@@ -133,9 +140,6 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             Direction::Forward,
         )?;
         let energy_at_start = scenario.model.energy(&motion);
-        if !energy_at_start.is_finite() {
-            return Err(SimulationError::NonFiniteEnergy);
-        }
         let sense = if motion.tilt.axial_rate() < 0.0 {
             -1.0
         } else {
@@ -161,6 +165,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             impacts: 0,
             bounces: 0,
             since_check: (0, 0.0),
+            since_phase: (0, 0.0),
             energy_at_start,
             end,
             last: (0.0, motion),
@@ -301,12 +306,12 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             (Meaning::Strength, Slope::Rising) => event(EventKind::StrongTop),
             (Meaning::Risen(_), Slope::Falling) => {
                 event(EventKind::Risen);
-                self.end = Some((time, End::Stop(StopReason::Risen)));
+                self.end = Some((time, End::Stop(StopReason::Risen, None)));
             }
             (Meaning::Fallen(_), Slope::Rising) => {
                 event(EventKind::Fallen);
                 if self.settings.stop.theta_fallen.is_some() {
-                    self.end = Some((time, End::Stop(StopReason::Fallen)));
+                    self.end = Some((time, End::Stop(StopReason::Fallen, None)));
                 }
             }
             (Meaning::Guard(guard), Slope::Falling) => {
@@ -314,7 +319,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             }
             (Meaning::Turning, Slope::Falling) => {
                 event(EventKind::Rest);
-                self.end = Some((time, End::Stop(StopReason::Rest)));
+                self.end = Some((time, End::Stop(StopReason::Rest, None)));
             }
             (Meaning::Risen(_) | Meaning::Guard(_) | Meaning::Turning, Slope::Rising)
             | (Meaning::Fallen(_), Slope::Falling) => {}
@@ -333,7 +338,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         if guard == Guard::Slip && self.settings.stop.on_stick == OnStick::Stop {
             self.pending
                 .push_back(Pending::Event(EventKind::SlipStops, time, motion));
-            self.end = Some((time, End::Stop(StopReason::SlipStopped)));
+            self.end = Some((time, End::Stop(StopReason::SlipStopped, None)));
             return Ok(());
         }
         let system = *self.integrator.system();
@@ -351,7 +356,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             }
             _ => None,
         };
-        self.end = Some((at, stop.map_or(End::Enter(entry), End::Stop)));
+        let end = match stop {
+            None => End::Enter(entry),
+            Some(reason) => End::Stop(reason, after_impact(&entry)),
+        };
+        self.end = Some((at, end));
         Ok(())
     }
 
@@ -402,6 +411,20 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(())
     }
 
+    /// Gives up where phases have become so short that the run would never end.
+    fn check_phases(&mut self, time: f64) -> Result<(), SimulationError> {
+        let (phases, since) = &mut self.since_phase;
+        if time - *since >= CHATTER_TIME {
+            (*phases, *since) = (0, time);
+        }
+        *phases += 1;
+        if *phases < CHATTER_PHASES {
+            Ok(())
+        } else {
+            Err(SimulationError::Chatters { time })
+        }
+    }
+
     /// Ends the run within this step if its duration is over in it.
     fn end_at_duration(&mut self, dense: &Dense<N>) {
         let Some(duration) = self.settings.stop.duration else {
@@ -410,7 +433,12 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let step_end = dense.t0 + dense.h;
         let earliest = self.end.map_or(step_end, |(time, _)| time);
         if duration <= earliest {
-            self.end = Some((duration, End::Stop(StopReason::Duration)));
+            let after = match &self.end {
+                Some((time, End::Enter(entry))) if *time <= duration => after_impact(entry),
+                Some((time, End::Stop(_, after))) if *time <= duration => *after,
+                _ => None,
+            };
+            self.end = Some((duration, End::Stop(StopReason::Duration, after)));
             let limit = to_nanoseconds(duration);
             self.pending.retain(|record| record.time_ns() <= limit);
         }
@@ -507,12 +535,17 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// Goes on from within the last step with another phase.
     #[cold]
     fn enter(&mut self, time: f64, entry: &Entry<F, N>) -> Result<(), SimulationError> {
+        self.check_phases(time)?;
         self.dense = None;
         let system = entry.formulation;
         self.reference = system.angles(&entry.state, self.reference);
         self.integrator
             .restart(system, time, entry.state, Direction::Forward)?;
-        self.integrator.limit_next_step(entry.first_step);
+        // Where phases repeat at once, the step is too long for what happens in it.
+        let (phases, _) = self.since_phase;
+        let shortening = 0.25_f64.powi((phases - 1).min(10).cast_signed());
+        self.integrator
+            .limit_next_step(shortening * entry.first_step);
         let before = std::mem::replace(&mut self.watches, watches(&self.settings.stop, &system));
         let motion = system.motion(&entry.state, self.reference);
         if self.model().support.is_free() {
@@ -530,8 +563,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// `carry_on` says no.
     fn advance(&mut self, carry_on: &mut dyn FnMut() -> bool) -> Result<bool, SimulationError> {
         let went_on = match self.end {
-            Some((time, End::Stop(reason))) => {
-                self.stop(time, reason);
+            Some((time, End::Stop(reason, after))) => {
+                self.stop(time, reason, after);
                 Ok(())
             }
             Some((time, End::Enter(entry))) => self.enter(time, &entry),
@@ -581,10 +614,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 
     /// Ends the run: everything before its end has been handed out.
-    fn stop(&mut self, time: f64, reason: StopReason) {
-        if let Some(dense) = &self.dense {
-            let s = (time - dense.t0) / dense.h;
-            self.last = (time, self.motion(dense, s));
+    fn stop(&mut self, time: f64, reason: StopReason, after: Option<Motion>) {
+        let in_step = |dense: &Dense<N>| self.motion(dense, (time - dense.t0) / dense.h);
+        if let Some(motion) = after.or_else(|| self.dense.as_ref().map(in_step)) {
+            self.last = (time, motion);
         }
         self.stopped = Some(reason);
     }
@@ -632,6 +665,11 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             statistics: *self.integrator.statistics(),
         }
     }
+}
+
+/// The motion that an impact leaves behind; none where a phase begins without one.
+fn after_impact<F, const N: usize>(entry: &Entry<F, N>) -> Option<Motion> {
+    matches!(entry.passage, Passage::Bounces(_) | Passage::Lands(_)).then_some(entry.motion)
 }
 
 /// The event that a passage is; none where the phases tell it.

@@ -170,9 +170,7 @@ pub(super) fn envelope<const K: usize>(
     }
 }
 
-/// [`is_steady`] without bounds, as far as the θ̇ at the knots can tell: the slopes of the polynomial through them all
-/// have the sign, are farther from zero than from one another, and far beyond noise and rounding. So are most steps, as a
-/// nutation takes twenty; their accelerations need not be computed.
+/// [`is_steady`] without bounds: by the slopes, at the knots, of the polynomial through the θ̇ there.
 pub(super) fn is_steady_at_knots(h: f64, motions: &[Motion; 5], sign: Option<bool>) -> bool {
     let Some(positive) = sign else {
         return false;
@@ -215,11 +213,16 @@ pub(super) fn keep_signs(before: &[Watch], now: &mut [Watch]) {
     }
 }
 
+/// How far the slip speed of a free peg must be from that at which it counts as none, m/s, to be told from it: half of
+/// it. Slip that begins passes it within steps of which each adds no more than they err by.
+const SLIP_FLOOR: f64 = 5e-10;
+
 /// What follows the sign of a guard. Those of a free peg are positive when their phase begins, but for the slip, which
 /// begins at zero. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
 fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
     match guard {
         Guard::Gap => SignTracker::with_sign(true, 1e-16),
+        Guard::Slip if is_free => SignTracker::with_floor(SLIP_FLOOR),
         Guard::Slip => SignTracker::default(),
         _ if is_free => SignTracker::with_sign(true, 0.0),
         _ => SignTracker::default(),
