@@ -146,6 +146,17 @@ impl Friction {
         }
     }
 
+    /// Whether it is smooth wherever there is slip. Laws that fade at a speed of their own are not, seen from faster slip,
+    /// nor are drilling and rolling resistance, which turn round with the angular velocity.
+    #[must_use]
+    pub fn is_smooth(&self) -> bool {
+        let turns_round = |losses: &Losses| losses.rolling_arm > 0.0 || losses.drilling.k > 0.0;
+        matches!(
+            self.law,
+            FrictionLaw::None | FrictionLaw::Coulomb { .. } | FrictionLaw::Viscous { .. }
+        ) && !self.losses.as_ref().is_some_and(turns_round)
+    }
+
     /// The contact of `top` in the state `tilt` under the normal force `normal_force` (N).
     #[must_use]
     #[inline(always)]

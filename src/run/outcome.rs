@@ -1,6 +1,6 @@
 //! The outcome of a run: the few numbers that a table of many runs has of each.
 //!
-//! [`outcome`] runs a scenario for nothing else, and so twice as fast as a [`Simulation`](crate::run::simulation::Simulation).
+//! [`outcome`] runs a scenario for nothing else, and so more than twice as fast as a [`Simulation`](crate::run::simulation::Simulation).
 //! [`COLUMNS`] is the one table of what an outcome consists of: names, units, kinds and meanings of Parquet columns,
 //! JSON members and documents follow from it.
 

@@ -59,11 +59,11 @@ impl Simulation {
         self
     }
 
-    /// Takes each stretch from one maximum of θ̇ to the next for a nutation, also those that take much longer, as a fall
-    /// does: so did the first version of the telemetry.
+    /// Goes by the rules of the first version of the telemetry: each stretch from one maximum of θ̇ to the next is a
+    /// nutation, also those that take much longer, as a fall does, and the dense output of each step is checked.
     #[must_use]
-    pub fn with_all_cycles(mut self) -> Self {
-        self.run.take_all_cycles();
+    pub fn by_first_rules(mut self) -> Self {
+        self.run.go_by_first_rules();
         self
     }
 

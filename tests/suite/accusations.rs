@@ -232,6 +232,17 @@ fn free_scenario(random: &mut Random, reach: Reach) -> Option<Scenario> {
     Scenario::new(values).ok()
 }
 
+/// A random scenario, plausible or not.
+fn anywhere(random: &mut Random, make: Make) -> Option<Scenario> {
+    let reach = [Reach::Plausible, Reach::Extreme][random.below(2)];
+    make(random, reach)
+}
+
+/// Random scenarios of tops whose pegs are held, without an end.
+pub fn held_tops(mut random: Random) -> impl Iterator<Item = Scenario> {
+    std::iter::repeat_with(move || anywhere(&mut random, scenario)).flatten()
+}
+
 /// What `verify` finds wrong with a recording of a scenario; empty if nothing.
 pub fn accused(scenario: &Scenario, path: &Path) -> Option<String> {
     let _ = std::fs::remove_file(path);
@@ -280,8 +291,7 @@ fn try_scenarios(seed: u64, count: usize, make: Make) -> (usize, Vec<String>) {
     let mut random = Random(seed);
     let (mut tried, mut found) = (0, Vec::new());
     while tried < count {
-        let reach = [Reach::Plausible, Reach::Extreme][random.below(2)];
-        let Some(scenario) = make(&mut random, reach) else {
+        let Some(scenario) = anywhere(&mut random, make) else {
             continue;
         };
         tried += 1;
@@ -318,7 +328,7 @@ fn many_random_free_tops_are_not_accused() {
 }
 
 /// How many scenarios are asked for.
-fn count() -> Option<usize> {
+pub fn count() -> Option<usize> {
     std::env::var(COUNT).ok()?.parse().ok()
 }
 

@@ -38,7 +38,7 @@ impl Reproduction {
         let version = recording.run().and_then(|run| run.get(VERSION));
         Self {
             simulation: match Simulation::new(scenario) {
-                Ok(simulation) if of.number() == 1 => Ok(simulation.with_all_cycles()),
+                Ok(simulation) if of.number() == 1 => Ok(simulation.by_first_rules()),
                 simulation => simulation.map_err(|error| error.to_string()),
             },
             of,

@@ -342,7 +342,8 @@ impl<'a> Course<'a> {
 
     /// Takes a step; the impact if it ends there.
     fn step(&mut self) -> Result<Option<Impact>, IntegrateError> {
-        let dense = self.integrator.step_densely()?;
+        self.integrator.step_densely()?;
+        let dense = self.integrator.dense();
         let Some((s, mark)) = self.first_mark(&dense) else {
             return Ok(None);
         };

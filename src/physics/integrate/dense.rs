@@ -33,6 +33,12 @@ impl Bounds {
         }
     }
 
+    /// Whether a number lies within these bounds.
+    #[must_use]
+    pub fn hold(&self, number: f64) -> bool {
+        self.least <= number && number <= self.greatest
+    }
+
     /// Bounds of the magnitude.
     #[must_use]
     #[inline]
@@ -194,14 +200,7 @@ mod tests {
             let (values, slopes) = (dense.bounds(0), dense.slope_bounds(0));
             for s in (0..=500).map(|s| f64::from(s) / 500.0) {
                 let (value, slope) = (dense.component(0, s), dense.slope(s)[0]);
-                assert!(
-                    values.least <= value && value <= values.greatest,
-                    "{seed} {s}"
-                );
-                assert!(
-                    slopes.least <= slope && slope <= slopes.greatest,
-                    "{seed} {s}"
-                );
+                assert!(values.hold(value) && slopes.hold(slope), "{seed} {s}");
             }
         }
     }

@@ -38,6 +38,32 @@ const CHECKED_AT: f64 = 0.8;
 /// oscillations and tops, 0.7 to 9 times elsewhere (a test holds it to that). Of a mere quadrature it tells too little.
 const DEFECT_PER_ERROR: f64 = 2.64;
 
+/// Steps are alike if their lengths, their errors and the estimates behind these differ by less than this factor.
+const LIKENESS: f64 = 1.2;
+
+/// The error of the dense output, in units of what it may be, up to which those of steps that are alike need no check.
+const SAFE_DENSE_ERROR: f64 = 0.2;
+
+/// The least and greatest ratio of the error of the dense output to that of the step, each in units of what it may be,
+/// in motion that is resolved well: there it is about 0.29.
+const USUAL_RATIO: (f64, f64) = (0.1, 0.35);
+
+/// Steps may go unchecked once so many in a row have succeeded at the first try.
+const CALM: u32 = 64;
+
+/// So many steps in a row may go unchecked. Of 630,000 that did, in 7000 runs of random tops, three had a dense output that a
+/// check would have refused.
+const MOST_UNCHECKED: u32 = 12;
+
+/// The stages at 1/4 and 6/7 of a step, where the slope of the fifth term of the dense output is 0.19 and 0.17 times its
+/// coefficient: almost as much as anywhere.
+const SHOWING_STAGES: [usize; 2] = [6, 10];
+/// The outline of a step has a fifth term with a coefficient so many times as large as these stages show: four times what
+/// they show if there is no more than that term.
+const BEYOND: f64 = 20.0;
+/// And so many tolerances larger, for errors and rounding.
+const TOLERANCES_BEYOND: f64 = 1000.0;
+
 /// The shortest step that can still advance t well, as a multiple of |t|.
 const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
 
@@ -76,8 +102,18 @@ pub struct Dop853<S, const N: usize> {
     last: Step<N>,
     /// The step to try next, with its sign.
     next_h: f64,
+    /// The dense output of the last step, if it has been made and nobody has asked for it.
+    dense: Option<Dense<N>>,
     /// Whether the steps would be longer if the dense output were not checked.
     dense_limits: bool,
+    /// Whether each step is checked.
+    checks_each: bool,
+    /// Steps in a row that have succeeded at the first try.
+    calm: u32,
+    /// How many more steps need no check of their dense output if each is like the one before.
+    unchecked: u32,
+    /// Whether the last step was one of these.
+    is_unchecked: bool,
     statistics: Statistics,
 }
 
@@ -91,6 +127,18 @@ struct Step<const N: usize> {
     end: f64,
     end_y: [f64; N],
     end_dy: [f64; N],
+    error: StepError,
+}
+
+/// The local error of a step, in units of the tolerances.
+#[derive(Clone, Copy, Debug, Default)]
+struct StepError {
+    /// At most 1 if the step is good; NaN if its numbers are not finite.
+    error: f64,
+    /// The fifth-order estimate.
+    fifth: f64,
+    /// The third-order estimate, by which that is damped.
+    third: f64,
 }
 
 /// The derivatives at the stages of a step.
@@ -128,9 +176,15 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
                 end: t0,
                 end_y: y0,
                 end_dy: dy,
+                error: StepError::default(),
             },
             next_h: 0.0,
+            dense: None,
             dense_limits: false,
+            checks_each: false,
+            calm: 0,
+            unchecked: 0,
+            is_unchecked: false,
             statistics: Statistics {
                 evaluations: 1,
                 ..Statistics::default()
@@ -151,10 +205,16 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         y: [f64; N],
         direction: Direction,
     ) -> Result<(), IntegrateError> {
-        let before = self.statistics;
+        let (before, checks_each) = (self.statistics, self.checks_each);
         *self = Self::new(system, t, y, self.tolerances, direction)?;
         self.statistics = self.statistics.after(before);
+        self.checks_each = checks_each;
         Ok(())
+    }
+
+    /// From now on, [`Dop853::step_densely`] checks each step.
+    pub fn check_each_step(&mut self) {
+        (self.checks_each, self.unchecked) = (true, 0);
     }
 
     /// Makes the next step no longer than this. For motions that may not be looked past at first: the steps grow again.
@@ -208,20 +268,32 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// not finite. The state and the dense output are then still those of the last accepted step.
     pub fn step(&mut self) -> Result<(), IntegrateError> {
         let (step, factor) = self.try_steps(LARGEST_GROWTH)?;
+        self.unchecked = 0;
         self.next_h = step.h * factor;
-        self.accept(step);
+        self.accept(step, None);
         Ok(())
     }
 
-    /// Advances by one step whose dense output is good too, and returns it: it errs by at most ten times as much
-    /// as a step may. [`Dop853::step`] doesn't look at that and goes a little faster.
+    /// Advances by one step whose [dense output](Dop853::dense) is good too: it errs by at most ten times as much as a
+    /// step may. [`Dop853::step`] doesn't look at that and goes a little faster.
+    ///
+    /// Of a [smooth](System::is_smooth) system the dense output is not checked in each step, nor made before it is asked
+    /// for: a step that is like the one before has one as good.
     ///
     /// # Errors
     /// As [`Dop853::step`].
-    pub fn step_densely(&mut self) -> Result<Dense<N>, IntegrateError> {
+    pub fn step_densely(&mut self) -> Result<(), IntegrateError> {
         let mut growth_limit = LARGEST_GROWTH;
         loop {
             let (step, factor) = self.try_steps(growth_limit)?;
+            if self.unchecked > 0 && step.is_like(&self.last) {
+                self.unchecked -= 1;
+                self.next_h = step.h * factor;
+                self.accept(step, None);
+                self.is_unchecked = true;
+                return Ok(());
+            }
+            self.statistics.evaluations += 3;
             let dense = self.dense_of(&step);
             let error = self.dense_error(&step, &dense);
             let dense_factor = step_factor(error, growth_limit);
@@ -232,9 +304,15 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
                 } else {
                     factor
                 };
+                let may_go_on = !self.checks_each
+                    && self.system.is_smooth()
+                    && self.calm >= CALM
+                    && !self.dense_limits
+                    && is_safe(error, step.error.error);
+                self.unchecked = if may_go_on { MOST_UNCHECKED } else { 0 };
                 self.next_h = step.h * factor;
-                self.accept(step);
-                return Ok(dense);
+                self.accept(step, Some(dense));
+                return Ok(());
             }
             self.reject(step.h, error);
             self.dense_limits = true;
@@ -244,10 +322,45 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
 
     /// The solution within the last accepted step.
     ///
-    /// Costs three evaluations of the derivative. Before the first step it is the constant start.
+    /// Costs three evaluations of the derivative, unless [`Dop853::step_densely`] has made it for its check. Before the
+    /// first step it is the constant start.
     pub fn dense(&mut self) -> Dense<N> {
-        let last = self.last.clone();
-        self.dense_of(&last)
+        match self.dense.take() {
+            Some(dense) => dense,
+            None => {
+                self.statistics.evaluations += 3;
+                self.dense_of(&self.last)
+            }
+        }
+    }
+
+    /// A polynomial whose [bounds](Dense::bounds) hold the last step's dense output, and which costs no evaluation. None
+    /// where that had to be checked.
+    ///
+    /// It is the cubic with the values and slopes of both ends, and one term more, several times as large as what two stages
+    /// within the step show to be beyond it. Quadratures have none. Its values mean nothing.
+    pub fn outline(&self) -> Option<Dense<N>> {
+        if !self.is_unchecked {
+            return None;
+        }
+        let Step { t, h, k, .. } = &self.last;
+        let [start, rise, start_bend, bend] = self.last.cubic(S::CONTROLLED);
+        let mut beyond = [0.0; N];
+        for i in 0..S::CONTROLLED {
+            beyond[i] = TOLERANCES_BEYOND * self.scale(start[i].abs());
+            for stage in SHOWING_STAGES {
+                let s = NODES[stage];
+                let slope =
+                    rise[i] + (1.0 - 2.0 * s) * start_bend[i] + s * (2.0 - 3.0 * s) * bend[i];
+                beyond[i] += BEYOND * (h * k[stage][i] - slope).abs();
+            }
+        }
+        let none = [0.0; N];
+        Some(Dense {
+            t0: *t,
+            h: *h,
+            coefficients: [start, rise, start_bend, bend, beyond, none, none, none],
+        })
     }
 
     /// Tries steps until one has a small enough error. Returns it and the length of the next as a multiple of its own.
@@ -259,10 +372,11 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
             let y = advance(self.y(), h, &combine(&SOLUTION, &k));
             self.statistics.evaluations += 11;
             let error = self.error(h, &y, &k);
-            if error <= 1.0 && all_finite(&y[..S::CONTROLLED]) {
-                return Ok((self.ended(h, y, k)?, step_factor(error, growth_limit)));
+            if error.error <= 1.0 && all_finite(&y[..S::CONTROLLED]) {
+                let step = self.ended(h, y, k, error)?;
+                return Ok((step, step_factor(error.error, growth_limit)));
             }
-            self.reject(h, error);
+            self.reject(h, error.error);
             // What has just failed would fail again.
             growth_limit = 1.0;
         }
@@ -271,6 +385,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// Throws a step away whose error is too large or not finite.
     fn reject(&mut self, h: f64, error: f64) {
         self.statistics.rejected += 1;
+        (self.calm, self.unchecked) = (0, 0);
         self.next_h = h * if error > 1.0 {
             step_factor(error, 1.0)
         } else {
@@ -279,19 +394,16 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     }
 
     /// The solution within a step.
-    fn dense_of(&mut self, step: &Step<N>) -> Dense<N> {
-        let Step { t, h, y, .. } = *step;
+    fn dense_of(&self, step: &Step<N>) -> Dense<N> {
+        let Step { t, h, .. } = *step;
         let k = self.all_stages(step);
-        self.statistics.evaluations += 3;
-        let rise = difference(&step.end_y, &y);
-        let start_bend = difference(&k[0].map(|dy| h * dy), &rise);
-        let end_bend = difference(&rise, &k[STAGES].map(|dy| h * dy));
+        let [start, rise, start_bend, bend] = step.cubic(N);
         let high = |row| combine(row, &k).map(|dy| h * dy);
         let coefficients = [
-            y,
+            start,
             rise,
             start_bend,
-            difference(&end_bend, &start_bend),
+            bend,
             high(&DENSE[0]),
             high(&DENSE[1]),
             high(&DENSE[2]),
@@ -389,12 +501,10 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         self.system.derivative(t + node * h, &y)
     }
 
-    /// The local error of a tried step in units of the tolerances, at most 1 if the step is good; NaN if
-    /// its numbers are not finite.
-    ///
-    /// The fifth-order estimate, damped by the third-order one where they differ much (book, II.10).
+    /// The local error of a tried step: the fifth-order estimate, damped by the third-order one where they differ much
+    /// (book, II.10).
     #[inline]
-    fn error(&self, h: f64, y: &[f64; N], k: &Stages<N>) -> f64 {
+    fn error(&self, h: f64, y: &[f64; N], k: &Stages<N>) -> StepError {
         let third = combine_controlled::<S, N, _, STAGES>(&ERROR_3, k);
         let fifth = combine_controlled::<S, N, _, STAGES>(&ERROR_5, k);
         let (mut third_squared, mut fifth_squared) = (0.0, 0.0);
@@ -405,14 +515,24 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         }
         let damped = fifth_squared + WEIGHT_OF_THIRD * third_squared;
         if damped == 0.0 {
-            return 0.0;
+            return StepError::default();
         }
-        h.abs() * fifth_squared / (Self::controlled() * damped).sqrt()
+        StepError {
+            error: h.abs() * fifth_squared / (Self::controlled() * damped).sqrt(),
+            fifth: h.abs() * (fifth_squared / Self::controlled()).sqrt(),
+            third: h.abs() * (third_squared / Self::controlled()).sqrt(),
+        }
     }
 
     /// A step of length `h` to `y`, unless it ends in numbers that are not finite.
     #[inline]
-    fn ended(&mut self, h: f64, y: [f64; N], k: Stages<N>) -> Result<Step<N>, IntegrateError> {
+    fn ended(
+        &mut self,
+        h: f64,
+        y: [f64; N],
+        k: Stages<N>,
+        error: StepError,
+    ) -> Result<Step<N>, IntegrateError> {
         let end = self.t() + h;
         let dy = self.system.derivative(end, &y);
         self.statistics.evaluations += 1;
@@ -427,14 +547,18 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
             end,
             end_y: y,
             end_dy: dy,
+            error,
         })
     }
 
-    /// Makes a step the last accepted one.
+    /// Makes a step the last accepted one, with its dense output if that has been made.
     #[inline]
-    fn accept(&mut self, step: Step<N>) {
+    fn accept(&mut self, step: Step<N>, dense: Option<Dense<N>>) {
         self.statistics.count_step(step.h.abs());
+        self.calm = self.calm.saturating_add(1);
         self.last = step;
+        self.dense = dense;
+        self.is_unchecked = false;
     }
 
     /// A first step such that the terms of the Taylor series behind it are small (book, II.4; `hinit` of
@@ -485,6 +609,46 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     fn controlled() -> f64 {
         S::CONTROLLED as f64
     }
+}
+
+impl<const N: usize> Step<N> {
+    /// The first four coefficients of the [dense output](Dense), those of the cubic with the values and slopes of both ends,
+    /// for the first `count` components; 0 for the others.
+    #[inline]
+    fn cubic(&self, count: usize) -> [[f64; N]; 4] {
+        let [mut start, mut rise, mut start_bend, mut bend] = [[0.0; N]; 4];
+        for i in 0..count {
+            start[i] = self.y[i];
+            rise[i] = self.end_y[i] - self.y[i];
+            start_bend[i] = self.h * self.k[0][i] - rise[i];
+            let end_bend = rise[i] - self.h * self.end_dy[i];
+            bend[i] = end_bend - start_bend[i];
+        }
+        [start, rise, start_bend, bend]
+    }
+
+    /// Whether this step is like another in length and error.
+    #[inline]
+    fn is_like(&self, other: &Self) -> bool {
+        let (error, others) = (self.error, other.error);
+        are_alike(self.h.abs(), other.h.abs())
+            && are_alike(error.error, others.error)
+            && are_alike(error.fifth, others.fifth)
+            && are_alike(error.third, others.third)
+    }
+}
+
+#[inline]
+fn are_alike(a: f64, b: f64) -> bool {
+    a < LIKENESS * b && b < LIKENESS * a
+}
+
+/// Whether the errors of the dense output and of its step, each in units of what it may be, are small and in the usual
+/// ratio.
+#[inline]
+fn is_safe(dense_error: f64, error: f64) -> bool {
+    let (least, greatest) = USUAL_RATIO;
+    dense_error < SAFE_DENSE_ERROR && dense_error > least * error && dense_error < greatest * error
 }
 
 impl Statistics {

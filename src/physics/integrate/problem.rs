@@ -9,6 +9,12 @@ pub trait System<const N: usize> {
     /// the steps. No derivative may depend on them: within a step they are given as 0.
     const CONTROLLED: usize = N;
 
+    /// Whether the derivative is so smooth that the error of a step tells that of its dense output, as long as one step is
+    /// like the other: then most steps need no check of it. False where something may turn round within a step.
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
     /// The derivative y′ at (t, y). Where it is not defined it may be infinite or NaN.
     fn derivative(&self, t: f64, y: &[f64; N]) -> [f64; N];
 }

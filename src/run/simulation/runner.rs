@@ -9,7 +9,9 @@ use super::tally::Tally;
 use super::watch::{
     Meaning, Watch, accelerations, envelope, is_steady_at_knots, keep_signs, watches,
 };
-use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Passage, Phase};
+use crate::physics::dynamics::{
+    Entry, EulerBounds, Formulation, Guard, Model, Motion, Passage, Phase,
+};
 use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope, Tolerances};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{OnStick, Scenario, Stop};
@@ -23,8 +25,8 @@ pub(super) trait RecordStream {
         carry_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<Record>, SimulationError>;
 
-    /// Takes each stretch from one maximum of θ̇ to the next for a nutation.
-    fn take_all_cycles(&mut self);
+    /// Takes each stretch from one maximum of θ̇ to the next for a nutation, and checks each step.
+    fn go_by_first_rules(&mut self);
 
     /// What has happened so far.
     fn end(&self) -> RunEnd;
@@ -181,9 +183,16 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn step(&mut self) -> Result<(), SimulationError> {
         let (system, state) = (self.integrator.system(), self.integrator.y());
         self.reference = system.angles(state, self.reference);
-        let dense = self.integrator.step_densely()?;
-        self.check_advance(dense.t0 + dense.h)?;
-        let mut crossings = self.crossings(&dense).into_iter();
+        self.integrator.step_densely()?;
+        self.check_advance(self.integrator.t())?;
+        let outline = self.integrator.outline();
+        let outline = outline.and_then(|outline| self.integrator.system().bounds(&outline));
+        if self.detail == Detail::Outcome && outline.is_some_and(|outline| self.is_idle(&outline)) {
+            self.dense = None;
+            return Ok(());
+        }
+        let dense = self.integrator.dense();
+        let mut crossings = self.crossings(&dense, outline.as_ref()).into_iter();
         for (s, meaning, slope) in crossings.by_ref() {
             self.note(&dense, s, meaning, slope)?;
             if self.end.is_some() {
@@ -194,6 +203,24 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.end_at_duration(&dense);
         self.dense = Some(dense);
         Ok(())
+    }
+
+    /// Whether bounds show that nothing happens in the last step, and that the run goes on after it.
+    fn is_idle(&self, bounds: &EulerBounds) -> bool {
+        let is_over = |duration| duration <= self.integrator.t();
+        !self.settings.stop.duration.is_some_and(is_over)
+            && self
+                .watches
+                .iter()
+                .all(|watch| self.is_quiet(watch, bounds))
+    }
+
+    /// Whether bounds show that a watched function keeps its sign throughout a step.
+    #[inline]
+    fn is_quiet(&self, watch: &Watch, bounds: &EulerBounds) -> bool {
+        let (system, sense) = (self.integrator.system(), self.settings.sense);
+        let keeps = |positive| watch.meaning.keeps_sign(positive, system, sense, bounds);
+        watch.tracker.sign().is_some_and(keeps)
     }
 
     /// Gives watches back the signs that they had where a step is left, before these crossings, which never come.
@@ -210,29 +237,37 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// All zeros of the watched functions in a step, in the order of time.
-    fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, Meaning, Slope)> {
+    /// All zeros of the watched functions in a step, in the order of time. What its outline settles is settled, for
+    /// recordings as for outcomes, which may look no further.
+    fn crossings(
+        &mut self,
+        dense: &Dense<N>,
+        outline: Option<&EulerBounds>,
+    ) -> Vec<(f64, Meaning, Slope)> {
         let (system, sense) = (self.integrator.system(), self.settings.sense);
         let bounds = system.bounds(dense);
         let mut motions = None;
         let mut watches = std::mem::take(&mut self.watches);
         let mut found: Vec<Crossing> = Vec::new();
         let mut all = Vec::new();
-        for Watch { meaning, tracker } in &mut watches {
-            let meaning = *meaning;
-            let looks_closer = meaning == Meaning::NutationRate && self.detail == Detail::All;
-            if !looks_closer
-                && let (Some(bounds), Some(positive)) = (&bounds, tracker.sign())
-                && meaning.keeps_sign(positive, system, sense, bounds)
-            {
+        for watch in &mut watches {
+            let looks_closer = watch.meaning == Meaning::NutationRate && self.detail == Detail::All;
+            let is_quiet = |bounds| self.is_quiet(watch, bounds);
+            let is_settled = outline.is_some_and(is_quiet);
+            if !looks_closer && (is_settled || bounds.as_ref().is_some_and(is_quiet)) {
                 continue;
             }
+            let Watch { meaning, tracker } = watch;
+            let meaning = *meaning;
             let motions = motions.get_or_insert_with(|| self.motions_at_knots(dense));
             let values = if looks_closer {
                 let accelerations = motions
                     .each_ref()
                     .map(|motion| accelerations(system.model(), motion));
                 envelope(dense.h, motions, &accelerations, &mut all);
+                if is_settled {
+                    continue;
+                }
                 accelerations
                     .each_ref()
                     .map(|acceleration| acceleration.theta)
@@ -543,9 +578,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             .restart(system, time, entry.state, Direction::Forward)?;
         // Where phases repeat at once, the step is too long for what happens in it.
         let (phases, _) = self.since_phase;
-        let shortening = 0.25_f64.powi((phases - 1).min(10).cast_signed());
+        let quarters = 4_u32.pow((phases - 1).min(10));
         self.integrator
-            .limit_next_step(shortening * entry.first_step);
+            .limit_next_step(entry.first_step / f64::from(quarters));
         let before = std::mem::replace(&mut self.watches, watches(&self.settings.stop, &system));
         let motion = system.motion(&entry.state, self.reference);
         if self.model().support.is_free() {
@@ -646,8 +681,9 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
         Ok(None)
     }
 
-    fn take_all_cycles(&mut self) {
+    fn go_by_first_rules(&mut self) {
         self.nutation.take_all();
+        self.integrator.check_each_step();
     }
 
     fn end(&self) -> RunEnd {

@@ -111,13 +111,13 @@ impl Meaning {
 const STRENGTH_ROUNDING: f64 = 1e-9;
 
 /// Whether θ̈ keeps this sign in a step, as far as the slope of θ̇ can tell: its bounds have the sign, are farther from zero than
-/// from one another, and far beyond noise and rounding. So are most steps, as a nutation takes twenty; their accelerations
-/// need not be computed.
+/// a quarter of what they are from one another, and far beyond noise and rounding. So are most steps, as a nutation takes
+/// twenty; their accelerations need not be computed.
 #[inline]
 fn is_steady(positive: bool, bounds: &EulerBounds) -> bool {
     let slope = bounds.theta_dot_slope;
     let Bounds { least, greatest } = slope.magnitude();
-    slope.have_sign(positive) && least > greatest - least && least > 10.0 * NUTATION_FLOOR.1
+    slope.have_sign(positive) && 4.0 * least > greatest - least && least > 10.0 * NUTATION_FLOOR.1
 }
 
 /// The Euler accelerations in a motion, rad/s².
