@@ -704,6 +704,49 @@ fn val_shallow_hops_and_slow_departures() {
     assert!(rolling.end.statistics.accepted < 20_000);
 }
 
+/// Slip that began where friction gave way, and that comes back to rest where friction could hold the point again, ends
+/// there: at the same time for all tolerances. It went on for ever in steps of 1e-14 s, with large tolerances of 1e-7 s.
+#[test]
+fn slip_that_comes_back_to_rest_ends() {
+    let rolls = |tolerance: &str, keys: &[(&str, &str)]| -> Vec<f64> {
+        let common = [
+            ("integrator.relative_tolerance", tolerance),
+            ("integrator.absolute_tolerance", tolerance),
+            ("stop.on_stick", "continue"),
+        ];
+        let run = Run::of(&scenario("free-rolls", &[&common, keys].concat()));
+        assert_eq!(run.end.stop, StopReason::Duration);
+        assert!(run.end.statistics.accepted < 50_000);
+        let begins = |event: &&Event| event.kind == EventKind::RollBegins;
+        run.events.iter().filter(begins).map(|e| e.time).collect()
+    };
+    let hopping = [
+        ("friction.k", "0.7292660248869715"),
+        ("initial.phi_dot", "-4.645427351716144"),
+        ("initial.theta_dot", "-0.026422090109027963"),
+        ("initial.psi_dot", "261.33373489914163"),
+        ("stop.duration", "0.15"),
+    ];
+    let slow = [
+        ("friction.k", "0.8400992308201122"),
+        ("initial.theta", "0.5932123007532333"),
+        ("initial.psi_dot", "-82.19867242195139"),
+        ("stop.duration", "0.19"),
+    ];
+    for (keys, count) in [(&hopping[..], 2), (&slow, 3)] {
+        let exact = rolls("1e-13", keys);
+        assert_eq!(exact.len(), count);
+        for tolerance in ["1e-12", "1e-8", "1e-5"] {
+            let found = rolls(tolerance, keys);
+            assert_eq!(found.len(), count);
+            // Steps err by 2e-11 at most, a fiftieth of 1e-9; in seven hops and two rolls that grows thirtyfold.
+            for (found, exact) in found.iter().zip(&exact) {
+                assert_near("rolls", *found, *exact, 6e-10);
+            }
+        }
+    }
+}
+
 /// The dense output of a long step errs by more than the height of a peg that has just lifted off.
 #[test]
 fn a_peg_lifts_off_at_loose_tolerances_too() {

@@ -5,7 +5,7 @@ use super::impact::Impact;
 use super::model::Model;
 use super::motion::{Motion, Start};
 use super::support::Phase;
-use crate::physics::integrate::{Dense, IntegrateError, System};
+use crate::physics::integrate::{Dense, IntegrateError, System, Tolerances};
 use crate::physics::kinematics::Euler;
 use nalgebra::UnitQuaternion;
 
@@ -75,9 +75,11 @@ pub struct Entry<F, const N: usize> {
 /// A choice of variables for the equations of motion, with `N` numbers as state, of which the last are the running
 /// integrals: all [`INTEGRALS`](super::INTEGRALS), or only [`FEW_INTEGRALS`](super::FEW_INTEGRALS).
 pub trait Formulation<const N: usize>: System<N> + Copy {
-    /// The part of the tolerances by which a step may err. The nutation of a top with a free peg grows by itself, and
-    /// errors with it.
-    const ERROR_SHARE: f64 = 1.0;
+    /// By how much each step may err, if the motion is to have these tolerances.
+    #[must_use]
+    fn of_steps(tolerances: Tolerances) -> Tolerances {
+        tolerances
+    }
 
     /// The equations, the state and what happens where the motion starts. Only if `may_hold` friction can hold the peg of
     /// a top that turns as a whole from the start.

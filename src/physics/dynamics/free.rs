@@ -17,7 +17,7 @@ use super::model::Model;
 use super::motion::{Dissipated, Motion, Peg, Start, is_departing, slip_of_law};
 use super::reaction::{Arm, FreeBody, Inertia, Reaction};
 use super::support::{Phase, Support};
-use crate::physics::integrate::{IntegrateError, System};
+use crate::physics::integrate::{IntegrateError, System, Tolerances};
 use crate::physics::kinematics::{
     Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
 };
@@ -65,6 +65,17 @@ enum Departure {
     /// follows the motion from the start.
     GivingWay,
 }
+
+/// The part of the tolerances by which a step may err: the nutation of a top with a free peg grows by itself, and errors
+/// with it.
+const ERROR_SHARE: f64 = 0.02;
+
+/// A relative error below this would be less than the rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// A contact point that has begun to slip comes to rest, instead of beginning again, where friction could hold it with
+/// this part of its strength left: far more than rounding, far less than it is ever left with for long.
+const HELD_AGAIN: f64 = 1e-6;
 
 const CONTROLLED: usize = 13;
 const DISSIPATED: usize = 3;
@@ -138,14 +149,21 @@ impl FreeRotation {
         body.reaction(self.phase, &slip_of_law(&slip, departure.as_ref()))
     }
 
-    /// The direction in which the contact point begins to slip, in the lean frame, while it has hardly begun.
+    /// The direction in which the contact point begins to slip, in the lean frame, while it has hardly begun. None where
+    /// friction could hold it again: then it comes to rest.
     #[inline(always)]
     fn departure_of(&self, tilt: &Tilt, slip: &Vector3<f64>) -> Option<Vector3<f64>> {
-        match self.departure? {
-            Departure::Toward(direction) => Some(direction),
-            Departure::GivingWay if is_departing(slip) => Some(self.body(*tilt).giving_way()),
-            Departure::GivingWay => None,
+        let departure = self.departure.filter(|_| is_departing(slip))?;
+        let body = self.body(*tilt);
+        let held = body.holding();
+        let strongest = self.model.friction.law.static_bound(held.normal);
+        if self.grip(&held) > HELD_AGAIN * strongest {
+            return None;
         }
+        Some(match departure {
+            Departure::Toward(direction) => direction,
+            Departure::GivingWay => body.giving_way(),
+        })
     }
 
     /// What the running integrals, all or few, grow by per second, where the losses have this power, W.
@@ -409,7 +427,13 @@ impl<const N: usize> System<N> for FreeRotation {
 }
 
 impl<const N: usize> Formulation<N> for FreeRotation {
-    const ERROR_SHARE: f64 = 0.02;
+    fn of_steps(tolerances: Tolerances) -> Tolerances {
+        let Tolerances { relative, absolute } = tolerances;
+        Tolerances {
+            relative: (ERROR_SHARE * relative).max(relative.min(ROUNDING)),
+            absolute: ERROR_SHARE * absolute,
+        }
+    }
 
     fn start(model: &Model, start: &Start, _may_hold: bool) -> (Self, [f64; N], Option<Passage>) {
         let Start {

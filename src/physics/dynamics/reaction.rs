@@ -286,7 +286,7 @@ impl<'a> FreeBody<'a> {
 
     /// The force that keeps the contact point at rest.
     #[inline(always)]
-    fn holding(&self) -> Reaction {
+    pub(super) fn holding(&self) -> Reaction {
         let Response {
             node,
             lean,

@@ -20,6 +20,13 @@ impl Support {
     pub fn is_free(self) -> bool {
         matches!(self, Self::FreePeg { .. })
     }
+
+    /// The largest tolerances with which the motion can be integrated, relative and absolute (SI). With larger ones the
+    /// slip of a free peg that comes to rest is turned round in each step, and never seen to end.
+    #[must_use]
+    pub fn largest_tolerance(self) -> f64 {
+        if self.is_free() { 1e-9 } else { f64::INFINITY }
+    }
 }
 
 /// What the contact point does.

@@ -41,7 +41,7 @@ pub struct Scenario {
     pub angles: Euler,
     /// Euler rates at the start, rad/s.
     pub rates: Euler,
-    /// Local error bounds.
+    /// Local error bounds: those of the keys, if the support lets them be as large.
     pub tolerances: Tolerances,
     /// Time between samples, ns.
     pub sample_period_ns: u64,
@@ -61,9 +61,13 @@ impl Scenario {
         if values.get("support.kind") == Some(&Value::Text("fixed".to_owned())) {
             values.remove("support.kind");
         }
+        let model = model(&values)?;
+        let tolerance = |key| -> Result<f64, ScenarioError> {
+            Ok(values.number(key)?.min(model.support.largest_tolerance()))
+        };
         let scenario = Self {
             formulation: values.choice("formulation")?,
-            model: model(&values)?,
+            model,
             angles: Euler {
                 phi: values.number("initial.phi")?,
                 theta: values.number("initial.theta")?,
@@ -75,8 +79,8 @@ impl Scenario {
                 psi: values.number("initial.psi_dot")?,
             },
             tolerances: Tolerances {
-                relative: values.number("integrator.relative_tolerance")?,
-                absolute: values.number("integrator.absolute_tolerance")?,
+                relative: tolerance("integrator.relative_tolerance")?,
+                absolute: tolerance("integrator.absolute_tolerance")?,
             },
             sample_period_ns: nanoseconds(values.number("sampling.period")?).ok_or(
                 ScenarioError::MissingKey {

@@ -12,7 +12,7 @@ use super::watch::{
 use crate::physics::dynamics::{
     Entry, EulerBounds, Formulation, Guard, Model, Motion, Passage, Phase,
 };
-use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope, Tolerances};
+use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{OnStick, Scenario, Stop};
 use std::collections::VecDeque;
@@ -138,7 +138,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             formulation,
             0.0,
             state,
-            shared(scenario.tolerances, F::ERROR_SHARE),
+            F::of_steps(scenario.tolerances),
             Direction::Forward,
         )?;
         let energy_at_start = scenario.model.energy(&motion);
@@ -722,15 +722,6 @@ fn kind_of(passage: &Passage) -> Option<EventKind> {
         | Passage::LiftsOff
         | Passage::Bounces(_)
         | Passage::Lands(_) => None,
-    }
-}
-
-/// The part of the tolerances by which a step may err. A relative one below 1e-14 would be less than the rounding.
-fn shared(tolerances: Tolerances, share: f64) -> Tolerances {
-    let Tolerances { relative, absolute } = tolerances;
-    Tolerances {
-        relative: (share * relative).max(relative.min(1e-14)),
-        absolute: share * absolute,
     }
 }
 
