@@ -60,7 +60,7 @@ impl Simulation {
     }
 
     /// Goes by the rules of the first version of the telemetry: each stretch from one maximum of θ̇ to the next is a
-    /// nutation, also those that take much longer, as a fall does, and the dense output of each step is checked.
+    /// nutation, also those that take much longer, as a fall does, and the dense output is never checked.
     #[must_use]
     pub fn by_first_rules(mut self) -> Self {
         self.run.go_by_first_rules();
@@ -87,7 +87,7 @@ impl Iterator for Simulation {
 
 /// Runs a scenario to its end for nothing but that end and what happens before: without samples, without the least and
 /// greatest rates of nutations, and without the integrals that only recordings need. The steps, the events and the end
-/// are those of the [`Simulation`], to the last bit.
+/// are those of the [`Simulation`], to the last bit; the derivative is evaluated less often.
 ///
 /// `carry_on` is asked before each step of the integrator; once it says no, the run ends early, as interrupted.
 ///

@@ -235,25 +235,21 @@ impl FreeRotation {
 
     /// How the motion goes on from a peg on the table whose contact point slips, or is `at_rest`.
     fn on_table<const N: usize>(&self, y: &[f64; N], at_rest: bool) -> Self {
-        let sliding = self.in_phase(Phase::Sliding);
-        let departing = at_rest && self.model.friction.is_set_valued_at_rest();
-        if departing {
+        let mut sliding = self.in_phase(Phase::Sliding);
+        let parts = sliding.parts(y);
+        if at_rest && self.model.friction.is_set_valued_at_rest() {
             let holding = self.in_phase(Phase::Holding);
             if holding.is_held(y) {
                 return holding;
             }
+            let body = self.body(parts.tilt);
+            let accelerated = |direction: &_| body.slip_acceleration(&(NO_SLIP * direction));
+            let Some(direction) = FreeBody::departure(accelerated) else {
+                // Friction is too weak by rounding only.
+                return holding.departing(y);
+            };
+            sliding.departure = Some(Departure::Toward(direction));
         }
-        let parts = sliding.parts(y);
-        let body = self.body(parts.tilt);
-        let departure = if departing {
-            FreeBody::departure(|direction| body.slip_acceleration(&(NO_SLIP * direction)))
-        } else {
-            None
-        };
-        let sliding = Self {
-            departure: departure.map(Departure::Toward),
-            ..sliding
-        };
         if sliding.reaction(&parts).normal > 0.0 {
             sliding
         } else {
@@ -549,6 +545,8 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 .reaction(self.phase, &motion.law_slip(&slip))
         };
         match guard {
+            // However slow: what friction can't hold will slip.
+            Guard::Slip if motion.peg.departure.is_some() => NO_SLIP,
             Guard::Slip => slip.norm() - NO_SLIP,
             Guard::Grip => self.grip(&reaction()),
             Guard::NormalForce => reaction().normal,

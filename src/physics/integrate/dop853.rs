@@ -71,8 +71,8 @@ const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
 /// time.
 ///
 /// Nothing tells it where the integration ends: a shorter run is an exact prefix of a longer one. Values
-/// between the steps come from [`Dop853::step_densely`], which also bounds their error, or [`Dop853::dense`];
-/// reading them never alters the steps.
+/// between the steps come from [`Dop853::dense`]; steps by [`Dop853::step_densely`] see to it that they err little. Reading
+/// them never alters the steps.
 ///
 /// ```
 /// use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};
@@ -106,8 +106,8 @@ pub struct Dop853<S, const N: usize> {
     dense: Option<Dense<N>>,
     /// Whether the steps would be longer if the dense output were not checked.
     dense_limits: bool,
-    /// Whether each step is checked.
-    checks_each: bool,
+    /// Whether the dense output is checked at all.
+    checks: bool,
     /// Steps in a row that have succeeded at the first try.
     calm: u32,
     /// How many more steps need no check of their dense output if each is like the one before.
@@ -181,7 +181,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
             next_h: 0.0,
             dense: None,
             dense_limits: false,
-            checks_each: false,
+            checks: true,
             calm: 0,
             unchecked: 0,
             is_unchecked: false,
@@ -205,16 +205,16 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         y: [f64; N],
         direction: Direction,
     ) -> Result<(), IntegrateError> {
-        let (before, checks_each) = (self.statistics, self.checks_each);
+        let (before, checks) = (self.statistics, self.checks);
         *self = Self::new(system, t, y, self.tolerances, direction)?;
         self.statistics = self.statistics.after(before);
-        self.checks_each = checks_each;
+        self.checks = checks;
         Ok(())
     }
 
-    /// From now on, [`Dop853::step_densely`] checks each step.
-    pub fn check_each_step(&mut self) {
-        (self.checks_each, self.unchecked) = (true, 0);
+    /// From now on, [`Dop853::step_densely`] does no more than [`Dop853::step`].
+    pub fn leave_out_checks(&mut self) {
+        self.checks = false;
     }
 
     /// Makes the next step no longer than this. For motions that may not be looked past at first: the steps grow again.
@@ -274,8 +274,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         Ok(())
     }
 
-    /// Advances by one step whose [dense output](Dop853::dense) is good too: it errs by at most ten times as much as a
-    /// step may. [`Dop853::step`] doesn't look at that and goes a little faster.
+    /// Advances by one step whose [dense output](Dop853::dense) is good too: it errs by no more than about ten times as
+    /// much as a step may. [`Dop853::step`] doesn't look at that and goes a little faster.
     ///
     /// Of a [smooth](System::is_smooth) system the dense output is not checked in each step, nor made before it is asked
     /// for: a step that is like the one before has one as good.
@@ -283,6 +283,9 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// # Errors
     /// As [`Dop853::step`].
     pub fn step_densely(&mut self) -> Result<(), IntegrateError> {
+        if !self.checks {
+            return self.step();
+        }
         let mut growth_limit = LARGEST_GROWTH;
         loop {
             let (step, factor) = self.try_steps(growth_limit)?;
@@ -304,8 +307,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
                 } else {
                     factor
                 };
-                let may_go_on = !self.checks_each
-                    && self.system.is_smooth()
+                let may_go_on = self.system.is_smooth()
                     && self.calm >= CALM
                     && !self.dense_limits
                     && is_safe(error, step.error.error);
@@ -334,8 +336,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         }
     }
 
-    /// A polynomial whose [bounds](Dense::bounds) hold the last step's dense output, and which costs no evaluation. None
-    /// where that had to be checked.
+    /// A polynomial whose [bounds](Dense::bounds) are meant to hold the last step's dense output, and which costs no
+    /// evaluation. None where that had to be checked.
     ///
     /// It is the cubic with the values and slopes of both ends, and one term more, several times as large as what two stages
     /// within the step show to be beyond it. Quadratures have none. Its values mean nothing.

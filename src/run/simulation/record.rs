@@ -52,7 +52,7 @@ pub enum SimulationError {
     /// The phases have become so short that the run would never end.
     #[error(
         "the motion has stalled at t = {time:?} s: the peg leaves the table and touches it again without end there \
-             (smaller integrator.absolute_tolerance and integrator.relative_tolerance tell the one from the other)"
+             (smaller integrator.absolute_tolerance and integrator.relative_tolerance, below 1e-9, tell the one from the other)"
     )]
     Chatters {
         /// When, s.
