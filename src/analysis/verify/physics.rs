@@ -687,13 +687,16 @@ fn laws_of_free_peg(scenario: &Scenario) -> Vec<PhysicalLaw> {
 /// The contact point slips at v + ω × r with the velocity v of the peg's centre and r = −R z′; not at all where it
 /// doesn't slip.
 fn slip_of_free_peg(scenario: &Scenario) -> PhysicalLaw {
-    let radius = scenario.model.top.peg_radius;
+    let top = &scenario.model.top;
+    let radius = top.peg_radius;
+    // The peg's velocity is that of the centre of mass and of the turning about it.
+    let reach = radius + top.center_distance.abs();
     law("slip velocity", "m/s", move |now, _| {
         let (omega, peg) = (pose::OMEGA_WORLD.of(now), free_peg::VELOCITY.of(now));
         let slip = contact::SLIP_WORLD.of(now);
         let expected = Vector3::new(peg.x - radius * omega.y, peg.y + radius * omega.x, 0.0);
         let of_speed = (slip.norm() - contact::SLIP_SPEED.of(now)).abs();
-        let size = radius * omega.norm() + peg.norm();
+        let size = reach * omega.norm() + peg.norm();
         (
             (expected - slip).norm() + of_speed,
             32.0 * EPS * turns(now) * size,
