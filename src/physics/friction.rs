@@ -147,7 +147,8 @@ impl Friction {
     }
 
     /// Whether it is smooth wherever there is slip. Laws that fade at a speed of their own are not, seen from faster slip,
-    /// nor are drilling and rolling resistance, which turn round with the angular velocity.
+    /// nor are drilling and rolling resistance, which turn round with the angular velocity. The drag of a disc, which
+    /// bends where the spin passes zero, counts as smooth: random tops with it have shown no harm.
     #[must_use]
     pub fn is_smooth(&self) -> bool {
         let turns_round = |losses: &Losses| losses.rolling_arm > 0.0 || losses.drilling.k > 0.0;

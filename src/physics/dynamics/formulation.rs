@@ -77,7 +77,7 @@ pub struct Entry<F, const N: usize> {
 pub trait Formulation<const N: usize>: System<N> + Copy {
     /// By how much each step may err, if the motion is to have these tolerances.
     #[must_use]
-    fn of_steps(tolerances: Tolerances) -> Tolerances {
+    fn step_tolerances(tolerances: Tolerances) -> Tolerances {
         tolerances
     }
 

@@ -423,7 +423,7 @@ impl<const N: usize> System<N> for FreeRotation {
 }
 
 impl<const N: usize> Formulation<N> for FreeRotation {
-    fn of_steps(tolerances: Tolerances) -> Tolerances {
+    fn step_tolerances(tolerances: Tolerances) -> Tolerances {
         let Tolerances { relative, absolute } = tolerances;
         Tolerances {
             relative: (ERROR_SHARE * relative).max(relative.min(ROUNDING)),
@@ -545,7 +545,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 .reaction(self.phase, &motion.law_slip(&slip))
         };
         match guard {
-            // However slow: what friction can't hold will slip.
+            // What friction can't hold slips, however slowly it begins.
             Guard::Slip if motion.peg.departure.is_some() => NO_SLIP,
             Guard::Slip => slip.norm() - NO_SLIP,
             Guard::Grip => self.grip(&reaction()),

@@ -108,7 +108,7 @@ pub struct Dop853<S, const N: usize> {
     dense_limits: bool,
     /// Whether the dense output is checked at all.
     checks: bool,
-    /// Steps in a row that have succeeded at the first try.
+    /// Steps accepted since one was last tried in vain.
     calm: u32,
     /// How many more steps need no check of their dense output if each is like the one before.
     unchecked: u32,

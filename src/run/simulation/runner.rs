@@ -138,7 +138,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             formulation,
             0.0,
             state,
-            F::of_steps(scenario.tolerances),
+            F::step_tolerances(scenario.tolerances),
             Direction::Forward,
         )?;
         let energy_at_start = scenario.model.energy(&motion);

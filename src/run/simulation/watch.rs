@@ -217,8 +217,8 @@ pub(super) fn keep_signs(before: &[Watch], now: &mut [Watch]) {
 /// it. Slip that begins passes it within steps of which each adds no more than they err by.
 const SLIP_FLOOR: f64 = 5e-10;
 
-/// What follows the sign of a guard. Those of a free peg are positive when their phase begins, but for the slip, which
-/// begins at zero. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
+/// What follows the sign of a guard. Those of a free peg are positive when their phase begins, but the slip may begin
+/// anywhere. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
 fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
     match guard {
         Guard::Gap => SignTracker::with_sign(true, 1e-16),
