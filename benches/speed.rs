@@ -9,12 +9,12 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use toprise::analysis::diff;
 use toprise::analysis::figures::{FIGURES, Run};
-use toprise::analysis::verify::{Options, verify};
-use toprise::archive::convert::convert;
+use toprise::analysis::verify::verify;
+use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Recording, Selection};
 use toprise::archive::sink::{Sink, record};
-use toprise::archive::writer::{Form, McapSink};
+use toprise::archive::writer::Form;
 use toprise::physics::dynamics::EulerAngles;
 use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};
 use toprise::run::outcome;
@@ -116,21 +116,19 @@ fn carry_on(
     Ok(ControlFlow::Continue(()))
 }
 
-fn archive(scenario: &Scenario, topics: &[String], directory: &Path) {
+fn archive(scenario: &Scenario, topics: &[String], encoding: Encoding, directory: &Path) {
     let mut telemetry = if topics.is_empty() {
         Telemetry::default()
     } else {
         Telemetry::with_topics(&Topics::named(topics).expect("the topics exist"))
     };
     let path = directory.join("bench.mcap");
-    let mut sink = McapSink::create(
-        &path,
-        Existing::Replace,
-        scenario,
-        &telemetry,
-        Form::default(),
-    )
-    .expect("the directory is writable");
+    let form = Form {
+        encoding,
+        ..Form::default()
+    };
+    let mut sink = McapSink::create(&path, Existing::Replace, scenario, &telemetry, form)
+        .expect("the directory is writable");
     let mut simulation = Simulation::new(scenario).expect("the preset is regular");
     let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
     let end = record(&mut simulation, &mut telemetry, sinks, carry_on).expect("the run succeeds");
@@ -148,11 +146,11 @@ fn runs(criterion: &mut Criterion) {
         b.iter(|| Simulation::new(&scenario).expect("regular").count());
     });
     group.bench_function("all channels to MCAP", |b| {
-        b.iter(|| archive(&scenario, &[], directory.path()));
+        b.iter(|| archive(&scenario, &[], Encoding::Json, directory.path()));
     });
     let three = ["/top/state", "/top/torque", "/top/contact"].map(str::to_owned);
     group.bench_function("state, torque and contact to MCAP", |b| {
-        b.iter(|| archive(&scenario, &three, directory.path()));
+        b.iter(|| archive(&scenario, &three, Encoding::Json, directory.path()));
     });
     group.finish();
 }
@@ -295,23 +293,12 @@ fn recorded(preset: &str, directory: &Path) -> [Recording; 2] {
     let scenario = Preset::find(preset)
         .and_then(Preset::scenario)
         .expect("the preset is sound");
-    archive(&scenario, &[], directory);
-    let [json, protobuf] = ["json", "protobuf"].map(|encoding| {
-        let name = format!("{preset}-{encoding}.mcap");
-        directory.join(name)
-    });
-    std::fs::rename(directory.join("bench.mcap"), &json).expect("it was written");
-    let json = Recording::open(&json).expect("it is a recording");
-    convert(
-        &json,
-        &protobuf,
-        Existing::Keep,
-        Encoding::Protobuf,
-        &|_| {},
-    )
-    .expect("it is whole");
-    let protobuf = Recording::open(&protobuf).expect("it is a recording");
-    [json, protobuf]
+    Encoding::ALL.map(|encoding| {
+        archive(&scenario, &[], encoding, directory);
+        let path = directory.join(format!("{preset}-{}.mcap", encoding.name()));
+        std::fs::rename(directory.join("bench.mcap"), &path).expect("it was written");
+        Recording::open(&path).expect("it is a recording")
+    })
 }
 
 /// Comparing the paper's run with that of the whole friction torque.
@@ -346,7 +333,7 @@ fn recordings(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(format!("recording: paper in {name}"));
         group.sample_size(10);
         group.bench_function("verify", |b| {
-            b.iter(|| black_box(verify(recording, Options::default(), &|_| {})));
+            b.iter(|| black_box(verify(recording, &|_| {})));
         });
         group.bench_function("decode everything", |b| {
             b.iter(|| {
@@ -371,7 +358,7 @@ fn figures(criterion: &mut Criterion) {
         .and_then(Preset::scenario)
         .expect("the preset is sound");
     let directory = tempfile::tempdir().expect("there is a temporary directory");
-    archive(&scenario, &[], directory.path());
+    archive(&scenario, &[], Encoding::Json, directory.path());
     let path = directory.path().join("bench.mcap");
     let recording = Recording::open(&path).expect("it is a recording");
     let wanted: Vec<_> = FIGURES.iter().filter(|f| f.least_runs == 1).collect();

@@ -1,12 +1,10 @@
 //! Questions asked of runs: whether a recording can be trusted, how two runs differ, what happened and how it looks.
 
-pub mod complete;
-pub mod course;
 pub mod diff;
 pub mod explain;
 pub mod figures;
+pub mod history;
 pub(crate) mod phrase;
 pub(crate) mod plot;
-pub mod salvage;
 pub mod subject;
 pub mod verify;

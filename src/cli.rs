@@ -8,7 +8,6 @@
 
 mod arguments;
 mod completions;
-mod convert;
 mod diff;
 mod done;
 mod explain;
@@ -22,7 +21,6 @@ mod output;
 mod page;
 mod presets;
 mod progress;
-mod recover;
 mod report;
 mod run;
 mod schema;
@@ -108,8 +106,8 @@ Ask questions:
 Look after recordings:
   toprise info recordings/paper.mcap       what is in it
   toprise verify recordings/*.mcap         whether it can be trusted
-  toprise convert a.mcap b.mcap --encoding protobuf
-  toprise recover a.mcap.partial a.mcap    what an interrupted run left
+  toprise run a.mcap --encoding protobuf   record its scenario again, otherwise
+  toprise run a.mcap.partial               an interrupted run again, to its end
 
 For programs: all of these take --format json, and `toprise schema --write DIR` writes
 the JSON Schemas of their answers and of the messages in recordings.
@@ -169,33 +167,22 @@ enum Command {
     /// spread over machines with --shard, is completed by the same command; the bytes of the table are the same
     /// however it was computed.
     ///
-    /// Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs have an error instead, a recording ends
-    /// early, or the sweep was interrupted.
+    /// Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs have an error instead, or the sweep
+    /// was interrupted.
     #[cfg(feature = "sweep")]
     Sweep(sweep::SweepArguments),
     /// Say what is in a recording, or in any MCAP file.
     ///
-    /// Exit codes: 0 all could be read, 2 unreadable, 3 the recording was interrupted, damaged or recovered.
+    /// Exit codes: 0 all could be read, 2 unreadable, 3 the recording was interrupted or damaged.
     Info(info::InfoArguments),
-    /// Check whether recordings can be trusted.
+    /// Run the scenarios of recordings again and compare the files with the result.
     ///
-    /// Four groups of checks: the file as MCAP, the messages by themselves, what they say about the motion, and
-    /// whether the simulation gives them again, bit for bit.
+    /// A file with the same bytes is verified. Otherwise the messages are compared, and the first difference is reported: time,
+    /// channel, field and both values.
     ///
-    /// Whatever a person or a viewer reads from a verified file follows from its scenario, but for what is listed as not
-    /// covered.
-    ///
-    /// Exit codes: 0 verified, 1 failed, 2 unreadable, 3 all that is there is right, but something is
-    /// missing (a recording that was interrupted, cut off or recovered).
+    /// Exit codes: 0 verified, 1 different, 2 unreadable, 3 equal as far as it goes: a part of a run, or recorded by another
+    /// version of toprise.
     Verify(verify::VerifyArguments),
-    /// Write a recording in another encoding; content, metadata and attachments stay the same.
-    ///
-    /// Exit codes: 0 converted, 2 unreadable, not whole, or failed output.
-    Convert(convert::ConvertArguments),
-    /// Save what can be read of an interrupted or damaged recording.
-    ///
-    /// Exit codes: 0 nothing was lost, 2 nothing could be saved, 3 saved with losses.
-    Recover(recover::RecoverArguments),
     /// List the presets, or print one as a scenario file.
     Presets(presets::PresetsArguments),
     /// List the laws of friction: formulas, parameters, typical values and sources.
@@ -212,7 +199,10 @@ pub fn main() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
     let arguments = match parse(&words) {
         Ok(arguments) => arguments,
-        Err(answer) => return told_usage(&with_tip(answer)),
+        Err(answer) => {
+            output::set_up(false, wanted_color(&words));
+            return told_usage(&with_tip(answer));
+        }
     };
     output::set_up(arguments.quiet, arguments.color);
     match dispatch(arguments.command) {
@@ -266,14 +256,17 @@ fn with_tip(mut error: clap::Error) -> clap::Error {
 
 /// Prints the help, the version, or what is wrong with the arguments.
 fn told_usage(answer: &clap::Error) -> ExitCode {
-    // Help that can't be written is a failure, as any other answer; where standard error is gone there is nobody to
-    // tell.
-    match answer.print() {
-        Err(error) if !answer.use_stderr() && error.kind() != std::io::ErrorKind::BrokenPipe => {
+    if answer.use_stderr() {
+        // Where standard error is gone there is nobody to tell.
+        let _ = answer.print();
+        return Done::Unreadable.into();
+    }
+    match output::print_styled(&answer.render().ansi().to_string()) {
+        Ok(()) => Done::Well.into(),
+        Err(error) => {
+            output::error(&error.to_string());
             Done::Unreadable.into()
         }
-        _ if answer.use_stderr() => Done::Unreadable.into(),
-        _ => Done::Well.into(),
     }
 }
 
@@ -290,8 +283,6 @@ fn dispatch(command: Command) -> Result<Done, Error> {
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Info(arguments) => info::info(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
-        Command::Convert(arguments) => convert::convert(&arguments),
-        Command::Recover(arguments) => recover::recover(&arguments),
         Command::Presets(arguments) => presets::presets(&arguments),
         Command::Laws(arguments) => laws::laws(&arguments),
         Command::Schema(arguments) => schema::schema(&arguments, schemas()),
@@ -308,16 +299,13 @@ pub fn schemas() -> Vec<(String, String)> {
         schema::<run::RunReport>("RunReport"),
         #[cfg(feature = "rerun")]
         schema::<view::ViewReport>("ViewReport"),
-        schema::<analysis::explain::Story>("ExplainReport"),
+        schema::<analysis::explain::Explanation>("ExplainReport"),
         schema::<analysis::diff::Report>("DiffReport"),
-        schema::<analysis::diff::Matrix>("DiffMatrix"),
         schema::<analysis::figures::FiguresReport>("FiguresReport"),
         #[cfg(feature = "sweep")]
         schema::<sweep::SweepReport>("SweepReport"),
         schema::<info::InfoReport>("InfoReport"),
         schema::<verify::VerifyReport>("VerifyReport"),
-        schema::<convert::ConvertReport>("ConvertReport"),
-        schema::<recover::RecoverReport>("RecoverReport"),
         schema::<presets::PresetsReport>("PresetsReport"),
         schema::<laws::LawsReport>("LawsReport"),
         schema::<schema::SchemaReport>("SchemaReport"),

@@ -1,22 +1,19 @@
 //! Questions about runs. Their answers are JSON, as those of the program; `toprise/_reports.py` makes them dictionaries.
 
-use crate::errors::{self, DiffError, RecordingError};
+use crate::errors::{DiffError, RecordingError};
 use crate::guard::{Interrupt, compute};
 use crate::run::{Origin, Run, open};
 use crate::scenario::Base;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
-use toprise::analysis::diff::{
-    Align, Observer, Offset, Options, Tolerance, Tolerances, compare_observed,
-};
-use toprise::analysis::explain as stories;
+use toprise::analysis::diff::{Observer, Options, Tolerance, Tolerances, compare_observed};
+use toprise::analysis::explain::{Fact, explain_while};
 use toprise::analysis::subject::Subject;
 use toprise::analysis::verify as checks;
 use toprise::archive::given::is_recording;
-use toprise::archive::recording::{Condition, Recording};
+use toprise::archive::recording::Recording;
 use toprise::archive::sink::SinkError;
 use toprise::run::scenario::{PRESETS, Scenario as Checked};
 use toprise::telemetry::Message;
@@ -89,7 +86,7 @@ impl Observer for Watching {
 
 /// Compares two runs; see `toprise.diff`.
 #[pyfunction]
-#[pyo3(signature = (a, b, *, abs, rel, ulp, tolerances, align, max_dt_ns, offset_ns, floor, topics, ignore))]
+#[pyo3(signature = (a, b, *, abs, rel, tolerances, floor, topics, ignore))]
 #[allow(clippy::too_many_arguments)]
 pub fn diff(
     py: Python<'_>,
@@ -97,18 +94,14 @@ pub fn diff(
     b: Given<'_>,
     abs: f64,
     rel: f64,
-    ulp: u64,
     tolerances: Vec<String>,
-    align: &str,
-    max_dt_ns: Option<u64>,
-    offset_ns: Option<i64>,
     floor: bool,
     topics: Vec<String>,
     ignore: Vec<String>,
-) -> PyResult<String> {
+) -> PyResult<(String, Vec<String>)> {
     let refused = |error: toprise::analysis::diff::DiffError| DiffError::new_err(error.to_string());
     let mut bounds = Tolerances {
-        general: Tolerance { abs, rel, ulp },
+        general: Tolerance { abs, rel },
         ignored: ignore,
         ..Tolerances::default()
     };
@@ -117,9 +110,6 @@ pub fn diff(
         bounds.add(&tolerance).map_err(refused)?;
     }
     let options = Options {
-        align: alignment(align)?,
-        max_dt: max_dt_ns,
-        offset: offset_ns.map_or(Offset::Start, Offset::By),
         tolerances: bounds,
         floor,
         topics,
@@ -129,61 +119,44 @@ pub fn diff(
         let watching = &mut Watching(interrupt);
         compare_observed(a.subject(), b.subject(), &options, watching)
     })?;
-    json(&report.map_err(refused)?)
+    let report = report.map_err(refused)?;
+    Ok((json(&report)?, report.summary()))
 }
 
-fn alignment(name: &str) -> PyResult<Align> {
-    const ALL: [Align; 4] = [Align::Time, Align::Nutation, Align::Theta, Align::Index];
-    let found = ALL.into_iter().find(|align| align.name() == name);
-    found.ok_or_else(|| {
-        let names = ALL.map(Align::name).join(", ");
-        PyValueError::new_err(format!("align = {name:?}: must be one of {names}"))
-    })
-}
-
-/// Tells the story of a run; see `toprise.explain`.
+/// Explains a run; see `toprise.explain`.
 #[pyfunction]
-pub fn explain(py: Python<'_>, run: Given<'_>) -> PyResult<String> {
+pub fn explain(py: Python<'_>, run: Given<'_>) -> PyResult<(String, Vec<String>)> {
     let run = run.open(py)?;
-    let story = compute(py, move |interrupt| {
-        stories::explain_while(run.subject(), &|| !interrupt.is_asked())
+    let explanation = compute(py, move |interrupt| {
+        explain_while(run.subject(), &|| !interrupt.is_asked())
     })?;
-    json(&story.map_err(|error| DiffError::new_err(error.to_string()))?)
+    let explanation = explanation.map_err(|error| DiffError::new_err(error.to_string()))?;
+    let facts = explanation
+        .chapters
+        .iter()
+        .flat_map(|chapter| &chapter.facts);
+    let title = format!("{}.", explanation.title);
+    let sentences = [title].into_iter().chain(facts.map(Fact::sentence));
+    Ok((json(&explanation)?, sentences.collect()))
 }
 
-/// Checks a recording; see `toprise.verify`.
+/// Verifies a recording; see `toprise.verify`.
 #[pyfunction]
-#[pyo3(signature = (path, *, reproduce))]
-pub fn verify(py: Python<'_>, path: PathBuf, reproduce: bool) -> PyResult<String> {
+pub fn verify(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     let recording = open(py, path)?;
-    let recorded = recording.refuse_newer();
-    recorded.map_err(|error| errors::recording(recording.path(), &error))?;
-    let options = checks::Options { reproduce };
     let file = recording.path().display().to_string();
     let report = compute(py, move |interrupt| {
-        checks::verify(&recording, options, &|_| interrupt.end_if_asked())
+        checks::verify(&recording, &|_| interrupt.end_if_asked())
     })?;
-    json(&Verified {
-        file,
-        verdict: report.verdict(),
-        state: report.condition,
-        checks: &report.checks,
-        telemetry: report.telemetry,
-        without: &report.without,
-        not_covered: &report.not_covered,
-    })
+    json(&Verified { file, report })
 }
 
-/// What was found out about a recording, under the names of `toprise verify --format json`.
+/// The result for a recording, under the names of `toprise verify --format json`.
 #[derive(Serialize)]
-struct Verified<'a> {
+struct Verified {
     file: String,
-    verdict: checks::Verdict,
-    state: Condition,
-    checks: &'a [checks::Check],
-    telemetry: Option<u32>,
-    without: &'a [String],
-    not_covered: &'a [String],
+    #[serde(flatten)]
+    report: checks::Report,
 }
 
 /// The names of the scenarios that come with toprise, and what they show.

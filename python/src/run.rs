@@ -45,7 +45,8 @@ pub struct Run {
 /// Simulates a scenario and keeps every message of the run.
 ///
 /// `base` is a preset, a scenario file (TOML), a recording whose scenario is taken (MCAP), or a `Scenario`. `overrides`
-/// sets keys, as in `{"friction.k": 0.02}`, in SI units and radians; `None` removes a key. `topics` limits what is kept; by
+/// sets keys, as in `{"friction.k": 0.02}`, in SI units and radians; `None` removes a key. With `row`, `base` is a sweep's table
+/// (Parquet), and that row of it is run again. `topics` limits what is kept; by
 /// default that is all, which takes 34 MB for the paper's run.
 ///
 /// The numbers are those of the recording that `toprise run` makes, bit for bit.
@@ -53,14 +54,18 @@ pub struct Run {
 /// Raises `ScenarioError` if the scenario can't be run, `SimulationError` if the motion can't be integrated from its start.
 /// A motion that can't be integrated to its end gives the run up to there, and a `RecordingWarning`.
 #[pyfunction]
-#[pyo3(signature = (base, overrides=None, *, topics=None))]
+#[pyo3(signature = (base, overrides=None, *, row=None, topics=None))]
 pub fn run(
     py: Python<'_>,
     base: Base<'_>,
     overrides: Option<&Bound<'_, PyMapping>>,
+    row: Option<u64>,
     topics: Option<Vec<String>>,
 ) -> PyResult<Run> {
-    let scenario = base.scenario(overrides)?;
+    let scenario = match row {
+        Some(row) => base.row(row, overrides)?,
+        None => base.scenario(overrides)?,
+    };
     let topics = wanted(topics)?;
     let support = scenario.model.support;
     let simulated = {
@@ -96,8 +101,6 @@ pub fn read(py: Python<'_>, path: PathBuf, topics: Option<Vec<String>>) -> PyRes
             recording.library()
         )));
     }
-    let recorded = recording.refuse_newer();
-    recorded.map_err(|error| errors::recording(recording.path(), &error))?;
     let topics = wanted(topics)?;
     let (tables, end, losses) = {
         let (recording, topics) = (recording.clone(), topics.clone());

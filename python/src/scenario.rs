@@ -1,12 +1,14 @@
 //! Scenarios in Python.
 
 use crate::errors;
+use crate::sweep::refused_sweep;
 use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyMapping, PyString};
 use std::path::PathBuf;
 use toprise::archive::given::values;
 use toprise::run::scenario::{KEYS, Scenario as Checked, Value, Values};
+use toprise::sweep::values_of_row;
 
 /// A checked, complete definition of a run: keys with values, in SI units and radians.
 ///
@@ -49,23 +51,37 @@ impl Base<'_> {
         }
     }
 
+    /// The scenario of a row of a sweep's table, with some keys set.
+    pub fn row(self, row: u64, overrides: Option<&Bound<'_, PyMapping>>) -> PyResult<Checked> {
+        let Self::Word(table) = self else {
+            let text = "row: a scenario has none; name the file of a sweep's table";
+            return Err(PyTypeError::new_err(text));
+        };
+        let values = values_of_row(&table, row).map_err(refused_sweep)?;
+        Checked::new(with(values, overrides)?).map_err(errors::scenario)
+    }
+
     /// Its keys and values with some of them set; whether they fit together is not checked.
     pub fn values(self, overrides: Option<&Bound<'_, PyMapping>>) -> PyResult<Values> {
-        let mut values = match self {
+        let values = match self {
             Self::Scenario(scenario) => {
                 let text = scenario.get().0.to_toml();
                 Values::from_toml(&text).map_err(errors::scenario)?
             }
             Self::Word(word) => values(&word).map_err(errors::given)?,
         };
-        if let Some(overrides) = overrides {
-            for item in overrides.items()?.iter() {
-                let (key, value): (String, Bound<'_, PyAny>) = item.extract()?;
-                set(&mut values, &key, &value)?;
-            }
-        }
-        Ok(values)
+        with(values, overrides)
     }
+}
+
+fn with(mut values: Values, overrides: Option<&Bound<'_, PyMapping>>) -> PyResult<Values> {
+    if let Some(overrides) = overrides {
+        for item in overrides.items()?.iter() {
+            let (key, value): (String, Bound<'_, PyAny>) = item.extract()?;
+            set(&mut values, &key, &value)?;
+        }
+    }
+    Ok(values)
 }
 
 fn set(values: &mut Values, key: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {

@@ -11,15 +11,13 @@ use arrow_select::concat::concat_batches;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::ThreadPoolBuilder;
-use serde_json::{Value as Json, json};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use toprise::run::scenario::{Value, Values};
 use toprise::run::simulation::StopReason;
-use toprise::sweep::{
-    self as sweeps, Choice, Design, Options, Recordings, Shard, Spec, Sweep, Watch,
-};
+use toprise::sweep::{self as sweeps, Design, Options, Shard, Spec, Sweep, Watch};
 
 /// The column of a sweep's table with the number of a row: what is given keeps its own.
 const RUN: &str = "run";
@@ -61,6 +59,7 @@ pub fn outcomes(
     };
     refuse_twofold(&kept, &sweep)?;
     let computed = compute(py, move |interrupt| {
+        let threads = sweeps::threads(threads, rows as u64);
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(|error| error.to_string())?;
         let computed = pool.install(|| rows_of(&sweep, rows as u64, &interrupt));
@@ -259,11 +258,7 @@ pub fn sweep(
         fail_fast,
     };
     let runs = sweep.spec().rows();
-    let choice = Choice::of(&sweep).map_err(refused_sweep)?;
     let left = sweeps::left_to_do(&sweep, &out, shard).map_err(refused_sweep)?;
-    if choice.is_some() {
-        sweeps::check_recordings(&sweep, &out).map_err(refused_sweep)?;
-    }
     let done = Arc::new(AtomicU64::new(0));
     let counted = done.clone();
     let tell = |_: Python<'_>| match &progress {
@@ -272,8 +267,7 @@ pub fn sweep(
             .map(|_| ()),
         None => Ok(()),
     };
-    type Done = Result<(sweeps::Finished, Option<Json>), sweeps::SweepError>;
-    let finished = compute_watched(py, tell, move |interrupt| -> Done {
+    let finished = compute_watched(py, tell, move |interrupt| {
         let count = |_: Option<StopReason>| {
             counted.fetch_add(1, Ordering::Relaxed);
         };
@@ -281,19 +275,10 @@ pub fn sweep(
             carry_on: &|| !interrupt.is_asked(),
             done: &count,
         };
-        let finished = sweeps::run(&sweep, &out, &options, &watch)?;
-        let choice = choice.filter(|_| !finished.is_interrupted);
-        let recorded = choice.map(|choice| {
-            let watch = Watch {
-                done: &|_| {},
-                ..watch
-            };
-            record(&sweep, &out, &choice, &options, &watch)
-        });
-        Ok((finished, recorded.transpose()?))
+        sweeps::run(&sweep, &out, &options, &watch)
     })?;
     tell(py)?;
-    let (finished, recordings) = finished.map_err(refused_sweep)?;
+    let finished = finished.map_err(refused_sweep)?;
     let answer = json!({
         "runs": runs,
         "computed": finished.computed,
@@ -301,33 +286,12 @@ pub fn sweep(
         "stops": finished.counts.stops,
         "errors": finished.counts.errors,
         "first_error": finished.counts.first_error,
-        "recordings": recordings,
     });
     Ok(answer.to_string())
 }
 
-/// Writes the recordings of chosen runs that are missing, and tells of them as `toprise sweep --format json` does, but with
-/// the runs whose recordings end early, and why, as far as that is known.
-fn record(
-    sweep: &Sweep,
-    out: &Path,
-    choice: &Choice,
-    options: &Options,
-    watch: &Watch<'_>,
-) -> Result<Json, sweeps::SweepError> {
-    let recordings = Recordings::find(sweep, out, choice, options.shard)?;
-    let recorded = recordings.write(options, watch)?;
-    let early = recordings.early().iter().map(|run| (*run, None));
-    let failed = recorded.failed;
-    Ok(json!({
-        "directory": sweeps::recordings_directory(out).display().to_string(),
-        "chosen": recordings.chosen(),
-        "written": recorded.written,
-        "failed": early.chain(failed).collect::<Vec<_>>(),
-    }))
-}
-
-fn refused_sweep(error: sweeps::SweepError) -> PyErr {
+/// The error of Python for one of a sweep.
+pub fn refused_sweep(error: sweeps::SweepError) -> PyErr {
     match error {
         sweeps::SweepError::Key(error) => errors::scenario(error),
         sweeps::SweepError::Given(error) => errors::given(error),

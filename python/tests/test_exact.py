@@ -115,18 +115,6 @@ def test_a_recording_reads_like_the_run_that_it_is_of(reference, paper):
             assert np.array_equal(read[topic].numpy(name), run[topic].numpy(name))
 
 
-def test_fields_that_an_old_recording_lacks_are_left_out():
-    old = toprise.read(ROOT / "tests/data/0.1.0/paper.mcap")
-    new = toprise.run("paper", {"stop.duration": 0.1})
-    lacking = set(new.nutations.column_names) - set(old.nutations.column_names)
-    assert "theta_dot_max" in lacking
-    assert "theta_max" not in lacking
-    for topic in old:
-        for name in fields(old[topic]):
-            column = old[topic].numpy(name)
-            assert column.dtype.kind == "U" or np.isfinite(column).all()
-
-
 def test_topics_can_be_chosen(reference):
     chosen = ["/top/state", "/events"]
     assert toprise.run("paper", {"stop.duration": 0.1}, topics=chosen).topics == chosen

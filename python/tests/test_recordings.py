@@ -44,7 +44,7 @@ def test_damage_is_told(reference, tmp_path):
     with pytest.warns(toprise.RecordingWarning, match="and 1 more"):
         run = toprise.read(file)
     assert run.losses[0] == "it is damaged" and len(run.losses) == 2
-    assert toprise.verify(file).verdict == "failed"
+    assert toprise.verify(file).verdict == "incomplete"
 
 
 def test_a_whole_recording_is_read_in_silence(reference):

@@ -241,6 +241,8 @@ def test_a_design_is_the_rows_of_a_sweep(tmp_path):
         toprise.design({"over": {"friction.kk": [1]}})
     with pytest.raises(toprise.ScenarioError, match="no preset"):
         toprise.design({"bases": ["papr"]})
+    with pytest.raises(toprise.SweepError, match="friction.k is set and varies too"):
+        toprise.design({"set": {"friction.k": 0.1}, "over": {"friction.k": [1]}})
     with pytest.raises(toprise.SweepError, match="ovr"):
         toprise.design({"ovr": {}})
     with pytest.raises(FileNotFoundError):
@@ -272,21 +274,19 @@ def test_a_sweep_is_written_once_whatever_computes_it(tmp_path):
         toprise.sweep(SPEC, parts, shard=(3, 3))
 
 
-def test_a_spec_says_which_runs_are_recorded(tmp_path):
-    spec = {"set": SPEC["set"], "over": {"friction.k": [0.01, 0.02, 0.03]}, "keep": ["friction.k > 0.015"]}
-    answer = toprise.sweep(spec, tmp_path / "a.parquet")
-    runs = tmp_path / "a.parquet.runs"
-    assert answer["recordings"] == {"directory": str(runs), "chosen": 2, "written": 2, "failed": 0}
-    recorded = toprise.read(runs / "000001.mcap")
-    row = pq.read_table(tmp_path / "a.parquet").to_pylist()[1]
-    assert recorded.scenario.digest == row["scenario_digest"]
-    assert recorded.outcome["theta"] == row["theta"]
-    more = toprise.sweep(spec | {"keep": None, "record": 1}, tmp_path / "a.parquet")
-    assert more["recordings"] == {"directory": str(runs), "chosen": 1, "written": 1, "failed": 0}
-    assert toprise.sweep({"over": spec["over"], "set": spec["set"]}, tmp_path / "a.parquet")["recordings"] is None
-    with pytest.raises(toprise.SweepError, match="there is no column mass"):
-        toprise.sweep(spec | {"keep": ["mass > 1"]}, tmp_path / "b.parquet")
-    assert not (tmp_path / "b.parquet.parts").exists()
+def test_a_row_is_run_again(tmp_path):
+    table = tmp_path / "a.parquet"
+    toprise.sweep({"set": SPEC["set"], "over": {"friction.k": [0.01, 0.02, 0.03]}}, table)
+    run = toprise.run(table, row=1)
+    row = pq.read_table(table).to_pylist()[1]
+    assert run.scenario["friction.k"] == 0.02
+    assert run.scenario.digest == row["scenario_digest"]
+    assert run.outcome["theta"] == row["theta"]
+    assert toprise.run(table, {"sampling.period": 0.0005}, row=1).scenario["sampling.period"] == 0.0005
+    with pytest.raises(toprise.SweepError, match="there is no row 3"):
+        toprise.run(table, row=3)
+    with pytest.raises(TypeError, match="name the file"):
+        toprise.run(run.scenario, row=1)
 
 
 def test_specs_may_have_numbers_of_numpy_and_none(tmp_path):

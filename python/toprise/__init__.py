@@ -22,8 +22,8 @@ from ._errors import (
 from ._reports import (
     AnyRun,
     DiffReport,
+    Explanation,
     Report,
-    Story,
     VerifyReport,
     diff,
     explain,
@@ -48,7 +48,6 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "SimulationError",
-    "Story",
     "SweepError",
     "Table",
     "VerifyReport",

@@ -6,14 +6,12 @@ import json
 import os
 import sys
 import time
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from numbers import Integral
 from pathlib import Path
 from typing import Any, Union
 
 from . import _toprise
-from ._errors import RecordingWarning
 from ._toprise import Scenario, Table
 
 #: What a scenario is named by.
@@ -124,15 +122,15 @@ def sweep(
     What is there of an earlier call that was interrupted is kept. `shard=(i, n)` computes the i-th of n shares of the parts, from
     0, and merges nothing; the call without it completes the table. `progress=True` shows a bar on standard error; a function is told
     how many runs are done, of how many are left. The answer has the number of `runs` of the whole sweep and of those `computed` now, and
-    counts the runs by why they stopped, and those with an `error`. Where the spec asks for whole recordings of runs, as in
-    `{"keep": ["rise_time > 30"], "record": 3}`, they are written into the directory `out` + `.runs`, and `recordings` says how many.
+    counts the runs by why they stopped, and those with an `error`.
+    `toprise.run(out, row=42)` runs a row again.
     """
     told: Callable[[int, int], object] | None = None
     if callable(progress):
         told = progress
     elif progress:
         told = _Bar()
-    counts: dict[str, Any] = json.loads(
+    answer: dict[str, Any] = json.loads(
         _toprise.sweep(
             *read(spec),
             out,
@@ -142,13 +140,7 @@ def sweep(
             progress=told,
         )
     )
-    if recordings := counts["recordings"]:
-        failed = recordings["failed"]
-        for run, reason in failed:
-            why = f": {reason}" if reason else ""
-            warnings.warn(f"the recording of run {run} ends early{why}", RecordingWarning, stacklevel=2)
-        recordings["failed"] = len(failed)
-    return counts
+    return answer
 
 
 class _Bar:

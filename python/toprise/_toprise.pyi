@@ -104,6 +104,7 @@ def run(
     base: Scenario | str | os.PathLike[str],
     overrides: _Overrides | None = None,
     *,
+    row: int | None = None,
     topics: Sequence[str] | None = None,
 ) -> Run: ...
 def outcome(
@@ -117,17 +118,13 @@ def diff(
     *,
     abs: float,
     rel: float,
-    ulp: int,
     tolerances: Sequence[str],
-    align: str,
-    max_dt_ns: int | None,
-    offset_ns: int | None,
     floor: bool,
     topics: Sequence[str],
     ignore: Sequence[str],
-) -> str: ...
-def explain(run: Run | Scenario | str | os.PathLike[str]) -> str: ...
-def verify(path: str | os.PathLike[str], *, reproduce: bool) -> str: ...
+) -> tuple[str, list[str]]: ...
+def explain(run: Run | Scenario | str | os.PathLike[str]) -> tuple[str, list[str]]: ...
+def verify(path: str | os.PathLike[str]) -> str: ...
 def presets() -> list[tuple[str, str]]: ...
 def outcomes(
     table: object,

@@ -1,17 +1,11 @@
-//! What differs between two runs, and why: in the set-up, in what happened, in the averaged motion, and point
-//! by point.
+//! The differences of two runs: in the set-up, in what happened, in the averaged motion and message by message.
 //!
-//! [`compare`] reads two runs side by side, once, in memory that doesn't grow with the number of samples. Two
-//! nearly equal models part in the phase of their nutation, after which the difference at equal times says
-//! nothing about the models; therefore the [`Report`] separates drift, phase and amplitude, compares the models
-//! along one and the same motion, and tells the integrators' own errors beside the differences.
+//! [`compare`] reads two runs side by side, once, in memory that doesn't grow with the number of samples. Two nearly equal
+//! models lose the common phase of their nutation, after which differences at equal times say nothing about the models;
+//! therefore the [`Report`] has averages over the nutation, compares the models along one and the same motion, and states
+//! the integrators' own errors.
 //!
-//! Any two MCAP files can be compared: of files that toprise did not write, all messages of common topics, field by field
-//! where they can be decoded and byte by byte where not.
-//!
-//! The files of this folder stand in the order of a comparison: `plan` decides what is compared with what, `reading`
-//! pairs the messages, each section of the report has a file with its numbers and what computes them, and `report`
-//! puts them together.
+//! Of files that toprise did not write, the messages are compared byte by byte.
 //!
 //! ```
 //! use toprise::analysis::diff::{Options, Verdict, compare};
@@ -30,83 +24,48 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-// What to compare, and what with what.
-mod clock;
-mod error;
-mod observer;
-mod options;
-mod plan;
-mod rule;
-mod time_map;
-mod times;
-mod tolerance;
-mod topics;
-// Reading and pairing.
-mod interpolation;
-mod item;
-mod lane;
-mod reading;
-mod stream;
-// The sections of the report, with what computes them.
 mod averages;
-mod budget;
+mod crossing;
 mod derived;
 mod discrepancy;
-mod divergence;
-mod events;
+mod error;
 mod field;
+mod findings;
 mod floor;
-mod growth;
-mod happened;
 mod moments;
-mod nutation;
-mod parting;
-mod passage;
-mod setup;
-mod signals;
-mod topic;
-mod touch;
-// The report and what is made from it.
-mod beside;
-mod difference_file;
-mod matrix;
+mod observer;
+mod options;
+mod others;
+mod pairing;
 mod report;
-mod summary;
-mod tale;
-mod told_average;
-mod told_motion;
-mod told_peg;
+mod setup;
+mod tolerance;
+mod topic;
 mod verdict;
 
-pub use self::averages::{Averaged, Deviation, EitherWay};
-pub use self::budget::Budget;
-pub use self::clock::ClockReport;
-pub use self::difference_file::{DIFF_RECORD, DifferenceFile};
+pub use self::averages::{Averaged, Deviation};
 pub use self::discrepancy::{Discrepancy, Residual};
-pub use self::divergence::{Divergence, FieldContext, PairContext};
 pub use self::error::DiffError;
-pub use self::events::{EventKindDifference, EventMoment, EventPair};
 pub use self::field::FieldDifference;
+pub use self::findings::Finding;
 pub use self::floor::{Floor, IntegratorError};
-pub use self::growth::{Growth, GrowthLaw};
-pub use self::happened::Happened;
-pub use self::matrix::{Matrix, MatrixRow};
 pub use self::observer::Observer;
-pub use self::options::{Align, Offset, Options};
-pub use self::parting::{Parting, QuantityKind};
+pub use self::options::Options;
+pub use self::others::TopicBytes;
 pub use self::report::{ComparedRun, Report};
 pub use self::setup::{KeyDifference, SetupDifferences};
-pub use self::signals::Signals;
-pub use self::times::MessageTimes;
 pub use self::tolerance::{Tolerance, Tolerances, full_name};
-pub use self::topic::{BytesDifference, ChannelDifference, TextDifference};
+pub use self::topic::{ChannelDifference, FirstDifference};
 pub use self::verdict::Verdict;
-pub use crate::analysis::course::{CourseReport, PegReport};
+pub use crate::analysis::history::{PegSummary, RunSummary};
 pub use crate::analysis::subject::Subject;
 
 use self::field::seconds;
-use self::plan::ComparisonPlan;
-use self::reading::read_both;
+use self::pairing::read_both;
+use crate::archive::recording::{FileChannel, Recording};
+use crate::run::scenario::Scenario;
+use crate::telemetry::Topic;
+use std::collections::BTreeSet;
 
 /// Compares two runs.
 ///
@@ -130,16 +89,158 @@ pub fn compare_observed<'a>(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Report, DiffError> {
-    let runs = [a.into(), b.into()];
-    let plan = ComparisonPlan::new(runs, options)?;
-    let findings = read_both(runs, &plan, &options.tolerances, observer)?;
-    let floor = match findings.common_end() {
-        Some(end) if options.floor && plan.are_ours => {
-            floor::compute(runs, seconds(end), &observer.carry_on())
+    let mut report = compare_given([a.into(), b.into()], options, observer)?;
+    let is_part = !options.topics.is_empty() || !options.tolerances.ignored.is_empty();
+    if is_part && [Verdict::Identical, Verdict::SameValues].contains(&report.verdict) {
+        report.verdict = Verdict::Equal;
+    }
+    Ok(report)
+}
+
+fn compare_given(
+    runs: [Subject<'_>; 2],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Report, DiffError> {
+    if let [false, _] | [_, false] = runs.map(Subject::is_ours) {
+        return compare_files(runs, options, observer);
+    }
+    let again = resampled(runs);
+    let given = runs;
+    let runs = match &again {
+        Some(scenario) => [runs[0], Subject::Scenario(scenario)],
+        None => runs,
+    };
+    let topics = common_topics(runs, options)?;
+    let paired = read_both(runs, &topics, options, observer)?;
+    for (run, side) in paired.runs.iter().zip(["A", "B"]) {
+        if run.history.messages == 0 && paired.runs.iter().any(|run| run.history.messages > 0) {
+            let losses = run.losses.join("; ");
+            return Err(DiffError::NoMessages { side, losses });
         }
+    }
+    let floor = match paired.common_end() {
+        Some(end) if options.floor => floor::compute(runs, seconds(end), &observer.carry_on()),
         _ => None,
     };
-    let mut report = Report::new(runs, &plan, &findings, floor);
-    report.summary = report.sentences(["A", "B"]);
+    let others = match runs {
+        [Subject::Recording(a), Subject::Recording(b)] if options.topics.is_empty() => {
+            // What is made for viewers follows from the rest, and is of interest where the rest is the same.
+            let with_views = a.encoding() == b.encoding() && paired.is_identical();
+            let [of_a, of_b] = runs.map(|run| strangers(run, with_views));
+            let mut common: BTreeSet<String> = of_a.intersection(&of_b).cloned().collect();
+            common.retain(|topic| !options.tolerances.ignores(topic));
+            others::compare([a, b], &common, &mut |_| {}).0
+        }
+        _ => Vec::new(),
+    };
+    let mut report = Report::of_runs(runs, &paired, others, floor, options);
+    if again.is_some() {
+        report.note_resampling(given);
+    }
     Ok(report)
+}
+
+/// B with A's sampling period, where neither period is a multiple of the other.
+fn resampled(runs: [Subject<'_>; 2]) -> Option<Scenario> {
+    let [a, b] = [runs[0].scenario()?, runs[1].scenario()?];
+    let periods = [&a, &b].map(|scenario| scenario.sample_period_ns);
+    if periods[0].is_multiple_of(periods[1]) || periods[1].is_multiple_of(periods[0]) {
+        return None;
+    }
+    let period = periods[0] as f64 / 1e9;
+    b.with([("sampling.period", period.into())]).ok()
+}
+
+/// The topics of the table that are compared.
+fn common_topics(runs: [Subject<'_>; 2], options: &Options) -> Result<Vec<Topic>, DiffError> {
+    let [a, b] = runs.map(Subject::topics);
+    let names = |topics: &[Topic]| {
+        let names: Vec<String> = topics.iter().map(ToString::to_string).collect();
+        names.join(", ")
+    };
+    let numbers = a.iter().chain(&b).flat_map(|topic| topic.numbers());
+    let numbers = numbers.map(|field| field.to_string());
+    let known: Vec<String> = numbers
+        .chain(runs.into_iter().flat_map(|run| strangers(run, true)))
+        .collect();
+    options.tolerances.match_any_of(&known)?;
+    let is_common = |topic: &Topic| b.contains(topic) && !options.tolerances.ignores(topic.name());
+    let common: Vec<Topic> = a.iter().copied().filter(is_common).collect();
+    if common.is_empty() {
+        let (a, b) = (names(&a), names(&b));
+        return Err(DiffError::NoCommonTopics { a, b });
+    }
+    for name in &options.topics {
+        if !common.iter().any(|topic| topic.name() == name) {
+            return Err(DiffError::UnknownTopic {
+                topic: name.clone(),
+                common: names(&common),
+            });
+        }
+    }
+    let is_wanted = |topic: &Topic| {
+        options.topics.is_empty() || options.topics.iter().any(|name| topic.name() == name)
+    };
+    Ok(common.into_iter().filter(is_wanted).collect())
+}
+
+/// The topics of a recording of toprise that others have added, and also those for viewers if wanted.
+fn strangers(run: Subject<'_>, with_views: bool) -> BTreeSet<String> {
+    let Subject::Recording(recording) = run else {
+        return BTreeSet::new();
+    };
+    let is_strange =
+        |channel: &&FileChannel| channel.table.is_none() && (with_views || !channel.is_view());
+    let channels = recording.channels().iter().filter(is_strange);
+    channels.map(|channel| channel.topic.clone()).collect()
+}
+
+/// Compares two files of which not both are toprise's, byte by byte.
+fn compare_files(
+    runs: [Subject<'_>; 2],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Report, DiffError> {
+    let [a, b] = match runs {
+        [Subject::Recording(a), Subject::Recording(b)] => [a, b],
+        [Subject::Scenario(_), _] => return Err(DiffError::Mixed { side: "B" }),
+        [_, Subject::Scenario(_)] => return Err(DiffError::Mixed { side: "A" }),
+    };
+    let all = |recording: &Recording| -> Vec<String> {
+        let channels = recording.channels().iter();
+        channels.map(|channel| channel.topic.clone()).collect()
+    };
+    options
+        .tolerances
+        .match_any_of(&[all(a), all(b)].concat())?;
+    let topics = |recording: &Recording| -> BTreeSet<String> {
+        let topics = all(recording).into_iter();
+        topics
+            .filter(|topic| !options.tolerances.ignores(topic))
+            .collect()
+    };
+    let [of_a, of_b] = [a, b].map(topics);
+    let names = |topics: &BTreeSet<String>| {
+        let names: Vec<&str> = topics.iter().map(String::as_str).collect();
+        names.join(", ")
+    };
+    let mut common: BTreeSet<String> = of_a.intersection(&of_b).cloned().collect();
+    if common.is_empty() && !(of_a.is_empty() && of_b.is_empty()) {
+        let (a, b) = (names(&of_a), names(&of_b));
+        return Err(DiffError::NoCommonTopics { a, b });
+    }
+    let mut only_in = [&of_a - &of_b, &of_b - &of_a].map(|alone| alone.into_iter().collect());
+    if !options.topics.is_empty() {
+        if let Some(topic) = options.topics.iter().find(|topic| !common.contains(*topic)) {
+            return Err(DiffError::UnknownTopic {
+                topic: topic.clone(),
+                common: names(&common),
+            });
+        }
+        common.retain(|topic| options.topics.contains(topic));
+        only_in = Default::default();
+    }
+    let (others, losses) = others::compare([a, b], &common, &mut |bytes| observer.progress(bytes));
+    Ok(Report::of_files(runs, others, only_in, losses))
 }

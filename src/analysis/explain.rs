@@ -1,9 +1,7 @@
-//! The story of a run, told from its numbers: what friction did to the precession, why the axis rose or fell,
-//! and where the energy went.
+//! The explanation of a run: what happened, why the axis moved, and where the energy went.
 //!
-//! The argument is the paper's (V. Tanrıverdi, arXiv:2204.14060, sections 2 and 3): between the two rates of
-//! regular precession θ̈ is negative, friction hurries the precession beyond the slow one, and so the top
-//! rises.
+//! The argument is the paper's (V. Tanrıverdi, arXiv:2204.14060, sections 2 and 3): between the two rates of regular
+//! precession θ̈ is negative, friction drives the precession beyond the slow one, and so the top rises.
 //!
 //! ```
 //! use toprise::analysis::explain::explain;
@@ -12,40 +10,238 @@
 //! let mut values = Preset::find("paper")?.values()?;
 //! values.set("stop.duration", "2.0")?;
 //! let scenario = Scenario::new(values)?;
-//! let story = explain(&scenario)?;
-//! assert!(story.chapters.iter().any(|chapter| chapter.heading == "Why the axis moves"));
+//! let explanation = explain(&scenario)?;
+//! assert!(explanation.chapters.iter().any(|chapter| chapter.heading == "Why the axis moves"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod facts;
-mod peg;
-mod pieces;
-mod stages;
-mod story;
-mod tell;
-mod totals;
-mod why;
+mod evidence;
+mod fact;
+mod free;
+mod held;
+mod precession;
 
-pub use self::facts::ExplainError;
-pub use self::story::{Chapter, Story};
+use self::evidence::Evidence;
+pub use self::fact::Fact;
+pub use self::precession::Stage;
 
+use crate::analysis::history::{RunHistory, RunSummary};
+use crate::analysis::phrase::moment;
 use crate::analysis::subject::Subject;
+use crate::archive::format::STOP_REASON;
+use crate::run::simulation::{EventKind, StopReason};
+use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, STATE};
+use crate::telemetry::{Topic, Topics};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::ops::ControlFlow;
+use thiserror::Error;
 
-/// Tells the story of a run.
+/// The topics that an explanation needs.
+const NEEDED: [Topic; 4] = [STATE, ACCELERATION, ENERGY, EVENTS];
+/// Why a run can't be explained.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ExplainError {
+    /// A file of others.
+    #[error("not a recording of toprise")]
+    Foreign,
+    /// The recording has no scenario that can be used.
+    #[error("{0}")]
+    NoScenario(String),
+    /// A channel was not recorded.
+    #[error("it has no {missing}; needed are {}", NEEDED.map(Topic::name).join(", "))]
+    Channel {
+        /// The topic.
+        missing: Topic,
+    },
+    /// There are hardly any samples.
+    #[error("it has fewer than two samples{}", .loss.as_ref().map_or_else(String::new, |loss| format!(": it lacks {loss}")))]
+    Empty {
+        /// What could not be read first.
+        loss: Option<String>,
+    },
+    /// The caller ended it.
+    #[error("it was interrupted before the run was read to its end")]
+    Interrupted,
+}
+
+/// The explanation of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Explanation {
+    /// The run and its end.
+    pub title: String,
+    /// The facts, chapter by chapter.
+    pub chapters: Vec<Chapter>,
+    /// The kinds of events, in the order of their first times.
+    pub events: Vec<Happening>,
+    /// The averaged motion in stages of equally many nutations.
+    pub stages: Vec<Stage>,
+    /// A summary of the run.
+    pub summary: RunSummary,
+    /// What could not be read.
+    pub losses: Vec<String>,
+}
+
+/// Facts under a heading.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Chapter {
+    /// The heading.
+    pub heading: &'static str,
+    /// The facts.
+    pub facts: Vec<Fact>,
+}
+
+/// Events of one kind.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Happening {
+    /// The kind of event.
+    pub name: String,
+    /// How often it happened.
+    pub count: u64,
+    /// When it happened first, s.
+    pub first: f64,
+    /// When it happened last, s.
+    pub last: f64,
+    /// The description of the first.
+    pub description: String,
+}
+
+/// Explains a run.
 ///
 /// # Errors
-/// [`ExplainError`] if it lacks what is needed.
-pub fn explain<'a>(subject: impl Into<Subject<'a>>) -> Result<Story, ExplainError> {
+/// [`ExplainError`] if it isn't a run of toprise, or lacks what is needed.
+pub fn explain<'a>(subject: impl Into<Subject<'a>>) -> Result<Explanation, ExplainError> {
     explain_while(subject, &|| true)
 }
 
-/// Tells the story of a run, unless `carry_on` says no while it is read or simulated.
+/// Explains a run as long as `carry_on` agrees, which is asked at each message.
 ///
 /// # Errors
 /// As [`explain`], and [`ExplainError::Interrupted`].
 pub fn explain_while<'a>(
     subject: impl Into<Subject<'a>>,
     carry_on: &dyn Fn() -> bool,
-) -> Result<Story, ExplainError> {
-    Ok(tell::tell(&facts::gather(subject.into(), carry_on)?))
+) -> Result<Explanation, ExplainError> {
+    let (evidence, losses) = gather(subject.into(), carry_on)?;
+    let is_free = evidence.scenario.model.support.is_free();
+    let chapters = [
+        (
+            "What happened",
+            match is_free {
+                true => free::course(&evidence),
+                false => held::course(&evidence),
+            },
+        ),
+        (
+            "Why the axis moves",
+            match is_free {
+                true => free::cause(&evidence),
+                false => held::cause(&evidence),
+            },
+        ),
+        (
+            "Where the energy goes",
+            match is_free {
+                true => free::energy(&evidence),
+                false => held::energy(&evidence),
+            },
+        ),
+    ];
+    let chapters = chapters.into_iter().filter(|(_, facts)| !facts.is_empty());
+    Ok(Explanation {
+        title: title(&evidence),
+        chapters: chapters
+            .map(|(heading, facts)| Chapter { heading, facts })
+            .collect(),
+        events: happenings(&evidence.history),
+        stages: precession::stages(&evidence),
+        summary: evidence.summary,
+        losses,
+    })
+}
+
+/// Reads a run.
+fn gather(
+    subject: Subject<'_>,
+    carry_on: &dyn Fn() -> bool,
+) -> Result<(Evidence, Vec<String>), ExplainError> {
+    if !subject.is_ours() {
+        return Err(ExplainError::Foreign);
+    }
+    if let Some(missing) = NEEDED.into_iter().find(|topic| !subject.has_topic(*topic)) {
+        return Err(ExplainError::Channel { missing });
+    }
+    let scenario = match subject {
+        Subject::Scenario(scenario) => scenario.clone(),
+        Subject::Recording(recording) => recording
+            .scenario()
+            .map_err(|error| ExplainError::NoScenario(error.to_string()))?,
+    };
+    let mut history = RunHistory::new(Some(scenario.model), scenario.stop.theta_risen);
+    let ended = subject.read(&Topics::All, &mut |message, _| {
+        history.take(message);
+        match carry_on() {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        }
+    });
+    if !carry_on() {
+        return Err(ExplainError::Interrupted);
+    }
+    history.finish(ended.end);
+    let mut losses = ended.losses;
+    if let Subject::Recording(recording) = subject {
+        losses.splice(0..0, recording.losses().iter().map(ToString::to_string));
+    }
+    let has_samples = history
+        .states
+        .is_some_and(|[first, last]| first.time < last.time);
+    if !has_samples {
+        let loss = losses.into_iter().next();
+        return Err(ExplainError::Empty { loss });
+    }
+    let evidence = Evidence {
+        summary: history.summary(),
+        scenario,
+        history,
+    };
+    Ok((evidence, losses))
+}
+
+fn title(evidence: &Evidence) -> String {
+    let reason = evidence.history.end_entry(STOP_REASON);
+    let reason = StopReason::ALL
+        .into_iter()
+        .find(|stop| Some(stop.name()) == reason);
+    let end = moment(evidence.history.stop_time().unwrap_or(0.0));
+    match reason {
+        Some(reason) => format!(
+            "{}: {} at t = {end}",
+            evidence.scenario.name(),
+            reason.sentence()
+        ),
+        None => format!("{}: recorded up to t = {end}", evidence.scenario.name()),
+    }
+}
+
+/// The kinds of events but for the extremes of each nutation.
+fn happenings(history: &RunHistory) -> Vec<Happening> {
+    let mut happenings: Vec<Happening> = Vec::new();
+    let events = history.events.iter();
+    let events = events.filter_map(|event| Some((event.kind?, event)));
+    for (kind, event) in events.filter(|(kind, _)| !kind.is_of_nutation()) {
+        let mut known = happenings.iter_mut();
+        match known.find(|known| known.name == kind.name()) {
+            Some(known) => (known.count, known.last) = (known.count + 1, event.time),
+            None => happenings.push(Happening {
+                name: kind.name().to_owned(),
+                count: 1,
+                first: event.time,
+                last: event.time,
+                description: event.description.clone(),
+            }),
+        }
+    }
+    happenings.retain(|happening| happening.name != EventKind::Start.name());
+    happenings
 }

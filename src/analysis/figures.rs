@@ -33,7 +33,7 @@ mod time;
 mod track;
 
 #[cfg(feature = "sweep")]
-pub use self::map::{Map, MapAxis};
+pub use self::map::{Map, MapAxis, MapRun};
 pub use self::report::{FigureFile, FiguresReport, Lacking, LeftOut, RunLoss};
 pub use self::run::Run;
 pub use crate::analysis::plot::drawing::Drawing;
@@ -152,25 +152,34 @@ const ENERGIES: Need = samples(&[
     energy::FRICTION_POWER,
 ]);
 
+/// The defaults of the table below.
+const DEFAULTS: Figure = Figure {
+    name: "",
+    title: "",
+    least_runs: 1,
+    needs: &[],
+    uses: &[],
+    pegs: Pegs::All,
+    draw: |_, width| Drawing::new(width),
+};
+
 /// All figures: first those of the paper, with its numbers.
 pub const FIGURES: &[Figure] = &[
     Figure {
         name: "figure-2",
         title: "θ, θ̇, φ̇ and ψ̇ over time",
-        least_runs: 1,
         needs: &[ANGLES],
         uses: &[NUTATIONS, ENVELOPE],
-        pegs: Pegs::All,
         draw: time::motion,
+        ..DEFAULTS
     },
     Figure {
         name: "figure-3",
         title: "The locus of the symmetry axis, its projection, and its end magnified",
-        least_runs: 1,
         needs: &[AXIS],
         uses: &[CYCLES],
-        pegs: Pegs::All,
         draw: locus::locus,
+        ..DEFAULTS
     },
     Figure {
         name: "figure-4",
@@ -178,75 +187,70 @@ pub const FIGURES: &[Figure] = &[
         least_runs: 2,
         needs: &[THETA, NUTATIONS],
         uses: &[ENVELOPE],
-        pegs: Pegs::All,
         draw: time::compared,
+        ..DEFAULTS
     },
     Figure {
         name: "acceleration",
         title: "Why it rises: the terms of θ̈ and φ̈, averaged over nutations",
-        least_runs: 1,
         needs: &[ACCELERATIONS, NUTATIONS],
-        uses: &[],
         pegs: Pegs::Held {
             because: "the terms are those of a peg that stays in place; a free one adds that of its own acceleration",
         },
         draw: time::acceleration,
+        ..DEFAULTS
     },
     Figure {
         name: "precession",
         title: "φ̇ and the rates of regular precession, between which the top is driven upright",
-        least_runs: 1,
         needs: &[PRECESSION_RATE, ROOTS],
         uses: &[NUTATIONS, ENVELOPE],
         pegs: Pegs::Held {
             because: "the rates are those of a peg that stays in place, and a free one also rolls",
         },
         draw: time::precession,
+        ..DEFAULTS
     },
     Figure {
         name: "torque",
         title: "Torques along the line of nodes (x), its perpendicular (y) and the symmetry axis (z)",
-        least_runs: 1,
         needs: &[TORQUES],
         uses: &[CYCLES],
-        pegs: Pegs::All,
         draw: time::torque,
+        ..DEFAULTS
     },
     Figure {
         name: "slip",
         title: "Slip speed and path slipped",
-        least_runs: 1,
         needs: &[SLIP],
         uses: &[CYCLES],
-        pegs: Pegs::All,
         draw: time::slip,
+        ..DEFAULTS
     },
     Figure {
         name: "energy",
         title: "Kinetic, potential and total energy, and what friction takes",
-        least_runs: 1,
         needs: &[ENERGIES],
         uses: &[CYCLES],
-        pegs: Pegs::All,
         draw: time::energy,
+        ..DEFAULTS
     },
     Figure {
         name: "track",
         title: "The track of the contact point of a free peg on the table, from above",
-        least_runs: 1,
         needs: &[TRACK],
-        uses: &[],
         pegs: Pegs::Free,
         draw: track::track,
+        ..DEFAULTS
     },
     Figure {
         name: "hops",
         title: "The normal force on a free peg, and its height above the table",
-        least_runs: 1,
         needs: &[NORMAL_FORCE, GAP],
         uses: &[CYCLES],
         pegs: Pegs::Free,
         draw: time::hops,
+        ..DEFAULTS
     },
 ];
 

@@ -1,114 +1,165 @@
-//! Whether a recording can be trusted: its container, its messages, its physics, and whether the
-//! simulation gives it again, bit for bit.
+//! Verification: the scenario of a recording is run again, and the file is compared with the result.
 //!
-//! [`verify`] reads a recording twice, once as a container and once message by message, in bounded
-//! memory. The second time the scenario that is attached is simulated alongside.
+//! The same bytes prove everything at once. If they differ, [`verify`] compares message by message and reports the first
+//! difference; a file that another program has packed again, with other chunks or another compression, has the same
+//! messages, records and channels.
 
-mod content;
-mod origin;
-mod physics;
-mod reproduction;
+mod again;
+mod bytes;
+mod container;
+mod difference;
+mod index;
+mod messages;
 
-pub use crate::archive::check::{Check, Group, Verdict};
-pub use content::Options;
-
-use crate::archive::container_check;
+use crate::archive::format::{TELEMETRY, VERSION};
 use crate::archive::recording::{Condition, Recording};
+use crate::archive::writer::Form;
+use crate::run::scenario::Scenario;
+use crate::telemetry::{Telemetry, Topic, Topics, table};
+use again::Again;
+pub use difference::Difference;
+use messages::Comparison;
+use schemars::JsonSchema;
+use serde::Serialize;
 
-/// What was found out about a recording.
-#[derive(Clone, Debug, PartialEq)]
+/// The result of a verification.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The file has the bytes that its scenario gives.
+    Verified,
+    /// The file holds what its scenario gives, in other chunks or with another compression.
+    PackedOtherwise,
+    /// Another version of toprise recorded it, and the values are those that this version computes.
+    OtherVersion,
+    /// Everything in the file is right, but it holds only a part of the run.
+    Incomplete,
+    /// The file differs from what its scenario gives.
+    Different,
+}
+
+/// The result of comparing a recording with its scenario, run again.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Report {
-    /// What kind of file it is.
-    pub condition: Condition,
-    /// All checks, in order.
-    pub checks: Vec<Check>,
-    /// The version of the telemetry that it holds; none if it isn't known.
-    pub telemetry: Option<u32>,
-    /// The topics of toprise that it doesn't have.
+    /// The result as a whole.
+    pub verdict: Verdict,
+    /// The kind of file.
+    pub state: Condition,
+    /// The first difference; absent if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub difference: Option<Difference>,
+    /// Number of messages that are equal; absent if all bytes are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub equal: Option<u64>,
+    /// Number of messages of the run that the file lacks; of an interrupted run those between the ones that it has.
+    pub missing: u64,
+    /// Topics that were not recorded.
     pub without: Vec<String>,
-    /// What a reader of the file sees and no check covers: words, and what others have added.
-    pub not_covered: Vec<String>,
+    /// The version of toprise that recorded it, if it is another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recorded_by: Option<String>,
 }
 
-impl Report {
-    /// How it ended as a whole: the worst of all checks.
-    #[must_use]
-    pub fn verdict(&self) -> Verdict {
-        let has = |verdict| self.checks.iter().any(|check| check.verdict == verdict);
-        if has(Verdict::Failed) {
-            Verdict::Failed
-        } else if has(Verdict::Incomplete) {
-            Verdict::Incomplete
-        } else if has(Verdict::Partial) {
-            Verdict::Partial
-        } else {
-            Verdict::Passed
-        }
-    }
-}
-
-/// Checks a recording. `progress` is told how many more bytes of the file have been looked at; in the end
-/// they are twice the file's.
+/// Runs the scenario of a recording again and compares. `progress` takes how many more bytes have been compared: in the
+/// end at most twice the file's.
 #[must_use]
-pub fn verify(recording: &Recording, options: Options, progress: &dyn Fn(u64)) -> Report {
-    let mut checks = container_check::check(recording, progress);
-    let (mut without, mut not_covered) = (Vec::new(), Vec::new());
-    let mut telemetry = None;
-    if recording.condition() == Condition::Foreign {
-        let finding = format!(
-            "written by {:?}, not by toprise: its messages can't be judged (`toprise info` lists them)",
-            recording.library()
-        );
-        checks.push(Check::new(
-            Group::Telemetry,
-            "messages",
-            Verdict::Failed,
-            finding,
-        ));
-    } else {
-        let scenario = recording.scenario();
-        let Some(version) = recording.version() else {
-            return unknown(recording, checks);
-        };
-        checks.extend(origin::check(recording, &scenario, &version));
-        let scenario = scenario.ok();
-        let scenario = scenario.as_ref();
-        checks.extend(content::check(
-            recording, scenario, &version, options, progress,
-        ));
-        telemetry = Some(version.number());
-        without = origin::without(recording, scenario);
-        not_covered = origin::not_covered(recording, scenario, &version);
+pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
+    let mut report = Report {
+        verdict: Verdict::Different,
+        state: recording.condition(),
+        difference: None,
+        equal: None,
+        missing: 0,
+        without: Vec::new(),
+        recorded_by: other_version(recording),
+    };
+    let (scenario, form, topics) = match what_to_run(recording) {
+        Ok(found) => found,
+        Err(difference) => {
+            report.difference = Some(difference);
+            return report;
+        }
+    };
+    let telemetry = || Telemetry::with_topics(&topics);
+    let left_out = Topic::all_with(scenario.model.support).filter(|t| !topics.include(t));
+    report.without = left_out.map(|topic| topic.to_string()).collect();
+    // What was interrupted holds a part of what the run gives, which may be long.
+    if report.state == Condition::Whole
+        && !recording.is_interrupted()
+        && bytes::are_equal(recording, &scenario, telemetry(), form, progress)
+    {
+        report.verdict = Verdict::Verified;
+        return report;
     }
-    let is_damaged = checks
-        .iter()
-        .any(|check| check.group == Group::Container && check.verdict == Verdict::Failed);
-    Report {
-        condition: match recording.condition() {
-            Condition::Foreign => Condition::Foreign,
-            _ if is_damaged => Condition::Damaged,
-            condition => condition,
-        },
-        checks,
-        telemetry,
-        without,
-        not_covered,
-    }
+    let again = match Again::start(&scenario, telemetry(), form) {
+        Ok(again) => again,
+        Err(reason) => {
+            report.difference = Some(Difference::of("the run", "", None, Some(reason)));
+            return report;
+        }
+    };
+    let is_by_value = report.recorded_by.is_some();
+    let compared = Comparison::new(recording, again, is_by_value).run(progress);
+    conclude(recording, report, compared)
 }
 
-/// What can be said of a recording whose telemetry this program doesn't know.
-fn unknown(recording: &Recording, mut checks: Vec<Check>) -> Report {
-    let finding = match recording.refuse_newer() {
-        Err(newer) => newer.to_string(),
-        Ok(()) => "toprise.run names no version of the telemetry".to_owned(),
+/// The scenario of a recording and how it was recorded, or what is missing.
+fn what_to_run(recording: &Recording) -> Result<(Scenario, Form, Topics), Difference> {
+    let scenario = recording.scenario().map_err(|reason| {
+        let expected = Some("a scenario to run again".to_owned());
+        Difference::of("scenario.toml", "", Some(reason.to_string()), expected)
+    })?;
+    let form = recording.form();
+    let (encoding, views, topics) = form.ok_or_else(|| {
+        let expected = Some("encoding and topics".to_owned());
+        Difference::of("toprise.run", "", None, expected)
+    })?;
+    Ok((scenario, Form { encoding, views }, topics))
+}
+
+/// The version of toprise or of its telemetry that made a recording, if it is not this one.
+fn other_version(recording: &Recording) -> Option<String> {
+    let run = recording.run()?;
+    let version = run.get(VERSION)?;
+    let telemetry = run.get(TELEMETRY).map_or("1", String::as_str);
+    let is_this = version == env!("CARGO_PKG_VERSION") && telemetry == table::VERSION.to_string();
+    (!is_this).then(|| format!("{version} (telemetry {telemetry})"))
+}
+
+fn conclude(recording: &Recording, report: Report, compared: messages::Compared) -> Report {
+    let is_by_value = report.recorded_by.is_some();
+    let is_interrupted = recording.is_interrupted();
+    let is_whole = report.state == Condition::Whole && compared.losses == 0;
+    let mut difference = compared.difference.clone();
+    let is_part = !is_whole || is_interrupted || compared.missing > 0;
+    if difference.is_none() && !is_interrupted {
+        difference = container::end_difference(recording, &compared.end, is_by_value);
+    }
+    if difference.is_none() && !is_by_value {
+        difference = container::opening_difference(recording, &compared.opening, is_part);
+    }
+    if difference.is_none() && !is_by_value && !is_part {
+        difference = compared.out_of_order;
+    }
+    // Whatever made the file, and however much of the run it has: its data and its index must agree.
+    if difference.is_none() && compared.losses == 0 && index::is_there(recording) {
+        difference = index::index_difference(recording);
+    }
+    let verdict = match (&difference, &report.recorded_by) {
+        (Some(_), _) => Verdict::Different,
+        (None, _) if is_part => Verdict::Incomplete,
+        (None, Some(_)) => Verdict::OtherVersion,
+        (None, None) => Verdict::PackedOtherwise,
     };
-    let check = Check::new(Group::Telemetry, "version", Verdict::Failed, finding);
-    checks.push(check);
     Report {
-        condition: recording.condition(),
-        checks,
-        telemetry: None,
-        without: Vec::new(),
-        not_covered: Vec::new(),
+        verdict,
+        state: match report.state {
+            Condition::Whole if compared.losses > 0 => Condition::Damaged,
+            state => state,
+        },
+        difference,
+        equal: Some(compared.equal),
+        missing: compared.missing,
+        ..report
     }
 }

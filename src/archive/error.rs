@@ -2,7 +2,6 @@
 
 use crate::run::scenario::ScenarioError;
 use crate::telemetry::encoding::DecodeError;
-use crate::telemetry::table;
 use std::io;
 use thiserror::Error;
 
@@ -24,19 +23,6 @@ pub enum RecordingError {
     /// A file that is no MCAP file.
     #[error("not an MCAP file: it doesn't begin like one")]
     NotMcap,
-    /// A recording of a later version of toprise.
-    #[error(
-        "toprise {version} recorded it as telemetry {telemetry}; this is toprise {}, which knows telemetry up to {}: \
-         use a newer one",
-        env!("CARGO_PKG_VERSION"),
-        table::VERSION
-    )]
-    Newer {
-        /// The version of its telemetry.
-        telemetry: u32,
-        /// The version of toprise that it names.
-        version: String,
-    },
     /// A topic of ours has two channels.
     #[error("it has two channels {0}: which one counts can't be known")]
     TwoChannels(String),

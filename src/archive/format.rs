@@ -11,10 +11,9 @@
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::RunEnd;
+use crate::telemetry::Topics;
 use crate::telemetry::encoding::Encoding;
-use crate::telemetry::fields::{EVENTS, NUTATION, STATE};
 use crate::telemetry::table;
-use crate::telemetry::{Topic, Topics};
 use mcap::Attachment;
 use std::collections::BTreeMap;
 
@@ -22,8 +21,6 @@ use std::collections::BTreeMap;
 pub const RUN_RECORD: &str = "toprise.run";
 /// Name of the metadata record at the end: how the run ended, and what the file must hold.
 pub const END_RECORD: &str = "toprise.end";
-/// Name of the metadata record that says what an interrupted or damaged recording had lost when it was recovered.
-pub const RECOVERY_RECORD: &str = "toprise.recovery";
 /// Name of the attachment that holds the scenario as TOML.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
 
@@ -34,7 +31,7 @@ pub const LIBRARY: &str = concat!("toprise/", env!("CARGO_PKG_VERSION"));
 
 /// Key of [`RUN_RECORD`]: the version of toprise that simulated the run.
 pub const VERSION: &str = "version";
-/// Key of [`RUN_RECORD`]: the version of the telemetry, [`table::VERSION`]. Recordings of version 1 lack it.
+/// Key of [`RUN_RECORD`]: the version of the telemetry, [`table::VERSION`].
 pub const TELEMETRY: &str = "telemetry";
 /// Key of [`RUN_RECORD`]: the encoding of the table's channels.
 pub const ENCODING: &str = "encoding";
@@ -54,20 +51,8 @@ pub const STOP_TIME: &str = "stop_time";
 pub const STEPS: &str = "steps_accepted";
 /// Key of [`END_RECORD`]: the digest of all messages of the table's channels.
 pub const CONTENT_DIGEST: &str = "content_digest";
-/// Key of [`RECOVERY_RECORD`]: what is lost, in a sentence.
-pub const LOST: &str = "lost";
-/// Key of [`RECOVERY_RECORD`]: the content digest that the whole recording had.
-pub const ORIGINAL_CONTENT_DIGEST: &str = "original_content_digest";
-
 /// The value of [`TOPICS`] for all topics of the table.
 const ALL_TOPICS: &str = "all";
-
-/// Keys of [`END_RECORD`] that count messages, each with the topic whose messages it counts.
-pub const COUNTS: [(&str, Topic); 3] = [
-    ("samples", STATE),
-    ("events", EVENTS),
-    ("nutations", NUTATION),
-];
 
 /// Entries of a metadata record.
 pub type Entries = BTreeMap<String, String>;
@@ -119,7 +104,7 @@ pub fn form_entries(encoding: Encoding, views: bool, topics: &Topics) -> Entries
 }
 
 /// The form that the entries of [`RUN_RECORD`] name: the encoding, whether there are views, and the topics. None if they
-/// don't: those of version 1 of the telemetry didn't.
+/// don't.
 #[must_use]
 pub fn recorded_form(run: &Entries) -> Option<(Encoding, bool, Topics)> {
     let topics = match run.get(TOPICS)?.as_str() {
@@ -133,14 +118,6 @@ pub fn recorded_form(run: &Entries) -> Option<(Encoding, bool, Topics)> {
         _ => return None,
     };
     Some((Encoding::find(run.get(ENCODING)?)?, views, topics))
-}
-
-/// The version of the telemetry that a recording with these entries of [`RUN_RECORD`] holds; none if that is not a
-/// number.
-#[must_use]
-pub fn telemetry_version(run: &Entries) -> Option<u32> {
-    run.get(TELEMETRY)
-        .map_or(Some(1), |version| version.parse().ok())
 }
 
 /// The entries of [`END_RECORD`], but for the content digest.

@@ -1,9 +1,11 @@
 //! What words mean where a run is named: presets, scenario files and recordings.
 
 use crate::archive::recording::{NoScenario, Recording, RecordingError};
+use crate::archive::writer::Form;
 use crate::run::scenario::{PRESETS, Preset, ScenarioError, Values};
+use crate::telemetry::Topics;
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -59,7 +61,7 @@ pub fn is_recording(word: &Path) -> bool {
 /// # Errors
 /// [`GivenError`] if there is none, or a key of it is wrong; whether it is complete is not checked.
 pub fn values(word: &Path) -> Result<Values, GivenError> {
-    let is_file = has_extension(word, "toml") || has_directory(word) || word.is_file();
+    let is_file = has_extension(word, "toml") || is_like_a_file(word) || word.exists();
     if is_preset(word) || !is_file {
         let preset = Preset::find(&word.to_string_lossy());
         let values = preset.and_then(Preset::values);
@@ -74,7 +76,8 @@ pub fn values(word: &Path) -> Result<Values, GivenError> {
 /// The text of a scenario file, or of the scenario that a recording was made from.
 fn text(word: &Path) -> Result<String, GivenError> {
     let path = word.to_owned();
-    if !has_extension(word, "mcap") {
+    let is_named_so = has_extension(word, "mcap") || has_extension(word, "partial");
+    if !is_named_so && !is_mcap(word) {
         return read_file(word).map_err(|reason| GivenError::Io { path, reason });
     }
     match Recording::open(word) {
@@ -83,6 +86,24 @@ fn text(word: &Path) -> Result<String, GivenError> {
             .map_err(|reason| GivenError::NoScenario { path, reason }),
         Err(reason) => Err(GivenError::Recording { path, reason }),
     }
+}
+
+/// How the recording that a word names was recorded; none if it names something else.
+#[must_use]
+pub fn form(word: &Path) -> Option<(Form, Topics)> {
+    if is_preset(word) || !is_mcap(word) {
+        return None;
+    }
+    let (encoding, views, topics) = Recording::open(word).ok()?.form()?;
+    Some((Form { encoding, views }, topics))
+}
+
+/// Whether a file begins like an MCAP file, whatever its name.
+fn is_mcap(path: &Path) -> bool {
+    let mut magic = [0; mcap::MAGIC.len()];
+    let file = open_file(path);
+    let read = file.and_then(|mut file| file.read_exact(&mut magic));
+    read.is_ok() && magic == *mcap::MAGIC
 }
 
 /// The text of a file.

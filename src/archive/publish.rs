@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Seek as _, Write};
-use std::path::{Path, PathBuf};
+use std::path::{self, Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile, PersistError, TempPath};
 
@@ -155,8 +155,13 @@ impl Draft {
     /// `NAME.2.partial`, `NAME.3.partial`, … is taken, otherwise the run is refused.
     ///
     /// # Errors
-    /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
+    /// [`SinkError::Exists`] if the name is taken, [`SinkError::Name`] if it is that of a draft, [`SinkError::Io`] if the
+    /// file can't be made.
     pub fn of_run(path: &Path, existing: Existing, preface: &[u8]) -> Result<Self, SinkError> {
+        if path.extension().is_some_and(|kind| kind == "partial") {
+            let reason = "is a name of runs that are not complete: choose another name";
+            return Err(name_error(path, reason));
+        }
         let directories = prepare(path, existing)?;
         let (mut file, hidden) = hidden(directory_of(path), path)?;
         let written = file.write_all(preface);
@@ -298,8 +303,22 @@ pub fn write(path: &Path, existing: Existing, contents: &[u8]) -> Result<(), Sin
     draft.publish().map(|_| ())
 }
 
+/// Refuses a path that no file can have, as one that ends in a separator.
+///
+/// # Errors
+/// [`SinkError::Name`].
+pub fn check_name(path: &Path) -> Result<(), SinkError> {
+    let whole = path.as_os_str().as_encoded_bytes();
+    let name = path.file_name();
+    if name.is_some_and(|name| whole.ends_with(name.as_encoded_bytes())) {
+        return Ok(());
+    }
+    Err(name_error(path, "names no file: add the name of one"))
+}
+
 /// Refuses to replace what is not a file, or must stay, and makes the directory.
 fn prepare(path: &Path, existing: Existing) -> Result<MadeDirectories, SinkError> {
+    check_name(path)?;
     // A directory, a device, a pipe: publishing would put a file in its place.
     if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
         return Err(exists(path, "it is not a file; name one"));
@@ -318,31 +337,39 @@ fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
     Ok(())
 }
 
-/// What the name of a hidden draft has from that of its file: all of it, or its beginning where the two would differ in
-/// that the longer one is too long for the file system.
-#[must_use]
-pub fn name_in_drafts(path: &Path) -> OsString {
+/// Number of random letters and digits in the name of a hidden draft.
+const RANDOM: usize = 6;
+/// How the name of a hidden draft ends.
+const SUFFIX: &str = ".tmp";
+
+/// How the name of a hidden draft begins: with that of its file, as far as the file system has room for both.
+fn prefix(path: &Path) -> String {
     /// Most file systems allow 255 bytes, of which the rest of a draft's name takes 12.
     const LONGEST: usize = 240;
-    let name = path.file_name().unwrap_or_default();
-    if name.len() <= LONGEST {
-        return name.to_owned();
-    }
-    let mut name = name.to_string_lossy().into_owned();
-    name.truncate(name.floor_char_boundary(LONGEST));
-    name.into()
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    format!(".{}.", &name[..name.floor_char_boundary(LONGEST)])
+}
+
+/// Whether a file is called like a hidden draft of `path`.
+#[must_use]
+pub fn is_draft_of(name: &str, path: &Path) -> bool {
+    let random = name.strip_prefix(&prefix(path));
+    let random = random.and_then(|rest| rest.strip_suffix(SUFFIX));
+    random.is_some_and(|random| {
+        random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric())
+    })
 }
 
 /// A new hidden file, named after `path`.
 fn hidden(directory: &Path, path: &Path) -> Result<(NamedTempFile, Hidden), SinkError> {
-    let mut prefix = OsString::from(".");
-    prefix.push(name_in_drafts(path));
-    prefix.push(".");
+    let prefix = prefix(path);
     let mut builder = Builder::new();
-    builder.prefix(&prefix).suffix(".tmp");
+    builder.prefix(&prefix).rand_bytes(RANDOM).suffix(SUFFIX);
+    let mut options = File::options();
+    options.read(true).write(true).create_new(true);
     // Files of `tempfile_in` could be read by their owner alone, even after they are published.
     let mut drafts = HIDDEN.lock().unwrap_or_else(PoisonError::into_inner);
-    let file = builder.make_in(directory, |name| File::create_new(name));
+    let file = builder.make_in(directory, |name| options.open(name));
     let file = file.map_err(|error| io_error("create", path, error))?;
     drafts.insert(file.path().to_owned());
     let hidden = Hidden(file.path().to_owned());
@@ -372,8 +399,8 @@ fn name_partial(
         if existing == Existing::Keep {
             let advice = if path.extension().is_some_and(|kind| kind == "mcap") {
                 format!(
-                    "a run is writing it, or was interrupted; save that one with `toprise recover {} OUT` \
-                     and move the file away, or choose another name",
+                    "a run is writing it, or was interrupted: `toprise run {} -o OUT` runs it again to its end; \
+                     move it away, or choose another name",
                     name.display()
                 )
             } else {
@@ -433,6 +460,13 @@ fn exists(path: &Path, advice: impl Into<String>) -> SinkError {
     }
 }
 
+fn name_error(path: &Path, reason: &'static str) -> SinkError {
+    SinkError::Name {
+        path: path.to_owned(),
+        reason,
+    }
+}
+
 fn io_error(action: &'static str, path: &Path, reason: io::Error) -> SinkError {
     SinkError::Io {
         action,
@@ -461,7 +495,31 @@ pub fn refuse_inputs<'a>(
 /// Whether two paths lead to one file, or would.
 #[must_use]
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
-    one == other || identity(one).is_some_and(|one| identity(other) == Some(one))
+    place(one) == place(other) || identity(one).is_some_and(|one| identity(other) == Some(one))
+}
+
+/// Where a file is, or would be: its name in its directory, which is resolved. A link that has the name itself is not
+/// followed: it would be replaced.
+fn place(path: &Path) -> PathBuf {
+    let directory = resolved(directory_of(path));
+    path.file_name()
+        .map_or_else(|| path.to_owned(), |name| directory.join(name))
+}
+
+/// The absolute path of a directory without links, `.` and `..`. It may be one that is not there yet.
+fn resolved(directory: &Path) -> PathBuf {
+    let absolute = path::absolute(directory).unwrap_or_else(|_| directory.to_owned());
+    let mut resolved = PathBuf::new();
+    for part in absolute.components() {
+        match part {
+            Component::ParentDir => {
+                resolved.pop();
+            }
+            part => resolved.push(part),
+        }
+        resolved = resolved.canonicalize().unwrap_or(resolved);
+    }
+    resolved
 }
 
 /// What tells a file from all others: its device and its number there.

@@ -1,6 +1,6 @@
 //! Where messages go: MCAP files, Rerun, memory.
 
-use crate::run::simulation::{Record, RunEnd, Simulation, SimulationError};
+use crate::run::simulation::{Record, RunEnd, Simulation, SimulationError, StopReason};
 use crate::telemetry::{Message, Telemetry, TelemetryError};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -14,8 +14,8 @@ pub trait Sink {
     /// [`SinkError`] if this message or an earlier one could not be stored.
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError>;
 
-    /// Passes on everything that is buffered: what was written before a flush survives the death of
-    /// the process.
+    /// Passes on what can be passed on by now: a viewer shows all that was written before. It changes nothing of the
+    /// bytes of a file.
     ///
     /// # Errors
     /// [`SinkError`] if an earlier message could not be stored.
@@ -32,6 +32,14 @@ pub enum SinkError {
         path: PathBuf,
         /// What to do.
         advice: String,
+    },
+    /// The file can't have this name.
+    #[error("{path:?} {reason}")]
+    Name {
+        /// The name.
+        path: PathBuf,
+        /// Why not.
+        reason: &'static str,
     },
     /// The file is one that is read, or the other one that is written.
     #[error("{} is already read or written here: write to another file", path.display())]
@@ -56,19 +64,6 @@ pub enum SinkError {
         path: PathBuf,
         /// Why, according to the writer.
         reason: ::mcap::McapError,
-    },
-    /// The content is not what it must be.
-    #[error(
-        "{} holds other content than it must: digest {found}, not {expected}",
-        path.display()
-    )]
-    Digest {
-        /// The file.
-        path: PathBuf,
-        /// The digest that the content must have.
-        expected: String,
-        /// The digest that it has.
-        found: String,
     },
     /// What shows the messages failed.
     #[error(transparent)]
@@ -120,6 +115,28 @@ pub fn record(
         }
     }
     Ok(simulation.end())
+}
+
+/// As [`record`]. A motion that can't be computed or recorded to its end is a run that failed there: the error comes
+/// beside its end.
+///
+/// # Errors
+/// The first error of a sink.
+pub fn record_to_end(
+    simulation: &mut Simulation,
+    telemetry: &mut Telemetry,
+    sinks: &mut [&mut dyn Sink],
+    between: impl FnMut(&Record, &mut [&mut dyn Sink]) -> Result<ControlFlow<()>, SinkError>,
+) -> Result<(RunEnd, Option<RecordError>), SinkError> {
+    match record(simulation, telemetry, sinks, between) {
+        Ok(end) => Ok((end, None)),
+        Err(RecordError::Sink(error)) => Err(error),
+        Err(error) => {
+            let stop = StopReason::Failed;
+            let end = simulation.end();
+            Ok((RunEnd { stop, ..end }, Some(error)))
+        }
+    }
 }
 
 /// An error with its chain of causes: the MCAP crate's messages alone hide the operating system's.

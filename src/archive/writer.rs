@@ -1,38 +1,25 @@
-//! The archive: a run as an MCAP file.
+//! A run as an MCAP file, written into anything that takes bytes.
 //!
-//! [`crate::archive::format`] says what stands in the file, and in which order.
-//!
-//! Messages are encoded on the caller's thread; another takes their digest, compresses and writes them, one
-//! after the other: the bytes are those of a single thread.
+//! [`crate::archive::format`] lists the records of such a file in their order. [`McapWriter`] does everything on the
+//! caller's thread; [`crate::archive::pipeline`] writes the same bytes with two.
 
 use crate::archive::format::{
-    CONTENT_DIGEST, END_RECORD, Entries, LIBRARY, RUN_RECORD, end_entries, form_entries,
-    run_entries, scenario_attachment,
+    CONTENT_DIGEST, END_RECORD, Entries, LIBRARY, RUN_RECORD, form_entries, run_entries,
+    scenario_attachment,
 };
-use crate::archive::publish::{Draft, Existing};
-use crate::archive::sink::{Sink, SinkError};
 use crate::run::scenario::Scenario;
-use crate::run::simulation::RunEnd;
 use crate::telemetry::digest::{ContentDigest, append_content};
 use crate::telemetry::encoding::{Encoder, Encoding};
 use crate::telemetry::views::{Views, view_channels};
-use crate::telemetry::{Message, Telemetry, Topic, Version};
+use crate::telemetry::{Message, Telemetry, Topic};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
-use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
-use std::io::{BufWriter, Seek, Write};
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
-use std::thread::{self, JoinHandle};
+use ::mcap::{Attachment, Compression, McapError, McapResult, WriteOptions, Writer};
+use std::fmt;
+use std::io::{Seek, Write};
 
-/// What is lost at most when the process is killed, uncompressed.
+/// Uncompressed size of a chunk, bytes: the most that is lost when the process is killed.
 const CHUNK_SIZE: u64 = 256 * 1024;
-/// Encoded messages travel to the writing thread in batches of about this size.
-const BATCH_BYTES: usize = 128 * 1024;
-/// Number of batches that may wait for the writing thread, which bounds the memory.
-const BATCHES: usize = 8;
-
-type FileWriter = Writer<NoSeek<BufWriter<Draft>>>;
 
 /// How a run is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,93 +40,155 @@ impl Default for Form {
     }
 }
 
-/// What a recording begins with.
+/// Everything in the recording of a run before its messages.
 #[derive(Debug)]
-pub struct Opening {
-    /// The name and version of the program that writes the file: [`LIBRARY`] for a recording of toprise.
-    pub library: &'static str,
-    /// Metadata records: names and entries.
-    pub metadata: Vec<(String, Entries)>,
-    /// Attachments.
-    pub attachments: Vec<Attachment<'static>>,
-    /// The version of the telemetry of the table's channels.
-    pub version: Version,
-    /// The encoding of the table's channels.
-    pub encoding: Encoding,
-    /// Which of the table's channels there will be.
-    pub wanted: Vec<bool>,
-    /// Channels whose messages come ready encoded, and are not part of the content.
-    pub raw: Vec<RawChannel>,
+pub(crate) struct Opening {
+    /// The entries of [`RUN_RECORD`].
+    pub(crate) run: Entries,
+    /// The scenario.
+    pub(crate) scenario: Attachment<'static>,
+    /// The channels, in the order of their ids.
+    pub(crate) channels: Vec<Declared>,
+    encoding: Encoding,
+    views: Option<Views>,
 }
 
-/// A channel whose messages come ready encoded.
+/// A channel as a recording declares it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RawChannel {
-    /// Topic.
-    pub topic: String,
-    /// Encoding of the messages.
-    pub encoding: String,
-    /// Name, encoding and data of the schema, if there is one.
-    pub schema: Option<(String, String, Vec<u8>)>,
-    /// What there is to say beside that.
-    pub metadata: Entries,
+pub(crate) struct Declared {
+    pub(crate) topic: &'static str,
+    pub(crate) encoding: &'static str,
+    pub(crate) schema_name: &'static str,
+    pub(crate) schema_encoding: &'static str,
+    pub(crate) schema: Vec<u8>,
 }
 
-/// A message of a raw channel.
-#[derive(Clone, Copy, Debug)]
-pub struct RawMessage<'a> {
-    /// Index in [`Opening::raw`].
-    pub channel: usize,
-    /// Sequence number.
-    pub sequence: u32,
-    /// Time of logging, ns.
-    pub log_time: u64,
-    /// Time of publishing, ns.
-    pub publish_time: u64,
-    /// The message.
-    pub data: &'a [u8],
+impl Opening {
+    /// For the run of `scenario` with the topics that `telemetry` wants.
+    pub(crate) fn new(scenario: &Scenario, telemetry: &Telemetry, form: Form) -> Self {
+        let support = scenario.model.support;
+        let wants = |topic| telemetry.wants(topic);
+        let topics = Topic::all_with(support).filter(|topic| wants(*topic));
+        let views = form.views.then(|| Views::new(scenario, wants));
+        let mut channels: Vec<_> = topics.map(|t| Declared::table(t, form.encoding)).collect();
+        channels.extend(views.iter().flat_map(Declared::views));
+        let mut run = run_entries(scenario);
+        run.extend(form_entries(
+            form.encoding,
+            form.views,
+            &telemetry.topics(support),
+        ));
+        Self {
+            run,
+            scenario: scenario_attachment(scenario.to_toml()),
+            channels,
+            encoding: form.encoding,
+            views,
+        }
+    }
+
+    /// The bytes of a file with nothing but this, with the channels outside of chunks.
+    pub(crate) fn bytes(&self) -> McapResult<Vec<u8>> {
+        let mut writer = options()
+            .use_chunks(false)
+            .create(NoSeek::new(Vec::new()))?;
+        self.write(&mut writer)?;
+        Ok(writer.into_inner().into_inner())
+    }
+
+    /// Writes it and returns the ids of its channels.
+    fn write<W: Write + Seek>(&self, writer: &mut Writer<W>) -> McapResult<Vec<u16>> {
+        writer.write_metadata(&metadata(RUN_RECORD, self.run.clone()))?;
+        writer.attach(&self.scenario)?;
+        let mut ids = Vec::with_capacity(self.channels.len());
+        for channel in &self.channels {
+            let (name, encoding) = (channel.schema_name, channel.schema_encoding);
+            let schema = writer.add_schema(name, encoding, &channel.schema)?;
+            ids.push(writer.add_channel(
+                schema,
+                channel.topic,
+                channel.encoding,
+                &Entries::new(),
+            )?);
+        }
+        Ok(ids)
+    }
 }
 
-/// What a recording ends with.
-#[derive(Clone, Debug, Default)]
-pub struct Ending {
-    /// Metadata records before the last: names and entries.
-    pub metadata: Vec<(String, Entries)>,
-    /// The entries of `toprise.end`, the last; the content digest is added.
-    pub end: Option<Entries>,
-    /// The content digest that must come out, if that is known.
-    pub digest: Option<String>,
+impl Declared {
+    fn table(topic: Topic, encoding: Encoding) -> Self {
+        let info = topic.info();
+        Self {
+            topic: info.topic,
+            encoding: encoding.name(),
+            schema_name: info.schema,
+            schema_encoding: encoding.schema_encoding(),
+            schema: encoding.schema(info),
+        }
+    }
+
+    fn views(views: &Views) -> impl Iterator<Item = Self> {
+        let wanted = view_channels().iter().enumerate();
+        let wanted = wanted.filter(|(index, _)| views.wants(*index));
+        wanted.map(|(_, view)| Self {
+            topic: view.topic,
+            encoding: "cdr",
+            schema_name: view.schema,
+            schema_encoding: "ros2msg",
+            schema: view.definition.as_bytes().to_vec(),
+        })
+    }
 }
 
-/// Writes an MCAP file.
+/// Encodes the messages of a run, each followed by the views that come with it.
 #[derive(Debug)]
-pub struct McapSink {
-    version: Version,
+pub(crate) struct RunEncoder {
     encoder: Encoder,
-    /// MCAP ids of the table's channels; 0 for those that are not logged.
-    channel_ids: Vec<u16>,
-    /// MCAP ids of the raw channels.
-    raw_ids: Vec<u16>,
-    /// The views, and where each of them stands among the raw channels.
-    views: Option<(Views, Vec<usize>)>,
-    batch: Batch,
-    worker: Worker,
+    views: Option<Views>,
+    /// The id of each channel of the table; 0 for those that are not recorded.
+    table_ids: Vec<u16>,
+    /// The id of each view, likewise.
+    view_ids: Vec<u16>,
 }
 
-/// A finished file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Archived {
-    /// Where it is.
-    pub path: PathBuf,
-    /// Its size.
-    pub bytes: u64,
-    /// Digest of its content.
-    pub digest: String,
+impl RunEncoder {
+    /// `ids` are those of the opening's channels.
+    pub(crate) fn new(opening: Opening, ids: &[u16]) -> Self {
+        let id = |topic: &str| {
+            let mut declared = opening.channels.iter().zip(ids);
+            let found = declared.find(|(channel, _)| channel.topic == topic);
+            found.map_or(0, |(_, id)| *id)
+        };
+        Self {
+            encoder: Encoder::new(opening.encoding),
+            table_ids: Topic::all().map(|topic| id(topic.name())).collect(),
+            view_ids: view_channels().iter().map(|view| id(view.topic)).collect(),
+            views: opening.views,
+        }
+    }
+
+    /// Appends a message and its views to a batch.
+    pub(crate) fn encode(&mut self, message: &Message<'_>, batch: &mut Batch) {
+        self.encoder.encode(message, &mut batch.data);
+        append_content(message, &mut batch.content);
+        let channel = Some(message.channel);
+        batch.end_message(self.table_ids[message.channel], channel, message);
+        if let Some(views) = &mut self.views {
+            views.take(message, |view, sequence, data| {
+                batch.data.extend_from_slice(data);
+                let head = Message {
+                    sequence,
+                    ..*message
+                };
+                batch.end_message(self.view_ids[view], None, &head);
+            });
+        }
+    }
 }
 
-/// Encoded messages on their way to the writing thread.
+/// Encoded messages on their way into a file.
 #[derive(Debug, Default)]
-struct Batch {
+pub(crate) struct Batch {
     /// Their encoded bytes, one after the other.
     data: Vec<u8>,
     /// What the digest takes in of them, likewise.
@@ -159,421 +208,169 @@ struct Entry {
     content_end: usize,
 }
 
-enum Job {
-    Write(Batch),
-    Flush,
-    Finish(Box<Ending>),
-}
-
-/// The writing thread, and the way to it.
-#[derive(Debug)]
-struct Worker {
-    /// What messages call the file.
-    name: PathBuf,
-    jobs: Option<SyncSender<Job>>,
-    /// Batches come back empty, to be filled again.
-    empty: Receiver<Batch>,
-    thread: Option<JoinHandle<Result<Option<Archived>, SinkError>>>,
-}
-
-impl McapSink {
-    /// Starts the recording of `scenario` with the channels that `telemetry` wants.
-    ///
-    /// # Errors
-    /// [`SinkError`] if the file can't be made or written.
-    pub fn create(
-        path: &Path,
-        existing: Existing,
-        scenario: &Scenario,
-        telemetry: &Telemetry,
-        form: Form,
-    ) -> Result<Self, SinkError> {
-        let preface = Self::preface(scenario, telemetry, form)?;
-        let draft = Draft::of_run(path, existing, &preface)?;
-        Self::create_in(draft, scenario, telemetry, form)
-    }
-
-    /// What a draft of the run's recording holds before the first chunk is there: everything that comes before the
-    /// messages, with the channels outside of chunks. So a run that is killed at once can be completed.
-    ///
-    /// # Errors
-    /// [`SinkError`] if the channels are more than a file may have.
-    pub fn preface(
-        scenario: &Scenario,
-        telemetry: &Telemetry,
-        form: Form,
-    ) -> Result<Vec<u8>, SinkError> {
-        let (opening, _) = opening_of_run(scenario, telemetry, form);
-        let written = options(&opening)
-            .use_chunks(false)
-            .create(NoSeek::new(Vec::new()))
-            .and_then(|mut writer| {
-                open_channels(&mut writer, &opening)?;
-                Ok(writer.into_inner().into_inner())
-            });
-        written.map_err(|reason| SinkError::Mcap {
-            path: PathBuf::new(),
-            reason,
-        })
-    }
-
-    /// Starts the recording of `scenario` in a draft, with the channels that `telemetry` wants.
-    ///
-    /// # Errors
-    /// [`SinkError`] if the file can't be written.
-    pub fn create_in(
-        draft: Draft,
-        scenario: &Scenario,
-        telemetry: &Telemetry,
-        form: Form,
-    ) -> Result<Self, SinkError> {
-        let (opening, views) = opening_of_run(scenario, telemetry, form);
-        let mut sink = Self::open(draft, &opening)?;
-        sink.views = views.map(|views| {
-            let wanted = |view: &usize| views.wants(*view);
-            let position = |view: usize| (0..view).filter(wanted).count();
-            let positions = (0..view_channels().len()).map(position).collect();
-            (views, positions)
-        });
-        Ok(sink)
-    }
-
-    /// Starts a recording that begins with `opening`, in a draft.
-    ///
-    /// # Errors
-    /// [`SinkError`] if the file can't be written.
-    pub fn open(draft: Draft, opening: &Opening) -> Result<Self, SinkError> {
-        let name = draft.working_name().to_owned();
-        let started = start(draft, opening).map_err(|reason| SinkError::Mcap {
-            path: name.clone(),
-            reason,
-        })?;
-        Ok(Self {
-            encoder: Encoder::of(opening.encoding, opening.version.channels()),
-            version: opening.version.clone(),
-            channel_ids: started.channel_ids,
-            raw_ids: started.raw_ids,
-            views: None,
-            batch: Batch::default(),
-            worker: Worker::start(started.writer, name),
-        })
-    }
-
-    /// Ends the recording of a run and gives the file its name.
-    ///
-    /// # Errors
-    /// [`SinkError`] if anything could not be written; the partial file is kept.
-    pub fn finish(self, end: &RunEnd) -> Result<Archived, SinkError> {
-        self.finish_with(Ending {
-            end: Some(end_entries(end)),
-            ..Ending::default()
-        })
-    }
-
-    /// Ends the recording with `ending` and gives the file its name.
-    ///
-    /// # Errors
-    /// [`SinkError::Digest`] if the content is not what it must be, others if anything could not be
-    /// written; the partial file is kept.
-    pub fn finish_with(mut self, ending: Ending) -> Result<Archived, SinkError> {
-        self.send_batch()?;
-        self.worker.send(Job::Finish(Box::new(ending)))?;
-        self.worker.join()?.ok_or_else(|| self.worker.died())
-    }
-
-    /// Writes a message of a raw channel as it is.
-    ///
-    /// # Errors
-    /// [`SinkError`] if this message or an earlier one could not be written.
-    pub fn write_raw(&mut self, message: &RawMessage<'_>) -> Result<(), SinkError> {
-        push_raw(&mut self.batch, &self.raw_ids, message);
-        self.send_full_batch()
-    }
-
-    fn send_full_batch(&mut self) -> Result<(), SinkError> {
-        if self.batch.data.len() < BATCH_BYTES {
-            return Ok(());
-        }
-        self.send_batch()
-    }
-
-    fn send_batch(&mut self) -> Result<(), SinkError> {
-        if self.batch.messages.is_empty() {
-            return Ok(());
-        }
-        let empty = self.worker.empty.try_recv().unwrap_or_default();
-        let batch = std::mem::replace(&mut self.batch, empty);
-        self.worker.send(Job::Write(batch))
-    }
-}
-
-fn push_raw(batch: &mut Batch, ids: &[u16], message: &RawMessage<'_>) {
-    batch.data.extend_from_slice(message.data);
-    batch.messages.push(Entry {
-        header: MessageHeader {
-            channel_id: ids[message.channel],
-            sequence: message.sequence,
-            log_time: message.log_time,
-            publish_time: message.publish_time,
-        },
-        channel: None,
-        data_end: batch.data.len(),
-        content_end: batch.content.len(),
-    });
-}
-
-impl Sink for McapSink {
-    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        let batch = &mut self.batch;
-        let narrowed;
-        let recorded = match self.version.is_current() {
-            true => message,
-            false => {
-                narrowed = self.version.narrowed(message);
-                &narrowed
-            }
-        };
-        self.encoder.encode(recorded, &mut batch.data);
-        append_content(recorded, &mut batch.content);
-        batch.messages.push(Entry {
+impl Batch {
+    fn end_message(&mut self, channel_id: u16, channel: Option<usize>, message: &Message<'_>) {
+        self.messages.push(Entry {
             header: MessageHeader {
-                channel_id: self.channel_ids[message.channel],
+                channel_id,
                 sequence: message.sequence,
                 log_time: message.time_ns,
                 publish_time: message.time_ns,
             },
-            channel: Some(message.channel),
-            data_end: batch.data.len(),
-            content_end: batch.content.len(),
+            channel,
+            data_end: self.data.len(),
+            content_end: self.content.len(),
         });
-        if let Some((views, positions)) = &mut self.views {
-            views.take(message, |view, sequence, data| {
-                let view = RawMessage {
-                    channel: positions[view],
-                    sequence,
-                    log_time: message.time_ns,
-                    publish_time: message.time_ns,
-                    data,
-                };
-                push_raw(batch, &self.raw_ids, &view);
-            });
-        }
-        self.send_full_batch()
     }
 
-    fn flush(&mut self) -> Result<(), SinkError> {
-        self.send_batch()?;
-        self.worker.send(Job::Flush)
-    }
-}
-
-impl Worker {
-    fn start(writer: FileWriter, name: PathBuf) -> Self {
-        let (jobs, received) = sync_channel(BATCHES);
-        let (returned, empty) = channel();
-        let of_thread = name.clone();
-        let thread = thread::spawn(move || work(writer, of_thread, &received, &returned));
-        Self {
-            name,
-            jobs: Some(jobs),
-            empty,
-            thread: Some(thread),
-        }
+    /// Size of the encoded messages, bytes.
+    pub(crate) fn len(&self) -> usize {
+        self.data.len()
     }
 
-    fn send(&mut self, job: Job) -> Result<(), SinkError> {
-        let sent = self
-            .jobs
-            .as_ref()
-            .is_some_and(|jobs| jobs.send(job).is_ok());
-        if sent {
-            return Ok(());
-        }
-        // The thread only goes away before the end when it has failed.
-        self.join()?;
-        Err(self.died())
+    pub(crate) fn clear(&mut self) {
+        self.data.clear();
+        self.content.clear();
+        self.messages.clear();
     }
 
-    /// Waits for the thread: what it has finished, or nothing if it was not asked to finish.
-    fn join(&mut self) -> Result<Option<Archived>, SinkError> {
-        self.jobs = None;
-        let thread = self.thread.take().ok_or_else(|| self.died())?;
-        thread.join().map_err(|_| self.died())?
+    /// The messages: header and encoded bytes.
+    pub(crate) fn messages(&self) -> impl Iterator<Item = (&MessageHeader, &[u8])> {
+        self.entries().map(|(entry, data, _)| (&entry.header, data))
     }
 
-    fn died(&self) -> SinkError {
-        SinkError::WriterDied {
-            path: self.name.clone(),
-        }
+    /// The messages with their encoded bytes and their content.
+    fn entries(&self) -> impl Iterator<Item = (&Entry, &[u8], &[u8])> {
+        let (mut data_start, mut content_start) = (0, 0);
+        self.messages.iter().map(move |entry| {
+            let data = &self.data[data_start..entry.data_end];
+            let content = &self.content[content_start..entry.content_end];
+            (data_start, content_start) = (entry.data_end, entry.content_end);
+            (entry, data, content)
+        })
     }
 }
 
-impl Drop for Worker {
-    /// A recording that was not finished keeps what it has: the thread writes out what it was given
-    /// and leaves the partial file.
-    fn drop(&mut self) {
-        self.jobs = None;
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
-    }
-}
-
-/// The writing thread: returns the finished file, or nothing if it was abandoned.
-fn work(
-    mut writer: FileWriter,
-    name: PathBuf,
-    jobs: &Receiver<Job>,
-    returned: &Sender<Batch>,
-) -> Result<Option<Archived>, SinkError> {
-    let mut digest = ContentDigest::default();
-    for job in jobs {
-        let done = match job {
-            Job::Write(mut batch) => {
-                let written = write_batch(&mut writer, &mut digest, &batch);
-                batch.data.clear();
-                batch.content.clear();
-                batch.messages.clear();
-                // Nobody waits for it once the sink is gone.
-                let _ = returned.send(batch);
-                written
-            }
-            Job::Flush => writer.flush(),
-            Job::Finish(ending) => return finish(writer, name, *ending, digest).map(Some),
-        };
-        if let Err(reason) = done {
-            abandon(writer);
-            return Err(SinkError::Mcap { path: name, reason });
-        }
-    }
-    let _ = writer.flush();
-    abandon(writer);
-    Ok(None)
-}
-
-/// Completes and publishes the file, unless it holds other content than it must.
-fn finish(
-    mut writer: FileWriter,
-    name: PathBuf,
-    ending: Ending,
+/// Packs encoded messages into a file. Dropped before it is finished, it leaves a file without an end.
+pub(crate) struct Packer<W: Write> {
+    /// Taken when the file is finished or abandoned: the `mcap` crate's writer completes its file on drop.
+    writer: Option<Writer<NoSeek<W>>>,
     digest: ContentDigest,
-) -> Result<Archived, SinkError> {
-    let found = digest.finish();
-    let expected = ending.digest.clone();
-    if let Some(expected) = expected.filter(|expected| *expected != found) {
-        abandon(writer);
-        return Err(SinkError::Digest {
-            path: name,
-            expected,
-            found,
-        });
-    }
-    if let Err(reason) = end(&mut writer, ending, &found) {
-        abandon(writer);
-        return Err(SinkError::Mcap { path: name, reason });
-    }
-    publish(writer, name, found)
 }
 
-fn write_batch(
-    writer: &mut FileWriter,
-    digest: &mut ContentDigest,
-    batch: &Batch,
-) -> Result<(), McapError> {
-    let (mut data_start, mut content_start) = (0, 0);
-    for entry in &batch.messages {
-        if let Some(channel) = entry.channel {
-            let content = &batch.content[content_start..entry.content_end];
-            digest.absorb(channel, content);
+impl<W: Write> Packer<W> {
+    /// Writes the opening into `target`; returns the ids of its channels too.
+    pub(crate) fn open(target: W, opening: &Opening) -> McapResult<(Self, Vec<u16>)> {
+        let mut packer = Self {
+            writer: Some(options().create(NoSeek::new(target))?),
+            digest: ContentDigest::default(),
+        };
+        let ids = opening.write(packer.writer()?)?;
+        Ok((packer, ids))
+    }
+
+    fn writer(&mut self) -> McapResult<&mut Writer<NoSeek<W>>> {
+        self.writer
+            .as_mut()
+            .ok_or(McapError::AttemptedWriteAfterFailure)
+    }
+
+    pub(crate) fn write(&mut self, batch: &Batch) -> McapResult<()> {
+        for (entry, data, content) in batch.entries() {
+            if let Some(channel) = entry.channel {
+                self.digest.absorb(channel, content);
+            }
+            self.writer()?.write_to_known_channel(&entry.header, data)?;
         }
-        writer.write_to_known_channel(&entry.header, &batch.data[data_start..entry.data_end])?;
-        (data_start, content_start) = (entry.data_end, entry.content_end);
+        Ok(())
     }
-    Ok(())
-}
 
-fn end(writer: &mut FileWriter, ending: Ending, digest: &str) -> Result<(), McapError> {
-    for (name, entries) in ending.metadata {
-        writer.write_metadata(&metadata(&name, entries))?;
+    /// Closes the chunk and passes on everything.
+    pub(crate) fn flush(&mut self) -> McapResult<()> {
+        self.writer()?.flush()
     }
-    if let Some(mut end) = ending.end {
-        end.insert(CONTENT_DIGEST.to_owned(), digest.to_owned());
+
+    /// Completes the file with these entries of [`END_RECORD`]; returns the target and the content digest.
+    pub(crate) fn finish(mut self, mut end: Entries) -> McapResult<(W, String)> {
+        let digest = std::mem::take(&mut self.digest).finish();
+        end.insert(CONTENT_DIGEST.to_owned(), digest.clone());
+        let writer = self.writer()?;
         writer.write_metadata(&metadata(END_RECORD, end))?;
+        writer.finish()?;
+        let target = self
+            .abandon()
+            .ok_or(McapError::AttemptedWriteAfterFailure)?;
+        Ok((target, digest))
     }
-    writer.finish().map(|_| ())
+
+    /// Lets go of the target as it is.
+    fn abandon(&mut self) -> Option<W> {
+        let writer = self.writer.take()?;
+        Some(writer.into_inner().into_inner())
+    }
 }
 
-/// Lets go of a writer without completing its file, which dropping it would do.
-fn abandon(writer: FileWriter) {
-    let _ = writer.into_inner().into_inner().into_inner();
+impl<W: Write> Drop for Packer<W> {
+    fn drop(&mut self) {
+        self.abandon();
+    }
 }
 
-fn publish(writer: FileWriter, name: PathBuf, digest: String) -> Result<Archived, SinkError> {
-    let file = writer.into_inner().into_inner().into_inner();
-    let file = file.map_err(|error| SinkError::Io {
-        action: "write",
-        path: name,
-        reason: error.into_error(),
-    })?;
-    let path = file.path().to_owned();
-    let bytes = file.publish()?;
-    Ok(Archived {
-        path,
-        bytes,
-        digest,
-    })
+impl<W: Write> fmt::Debug for Packer<W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Packer").finish_non_exhaustive()
+    }
 }
 
-/// What the recording of a run begins with, and what makes its views.
-fn opening_of_run(
-    scenario: &Scenario,
-    telemetry: &Telemetry,
-    form: Form,
-) -> (Opening, Option<Views>) {
-    let support = scenario.model.support;
-    let topics: Vec<_> = Topic::all_with(support)
-        .filter(|topic| telemetry.wants(*topic))
-        .collect();
-    let wants = |topic| topics.contains(&topic);
-    let views = form.views.then(|| Views::new(scenario, wants));
-    let mut run = run_entries(scenario);
-    run.extend(form_entries(
-        form.encoding,
-        form.views,
-        &telemetry.topics(support),
-    ));
-    let opening = Opening {
-        library: LIBRARY,
-        metadata: vec![(RUN_RECORD.to_owned(), run)],
-        attachments: vec![scenario_attachment(scenario.to_toml())],
-        version: Version::default(),
-        encoding: form.encoding,
-        wanted: Topic::all().map(wants).collect(),
-        raw: views.as_ref().map_or_else(Vec::new, raw_views),
-    };
-    (opening, views)
+/// Writes a run into anything that takes bytes, on the caller's thread.
+#[derive(Debug)]
+pub struct McapWriter<W: Write> {
+    encoder: RunEncoder,
+    batch: Batch,
+    packer: Packer<W>,
 }
 
-/// A file that has everything that comes before the messages.
-struct Started {
-    writer: FileWriter,
-    channel_ids: Vec<u16>,
-    raw_ids: Vec<u16>,
+impl<W: Write> McapWriter<W> {
+    /// Starts the recording of `scenario` with the topics that `telemetry` wants.
+    ///
+    /// # Errors
+    /// [`McapError`] if `target` fails.
+    pub fn new(
+        target: W,
+        scenario: &Scenario,
+        telemetry: &Telemetry,
+        form: Form,
+    ) -> McapResult<Self> {
+        let opening = Opening::new(scenario, telemetry, form);
+        let (packer, ids) = Packer::open(target, &opening)?;
+        Ok(Self {
+            encoder: RunEncoder::new(opening, &ids),
+            batch: Batch::default(),
+            packer,
+        })
+    }
+
+    /// Writes a message, and the views that come with it.
+    ///
+    /// # Errors
+    /// [`McapError`] if the target fails.
+    pub fn write(&mut self, message: &Message<'_>) -> McapResult<()> {
+        self.batch.clear();
+        self.encoder.encode(message, &mut self.batch);
+        self.packer.write(&self.batch)
+    }
+
+    /// Ends the recording with `end`, as [`crate::archive::format::end_entries`] has it; returns the target and the content
+    /// digest.
+    ///
+    /// # Errors
+    /// [`McapError`] if the target fails.
+    pub fn finish(self, end: Entries) -> McapResult<(W, String)> {
+        self.packer.finish(end)
+    }
 }
 
-fn start(mut draft: Draft, opening: &Opening) -> Result<Started, McapError> {
-    draft.keep();
-    let file = NoSeek::new(BufWriter::with_capacity(64 * 1024, draft));
-    let mut writer = options(opening).create(file)?;
-    let (channel_ids, raw_ids) = open_channels(&mut writer, opening)?;
-    Ok(Started {
-        writer,
-        channel_ids,
-        raw_ids,
-    })
-}
-
-fn options(opening: &Opening) -> WriteOptions {
+fn options() -> WriteOptions {
     WriteOptions::new()
         .compression(Some(Compression::Zstd))
         .compression_level(1)
@@ -581,64 +378,12 @@ fn options(opening: &Opening) -> WriteOptions {
         .chunk_size(Some(CHUNK_SIZE))
         .disable_seeking(true)
         .profile("")
-        .library(opening.library)
+        .library(LIBRARY)
 }
 
-/// Writes everything that comes before the messages; gives the ids of the table's channels and of the raw ones.
-fn open_channels<W: Write + Seek>(
-    writer: &mut Writer<W>,
-    opening: &Opening,
-) -> Result<(Vec<u16>, Vec<u16>), McapError> {
-    for (name, entries) in &opening.metadata {
-        writer.write_metadata(&metadata(name, entries.clone()))?;
-    }
-    for attachment in &opening.attachments {
-        writer.attach(attachment)?;
-    }
-    let channels = opening.version.channels();
-    let mut channel_ids = Vec::with_capacity(channels.len());
-    let encoding = opening.encoding;
-    for (channel, wanted) in channels.iter().zip(&opening.wanted) {
-        channel_ids.push(if *wanted {
-            let schema = encoding.schema(channel);
-            let schema = writer.add_schema(channel.schema, encoding.schema_encoding(), &schema)?;
-            writer.add_channel(schema, channel.topic, encoding.name(), &Entries::new())?
-        } else {
-            0
-        });
-    }
-    let mut raw_ids = Vec::with_capacity(opening.raw.len());
-    for raw in &opening.raw {
-        let schema = match &raw.schema {
-            Some((name, encoding, data)) => writer.add_schema(name, encoding, data)?,
-            None => 0,
-        };
-        raw_ids.push(writer.add_channel(schema, &raw.topic, &raw.encoding, &raw.metadata)?);
-    }
-    Ok((channel_ids, raw_ids))
-}
-
-/// The channels for viewers, as raw channels.
-fn raw_views(views: &Views) -> Vec<RawChannel> {
-    let wanted = view_channels().iter().enumerate();
-    let wanted = wanted.filter(|(index, _)| views.wants(*index));
-    wanted
-        .map(|(_, view)| RawChannel {
-            topic: view.topic.to_owned(),
-            encoding: "cdr".to_owned(),
-            schema: Some((
-                view.schema.to_owned(),
-                "ros2msg".to_owned(),
-                view.definition.as_bytes().to_vec(),
-            )),
-            metadata: Entries::new(),
-        })
-        .collect()
-}
-
-fn metadata(name: &str, entries: Entries) -> Metadata {
+fn metadata(name: &str, metadata: Entries) -> Metadata {
     Metadata {
         name: name.to_owned(),
-        metadata: entries,
+        metadata,
     }
 }

@@ -6,7 +6,10 @@ use super::given::open;
 use super::page::{Page, Part, Section};
 use super::report;
 use super::table::Table;
-use crate::analysis::explain::{Chapter, Story, explain as tell};
+use crate::analysis::explain::{
+    Chapter, Explanation, Fact, Happening, Stage, explain as explained,
+};
+use crate::analysis::phrase::significant;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use std::path::PathBuf;
@@ -22,34 +25,47 @@ pub(super) struct ExplainArguments {
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides: Vec<Override>,
 
+    /// Show everything: all kinds of events and the averaged motion in stages.
+    #[arg(long)]
+    all: bool,
+
     #[command(flatten)]
     form: FormArguments,
 }
 
-/// Tells the story of a run.
+/// Most kinds of events on the first page.
+const MOST_EVENTS: usize = 10;
+
+/// Explains a run.
 pub(super) fn explain(arguments: &ExplainArguments) -> Result<Done, Error> {
     let given = open(&arguments.run, &[], &arguments.overrides)?;
     let context = || arguments.run.display().to_string();
-    let story = tell(given.subject()).with_context(context)?;
-    report::print(&story, arguments.form.format(), || page(&story))?;
-    Ok(if story.losses.is_empty() {
+    let explanation = explained(given.subject()).with_context(context)?;
+    report::print(&explanation, arguments.form.format(), || {
+        page(&explanation, arguments.all)
+    })?;
+    Ok(if explanation.losses.is_empty() {
         Done::Well
     } else {
         Done::WithLosses
     })
 }
 
-fn page(story: &Story) -> Page {
-    let mut sections: Vec<Section> = story.chapters.iter().map(section).collect();
-    if !story.losses.is_empty() {
-        let mut remarks = Section::new("Remarks");
-        for loss in &story.losses {
-            remarks.line(format!("left out: {loss}"));
-        }
-        sections.push(remarks);
+fn page(explanation: &Explanation, all: bool) -> Page {
+    let chapters = explanation.chapters.iter();
+    let mut sections: Vec<Section> = chapters.map(section).collect();
+    sections.push(events(explanation, all));
+    if all {
+        sections.push(stages(&explanation.stages));
     }
+    let mut losses = Section::new("Missing");
+    losses
+        .parts
+        .extend(explanation.losses.iter().cloned().map(Part::Line));
+    sections.push(losses);
+    sections.retain(|section| !section.parts.is_empty());
     Page {
-        title: story.title.clone(),
+        title: explanation.title.clone(),
         sections,
         ..Page::default()
     }
@@ -57,20 +73,58 @@ fn page(story: &Story) -> Page {
 
 fn section(chapter: &Chapter) -> Section {
     let mut section = Section::new(chapter.heading);
-    if chapter.is_list {
-        section
-            .parts
-            .extend(chapter.sentences.iter().cloned().map(Part::Line));
-    } else {
-        section.line(chapter.sentences.join(" "));
-    }
-    if let Some((header, rows)) = &chapter.table {
-        section.table(Table {
-            header: header.clone(),
-            rows: rows.clone(),
-            left: 1,
-        });
-    }
+    let sentences = chapter.facts.iter().map(Fact::sentence);
+    section.parts.extend(sentences.map(Part::Line));
+    section
+}
+
+/// One line for each kind of event.
+fn events(explanation: &Explanation, all: bool) -> Section {
+    let mut section = Section::new("Events");
+    let row = |event: &Happening| {
+        let again = match event.count {
+            1 => String::new(),
+            count => format!("{count} times until {:.4} s", event.last),
+        };
+        let name = event.name.replace('_', " ");
+        vec![format!("{:.4} s", event.first), name, again]
+    };
+    let most = if all { usize::MAX } else { MOST_EVENTS };
+    let rows = explanation.events.iter().take(most).map(row);
+    section.table(Table::of_texts(rows.collect()));
+    section
+}
+
+/// The averaged motion, stage by stage.
+fn stages(stages: &[Stage]) -> Section {
+    let mut section = Section::new("Nutations");
+    let header = [
+        "time [s]",
+        "nutations",
+        "θ [rad]",
+        "θ̇ [rad/s]",
+        "φ̇ [rad/s]",
+        "slow rate",
+        "ψ̇ [rad/s]",
+    ];
+    let row = |stage: &Stage| {
+        vec![
+            format!("{:.2} to {:.2}", stage.from, stage.to),
+            stage.nutations.to_string(),
+            significant(stage.theta, 4),
+            significant(stage.theta_dot, 3),
+            significant(stage.phi_dot, 5),
+            stage
+                .slow_root
+                .map_or("–".to_owned(), |root| significant(root, 5)),
+            significant(stage.psi_dot, 5),
+        ]
+    };
+    section.table(Table {
+        header: header.map(str::to_owned).to_vec(),
+        rows: stages.iter().map(row).collect(),
+        left: 1,
+    });
     section
 }
 

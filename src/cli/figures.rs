@@ -1,5 +1,10 @@
 //! `toprise figures`.
 
+#[cfg(feature = "sweep")]
+mod sweep;
+
+#[cfg(feature = "sweep")]
+use self::sweep::SweepFigure;
 use super::arguments::FormArguments;
 use super::done::Done;
 use super::given::{Given, open};
@@ -11,14 +16,14 @@ use super::table::Table;
 use crate::analysis::figures::{
     Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, LeftOut, Run, RunLoss,
 };
-#[cfg(feature = "sweep")]
-use crate::analysis::figures::{Map, MapAxis};
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
 use crate::run::scenario::Preset;
 use anyhow::{Context as _, Error, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
+#[cfg(feature = "sweep")]
+use std::path::Path;
 use std::path::PathBuf;
 use std::thread;
 
@@ -48,35 +53,9 @@ pub(super) struct FiguresArguments {
     )]
     kinds: Vec<Kind>,
 
-    /// Draw what came of a sweep instead, a table of `toprise sweep`: a map over --x and --y, or curves over --x.
     #[cfg(feature = "sweep")]
-    #[arg(long, value_name = "TABLE", conflicts_with_all = ["runs", "only"], requires = "x")]
-    sweep: Option<PathBuf>,
-
-    /// The key that varies across, as in `friction_k`.
-    #[cfg(feature = "sweep")]
-    #[arg(long, value_name = "COLUMN", requires = "sweep")]
-    x: Option<String>,
-
-    /// The key that varies upward.
-    #[cfg(feature = "sweep")]
-    #[arg(long, value_name = "COLUMN", requires = "sweep")]
-    y: Option<String>,
-
-    /// What colours or curves show.
-    #[cfg(feature = "sweep")]
-    #[arg(
-        long,
-        value_name = "COLUMN",
-        default_value = "rise_time",
-        requires = "sweep"
-    )]
-    show: String,
-
-    /// Draw only runs with this value in a column, as in scenario=paper.
-    #[cfg(feature = "sweep")]
-    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where, requires = "sweep")]
-    chosen: Vec<super::arguments::Override>,
+    #[command(flatten)]
+    sweep: SweepFigure,
 
     /// Width of the figures in mm: from 130 mm on there are two columns of plots.
     #[arg(long, value_name = "MM", default_value_t = 85.0, value_parser = parse_width)]
@@ -117,13 +96,6 @@ impl Kind {
 
 fn names() -> PossibleValuesParser {
     PossibleValuesParser::new(FIGURES.iter().map(|figure| figure.name))
-}
-
-/// Reads the value of `--where`.
-#[cfg(feature = "sweep")]
-fn parse_where(text: &str) -> Result<super::arguments::Override, String> {
-    super::arguments::parse_override(text)
-        .map_err(|_| "must be COLUMN=VALUE, as in scenario=paper".to_owned())
 }
 
 fn parse_width(text: &str) -> Result<f64, String> {
@@ -180,8 +152,11 @@ impl FiguresArguments {
             .iter()
             .flat_map(|figure| self.kinds().map(|kind| self.path(figure, kind)));
         let all: Vec<_> = all.collect();
+        let inputs = self.runs.iter();
+        #[cfg(feature = "sweep")]
+        let inputs = inputs.chain(self.sweep.table());
         for path in &all {
-            publish::refuse_inputs(path, self.runs.iter().map(PathBuf::as_path))?;
+            publish::refuse_inputs(path, inputs.clone().map(PathBuf::as_path))?;
         }
         let taken = all.into_iter().find(|path| path.symlink_metadata().is_ok());
         match taken {
@@ -206,8 +181,8 @@ impl FiguresArguments {
 /// Draws figures of runs.
 pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     #[cfg(feature = "sweep")]
-    if let (Some(table), Some(x)) = (&arguments.sweep, &arguments.x) {
-        return map(arguments, table, x);
+    if let Some(table) = arguments.sweep.table() {
+        return sweep_figure(arguments, table);
     }
     let figures = arguments.figures()?;
     let names: Vec<_> = figures.iter().map(|figure| figure.name).collect();
@@ -223,27 +198,27 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     let mut drawn = Vec::new();
     for figure in figures {
         let count = arguments.count(figure, runs.len());
-        let (told, silent): (Vec<&Run>, Vec<&Run>) = runs[..count]
-            .iter()
-            .partition(|run| figure.says_nothing(run).is_none());
         // Of held pegs nobody expects figures of free ones.
         let is_expected = !figure.is_about_free_pegs() || !arguments.only.is_empty();
-        let silent = silent.into_iter().filter(|_| is_expected);
-        report.left_out.extend(silent.filter_map(|run| {
-            Some(LeftOut {
-                figure: figure.name,
-                run: run.name.clone(),
-                because: figure.says_nothing(run)?,
-            })
-        }));
-        let (able, lacking) = divided(figure, &told);
-        report
-            .lacking
-            .extend(lacking.into_iter().map(|(run, missing)| Lacking {
-                figure: figure.name,
-                run: run.name.clone(),
-                missing,
-            }));
+        let mut able = Vec::new();
+        for run in &runs[..count] {
+            let (name, run_name) = (figure.name, run.name.clone());
+            if let Some(because) = figure.says_nothing(run) {
+                report.left_out.extend(is_expected.then_some(LeftOut {
+                    figure: name,
+                    run: run_name,
+                    because,
+                }));
+            } else if let Some(missing) = figure.missing(run) {
+                report.lacking.push(Lacking {
+                    figure: name,
+                    run: run_name,
+                    missing,
+                });
+            } else {
+                able.push(run);
+            }
+        }
         // A comparison without one of its runs would be another.
         let is_able = figure.least_runs == 1 || able.len() == count;
         if is_able && !able.is_empty() {
@@ -261,7 +236,12 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
             None => bail!("nothing can be drawn"),
         }
     }
-    report.files = write_all(arguments, &drawn)?;
+    for (figure, runs) in drawn {
+        let drawing = figure.draw(&runs, arguments.width);
+        let names: Vec<_> = runs.iter().map(|run| run.name.clone()).collect();
+        let files = write(arguments, (figure.name, figure.title), &names, &drawing)?;
+        report.files.extend(files);
+    }
     report::print(&report, arguments.form.format(), || page(&report))?;
     Ok(if report.losses.is_empty() && report.lacking.is_empty() {
         Done::Well
@@ -274,12 +254,8 @@ fn warn(report: &FiguresReport) {
     for RunLoss { run, loss } in &report.losses {
         output::warn(&format!("{run}: {loss}"));
     }
-    for Lacking {
-        run,
-        figure,
-        missing,
-    } in &report.lacking
-    {
+    for lack in &report.lacking {
+        let (run, figure, missing) = (&lack.run, lack.figure, &lack.missing);
         output::warn(&format!("{run}: {figure} needs {missing}, which it lacks"));
     }
 }
@@ -288,27 +264,11 @@ fn page(report: &FiguresReport) -> Page {
     let wrote = |file: &FigureFile| ("wrote", report::file_line(&file.path, file.bytes));
     let mut section = Section::default();
     section.table(Table::of_facts(report.files.iter().map(wrote).collect()));
-    for LeftOut {
-        figure,
-        run,
-        because,
-    } in &report.left_out
-    {
+    for left in &report.left_out {
+        let (figure, run, because) = (left.figure, &left.run, left.because);
         section.line(format!("left out: {figure} of {run}; {because}"));
     }
     Page::of(section)
-}
-
-/// Divides runs into those that a figure can be drawn of, and the others with what they lack.
-fn divided<'a>(figure: &Figure, runs: &[&'a Run]) -> (Vec<&'a Run>, Vec<(&'a Run, String)>) {
-    let (mut able, mut lacking) = (Vec::new(), Vec::new());
-    for run in runs.iter().copied() {
-        match figure.missing(run) {
-            None => able.push(run),
-            Some(missing) => lacking.push((run, missing)),
-        }
-    }
-    (able, lacking)
 }
 
 /// Reads or simulates the runs, all at once.
@@ -366,47 +326,27 @@ fn given(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<(Strin
         .collect()
 }
 
-/// Draws and writes figures.
-fn write_all(
-    arguments: &FiguresArguments,
-    figures: &[(&'static Figure, Vec<&Run>)],
-) -> Result<Vec<FigureFile>, Error> {
-    let mut written = Vec::new();
-    for (figure, runs) in figures {
-        let drawing = figure.draw(runs, arguments.width);
-        for kind in arguments.kinds() {
-            let names = runs.iter().map(|run| run.name.clone()).collect();
-            written.push(write(
-                arguments,
-                (figure.name, figure.title),
-                names,
-                kind,
-                &drawing,
-            )?);
-        }
-    }
-    Ok(written)
-}
-
-/// Writes a file of a figure, given its name and title.
+/// Writes the files of a figure, given its name and title.
 fn write(
     arguments: &FiguresArguments,
     (figure, title): (&'static str, &'static str),
-    runs: Vec<String>,
-    kind: Kind,
+    runs: &[String],
     drawing: &Drawing,
-) -> Result<FigureFile, Error> {
-    let path = arguments.path(figure, kind);
-    let context = || path.display().to_string();
-    let bytes = kind.bytes(drawing).with_context(context)?;
-    publish::write(&path, Existing::forced(arguments.force), &bytes)?;
-    Ok(FigureFile {
-        figure,
-        title,
-        runs,
-        path: path.display().to_string(),
-        bytes: bytes.len() as u64,
-    })
+) -> Result<Vec<FigureFile>, Error> {
+    let write = |kind: Kind| {
+        let path = arguments.path(figure, kind);
+        let context = || path.display().to_string();
+        let bytes = kind.bytes(drawing).with_context(context)?;
+        publish::write(&path, Existing::forced(arguments.force), &bytes)?;
+        Ok(FigureFile {
+            figure,
+            title,
+            runs: runs.to_vec(),
+            path: context(),
+            bytes: bytes.len() as u64,
+        })
+    };
+    arguments.kinds().map(write).collect()
 }
 
 /// The name and the title of what is drawn of a sweep.
@@ -415,118 +355,18 @@ const SWEEP: (&str, &str) = ("sweep", "What came of the runs of a sweep");
 
 /// Draws a map or curves of a sweep.
 #[cfg(feature = "sweep")]
-fn map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> Result<Done, Error> {
+fn sweep_figure(arguments: &FiguresArguments, table: &Path) -> Result<Done, Error> {
     arguments.check_files(&[SWEEP.0])?;
-    let map = read_map(arguments, table, x)?;
-    let context = || table.display().to_string();
+    let name = table.display().to_string();
+    let map = arguments.sweep.read(table)?;
     let drawing = map.draw(arguments.width).map_err(Error::msg);
-    let drawing = drawing.with_context(context)?;
-    let mut report = FiguresReport::default();
-    for kind in arguments.kinds() {
-        let file = write(arguments, SWEEP, vec![context()], kind, &drawing)?;
-        report.files.push(file);
-    }
+    let drawing = drawing.with_context(|| name.clone())?;
+    let report = FiguresReport {
+        files: write(arguments, SWEEP, &[name], &drawing)?,
+        ..FiguresReport::default()
+    };
     report::print(&report, arguments.form.format(), || page(&report))?;
     Ok(Done::Well)
-}
-
-/// Reads what a map shows.
-#[cfg(feature = "sweep")]
-fn read_map(arguments: &FiguresArguments, table: &std::path::Path, x: &str) -> Result<Map, Error> {
-    let column = |name: &str| name.replace('.', "_");
-    if let Some(y) = &arguments.y
-        && column(y) == column(x)
-    {
-        bail!("--x and --y are both {x}: choose two columns");
-    }
-    let mut names = vec![
-        "scenario",
-        "stop_reason",
-        "loops",
-        x,
-        arguments.show.as_str(),
-    ];
-    names.extend(arguments.y.as_deref());
-    names.extend(arguments.chosen.iter().map(|(name, _)| name.as_str()));
-    let columns = crate::sweep::Columns::read(table, &names)?;
-    let scenarios = columns.texts("scenario")?;
-    let mut is_chosen = vec![true; scenarios.len()];
-    for (name, value) in &arguments.chosen {
-        let cells = columns.texts(name)?;
-        let is_met: Vec<bool> = cells
-            .iter()
-            .map(|cell| is_value(cell.as_deref(), value))
-            .collect();
-        let chosen = is_chosen
-            .iter()
-            .zip(&is_met)
-            .map(|(one, other)| *one && *other);
-        let chosen: Vec<bool> = chosen.collect();
-        if !chosen.contains(&true) && is_chosen.contains(&true) {
-            let left = cells.into_iter().zip(is_chosen).filter(|(_, is)| *is);
-            bail!(
-                "{}: no run has {name} = {value}; {}",
-                table.display(),
-                what_is_there(left.filter_map(|(cell, _)| cell).collect(), value)
-            );
-        }
-        is_chosen = chosen;
-    }
-    fn kept<T>(all: Vec<T>, is_chosen: &[bool]) -> Vec<T> {
-        let cells = all.into_iter().zip(is_chosen);
-        cells.filter(|(_, is)| **is).map(|(cell, _)| cell).collect()
-    }
-    let axis = |name: &str| {
-        Ok::<_, Error>(MapAxis {
-            name: name.to_owned(),
-            unit: columns.unit(name).to_owned(),
-            values: kept(columns.numbers(name)?, &is_chosen),
-        })
-    };
-    let loops = columns.numbers("loops")?.into_iter();
-    let loops = loops.map(|count| (!count.is_nan()).then_some(count > 0.0));
-    let loops = loops.collect();
-    let names = scenarios.into_iter().map(Option::unwrap_or_default);
-    Ok(Map {
-        x: axis(x)?,
-        y: arguments.y.as_deref().map(axis).transpose()?,
-        color: axis(&arguments.show)?,
-        stops: kept(columns.texts("stop_reason")?, &is_chosen),
-        loops: kept(loops, &is_chosen),
-        scenarios: kept(names.collect(), &is_chosen),
-    })
-}
-
-/// Whether a cell has the value that --where asks for, however a number is written.
-#[cfg(feature = "sweep")]
-fn is_value(cell: Option<&str>, value: &str) -> bool {
-    cell.is_some_and(|cell| {
-        let numbers = cell.parse::<f64>().ok().zip(value.parse::<f64>().ok());
-        cell == value || numbers.is_some_and(|(one, other)| one == other)
-    })
-}
-
-/// What the runs have where none has the value that --where asks for.
-#[cfg(feature = "sweep")]
-fn what_is_there(mut cells: Vec<String>, value: &str) -> String {
-    /// Enough to see how the values are spaced, or what the words are.
-    const SHOWN: usize = 4;
-    cells.sort_unstable();
-    cells.dedup();
-    let number = |text: &str| text.parse::<f64>().ok().filter(|number| number.is_finite());
-    let distance = |cell: &String| Some((number(cell)? - number(value)?).abs());
-    let is_near = cells.len() > SHOWN && cells.iter().all(|cell| distance(cell).is_some());
-    if is_near {
-        let far = |cell: &String| distance(cell).unwrap_or(f64::INFINITY);
-        cells.sort_by(|a, b| far(a).total_cmp(&far(b)));
-    }
-    let rest = if cells.len() > SHOWN { ", …" } else { "" };
-    cells.truncate(SHOWN);
-    match (cells.len(), is_near) {
-        (0, _) => "none has a value".to_owned(),
-        (_, true) => format!("the nearest are {}", cells.join(", ")),
-        (_, false) => format!("there are {}{rest}", cells.join(", ")),
-    }
 }
 
 #[cfg(test)]

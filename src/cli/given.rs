@@ -4,7 +4,7 @@ use super::arguments::Override;
 use crate::analysis::subject::Subject;
 use crate::archive::given::{is_recording, values};
 use crate::archive::recording::Recording;
-use crate::run::scenario::Scenario;
+use crate::run::scenario::{Scenario, Values};
 use anyhow::{Context as _, Error, bail};
 use std::path::Path;
 
@@ -54,7 +54,15 @@ pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result
 
 /// Reads the scenario that a word means, a preset, a file or the one in a recording, and sets some of its keys.
 pub(super) fn scenario(word: &Path, overrides: &[Override]) -> Result<Scenario, Error> {
-    let mut values = values(word)?;
+    checked(word, values(word)?, overrides)
+}
+
+/// The scenario with these values, which a word means, and some of its keys set.
+pub(super) fn checked(
+    word: &Path,
+    mut values: Values,
+    overrides: &[Override],
+) -> Result<Scenario, Error> {
     for (key, value) in overrides {
         values
             .set(key, value)

@@ -42,8 +42,6 @@ pub(super) struct InfoReport {
     library: String,
     /// What can't be read.
     losses: Vec<LossReport>,
-    /// What was lost before the recording was recovered; absent if it was not.
-    recovery: Option<BTreeMap<String, String>>,
     /// What toprise noted when the run began; absent in other files.
     run: Option<BTreeMap<String, String>>,
     /// What toprise noted when the run ended; absent if it did not.
@@ -139,7 +137,6 @@ impl InfoReport {
             channels: overview.channels.iter().map(channel).collect(),
             events: events.collect(),
             library: overview.library,
-            recovery: overview.recovery,
             run: overview.run,
             end: overview.end,
             scenario: overview.scenario,
@@ -165,13 +162,6 @@ impl InfoReport {
             facts.push(("written by", self.library.clone()));
         }
         facts.extend(self.told_losses.iter().map(|loss| ("lost", loss.clone())));
-        if let Some(lost) = self
-            .recovery
-            .as_ref()
-            .and_then(|entries| entries.get("lost"))
-        {
-            facts.push(("lost", lost.clone()));
-        }
         if let Some(run) = &self.run {
             facts.push(("scenario", run_line(run)));
         }

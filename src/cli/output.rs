@@ -1,7 +1,9 @@
 //! The one way out: whatever the program prints goes through here.
 //!
-//! Standard output carries the answer, standard error everything else. A stream that nobody reads, or that can't be
-//! written, never ends the program in a panic: the exit code still says how the command ended.
+//! Standard output carries the answer, standard error everything else. A stream that can't be written never ends the
+//! program in a panic. Who stops reading, as `head` does, has read enough, and the exit code says how the command ended;
+//! an answer of which nothing at all could be written is failed output. (Rust's runtime puts the null device in the place
+//! of a standard output that is closed, which can't be told from one that the user chose.)
 
 use super::text;
 use anstyle::{AnsiColor, Effects, Style};
@@ -60,15 +62,20 @@ fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
     if answer.is_empty() {
         return Ok(());
     }
-    let written = writeln!(stream, "{answer}").and_then(|()| stream.flush());
-    match written {
-        // Who reads no further has read enough: the exit code says the rest.
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        result => result.map_err(|error| {
-            let told = format!("cannot write to standard output: {error}");
-            io::Error::new(error.kind(), told)
-        }),
-    }
+    let answer = format!("{answer}\n");
+    let first = stream.write(answer.as_bytes());
+    let rest = |written: usize| {
+        let written = stream.write_all(&answer.as_bytes()[written..]);
+        match written.and_then(|()| stream.flush()) {
+            // Who reads no further has read enough.
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            result => result,
+        }
+    };
+    first.and_then(rest).map_err(|error| {
+        let told = format!("cannot write to standard output: {error}");
+        io::Error::new(error.kind(), told)
+    })
 }
 
 /// Says what went wrong.
@@ -90,6 +97,7 @@ pub(super) fn warn_all(warnings: Vec<String>) {
 }
 
 /// Says what else was done; nothing with `--quiet`.
+#[cfg(any(feature = "rerun", feature = "sweep"))]
 pub(super) fn note(what: &str) {
     if !is_quiet() {
         tell("", what);
@@ -128,15 +136,41 @@ mod tests {
     use super::*;
     use anyhow::anyhow;
 
+    /// Takes some bytes, and then fails.
+    struct Broken(usize, io::ErrorKind);
+
+    impl Write for Broken {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let taken = bytes.len().min(self.0);
+            self.0 -= taken;
+            if taken == 0 {
+                Err(self.1.into())
+            } else {
+                Ok(taken)
+            }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
     #[test]
-    fn what_cannot_be_written_is_named() {
-        // An array has no room.
-        let told = write(&mut &mut [0_u8; 2][..], "answer").unwrap_err();
-        let told = told.to_string();
-        assert!(
-            told.starts_with("cannot write to standard output: "),
-            "{told}"
-        );
+    fn what_cannot_be_written_is_named_unless_its_reader_has_read_enough() {
+        let written = |room, kind| write(&mut Broken(room, kind), "answer");
+        for (room, kind) in [
+            (0, io::ErrorKind::BrokenPipe),
+            (0, io::ErrorKind::StorageFull),
+            (3, io::ErrorKind::StorageFull),
+        ] {
+            let told = written(room, kind).unwrap_err().to_string();
+            assert!(
+                told.starts_with("cannot write to standard output: "),
+                "{told}"
+            );
+        }
+        assert!(written(3, io::ErrorKind::BrokenPipe).is_ok());
+        assert!(written(7, io::ErrorKind::StorageFull).is_ok());
     }
 
     #[test]

@@ -13,30 +13,33 @@ use self::pace::Pace;
 use self::report::Finished;
 pub(super) use self::report::RunReport;
 use super::done::Done;
-use super::given::scenario;
 use super::interrupt::Interrupt;
 use super::output;
 use super::report::print;
-use crate::archive::sink::{RecordError, Sink, record};
-use crate::archive::writer::McapSink;
+use crate::archive::pipeline::McapSink;
+use crate::archive::sink::{Sink, record_to_end};
+use crate::archive::writer::Form;
 #[cfg(feature = "rerun")]
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
-use crate::run::simulation::{Record, RunEnd, Simulation, StopReason, Tally};
+use crate::run::simulation::{Record, Simulation, StopReason, Tally};
 use crate::telemetry::Telemetry;
 use anyhow::Error;
 use std::time::Instant;
 
 /// Runs a scenario and records it.
 pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
-    let scenario = scenario(&arguments.scenario, &arguments.overrides)?;
-    let telemetry = arguments.telemetry()?;
+    arguments.check_output()?;
+    let scenario = arguments.scenario()?;
+    let (form, topics) = arguments.form()?;
+    let telemetry = Telemetry::with_topics(&topics);
     let interrupt = Interrupt::watch()?;
     #[cfg(feature = "rerun")]
     let target = arguments.viewer.target()?;
     let recorder = Recorder {
         arguments,
         scenario: &scenario,
+        form,
         interrupt: &interrupt,
         #[cfg(feature = "rerun")]
         live: target.live(),
@@ -44,11 +47,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     let began = Instant::now();
     let asked = interrupt.clone();
     let mut simulation = Simulation::new(&scenario)?.while_told(move || !asked.is_asked());
-    let (files, earlier) = RunFiles::start(arguments, &scenario, &telemetry)?;
+    let (files, earlier) = RunFiles::start(arguments, &scenario, &telemetry, form)?;
     let finished = recorder.record(files, telemetry, &mut simulation)?;
     let same_as = earlier.identical(&finished.archived);
     let report = RunReport::of(&scenario, &finished, same_as, began.elapsed());
-    print(&report, arguments.form.format(), || report.page())?;
+    print(&report, arguments.form.format(), || {
+        report.page(arguments.note_on_rrd())
+    })?;
     #[cfg(feature = "rerun")]
     target.serve_until(&interrupt);
     Ok(match finished.end.stop {
@@ -62,6 +67,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
 struct Recorder<'a> {
     arguments: &'a RunArguments,
     scenario: &'a Scenario,
+    form: Form,
     interrupt: &'a Interrupt,
     #[cfg(feature = "rerun")]
     live: Option<crate::rerun::Live>,
@@ -81,33 +87,25 @@ impl Recorder<'_> {
             let identity = viewer::identity(arguments, files.mcap.path(), scenario, &telemetry);
             viewer::RunViewer::open(&identity, files.rrd, self.live)?
         };
-        let form = arguments.mcap_form();
-        let mut archive = McapSink::create_in(files.mcap, scenario, &telemetry, form)?;
+        let mut archive = McapSink::create_in(files.mcap, scenario, &telemetry, self.form)?;
         let mut sinks: Vec<&mut dyn Sink> = vec![&mut archive];
         #[cfg(feature = "rerun")]
         sinks.extend(viewer.sink());
 
         let mut pace = Pace::start(arguments.realtime, self.interrupt.clone());
         let mut counts = Tally::default();
-        let ended = record(simulation, &mut telemetry, &mut sinks, |record, sinks| {
+        let ended = record_to_end(simulation, &mut telemetry, &mut sinks, |record, sinks| {
             if let Record::Event(event) = record {
                 counts.count(event.kind, event.time);
             }
             pace.after(record, sinks)
         });
         pace.finish();
-        let end = match ended {
-            Ok(end) => end,
-            // What was recorded up to here is good; the end record says that it is not the whole run.
-            Err(error @ (RecordError::Simulation(_) | RecordError::Telemetry(_))) => {
-                output::warn(&error.to_string());
-                RunEnd {
-                    stop: StopReason::Failed,
-                    ..simulation.end()
-                }
-            }
-            Err(RecordError::Sink(error)) => return Err(error.into()),
-        };
+        let (end, error) = ended?;
+        // What was recorded up to here is good; the end record says that it is not the whole run.
+        if let Some(error) = error {
+            output::warn(&error.to_string());
+        }
         drop(sinks);
         let archived = archive.finish(&end)?;
         #[cfg(feature = "rerun")]

@@ -1,7 +1,6 @@
 //! Text out of files and arguments, made fit to be shown: it can neither steer a terminal nor pass for a line of ours.
 
 use std::borrow::Cow;
-use textwrap::core::display_width;
 
 /// The longest line of a message, in characters.
 const LONGEST: usize = 2000;
@@ -53,32 +52,6 @@ pub(super) fn harmless_json(json: &str) -> String {
     text
 }
 
-/// A text cut off to a width.
-pub(super) fn clipped(text: &str, width: usize) -> String {
-    if display_width(text) <= width {
-        return text.to_owned();
-    }
-    let mut clipped = String::new();
-    let mut buffer = [0; 4];
-    for character in text.chars() {
-        if display_width(&clipped) + display_width(character.encode_utf8(&mut buffer)) >= width {
-            break;
-        }
-        clipped.push(character);
-    }
-    clipped + "…"
-}
-
-/// The end of a text that is too long, as of a path.
-pub(super) fn end_of(text: &str, width: usize) -> String {
-    let count = text.chars().count();
-    if count <= width {
-        return text.to_owned();
-    }
-    let end: String = text.chars().skip(count - width + 1).collect();
-    format!("…{end}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,12 +72,5 @@ mod tests {
             serde_json::from_str::<[String; 1]>(&shown).unwrap(),
             [HOSTILE]
         );
-    }
-
-    #[test]
-    fn long_texts_are_cut_off() {
-        assert_eq!(clipped("θ̇θ̇θ̇", 3), "θ̇θ̇θ̇");
-        assert_eq!(clipped("abcdef", 4), "abc…");
-        assert_eq!(end_of("/a/b/c.mcap", 7), "…c.mcap");
     }
 }

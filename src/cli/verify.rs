@@ -3,13 +3,12 @@
 use super::arguments::{FormArguments, Format};
 use super::done::Done;
 use super::numbers::count;
-use super::page::{CROSS, Page, Section, TICK, Tone};
+use super::page::{Page, Section, Tone};
 use super::progress::Progress;
 use super::table::Table;
 use super::{output, report};
-use crate::analysis::verify::{Check, Group, Options, Report, Verdict, verify as check};
+use crate::analysis::verify::{Report, Verdict, verify as check};
 use crate::archive::recording::{Condition, Recording, RecordingError};
-use crate::telemetry::table;
 use anyhow::Error;
 use clap::Args;
 use schemars::JsonSchema;
@@ -26,79 +25,37 @@ pub(super) struct VerifyArguments {
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
-    /// Don't simulate the scenarios again: a quick check of container, messages and physics.
-    #[arg(long)]
-    no_reproduce: bool,
-
-    /// Show each check, also those of a group in which all is well.
-    #[arg(long)]
-    all: bool,
-
     #[command(flatten)]
     form: FormArguments,
 }
 
 type Answer = Result<Report, RecordingError>;
 
-/// What was found out about recordings, in the order in which they were named.
+/// The results for recordings, in the order in which they were named.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct VerifyReport(Vec<VerifiedFile>);
 
-/// What was found out about a file.
+/// The result for a file.
 #[derive(Debug, Serialize, JsonSchema)]
 struct VerifiedFile {
     /// The file.
     file: String,
-    /// How it ended as a whole.
-    verdict: FileVerdict,
-    /// What kind of file it is; absent if it could not be read.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    state: Option<Condition>,
-    /// All checks, in order; absent if it could not be read.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    checks: Option<Vec<Check>>,
-    /// The version of the telemetry that it holds; absent if that isn't known.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    telemetry: Option<u32>,
-    /// Topics of toprise that it doesn't have.
-    without: Vec<String>,
-    /// What a reader of the file sees and no check covers: words of its author, and what others have added.
-    not_covered: Vec<String>,
-    /// Why it could not be read; absent if it could.
+    /// The result; absent if the file could not be read.
+    #[serde(flatten)]
+    report: Option<Report>,
+    /// Why the file could not be read; absent if it could.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
 }
 
-/// How the verification of a file ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-enum FileVerdict {
-    /// Everything is as it must be.
-    Passed,
-    /// Everything is as it must be; some channels were not recorded, which `without` names.
-    Partial,
-    /// All that is there is as it must be, but something isn't there.
-    Incomplete,
-    /// Something is wrong.
-    Failed,
-    /// The file could not be read.
-    Unreadable,
-}
-
 /// Verifies recordings.
 pub(super) fn verify(arguments: &VerifyArguments) -> Result<Done, Error> {
-    let options = Options {
-        reproduce: !arguments.no_reproduce,
-    };
-    let answers = check_all(&arguments.files, options);
+    let answers = check_all(&arguments.files);
     let files = arguments.files.iter().zip(answers);
-    let report = VerifyReport(
-        files
-            .map(|(file, answer)| VerifiedFile::of(file, answer))
-            .collect(),
-    );
+    let files = files.map(|(file, answer)| VerifiedFile::of(file, answer));
+    let report = VerifyReport(files.collect());
     let format = arguments.form.format();
-    report::print(&report, format, || report.page(arguments.all))?;
+    report::print(&report, format, || report.page())?;
     if format != Format::Json {
         for file in &report.0 {
             if let Some(error) = &file.error {
@@ -109,11 +66,10 @@ pub(super) fn verify(arguments: &VerifyArguments) -> Result<Done, Error> {
     Ok(report.done())
 }
 
-/// Checks all files, as many at once as there are processors.
-fn check_all(files: &[PathBuf], options: Options) -> Vec<Answer> {
+/// Verifies all files, as many at once as there are processors.
+fn check_all(files: &[PathBuf]) -> Vec<Answer> {
     let size = |file: &PathBuf| file.metadata().map_or(0, |metadata| metadata.len());
-    // Each file is read twice.
-    let progress = Progress::of_bytes("verifying", files.iter().map(size).sum::<u64>() * 2);
+    let progress = Progress::of_bytes("verifying", files.iter().map(size).sum());
     let next = AtomicUsize::new(0);
     let answers: Vec<Mutex<Option<Answer>>> = files.iter().map(|_| Mutex::new(None)).collect();
     let work = || {
@@ -122,10 +78,8 @@ fn check_all(files: &[PathBuf], options: Options) -> Vec<Answer> {
             let Some(file) = files.get(position) else {
                 break;
             };
-            let answer = Recording::open(file).and_then(|recording| {
-                recording.refuse_newer()?;
-                Ok(check(&recording, options, &|bytes| progress.add(bytes)))
-            });
+            let recording = Recording::open(file);
+            let answer = recording.map(|recording| check(&recording, &|bytes| progress.add(bytes)));
             if let Ok(mut slot) = answers[position].lock() {
                 *slot = Some(answer);
             }
@@ -145,24 +99,22 @@ fn check_all(files: &[PathBuf], options: Options) -> Vec<Answer> {
 }
 
 impl VerifyReport {
-    /// The worst that happened: unreadable, failed, incomplete.
+    /// The worst result of all files.
     fn done(&self) -> Done {
-        let has = |verdict| self.0.iter().any(|file| file.verdict == verdict);
-        if has(FileVerdict::Unreadable) {
-            Done::Unreadable
-        } else if has(FileVerdict::Failed) {
-            Done::Differing
-        } else if has(FileVerdict::Incomplete) {
-            Done::WithLosses
-        } else {
-            Done::Well
-        }
+        let of_file = |file: &VerifiedFile| match file.report.as_ref().map(|r| r.verdict) {
+            Some(Verdict::Verified | Verdict::PackedOtherwise) => (0, Done::Well),
+            Some(Verdict::OtherVersion | Verdict::Incomplete) => (1, Done::WithLosses),
+            Some(Verdict::Different) => (2, Done::Differing),
+            None => (3, Done::Unreadable),
+        };
+        let worst = self.0.iter().map(of_file).max_by_key(|(rank, _)| *rank);
+        worst.map_or(Done::Well, |(_, done)| done)
     }
 
-    fn page(&self, all: bool) -> Page {
-        let sections = self.0.iter().filter_map(|file| file.section(all));
+    fn page(&self) -> Page {
+        let section = |file: &VerifiedFile| Some(section(&file.file, file.report.as_ref()?));
         Page {
-            sections: sections.collect(),
+            sections: self.0.iter().filter_map(section).collect(),
             ..Page::default()
         }
     }
@@ -171,149 +123,70 @@ impl VerifyReport {
 impl VerifiedFile {
     fn of(file: &Path, answer: Answer) -> Self {
         let file = file.display().to_string();
-        match answer {
-            Ok(report) => Self {
-                file,
-                verdict: match report.verdict() {
-                    Verdict::Failed => FileVerdict::Failed,
-                    Verdict::Incomplete => FileVerdict::Incomplete,
-                    Verdict::Partial => FileVerdict::Partial,
-                    Verdict::Passed | Verdict::Skipped => FileVerdict::Passed,
-                },
-                state: Some(report.condition),
-                checks: Some(report.checks),
-                telemetry: report.telemetry,
-                without: report.without,
-                not_covered: report.not_covered,
-                error: None,
-            },
-            Err(error) => Self {
-                file,
-                verdict: FileVerdict::Unreadable,
-                state: None,
-                checks: None,
-                telemetry: None,
-                without: Vec::new(),
-                not_covered: Vec::new(),
-                error: Some(error.to_string()),
-            },
-        }
-    }
-
-    /// The checks for people, each with its finding if `all` are to be shown; none if the file could not be read.
-    fn section(&self, all: bool) -> Option<Section> {
-        let checks = self.checks.as_deref()?;
-        let (tone, conclusion) = self.conclusion(checks);
-        let mut section = Section::new(format!("{}: {conclusion}", self.file));
-        section.tone = tone;
-        let mut rows = Vec::new();
-        for group in checks.chunk_by(|one, next| one.group == next.group) {
-            let told = if all { each(group) } else { in_short(group) };
-            let mut name = group[0].group.name();
-            for cells in told {
-                rows.push([&[std::mem::take(&mut name).to_owned()], &cells[..]].concat());
-            }
-        }
-        let mut label = "not covered";
-        for what in &self.not_covered {
-            let mut row = vec![std::mem::take(&mut label).to_owned(), what.clone()];
-            if all {
-                row.insert(1, String::new());
-            }
-            rows.push(row);
-        }
-        section.table(Table::of_texts(rows));
-        Some(section)
-    }
-
-    fn conclusion(&self, checks: &[Check]) -> (Tone, String) {
-        let with = |verdict| checks.iter().filter(move |check| check.verdict == verdict);
-        let number = |checks: usize| count(checks as u64);
-        match self.verdict {
-            FileVerdict::Failed => {
-                let failed = with(Verdict::Failed).count();
-                let conclusion = format!(
-                    "FAILED, {} of {} checks",
-                    number(failed),
-                    number(checks.len())
-                );
-                (Tone::Bad, conclusion)
-            }
-            FileVerdict::Incomplete => {
-                // The file may be whole, and the run in it not.
-                let state = match self.state {
-                    Some(Condition::Whole) | None => "a part of a run",
-                    Some(state) => state.name(),
-                };
-                let conclusion = format!("{state}: what is there is right, but it is not complete");
-                (Tone::Weak, conclusion)
-            }
-            FileVerdict::Passed | FileVerdict::Partial | FileVerdict::Unreadable => {
-                let is_simulated = with(Verdict::Passed).any(|c| c.group == Group::Reproduction);
-                let mut conclusion = match is_simulated {
-                    true => "verified".to_owned(),
-                    false => "sound in itself, but not simulated again".to_owned(),
-                };
-                if let Some(former) = self.telemetry.filter(|number| *number < table::VERSION) {
-                    conclusion += &format!(", as telemetry {former}");
-                }
-                if !self.without.is_empty() {
-                    conclusion += &format!(", without {}", self.without.join(", "));
-                }
-                (Tone::Good, conclusion)
-            }
-        }
-    }
-}
-
-/// Each check of a group with its finding.
-fn each(group: &[Check]) -> Vec<Vec<String>> {
-    let cells = |check: &Check| {
-        let name = format!("{} {}", sign(check.verdict), check.name);
-        vec![name, check.finding.clone()]
-    };
-    group.iter().map(cells).collect()
-}
-
-/// The checks of a group that were passed by their names, and the others with their findings.
-fn in_short(group: &[Check]) -> Vec<Vec<String>> {
-    if let [only] = group {
-        let words = match only.verdict {
-            Verdict::Skipped => format!("{}: ", only.name),
-            _ => String::new(),
+        let (report, error) = match answer {
+            Ok(report) => (Some(report), None),
+            Err(error) => (None, Some(error.to_string())),
         };
-        return vec![vec![format!(
-            "{} {words}{}",
-            sign(only.verdict),
-            only.finding
-        )]];
-    }
-    let is_well = |check: &&Check| matches!(check.verdict, Verdict::Passed | Verdict::Skipped);
-    let mut lines = Vec::new();
-    for (verdict, words) in [(Verdict::Passed, ""), (Verdict::Skipped, "not judged: ")] {
-        let found = group.iter().filter(|check| check.verdict == verdict);
-        let names: Vec<_> = found.map(|check| check.name).collect();
-        if !names.is_empty() {
-            lines.push(vec![format!(
-                "{} {words}{}",
-                sign(verdict),
-                names.join(", ")
-            )]);
+        Self {
+            file,
+            report,
+            error,
         }
     }
-    for check in group.iter().filter(|check| !is_well(check)) {
-        let (sign, name, finding) = (sign(check.verdict), check.name, &check.finding);
-        lines.push(vec![format!("{sign} {name}: {finding}")]);
-    }
-    lines
 }
 
-fn sign(verdict: Verdict) -> char {
-    match verdict {
-        Verdict::Passed => TICK,
-        Verdict::Incomplete | Verdict::Partial => '…',
-        Verdict::Failed => CROSS,
-        Verdict::Skipped => '–',
+fn section(file: &str, report: &Report) -> Section {
+    let (tone, conclusion) = conclusion(report);
+    let mut section = Section::new(format!("{file}: {conclusion}"));
+    section.tone = tone;
+    let mut facts = Vec::new();
+    if let Some(difference) = &report.difference {
+        facts.push(("difference", difference.to_string()));
+    }
+    if let Some(version) = &report.recorded_by {
+        let this = env!("CARGO_PKG_VERSION");
+        facts.push(("recorded by", format!("toprise {version}; this is {this}")));
+    }
+    if let Some(equal) = report.equal {
+        facts.push(("equal", format!("{} messages", count(equal))));
+    }
+    if report.missing > 0 {
+        facts.push(("missing", format!("{} messages", count(report.missing))));
+    }
+    if !report.without.is_empty() {
+        facts.push(("not recorded", report.without.join(", ")));
+    }
+    section.table(Table::of_facts(facts));
+    section
+}
+
+fn conclusion(report: &Report) -> (Tone, String) {
+    match report.verdict {
+        Verdict::Verified => (
+            Tone::Good,
+            "verified, byte for byte what its scenario gives".to_owned(),
+        ),
+        Verdict::PackedOtherwise => (
+            Tone::Good,
+            "verified, packed otherwise: other bytes, the same content".to_owned(),
+        ),
+        Verdict::OtherVersion => (
+            Tone::Weak,
+            "recorded by another version, with the values that this one computes".to_owned(),
+        ),
+        Verdict::Incomplete => {
+            // The file may be whole, and the run in it not.
+            let state = match report.state {
+                Condition::Whole => "a part of a run",
+                state => state.name(),
+            };
+            let conclusion = format!("{state}: everything in it is right, but some is missing");
+            (Tone::Weak, conclusion)
+        }
+        Verdict::Different => (
+            Tone::Bad,
+            "DIFFERENT from what its scenario gives".to_owned(),
+        ),
     }
 }
 
@@ -324,14 +197,11 @@ mod tests {
 
     #[test]
     fn files_are_named() {
-        assert_eq!(
-            parse::<VerifyArguments>("a.mcap b.mcap --no-reproduce").unwrap(),
-            VerifyArguments {
-                files: vec!["a.mcap".into(), "b.mcap".into()],
-                no_reproduce: true,
-                ..VerifyArguments::default()
-            }
-        );
+        let expected = VerifyArguments {
+            files: vec!["a.mcap".into(), "b.mcap".into()],
+            ..VerifyArguments::default()
+        };
+        assert_eq!(parse::<VerifyArguments>("a.mcap b.mcap").unwrap(), expected);
         assert!(parse::<VerifyArguments>("").is_err());
     }
 }

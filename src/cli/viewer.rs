@@ -66,11 +66,6 @@ pub(super) enum Target {
 }
 
 impl ViewerArguments {
-    /// Whether any viewer was asked for.
-    pub(super) fn is_asked(&self) -> bool {
-        self.connect.is_some() || self.spawn || self.serve
-    }
-
     /// Finds the viewer, or starts to serve it.
     pub(super) fn target(&self) -> Result<Target, Error> {
         if self.serve {

@@ -146,18 +146,6 @@ impl Friction {
         }
     }
 
-    /// Whether it is smooth wherever there is slip. Laws that fade at a speed of their own are not, seen from faster slip,
-    /// nor are drilling and rolling resistance, which turn round with the angular velocity. The drag of a disc, which
-    /// bends where the spin passes zero, counts as smooth: random tops with it have shown no harm.
-    #[must_use]
-    pub fn is_smooth(&self) -> bool {
-        let turns_round = |losses: &Losses| losses.rolling_arm > 0.0 || losses.drilling.k > 0.0;
-        matches!(
-            self.law,
-            FrictionLaw::None | FrictionLaw::Coulomb { .. } | FrictionLaw::Viscous { .. }
-        ) && !self.losses.as_ref().is_some_and(turns_round)
-    }
-
     /// The contact of `top` in the state `tilt` under the normal force `normal_force` (N).
     #[must_use]
     #[inline(always)]
@@ -224,8 +212,7 @@ impl Friction {
     ) -> Vector3<f64> {
         let drilling = tilt.omega_lean.z;
         let mut force = -self.law.resistance(slip_speed, drilling, normal_force) * slip;
-        // Upright there is no line of nodes, so no part along it that could be left out.
-        if self.dissipation != Dissipation::Full && !tilt.is_upright() {
+        if self.dissipation != Dissipation::Full {
             force.x = 0.0;
         }
         force
@@ -407,8 +394,8 @@ impl Friction {
     fn kept_torque(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
         let torque = tilt.lean_to_node(&contact_torque(top, contact));
         match self.dissipation {
-            Dissipation::TiltTorqueOnly if !tilt.is_upright() => Vector3::new(0.0, torque.y, 0.0),
-            Dissipation::SpinTorqueOnly if !tilt.is_upright() => Vector3::new(0.0, 0.0, torque.z),
+            Dissipation::TiltTorqueOnly => Vector3::new(0.0, torque.y, 0.0),
+            Dissipation::SpinTorqueOnly => Vector3::new(0.0, 0.0, torque.z),
             _ => torque,
         }
     }

@@ -17,11 +17,12 @@
 
 use crate::physics::math::{atan2, hypot, sin_cos, unwrap_near};
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
 use std::ops::Add;
 
-/// Below this sine of θ the precession and the spin can't be told apart in double precision:
-/// their rates would overflow. Only their sum has a meaning there.
-const UPRIGHT_SINE: f64 = 1e-60;
+/// Below this sine of θ the axis counts as vertical: the precession and the spin can't be told apart in double precision,
+/// and their rates would overflow.
+pub const UPRIGHT_SINE: f64 = 1e-60;
 
 /// One number per Euler angle: the angles, their rates or their accelerations.
 ///
@@ -68,7 +69,7 @@ impl Tilt {
     #[must_use]
     #[inline]
     pub fn from_rates(theta: f64, rates: Euler) -> Self {
-        let (sin, cos) = sin_cos(theta);
+        let (sin, cos) = inclined_by(theta);
         let omega_lean = Vector3::new(rates.psi * sin, rates.theta, rates.phi + rates.psi * cos);
         Self {
             sin,
@@ -80,7 +81,7 @@ impl Tilt {
 
     /// From the lean of the symmetry axis and the angular velocity in the lean frame, rad/s.
     ///
-    /// Upright (sin θ = 0) only the sum of precession and spin exists: φ̇ is then taken as 0.
+    /// Where the axis is vertical (sin θ = 0), φ̇ is taken as 0: that of an axis which stays so.
     #[must_use]
     #[inline]
     pub fn from_omega(sin: f64, cos: f64, omega_lean: Vector3<f64>) -> Self {
@@ -166,10 +167,24 @@ impl Tilt {
     }
 }
 
+/// Sine and cosine of an inclination, rad. The double next to π means π.
+#[inline]
+fn inclined_by(theta: f64) -> (f64, f64) {
+    if theta == PI {
+        (0.0, -1.0)
+    } else {
+        sin_cos(theta)
+    }
+}
+
 /// Orientation of the top: turns body components into world components.
 #[must_use]
 pub fn world_from_body(angles: Euler) -> UnitQuaternion<f64> {
-    let (sin_tilt, cos_tilt) = sin_cos(0.5 * angles.theta);
+    let (sin_tilt, cos_tilt) = if angles.theta == PI {
+        (1.0, 0.0)
+    } else {
+        sin_cos(0.5 * angles.theta)
+    };
     let (sin_sum, cos_sum) = sin_cos(0.5 * (angles.phi + angles.psi));
     let (sin_difference, cos_difference) = sin_cos(0.5 * (angles.phi - angles.psi));
     Unit::new_unchecked(Quaternion::new(
@@ -183,22 +198,24 @@ pub fn world_from_body(angles: Euler) -> UnitQuaternion<f64> {
 /// Euler angles of an orientation, φ and ψ unwrapped to lie nearest to those of `reference`.
 ///
 /// The quaternion need not be of unit length, but it must follow `reference` continuously (not jump
-/// to its negative), so that half a turn can be told from none. Upright, where only φ + ψ exists,
-/// φ − ψ is kept as it was.
+/// to its negative), so that half a turn can be told from none. Where the axis is vertical, only φ + ψ exists, or φ − ψ where
+/// it points down; φ is then that of `reference`.
 #[must_use]
 pub fn euler_angles(quaternion: &Quaternion<f64>, reference: Euler) -> Euler {
     let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
     let half_sum = unwrap_near(atan2(z, w), 0.5 * (reference.phi + reference.psi));
-    let half_difference_before = 0.5 * (reference.phi - reference.psi);
-    let half_difference = if x == 0.0 && y == 0.0 {
-        half_difference_before
+    let half_difference = unwrap_near(atan2(y, x), 0.5 * (reference.phi - reference.psi));
+    let (phi, psi) = if hypot(x, y) <= UPRIGHT_SINE {
+        (reference.phi, 2.0 * half_sum - reference.phi)
+    } else if hypot(z, w) <= UPRIGHT_SINE {
+        (reference.phi, reference.phi - 2.0 * half_difference)
     } else {
-        unwrap_near(atan2(y, x), half_difference_before)
+        (half_sum + half_difference, half_sum - half_difference)
     };
     Euler {
-        phi: half_sum + half_difference,
+        phi,
         theta: inclination(quaternion),
-        psi: half_sum - half_difference,
+        psi,
     }
 }
 

@@ -69,35 +69,9 @@ pub fn unwrap_near(angle: f64, reference: f64) -> f64 {
     angle + TAU * ((reference - angle + PI) / TAU).floor()
 }
 
-/// How many doubles lie between two, counting the second: 0 for equal bits, 1 for neighbours.
-///
-/// The two zeros are neighbours of each other.
-#[must_use]
-pub fn ulp_distance(a: f64, b: f64) -> u64 {
-    // The order of doubles as the order of integers: negative ones count down from −1.
-    let place = |x: f64| {
-        let bits = i128::from(x.to_bits() & !(1 << 63));
-        if x.is_sign_negative() {
-            -1 - bits
-        } else {
-            bits
-        }
-    };
-    u64::try_from((place(a) - place(b)).unsigned_abs()).unwrap_or(u64::MAX)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ulps_are_counted_across_zero() {
-        assert_eq!(ulp_distance(1.0, 1.0), 0);
-        assert_eq!(ulp_distance(1.0, 1.0_f64.next_up()), 1);
-        assert_eq!(ulp_distance(0.0, -0.0), 1);
-        assert_eq!(ulp_distance((-0.0_f64).next_down(), 0.0_f64.next_up()), 3);
-        assert_eq!(ulp_distance(2.0, 1.0), 1 << 52);
-    }
 
     #[test]
     fn unwrapping_returns_the_nearest_equivalent_angle() {

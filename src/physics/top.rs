@@ -71,6 +71,13 @@ impl Top {
         self.transverse_moment - self.mass * self.center_distance * self.center_distance
     }
 
+    /// The least moment of inertia about an axis through the centre of mass, kg m².
+    #[must_use]
+    pub fn least_moment(&self) -> f64 {
+        let (axial, central) = (self.axial_moment, self.central_moment());
+        if axial < central { axial } else { central }
+    }
+
     /// The top with its moments of inertia about the centre of mass instead of the peg's centre.
     #[must_use]
     #[inline]

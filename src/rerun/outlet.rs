@@ -25,9 +25,9 @@ pub struct Destinations {
 /// Which of the destinations is meant.
 #[derive(Clone, Copy)]
 pub(super) enum To {
-    /// The viewer: the file gets the same rows later, in longer chunks.
+    /// The viewer: the file gets its own message, as the same rows later, in longer chunks.
     Viewer,
-    /// The file: the viewer has the rows already.
+    /// The file: the viewer has its own message already.
     File,
     /// Both.
     Both,
@@ -114,7 +114,8 @@ impl Outlet {
         self.send_to(To::Both, message);
     }
 
-    fn send_to(&mut self, to: To, message: Result<LogMsg, RerunError>) {
+    /// Sends a message to some of the destinations.
+    pub(super) fn send_to(&mut self, to: To, message: Result<LogMsg, RerunError>) {
         match (to, message) {
             (To::Viewer, Ok(message)) => self.feed_viewer(message),
             (To::File, Ok(message)) => self.write_file(message),

@@ -7,10 +7,10 @@ use super::blueprint;
 use super::comparison::Comparison;
 use super::entities::Entities;
 use super::error::RerunError;
-use super::identity::Identity;
+use super::identity::{Identity, Playback};
 use super::look::Look;
 use super::message::APPLICATION;
-use super::outlet::{Destinations, Outlet};
+use super::outlet::{Destinations, Outlet, To};
 use super::pair::PairIdentity;
 use super::properties;
 use super::track::{Collect, Flush};
@@ -38,9 +38,14 @@ impl Stream<Entities> {
     /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
     #[must_use]
     pub fn new(identity: &Identity, destinations: Destinations) -> Self {
-        let layout = blueprint::run::messages(identity);
+        // Whoever opens the file has a run before him that is complete.
+        let complete = Identity {
+            playback: Playback::PausedAtStart,
+            ..identity.clone()
+        };
+        let layouts = [identity, &complete].map(blueprint::run::messages);
         let (id, name) = (&identity.recording_id, &identity.name);
-        let mut outlet = open(id, name, destinations, layout);
+        let mut outlet = open(id, name, destinations, layouts);
         let entities = Entities::new(identity, &Look::Alone, &mut outlet);
         Self { entities, outlet }
     }
@@ -68,9 +73,9 @@ impl Stream<Comparison> {
     /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
     #[must_use]
     pub fn new(identity: &PairIdentity, destinations: Destinations) -> Self {
-        let layout = blueprint::pair::messages(identity);
+        let layouts = [identity; 2].map(blueprint::pair::messages);
         let (id, name) = (&identity.recording_id, &identity.name);
-        let mut outlet = open(id, name, destinations, layout);
+        let mut outlet = open(id, name, destinations, layouts);
         let entities = Comparison::new(identity, &mut outlet);
         Self { entities, outlet }
     }
@@ -118,17 +123,19 @@ impl<E: Collect> Stream<E> {
     }
 }
 
-/// Opens the destinations of a recording, and sends its layout and its name.
+/// Opens the destinations of a recording, and sends its layouts, for the viewer and for the file, and its name.
 fn open(
     recording_id: &str,
     name: &str,
     destinations: Destinations,
-    layout: Vec<Result<LogMsg, RerunError>>,
+    layouts: [Vec<Result<LogMsg, RerunError>>; 2],
 ) -> Outlet {
     let store = StoreId::new(StoreKind::Recording, APPLICATION, recording_id);
     let mut outlet = Outlet::open(store, destinations);
-    for message in layout {
-        outlet.send(message);
+    for (to, layout) in [To::Viewer, To::File].into_iter().zip(layouts) {
+        for message in layout {
+            outlet.send_to(to, message);
+        }
     }
     let name = RecordingInfo::update_fields().with_name(name);
     outlet.send_static(EntityPath::properties(), &name);
@@ -138,7 +145,7 @@ fn open(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rerun::identity::{Geometry, Playback};
+    use crate::rerun::identity::Geometry;
     use crate::rerun::viewer::Live;
     use crate::run::scenario::Preset;
     use crate::telemetry::{Topic, channels};

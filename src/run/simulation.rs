@@ -7,6 +7,8 @@
 mod event;
 mod free;
 mod nutation;
+mod progress;
+mod queue;
 mod record;
 mod runner;
 mod sample;
@@ -56,14 +58,6 @@ impl Simulation {
     #[must_use]
     pub fn while_told(mut self, carry_on: impl FnMut() -> bool + 'static) -> Self {
         self.carry_on = Box::new(carry_on);
-        self
-    }
-
-    /// Goes by the rules of the first version of the telemetry: each stretch from one maximum of θ̇ to the next is a
-    /// nutation, also those that take much longer, as a fall does, and the dense output is never checked.
-    #[must_use]
-    pub fn by_first_rules(mut self) -> Self {
-        self.run.go_by_first_rules();
         self
     }
 

@@ -1,7 +1,7 @@
 //! The directories beside a sweep's table. Each has a file that says of which sweep it is: its spec as JSON.
 
+use super::change::change;
 use super::error::SweepError;
-use super::spec::change;
 use crate::archive::given::read_file;
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
@@ -23,7 +23,7 @@ pub(super) fn beside(table: &Path, suffix: &str) -> PathBuf {
 /// Makes a directory of this sweep, or finds that it is one.
 ///
 /// # Errors
-/// [`SweepError::Changed`] if it is of another sweep.
+/// [`SweepError::Unusable`] if it is of another sweep.
 pub(super) fn claim(directory: &Path, sweep: &Json) -> Result<(), SweepError> {
     let path = directory.join(SPEC_FILE);
     if !path.exists() {
@@ -40,7 +40,7 @@ pub(super) fn claim(directory: &Path, sweep: &Json) -> Result<(), SweepError> {
 /// Finds whether a directory, if there is one, is of this sweep.
 ///
 /// # Errors
-/// [`SweepError::Changed`] if it is of another sweep.
+/// [`SweepError::Unusable`] if it is of another sweep.
 pub(super) fn check(directory: &Path, sweep: &Json) -> Result<(), SweepError> {
     let path = directory.join(SPEC_FILE);
     match read_file(&path) {
@@ -53,18 +53,17 @@ pub(super) fn check(directory: &Path, sweep: &Json) -> Result<(), SweepError> {
 /// Refuses what has the spec of another sweep.
 ///
 /// # Errors
-/// [`SweepError::Changed`].
+/// [`SweepError::Unusable`].
 pub(super) fn refuse_other(path: &Path, text: &str, sweep: &Json) -> Result<(), SweepError> {
     let Ok(before) = serde_json::from_str::<Json>(text) else {
-        return Err(SweepError::Unreadable {
-            path: path.to_owned(),
-        });
+        let reason = "doesn't say of which sweep it is, because that is damaged: choose another name, or remove it";
+        return Err(SweepError::unusable(path, reason));
     };
     match change(&before, sweep) {
         None => Ok(()),
-        Some(change) => Err(SweepError::Changed {
-            path: path.to_owned(),
-            change,
-        }),
+        Some(change) => Err(SweepError::unusable(
+            path,
+            format!("is of another sweep: {change}; choose another name, or remove it"),
+        )),
     }
 }

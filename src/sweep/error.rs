@@ -27,57 +27,12 @@ pub enum SweepError {
     /// A key that scenarios don't have.
     #[error(transparent)]
     Key(#[from] ScenarioError),
-    /// What is there belongs to another sweep.
-    #[error(
-        "{} is of another sweep: {change}; choose another name, or remove it",
-        path.display()
-    )]
-    Changed {
-        /// The table, or a directory beside it.
+    /// What is there is not of this sweep, or damaged.
+    #[error("{} {reason}", path.display())]
+    Unusable {
+        /// The table, a part or the directory of the parts.
         path: PathBuf,
-        /// What differs.
-        change: String,
-    },
-    /// What says to which sweep something belongs is damaged.
-    #[error(
-        "{} doesn't say of which sweep it is, because that is damaged: choose another name, or remove it",
-        path.display()
-    )]
-    Unreadable {
-        /// The table, or a directory beside it.
-        path: PathBuf,
-    },
-    /// A file that is there is not the table of a sweep.
-    #[error("{} exists and is not the table of a sweep: choose another name", path.display())]
-    Exists {
-        /// The file.
-        path: PathBuf,
-    },
-    /// What has the table's name is no file.
-    #[error("{} is a pipe or a device: a table is written to a file; choose another name", path.display())]
-    NoFile {
-        /// The pipe or device.
-        path: PathBuf,
-    },
-    /// A part can't be merged.
-    #[error("{} can't be merged: {reason}; remove it and sweep again", path.display())]
-    BadPart {
-        /// The part.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// A file that has the name of a run's recording is something else.
-    #[error(
-        "{} is not the whole recording of run {run}: {reason}; remove it and sweep again",
-        path.display()
-    )]
-    BadRecording {
-        /// The file.
-        path: PathBuf,
-        /// The number of the row.
-        run: u64,
-        /// What is wrong with it.
+        /// Why, and what can be done.
         reason: String,
     },
     /// A table can't be read.
@@ -118,10 +73,20 @@ pub enum SweepError {
 }
 
 impl SweepError {
-    /// The error of a row.
-    pub(super) fn row(run: u64, error: &dyn std::error::Error) -> Self {
-        let error = error.to_string();
-        Self::Row { run, error }
+    /// The error for what is there and can't be used.
+    pub(super) fn unusable(path: &Path, reason: impl Into<String>) -> Self {
+        Self::Unusable {
+            path: path.to_owned(),
+            reason: reason.into(),
+        }
+    }
+
+    /// What turns a reason why a table can't be read into an error.
+    pub(super) fn table<E: ToString>(path: &Path) -> impl Fn(E) -> Self {
+        move |reason| Self::Table {
+            path: path.to_owned(),
+            reason: reason.to_string(),
+        }
     }
 
     /// What turns an error of the file system into one that says what was tried.

@@ -1,14 +1,13 @@
 //! A part of a sweep's table: rows as columns, columns as Parquet.
 
 use super::axis::column_name;
+use super::checksum;
 use super::counts::Counts;
 use super::row::{Row, Run, Watch, row, run_whole};
-use super::seal;
 use super::spec::Spec;
 use crate::run::outcome::{COLUMNS, Cell, Column, ColumnKind};
 use crate::run::scenario::{Key, Scenario, ScenarioError, Value};
-use arrow_array::builder::{Float64Builder, Int64Builder, StringBuilder};
-use arrow_array::{ArrayRef, RecordBatch};
+use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
@@ -18,6 +17,7 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersi
 use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, ParallelIterator as _};
 use serde_json::Value as Json;
 use std::collections::HashMap;
+use std::io::Cursor;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -101,13 +101,11 @@ impl Sweep {
         let computed = computed?;
         let mut counts = Counts::default();
         for (run, row) in rows.clone().zip(&computed) {
-            let result = row.result.as_ref();
-            counts.count(
-                run,
-                result
-                    .map(|outcome| outcome.stop_reason.name())
-                    .map_err(String::as_str),
-            );
+            let stop = row
+                .result
+                .as_ref()
+                .map(|outcome| outcome.stop_reason.name());
+            counts.count(run, stop.map_err(String::as_str));
         }
         let columns = self.columns(rows, &computed);
         let batch = RecordBatch::try_new(self.schema.clone(), columns);
@@ -133,10 +131,8 @@ impl Sweep {
     pub fn scenario(&self, row: u64) -> Result<Scenario, ScenarioError> {
         let mut values = self.spec.base(row).values.clone();
         for (key, value) in self.spec.keys().iter().zip(self.spec.values(row)) {
-            match value {
-                Some(Value::Text(text)) => values.put(key.path, text)?,
-                Some(Value::Number(number)) => values.put(key.path, number)?,
-                None => {}
+            if let Some(value) = value {
+                values.put(key.path, value)?;
             }
         }
         Scenario::new(values)
@@ -151,144 +147,90 @@ impl Sweep {
 
     fn columns(&self, rows: Range<u64>, computed: &[Row]) -> Vec<ArrayRef> {
         let mut columns = self.design_columns(rows);
-        for column in COLUMNS {
-            let cells = computed.iter().map(|row| {
-                row.result
-                    .as_ref()
-                    .ok()
-                    .and_then(|outcome| column.of(outcome))
-            });
-            columns.push(outcome_column(column, cells));
-        }
-        let mut digests = StringBuilder::new();
-        let mut errors = StringBuilder::new();
-        for row in computed {
-            digests.append_option(row.digest.as_ref());
-            errors.append_option(row.result.as_ref().err());
-        }
-        columns.push(Arc::new(digests.finish()));
-        columns.push(Arc::new(errors.finish()));
+        columns.extend(COLUMNS.iter().map(|column| {
+            let outcomes = computed.iter().map(|row| row.result.as_ref().ok());
+            outcome_column(column, outcomes.map(|outcome| column.of(outcome?)))
+        }));
+        let digests = computed.iter().map(|row| row.digest.as_ref());
+        let errors = computed.iter().map(|row| row.result.as_ref().err());
+        columns.push(Arc::new(digests.collect::<StringArray>()));
+        columns.push(Arc::new(errors.collect::<StringArray>()));
         columns
     }
 
     fn design_columns(&self, rows: Range<u64>) -> Vec<ArrayRef> {
-        let mut runs = Int64Builder::new();
-        let mut names = StringBuilder::new();
-        for row in rows.clone() {
-            runs.append_value(row as i64);
-            names.append_value(&self.spec.base(row).name);
-        }
-        let mut columns: Vec<ArrayRef> = vec![Arc::new(runs.finish()), Arc::new(names.finish())];
-        let values: Vec<_> = rows.map(|row| self.spec.values(row)).collect();
-        for (i, key) in self.spec.keys().iter().enumerate() {
-            columns.push(key_column(key, values.iter().map(|row| row[i].as_ref())));
-        }
+        let runs = Int64Array::from_iter_values(rows.clone().map(|row| row as i64));
+        let names = rows.clone().map(|row| &self.spec.base(row).name);
+        let names = StringArray::from_iter_values(names);
+        let mut columns: Vec<ArrayRef> = vec![Arc::new(runs), Arc::new(names)];
+        let mut values: Vec<_> = rows.map(|row| self.spec.values(row)).collect();
+        let keys = self.spec.keys().iter().enumerate();
+        columns.extend(
+            keys.map(|(i, key)| key_column(key, values.iter_mut().map(|row| row[i].take()))),
+        );
         columns
     }
 }
 
-/// The values of a key.
-fn key_column<'a>(key: &Key, values: impl Iterator<Item = Option<&'a Value>>) -> ArrayRef {
-    if key.kind.is_text() {
-        let mut texts = StringBuilder::new();
-        for value in values {
-            texts.append_option(match value {
-                Some(Value::Text(text)) => Some(text),
-                _ => None,
-            });
-        }
-        return Arc::new(texts.finish());
-    }
-    let mut numbers = Float64Builder::new();
-    for value in values {
-        numbers.append_option(match value {
-            Some(Value::Number(number)) => Some(*number),
+/// The column of all cells, each of which is of this kind or empty.
+macro_rules! column {
+    ($cells:expr, $kind:path, $column:ty) => {
+        Arc::new(<$column>::from_iter($cells.map(|cell| match cell {
+            Some($kind(value)) => Some(value),
             _ => None,
-        });
+        })))
+    };
+}
+
+/// The values of a key.
+fn key_column(key: &Key, cells: impl Iterator<Item = Option<Value>>) -> ArrayRef {
+    match key.kind.is_text() {
+        true => column!(cells, Value::Text, StringArray),
+        false => column!(cells, Value::Number, Float64Array),
     }
-    Arc::new(numbers.finish())
 }
 
 /// The values of a column of the outcome.
 fn outcome_column(column: &Column, cells: impl Iterator<Item = Option<Cell>>) -> ArrayRef {
     match column.kind {
-        ColumnKind::Text => {
-            let mut texts = StringBuilder::new();
-            for cell in cells {
-                texts.append_option(match cell {
-                    Some(Cell::Text(text)) => Some(text),
-                    _ => None,
-                });
-            }
-            Arc::new(texts.finish())
-        }
-        ColumnKind::Integer => {
-            let mut numbers = Int64Builder::new();
-            for cell in cells {
-                numbers.append_option(match cell {
-                    Some(Cell::Integer(number)) => Some(number),
-                    _ => None,
-                });
-            }
-            Arc::new(numbers.finish())
-        }
-        ColumnKind::Number => {
-            let mut numbers = Float64Builder::new();
-            for cell in cells {
-                numbers.append_option(match cell {
-                    Some(Cell::Number(number)) => Some(number),
-                    _ => None,
-                });
-            }
-            Arc::new(numbers.finish())
-        }
+        ColumnKind::Text => column!(cells, Cell::Text, StringArray),
+        ColumnKind::Integer => column!(cells, Cell::Integer, Int64Array),
+        ColumnKind::Number => column!(cells, Cell::Number, Float64Array),
     }
 }
 
 /// The columns: number and base of a run, what it changes, its outcome, its digest or error.
 fn fields(spec: &Spec) -> Vec<Field> {
-    let mut fields = vec![
-        field("run", DataType::Int64, "", "number of the row").with_nullable(false),
-        field(
-            "scenario",
-            DataType::Utf8,
-            "",
-            "name of the scenario that the run starts from",
-        )
-        .with_nullable(false),
-    ];
+    let text = |name, meaning| field(name, ColumnKind::Text, "", meaning);
+    let run = field("run", ColumnKind::Integer, "", "number of the row");
+    let scenario = text("scenario", "name of the scenario that the run starts from");
+    let mut fields = vec![run.with_nullable(false), scenario.with_nullable(false)];
     fields.extend(spec.keys().iter().map(|key| {
-        let kind = if key.kind.is_text() {
-            DataType::Utf8
-        } else {
-            DataType::Float64
+        let kind = match key.kind.is_text() {
+            true => ColumnKind::Text,
+            false => ColumnKind::Number,
         };
         field(&column_name(key), kind, key.unit, key.meaning)
     }));
-    fields.extend(COLUMNS.iter().map(|column| {
-        let kind = match column.kind {
-            ColumnKind::Text => DataType::Utf8,
-            ColumnKind::Integer => DataType::Int64,
-            ColumnKind::Number => DataType::Float64,
-        };
-        field(column.name, kind, column.unit, column.meaning)
-    }));
-    fields.push(field(
+    let outcome = |column: &Column| field(column.name, column.kind, column.unit, column.meaning);
+    fields.extend(COLUMNS.iter().map(outcome));
+    fields.push(text(
         "scenario_digest",
-        DataType::Utf8,
-        "",
         "SHA-256 of the scenario; null if there is none",
     ));
-    fields.push(field(
+    fields.push(text(
         "error",
-        DataType::Utf8,
-        "",
         "why there is no outcome; null if there is one",
     ));
     fields
 }
 
-fn field(name: &str, kind: DataType, unit: &str, meaning: &str) -> Field {
+fn field(name: &str, kind: ColumnKind, unit: &str, meaning: &str) -> Field {
+    let kind = match kind {
+        ColumnKind::Text => DataType::Utf8,
+        ColumnKind::Integer => DataType::Int64,
+        ColumnKind::Number => DataType::Float64,
+    };
     let mut metadata = HashMap::from([("meaning".to_owned(), meaning.to_owned())]);
     if !unit.is_empty() {
         metadata.insert("unit".to_owned(), unit.to_owned());
@@ -309,15 +251,21 @@ pub(super) fn properties(entries: Vec<KeyValue>) -> WriterProperties {
         .build()
 }
 
-/// The bytes of a part, which is not sealed yet.
+/// The bytes of a part, given the entry that names it.
 ///
 /// # Errors
 /// [`ParquetError`] if the writer fails.
-pub(super) fn bytes(batch: &RecordBatch, counts: &Counts) -> Result<Vec<u8>, ParquetError> {
-    let properties = properties(vec![counts_entry(counts)?, seal::blank()]);
+pub(super) fn bytes(
+    batch: &RecordBatch,
+    counts: &Counts,
+    name: KeyValue,
+) -> Result<Vec<u8>, ParquetError> {
+    let properties = properties(vec![counts_entry(counts)?, name]);
     let mut writer = ArrowWriter::try_new(Vec::new(), batch.schema(), Some(properties))?;
     writer.write(batch)?;
-    writer.into_inner()
+    let mut bytes = writer.into_inner()?;
+    checksum::add(Cursor::new(&mut bytes))?;
+    Ok(bytes)
 }
 
 /// The entry that says how many rows came out how.

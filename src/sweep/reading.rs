@@ -1,20 +1,26 @@
 //! Reading columns of a table again.
 
+use super::axis::find_key;
 use super::cells::{Cells, cells};
 use super::error::SweepError;
+use super::guard::guarded;
+use super::store::{SPEC_ENTRY, entry};
 use crate::archive::given::open_file;
-use crate::run::scenario::Value;
-use arrow_array::RecordBatch;
-use arrow_schema::Schema;
+use crate::run::scenario::{Scenario, Value, Values};
+use arrow_array::{Array, RecordBatch, RecordBatchReader as _};
+use arrow_schema::SchemaRef;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Some columns of a table of outcomes.
 #[derive(Clone, Debug)]
 pub struct Columns {
     path: PathBuf,
-    schema: Schema,
+    schema: SchemaRef,
     batches: Vec<RecordBatch>,
 }
 
@@ -24,81 +30,40 @@ impl Columns {
     /// # Errors
     /// [`SweepError::Table`] if it is no Parquet file, or a column is missing.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, SweepError> {
-        let (mut columns, batches) = Self::open(path, names)?;
-        for batch in batches {
-            columns.batches.push(batch?);
-        }
-        Ok(columns)
+        guarded(|| Self::of_file(path, names)).map_err(SweepError::table(path))?
     }
 
-    /// Reads the columns of these names some rows at a time, so that memory does not grow with the table.
-    ///
-    /// # Errors
-    /// As [`Self::read`].
-    pub(super) fn pieces(
-        path: &Path,
-        names: &[&str],
-    ) -> Result<impl Iterator<Item = Result<Self, SweepError>>, SweepError> {
-        let (empty, batches) = Self::open(path, names)?;
-        Ok(batches.map(move |batch| {
-            let batches = vec![batch?];
-            Ok(Self {
-                batches,
-                ..empty.clone()
-            })
-        }))
-    }
-
-    /// The columns without a row, and what reads their rows.
-    fn open(
-        path: &Path,
-        names: &[&str],
-    ) -> Result<(Self, impl Iterator<Item = Result<RecordBatch, SweepError>>), SweepError> {
-        let path = path.to_owned();
-        let of_path = path.clone();
-        let wrong = move |reason: String| SweepError::Table {
-            path: of_path.clone(),
-            reason,
-        };
-        let file = open_file(&path).map_err(SweepError::io("read", &path))?;
-        let builder = ParquetRecordBatchReaderBuilder::try_new(file)
-            .map_err(|error| wrong(error.to_string()))?;
-        let schema = builder.schema().as_ref().clone();
-        let all: Vec<&str> = schema
-            .fields()
-            .iter()
-            .map(|field| field.name().as_str())
-            .collect();
+    fn of_file(path: &Path, names: &[&str]) -> Result<Self, SweepError> {
+        let builder = open(path)?;
+        let fields = builder.schema().fields().iter();
+        let all: Vec<&str> = fields.map(|field| field.name().as_str()).collect();
+        let mut wanted = Vec::new();
         for name in names {
-            if !all.iter().any(|column| plain(column) == plain(name)) {
-                return Err(wrong(format!(
-                    "there is no column {name}; there are {}",
-                    all.join(", ")
-                )));
+            let found = (0..all.len()).filter(|i| plain(all[*i]) == plain(name));
+            let before = wanted.len();
+            wanted.extend(found);
+            if wanted.len() == before {
+                let all = all.join(", ");
+                let reason = format!("there is no column {name}; there are {all}");
+                return Err(SweepError::table(path)(reason));
             }
         }
-        let wanted: Vec<usize> = (0..all.len())
-            .filter(|i| names.iter().any(|name| plain(name) == plain(all[*i])))
-            .collect();
         let mask = ProjectionMask::roots(builder.parquet_schema(), wanted);
-        let reader = builder
-            .with_projection(mask)
-            .build()
-            .map_err(|error| wrong(error.to_string()))?;
-        let batches = reader.map(move |batch| batch.map_err(|error| wrong(error.to_string())));
-        let columns = Self {
-            path,
-            schema,
-            batches: Vec::new(),
-        };
-        Ok((columns, batches))
+        let reader = builder.with_projection(mask).build();
+        let reader = reader.map_err(SweepError::table(path))?;
+        Ok(Self {
+            path: path.to_owned(),
+            schema: reader.schema(),
+            batches: reader
+                .collect::<Result<_, _>>()
+                .map_err(SweepError::table(path))?,
+        })
     }
 
     /// The unit of a column; empty if it has none.
     #[must_use]
     pub fn unit(&self, name: &str) -> &str {
-        let mut fields = self.schema.fields().iter();
-        let field = fields.find(|field| plain(field.name()) == plain(name));
+        let field = self.position(name).map(|at| self.schema.field(at));
         let unit = field.and_then(|field| field.metadata().get("unit"));
         unit.map_or("", String::as_str)
     }
@@ -130,28 +95,95 @@ impl Columns {
     }
 
     fn cells(&self, name: &str) -> Result<Cells, SweepError> {
-        let mut all = Vec::new();
-        for batch in &self.batches {
-            let schema = batch.schema_ref();
-            let mut fields = schema.fields().iter();
-            let index = fields.position(|field| plain(field.name()) == plain(name));
-            if let Some(index) = index {
-                let read = cells(batch.column(index).as_ref());
-                all.extend(read.map_err(|reason| self.wrong(name, &reason))?);
-            }
-        }
-        Ok(all)
+        let Some(at) = self.position(name) else {
+            return Ok(Vec::new());
+        };
+        let read = self.batches.iter().map(|batch| cells(batch.column(at)));
+        let read: Result<Vec<Cells>, _> = read.collect();
+        let read = read.map_err(|reason| self.wrong(name, &reason))?;
+        Ok(read.concat())
+    }
+
+    fn position(&self, name: &str) -> Option<usize> {
+        let mut fields = self.schema.fields().iter();
+        fields.position(|field| plain(field.name()) == plain(name))
     }
 
     fn wrong(&self, column: &str, reason: &str) -> SweepError {
-        SweepError::Table {
-            path: self.path.clone(),
-            reason: format!("{column}: {reason}"),
-        }
+        SweepError::table(&self.path)(format!("{column}: {reason}"))
     }
 }
 
+/// What is read of the spec in a table's metadata.
+#[derive(Deserialize)]
+struct RecordedSpec {
+    bases: Vec<RecordedBase>,
+}
+
+#[derive(Deserialize)]
+struct RecordedBase {
+    scenario: BTreeMap<String, Value>,
+}
+
+/// The keys and values of the scenario of a row in a sweep's table: those of its base, and what the row changes.
+///
+/// # Errors
+/// [`SweepError::Table`] if it is not the table of a sweep, has no such row, or gives another scenario than the one that was
+/// run; [`SweepError::Key`] if this version doesn't have a key of it.
+pub fn values_of_row(table: &Path, row: u64) -> Result<Values, SweepError> {
+    guarded(|| read_row(table, row)).map_err(SweepError::table(table))?
+}
+
+fn read_row(table: &Path, row: u64) -> Result<Values, SweepError> {
+    let wrong = |reason: String| SweepError::table(table)(reason);
+    let builder = open(table)?;
+    let spec = entry(builder.metadata(), SPEC_ENTRY);
+    let spec: Option<RecordedSpec> = spec.and_then(|text| serde_json::from_str(text).ok());
+    let spec = spec.ok_or_else(|| wrong("it is not the table of a sweep".to_owned()))?;
+    let rows = builder.metadata().file_metadata().num_rows() as u64;
+    if row >= rows {
+        let reason = format!("there is no row {row}: it has {rows}, from 0 on");
+        return Err(wrong(reason));
+    }
+    let reader = builder.with_offset(row as usize).with_limit(1).build();
+    let batch = reader.map_err(SweepError::table(table))?.next().transpose();
+    let batch = batch.map_err(SweepError::table(table))?;
+    let batch = batch.ok_or_else(|| wrong(format!("row {row} is missing")))?;
+    let rows_per_base = (rows / spec.bases.len().max(1) as u64).max(1);
+    let base = spec.bases.into_iter().nth((row / rows_per_base) as usize);
+    let mut values = Values::default();
+    for (key, value) in base.into_iter().flat_map(|base| base.scenario) {
+        values.put(&key, value)?;
+    }
+    let cell = |column: &dyn Array| {
+        let read = cells(column).map_err(wrong)?;
+        Ok::<_, SweepError>(read.into_iter().next().flatten())
+    };
+    for (field, column) in batch.schema_ref().fields().iter().zip(batch.columns()) {
+        if let Ok(key) = find_key(field.name())
+            && let Some(value) = cell(column)?
+        {
+            values.put(key.path, value)?;
+        }
+    }
+    let recorded = batch
+        .column_by_name("scenario_digest")
+        .map(|column| cell(column));
+    let digest = Scenario::new(values.clone()).map(|scenario| Value::Text(scenario.digest()));
+    if recorded.transpose()?.flatten() != digest.ok() {
+        return Err(wrong(format!(
+            "row {row} gives another scenario than the one that was run: the table was changed, or is of another version"
+        )));
+    }
+    Ok(values)
+}
+
+fn open(path: &Path) -> Result<ParquetRecordBatchReaderBuilder<File>, SweepError> {
+    let file = open_file(path).map_err(SweepError::io("read", path))?;
+    ParquetRecordBatchReaderBuilder::try_new(file).map_err(SweepError::table(path))
+}
+
 /// The name of a column, for a key's path too.
-pub(super) fn plain(name: &str) -> String {
+fn plain(name: &str) -> String {
     name.replace('.', "_")
 }

@@ -1,11 +1,12 @@
 //! Where the points of a sample lie: each a function of the seed, the row and the dimension alone.
 
 use super::sobol::{DIMENSIONS, Sobol};
-use schemars::JsonSchema;
+use super::words;
+use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
 /// How points are chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// Sobol's sequence, which fills the space evenly.
@@ -15,16 +16,36 @@ pub enum Method {
     Random,
 }
 
-/// The most axes that a sample by this method has.
-pub(super) fn most_axes(method: Method) -> usize {
-    match method {
-        Method::Sobol => DIMENSIONS,
-        Method::Random => usize::MAX,
+impl Method {
+    /// The most axes that a sample by this method has.
+    pub(super) fn most_axes(self) -> usize {
+        match self {
+            Self::Sobol => DIMENSIONS,
+            Self::Random => usize::MAX,
+        }
     }
 }
 
+/// Points that are chosen among the values of some axes.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a section with count, method and seed"
+)]
+pub struct Sample {
+    /// How many.
+    #[serde(deserialize_with = "words::count")]
+    pub count: u64,
+    /// How they are chosen.
+    #[serde(default, deserialize_with = "words::method")]
+    pub method: Method,
+    /// Which of many such choices; 0 is Sobol's sequence itself.
+    #[serde(default, deserialize_with = "words::seed")]
+    pub seed: u64,
+}
+
 /// The coordinates of the points of a sample, each from 0 to below 1.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     seed: u64,
     /// One for each dimension; none for random points.
@@ -33,11 +54,12 @@ pub(super) struct Points {
 
 impl Points {
     /// Points with so many coordinates.
-    pub(super) fn new(method: Method, seed: u64, dimensions: usize) -> Self {
-        let sobol = match method {
+    pub(super) fn new(sample: &Sample, dimensions: usize) -> Self {
+        let sobol = match sample.method {
             Method::Sobol => (0..dimensions).map(Sobol::new).collect(),
             Method::Random => Vec::new(),
         };
+        let seed = sample.seed;
         Self { seed, sobol }
     }
 
@@ -70,6 +92,16 @@ fn mixed(numbers: &[u64]) -> u64 {
 mod tests {
     use super::*;
 
+    fn points_of(method: Method, seed: u64, dimensions: usize) -> Points {
+        let count = 1;
+        let sample = Sample {
+            count,
+            method,
+            seed,
+        };
+        Points::new(&sample, dimensions)
+    }
+
     /// The first numbers of SplitMix64 from the state 0: its state is the golden number added up.
     #[test]
     fn val_mixing_is_splitmix64() {
@@ -79,8 +111,8 @@ mod tests {
 
     #[test]
     fn random_points_fill_the_cube_and_depend_on_the_seed() {
-        let points = Points::new(Method::Random, 7, 3);
-        let other = Points::new(Method::Random, 8, 3);
+        let points = points_of(Method::Random, 7, 3);
+        let other = points_of(Method::Random, 8, 3);
         for dimension in 0..3 {
             let all: Vec<f64> = (0..10_000).map(|row| points.at(row, dimension)).collect();
             assert!(all.iter().all(|at| (0.0..1.0).contains(at)));
@@ -94,8 +126,8 @@ mod tests {
 
     #[test]
     fn a_seed_shifts_the_sequence() {
-        let plain = Points::new(Method::Sobol, 0, 2);
-        let shifted = Points::new(Method::Sobol, 7, 2);
+        let plain = points_of(Method::Sobol, 0, 2);
+        let shifted = points_of(Method::Sobol, 7, 2);
         assert_eq!(plain.at(0, 1), 0.0);
         assert_ne!(shifted.at(0, 1), 0.0);
         assert_ne!(shifted.at(0, 0), shifted.at(0, 1));

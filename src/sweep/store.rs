@@ -1,24 +1,30 @@
 //! Where a sweep is kept: its parts while it grows, its table when it is complete.
 
+use super::checksum;
 use super::counts::Counts;
 use super::directory::{self, SPEC_FILE};
 use super::error::SweepError;
-use super::part::{COUNTS_ENTRY, Sweep, counts_entry, properties};
-use super::seal::{SEAL_ENTRY, is_sealed, seal};
-use crate::archive::publish::{self, Draft, Existing};
+use super::part::{COUNTS_ENTRY, Sweep, bytes, counts_entry, properties};
+use crate::archive::given::open_file;
+use crate::archive::publish::{self, Draft, Existing, is_same_file};
 use crate::archive::sink::SinkError;
+use crate::run::scenario::hex;
+use arrow_array::RecordBatch;
 use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::writer::SerializedFileWriter;
-use std::ffi::OsStr;
+use sha2::{Digest as _, Sha256};
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The entry of the table's metadata with the spec.
-const SPEC_ENTRY: &str = "toprise.sweep";
+pub(super) const SPEC_ENTRY: &str = "toprise.sweep";
+
+/// The entry of a part's metadata that says of which sweep it is: the SHA-256 of the spec; and which part.
+const PART_ENTRY: &str = "toprise.part";
 
 /// The directory for the parts of a table.
 #[must_use]
@@ -29,20 +35,37 @@ pub fn parts_directory(table: &Path) -> PathBuf {
 /// The places of a sweep's files.
 pub(super) struct Store<'a> {
     sweep: &'a Sweep,
-    /// Its identity as text, which each seal is made from.
-    identity: String,
+    /// The SHA-256 of its spec.
+    digest: String,
     table: &'a Path,
     parts: PathBuf,
 }
 
 impl<'a> Store<'a> {
-    pub(super) fn new(sweep: &'a Sweep, table: &'a Path) -> Self {
-        let parts = parts_directory(table);
-        Self {
+    /// The places beside a table.
+    ///
+    /// # Errors
+    /// [`SweepError::Sink`] if no file can have the table's name, or a file that the spec is read from is in one of the
+    /// places.
+    pub(super) fn new(sweep: &'a Sweep, table: &'a Path) -> Result<Self, SweepError> {
+        publish::check_name(table)?;
+        let store = Self {
             sweep,
-            identity: sweep.identity().to_string(),
+            digest: hex(&Sha256::digest(sweep.identity().to_string())),
             table,
-            parts,
+            parts: parts_directory(table),
+        };
+        let is_in_place = |input: &&Path| {
+            let name = input.file_name().unwrap_or_default();
+            let is_part = || is_same_file(input, &store.parts.join(name));
+            is_same_file(input, table) || store.is_own(&name.to_string_lossy()) && is_part()
+        };
+        match sweep.spec().inputs().find(is_in_place) {
+            Some(input) => Err(SinkError::IsInUse {
+                path: input.to_owned(),
+            }
+            .into()),
+            None => Ok(store),
         }
     }
 
@@ -55,15 +78,23 @@ impl<'a> Store<'a> {
         if table.symlink_metadata().is_err() {
             return Ok(None);
         }
-        let path = || table.to_owned();
-        let exists = || SweepError::Exists { path: path() };
+        let unusable = |reason| SweepError::unusable(table, reason);
+        let exists = || unusable("exists and is not the table of a sweep: choose another name");
         let is_special = |found: Metadata| !found.is_file() && !found.is_dir();
         if table.metadata().is_ok_and(is_special) {
-            return Err(SweepError::NoFile { path: path() });
+            return Err(unusable(
+                "is a pipe or a device: a table is written to a file; choose another name",
+            ));
         }
-        let metadata = metadata(table).map_err(|_| exists())?;
+        let file = File::open(table).map_err(SweepError::io("read", table))?;
+        let metadata = metadata(&file).map_err(|_| exists())?;
         let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(exists)?;
         directory::refuse_other(table, spec, self.sweep.identity())?;
+        if !checksum::is_right(&file).map_err(SweepError::io("read", table))? {
+            return Err(unusable(
+                "is damaged, or was changed: choose another name, or remove it and sweep again",
+            ));
+        }
         let counts = entry(&metadata, COUNTS_ENTRY).ok_or_else(exists)?;
         serde_json::from_str(counts).map(Some).map_err(|_| exists())
     }
@@ -71,7 +102,7 @@ impl<'a> Store<'a> {
     /// Makes the directory of the parts, or finds that it is of this sweep.
     ///
     /// # Errors
-    /// [`SweepError::Changed`] if it is of another one.
+    /// [`SweepError::Unusable`] if it is of another one.
     pub(super) fn open(&self) -> Result<(), SweepError> {
         directory::claim(&self.parts, self.sweep.identity())
     }
@@ -79,7 +110,7 @@ impl<'a> Store<'a> {
     /// Finds whether the directory of the parts, if there is one, is of this sweep.
     ///
     /// # Errors
-    /// [`SweepError::Changed`] if it is of another one.
+    /// [`SweepError::Unusable`] if it is of another one.
     pub(super) fn check_parts(&self) -> Result<(), SweepError> {
         directory::check(&self.parts, self.sweep.identity())
     }
@@ -103,23 +134,22 @@ impl<'a> Store<'a> {
         self.parts.join(part_name(part))
     }
 
-    /// Whether a part is there.
+    /// Whether a part is there. One that is damaged is not, and will be computed again.
     ///
     /// # Errors
-    /// [`SweepError::BadPart`] if something else has its name.
+    /// [`SweepError::Unusable`] if it is of another sweep.
     pub(super) fn has(&self, part: u64) -> Result<bool, SweepError> {
-        if self.part(part).symlink_metadata().is_err() {
-            return Ok(false);
-        }
-        self.checked(part).map(|_| true)
+        Ok(self.found(part)?.is_some())
     }
 
-    /// How the rows of a part that is there came out.
+    /// How the rows of a part came out; none if it is not there.
     ///
     /// # Errors
-    /// [`SweepError::BadPart`] if it is something else.
-    pub(super) fn counts(&self, part: u64) -> Result<Counts, SweepError> {
-        self.counts_in(&self.checked(part)?, part)
+    /// [`SweepError::Unusable`] if it is of another sweep.
+    pub(super) fn counts(&self, part: u64) -> Result<Option<Counts>, SweepError> {
+        let found = self.found(part)?;
+        let counts = found.map(|metadata| self.counts_in(&metadata, part));
+        counts.transpose()
     }
 
     fn counts_in(&self, metadata: &ParquetMetaData, part: u64) -> Result<Counts, SweepError> {
@@ -128,28 +158,36 @@ impl<'a> Store<'a> {
         counts.ok_or_else(|| self.bad(part, "its counts are missing"))
     }
 
-    /// Writes a part: whole, or not at all.
+    /// Writes a part: whole, or not at all. It takes the place of a damaged one, or of that of another process, which has
+    /// the same bytes.
     ///
     /// # Errors
     /// [`SweepError::Sink`] if the disk is full, or the like.
-    pub(super) fn write(&self, part: u64, mut bytes: Vec<u8>) -> Result<(), SweepError> {
-        seal(&mut bytes, &self.identity, part);
-        match publish::write(&self.part(part), Existing::Keep, &bytes) {
-            // Another process that computes the same part was faster, and came to the same bytes.
-            Ok(()) | Err(SinkError::Exists { .. }) => Ok(()),
-            Err(error) => Err(error.into()),
-        }
+    pub(super) fn write(
+        &self,
+        part: u64,
+        batch: &RecordBatch,
+        counts: &Counts,
+    ) -> Result<(), SweepError> {
+        let name = KeyValue::new(PART_ENTRY.to_owned(), self.name(part));
+        let bytes = bytes(batch, counts, name)?;
+        Ok(publish::write(&self.part(part), Existing::Replace, &bytes)?)
+    }
+
+    /// What tells a part from those of other sweeps.
+    fn name(&self, part: u64) -> String {
+        format!("{} {part}", self.digest)
     }
 
     /// Merges all parts into the table by copying their columns, and removes them.
     ///
     /// # Errors
-    /// [`SweepError::BadPart`] for a part that is not what it must be.
+    /// [`SweepError::Unusable`] for a part that is not what it must be.
     pub(super) fn merge(&self) -> Result<(), SweepError> {
         let mut counts = Counts::default();
         let mut schema = None;
         for part in 0..self.sweep.parts() {
-            let metadata = self.checked(part)?;
+            let metadata = self.whole(part)?;
             counts.add(self.counts_in(&metadata, part)?);
             schema.get_or_insert(metadata);
         }
@@ -174,12 +212,8 @@ impl<'a> Store<'a> {
     /// Removes what a process left that was killed, or late, when the table was there already.
     pub(super) fn clear_rest(&self) {
         let is_claimed = self.parts.join(SPEC_FILE).exists();
-        let is_ours = if is_claimed {
-            self.check_parts().is_ok()
-        } else {
-            (0..self.sweep.parts()).all(|part| self.has(part).is_ok())
-        };
-        if is_ours {
+        let is_ours = |part| self.whole(part).is_ok() || !self.part(part).exists();
+        if self.check_parts().is_ok() && (is_claimed || (0..self.sweep.parts()).all(is_ours)) {
             self.clear();
         }
     }
@@ -189,34 +223,28 @@ impl<'a> Store<'a> {
     /// goes last.
     fn clear(&self) {
         let entries = fs::read_dir(&self.parts).into_iter().flatten().flatten();
-        for entry in entries.filter(|entry| self.is_own(&entry.file_name())) {
+        for entry in entries.filter(|entry| self.is_own(&entry.file_name().to_string_lossy())) {
             let _ = fs::remove_file(entry.path());
         }
         let _ = fs::remove_file(self.parts.join(SPEC_FILE));
         let _ = fs::remove_dir(&self.parts);
     }
 
-    /// Whether a file in the directory of parts has the name of a part of this sweep, or of the hidden draft of a part, of
+    /// Whether a file in the directory of parts has the name of a part of this sweep, or of a hidden draft of a part, of
     /// the table or of the file that says of which sweep the directory is.
-    fn is_own(&self, name: &OsStr) -> bool {
-        let name = name.to_string_lossy();
-        let (name, is_draft) = match name.strip_prefix('.') {
-            Some(name) => (name, true),
-            None => (&*name, false),
-        };
-        let is_file = |file: &str| {
-            // A draft has some more letters.
-            let rest = name.strip_prefix(file);
-            rest.is_some_and(|rest| rest.is_empty() != is_draft)
-        };
-        let digits = name
+    fn is_own(&self, name: &str) -> bool {
+        let visible = name.trim_start_matches('.');
+        let digits = visible
             .split('.')
             .next()
             .and_then(|digits| digits.parse().ok());
-        let part = digits.filter(|part| *part < self.sweep.parts());
-        let table = publish::name_in_drafts(self.table);
-        let is_other_draft = is_file(SPEC_FILE) || is_file(&table.to_string_lossy());
-        part.is_some_and(|part| is_file(&part_name(part))) || is_draft && is_other_draft
+        let part = digits
+            .filter(|part| *part < self.sweep.parts())
+            .map(part_name);
+        let is_draft_of = |path: &Path| publish::is_draft_of(name, path);
+        part.is_some_and(|part| name == part || is_draft_of(Path::new(&part)))
+            || is_draft_of(self.table)
+            || is_draft_of(Path::new(SPEC_FILE))
     }
 
     /// Copies the parts into a draft of the table.
@@ -230,20 +258,21 @@ impl<'a> Store<'a> {
         let file = first.file_metadata();
         let arrow = file.key_value_metadata().into_iter().flatten();
         let mut entries: Vec<_> = arrow
-            .filter(|entry| ![COUNTS_ENTRY, SEAL_ENTRY].contains(&entry.key.as_str()))
+            .filter(|entry| ![COUNTS_ENTRY, PART_ENTRY].contains(&entry.key.as_str()))
             .cloned()
             .collect();
-        entries.push(KeyValue::new(SPEC_ENTRY.to_owned(), self.identity.clone()));
+        let spec = self.sweep.identity().to_string();
+        entries.push(KeyValue::new(SPEC_ENTRY.to_owned(), spec));
         entries.push(counts_entry(counts)?);
         let schema = file.schema_descr().root_schema_ptr();
-        let output = BufWriter::new(draft);
+        let output = BufWriter::new(&mut *draft);
         let writer = SerializedFileWriter::new(output, schema, Arc::new(properties(entries)));
         let mut writer = writer.map_err(cannot_write)?;
         for part in 0..self.sweep.parts() {
             let path = self.part(part);
-            // Checked before.
-            let metadata = metadata(&path).map_err(|error| self.bad(part, &error.to_string()))?;
             let file = File::open(&path).map_err(SweepError::io("read", &path))?;
+            // Checked before.
+            let metadata = metadata(&file).map_err(|error| self.bad(part, &error.to_string()))?;
             for group in metadata.row_groups() {
                 let mut copy = writer.next_row_group().map_err(cannot_write)?;
                 for column in group.columns() {
@@ -262,30 +291,35 @@ impl<'a> Store<'a> {
             }
         }
         writer.close().map_err(cannot_write)?;
-        Ok(())
+        checksum::add(draft.file()?).map_err(SweepError::io("write", self.table))
     }
 
-    /// The metadata of a part, if it is one of this sweep, and as it was written.
-    fn checked(&self, part: u64) -> Result<ParquetMetaData, SweepError> {
-        let path = self.part(part);
-        let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
-        if !is_file {
-            return Err(self.bad(part, "it is no file"));
-        }
-        let bytes = fs::read(&path).map_err(SweepError::io("read", &path))?;
-        let is_own = |found: &ParquetMetaData| {
-            let seal = entry(found, SEAL_ENTRY);
-            seal.is_some_and(|seal| is_sealed(bytes, seal, &self.identity, part))
+    /// The metadata of a part; none if there is none, or it is damaged.
+    fn found(&self, part: u64) -> Result<Option<ParquetMetaData>, SweepError> {
+        let Ok(file) = open_file(&self.part(part)) else {
+            return Ok(None);
         };
-        let found = metadata(&path).ok().filter(is_own);
-        found.ok_or_else(|| self.bad(part, "it is damaged, or of another sweep"))
+        let Ok(found) = metadata(&file) else {
+            return Ok(None);
+        };
+        if !checksum::is_right(&file).is_ok_and(|is_right| is_right) {
+            return Ok(None);
+        }
+        if entry(&found, PART_ENTRY) != Some(&self.name(part)) {
+            return Err(self.bad(part, "it is of another sweep"));
+        }
+        Ok(Some(found))
+    }
+
+    /// The metadata of a part that must be there.
+    fn whole(&self, part: u64) -> Result<ParquetMetaData, SweepError> {
+        self.found(part)?
+            .ok_or_else(|| self.bad(part, "it is missing or damaged"))
     }
 
     fn bad(&self, part: u64, reason: &str) -> SweepError {
-        SweepError::BadPart {
-            path: self.part(part),
-            reason: reason.to_owned(),
-        }
+        let reason = format!("can't be merged: {reason}; remove it and sweep again");
+        SweepError::unusable(&self.part(part), reason)
     }
 }
 
@@ -310,13 +344,12 @@ fn part_name(part: u64) -> String {
     format!("{part:06}.parquet")
 }
 
-fn metadata(path: &Path) -> Result<ParquetMetaData, ParquetError> {
-    let file = File::open(path)?;
-    ParquetMetaDataReader::new().parse_and_finish(&file)
+fn metadata(file: &File) -> Result<ParquetMetaData, ParquetError> {
+    ParquetMetaDataReader::new().parse_and_finish(file)
 }
 
 /// An entry of a file's metadata.
-fn entry<'a>(metadata: &'a ParquetMetaData, name: &str) -> Option<&'a str> {
+pub(super) fn entry<'a>(metadata: &'a ParquetMetaData, name: &str) -> Option<&'a str> {
     let entries = metadata.file_metadata().key_value_metadata()?;
     let found = entries.iter().find(|entry| entry.key == name)?;
     found.value.as_deref()

@@ -1,27 +1,35 @@
 //! A table that says what each run changes: a design made elsewhere.
 
 use super::axis::find_key;
-use super::cells::{Cells, cells};
+use super::cells::{Cells, cells as cells_of};
 use super::error::SweepError;
+use super::guard::guarded;
 use crate::archive::given::{open_file, read_text};
 use crate::run::scenario::{Key, Value, hex};
-use arrow_array::{Array, RecordBatch};
-use arrow_schema::Schema;
+use arrow_array::{RecordBatch, new_empty_array};
+use arrow_schema::{DataType, Schema};
+use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value as Json;
 use sha2::{Digest as _, Sha256};
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The most rows of a table: it is held in memory.
+const MOST_ROWS: u64 = 10_000_000;
 
 /// A table with a column for each key that varies. Where a cell is empty, the base's own value holds.
 #[derive(Clone, Debug)]
 pub struct Table {
     columns: Vec<Column>,
     rows: u64,
+    /// The file that it was read from.
+    file: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug)]
 struct Column {
+    name: String,
     key: &'static Key,
     cells: Cells,
 }
@@ -41,10 +49,9 @@ impl Table {
         } else {
             Err("must be a .parquet or a .csv file".to_owned())
         };
-        read.map_err(|reason| SweepError::Table {
-            path: path.to_owned(),
-            reason,
-        })
+        let file = Some(path.to_owned());
+        read.map(|table| Self { file, ..table })
+            .map_err(SweepError::table(path))
     }
 
     /// Takes the columns of Arrow's batches, which all have this schema. An index of pandas is passed over, unless it is
@@ -54,25 +61,52 @@ impl Table {
     /// A column that is no key, or has values that are no numbers or words.
     pub fn from_batches(schema: &Schema, batches: &[RecordBatch]) -> Result<Self, String> {
         let rows = batches.iter().map(|batch| batch.num_rows() as u64).sum();
-        if rows == 0 {
-            return Err("there are no rows".to_owned());
+        let mut table = Self::of_schema(schema, rows)?;
+        for batch in batches {
+            table.add(batch)?;
         }
+        Ok(table)
+    }
+
+    /// A table that will have the columns of a schema and so many rows, as yet without cells. All that can be known to be
+    /// wrong before a cell is read is refused.
+    fn of_schema(schema: &Schema, rows: u64) -> Result<Self, String> {
+        check_rows(rows)?;
         let indices = pandas_indices(schema);
         let mut columns = Vec::new();
-        for (index, field) in schema.fields().iter().enumerate() {
-            let name = field.name();
-            let key = match find_key(name) {
-                Err(_) if indices.contains(name) || is_nameless_index(name) => continue,
+        for field in schema.fields() {
+            let name = field.name().clone();
+            let key = match find_key(&name) {
+                Err(_) if indices.contains(&name) || is_nameless_index(&name) => continue,
                 found => found.map_err(|error| error.to_string())?,
             };
-            let mut cells = Vec::new();
-            for batch in batches {
-                let read = cells_of(key, batch.column(index).as_ref());
+            check_type(key, field.data_type()).map_err(|reason| format!("{name}: {reason}"))?;
+            let cells = Vec::new();
+            columns.push(Column { name, key, cells });
+        }
+        Ok(Self {
+            columns,
+            rows: 0,
+            file: None,
+        })
+    }
+
+    /// Adds the rows of a batch.
+    fn add(&mut self, batch: &RecordBatch) -> Result<(), String> {
+        self.rows += batch.num_rows() as u64;
+        check_rows(self.rows.max(1))?;
+        for Column { name, cells, .. } in &mut self.columns {
+            if let Some(column) = batch.column_by_name(name) {
+                let read = cells_of(column.as_ref());
                 cells.extend(read.map_err(|reason| format!("{name}: {reason}"))?);
             }
-            columns.push(Column { key, cells });
         }
-        Ok(Self { columns, rows })
+        Ok(())
+    }
+
+    /// The file that it was read from.
+    pub(super) fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
     }
 
     /// The keys that vary.
@@ -103,7 +137,7 @@ impl Table {
     pub(super) fn digest(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(self.rows.to_le_bytes());
-        for Column { key, cells } in &self.columns {
+        for Column { key, cells, .. } in &self.columns {
             hash.update(format!("{}\n", key.path));
             for cell in cells {
                 match cell {
@@ -116,13 +150,57 @@ impl Table {
     }
 }
 
+/// Refuses no rows, and more than there is memory for.
+fn check_rows(rows: u64) -> Result<(), String> {
+    match rows {
+        0 => Err("there are no rows".to_owned()),
+        1..=MOST_ROWS => Ok(()),
+        _ => Err(format!(
+            "more than {MOST_ROWS} rows: divide them among several tables"
+        )),
+    }
+}
+
+/// Refuses a type of which no value can be one of this key.
+fn check_type(key: &Key, of: &DataType) -> Result<(), String> {
+    cells_of(&new_empty_array(of))?;
+    let is_text = |of: &DataType| {
+        matches!(
+            of,
+            DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View
+        )
+    };
+    let values = match of {
+        DataType::Dictionary(_, values) => values,
+        of => of,
+    };
+    if *values == DataType::Null || is_text(values) == key.kind.is_text() {
+        return Ok(());
+    }
+    let are = if is_text(values) { "words" } else { "numbers" };
+    Err(format!("the values are {are}, and must be {}", key.kind))
+}
+
 fn from_parquet(file: File) -> Result<Table, String> {
+    guarded(|| read_parquet(file))?
+}
+
+fn read_parquet(file: File) -> Result<Table, String> {
     let told = |error: &dyn std::error::Error| error.to_string();
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| told(&error))?;
-    let schema = builder.schema().clone();
-    let reader = builder.build().map_err(|error| told(&error))?;
-    let batches: Result<Vec<_>, _> = reader.collect();
-    Table::from_batches(&schema, &batches.map_err(|error| told(&error))?)
+    let groups = builder.metadata().row_groups().iter();
+    let rows = groups.map(|group| u64::try_from(group.num_rows()).unwrap_or(u64::MAX));
+    let rows = rows.fold(0, u64::saturating_add);
+    let mut table = Table::of_schema(builder.schema(), rows)?;
+    let names = builder.schema().fields().iter().enumerate();
+    let is_wanted = |name: &String| table.columns.iter().any(|column| column.name == *name);
+    let wanted = names.filter(|(_, field)| is_wanted(field.name()));
+    let wanted = ProjectionMask::roots(builder.parquet_schema(), wanted.map(|(index, _)| index));
+    let reader = builder.with_projection(wanted).build();
+    for batch in reader.map_err(|error| told(&error))? {
+        table.add(&batch.map_err(|error| told(&error))?)?;
+    }
+    Ok(table)
 }
 
 /// The columns that pandas has made of the index of its rows.
@@ -146,6 +224,11 @@ fn is_nameless_index(name: &str) -> bool {
 
 fn from_csv(file: File) -> Result<Table, String> {
     let text = read_text(file).map_err(|error| error.to_string())?;
+    if let Some(line) = unclosed_quote(&text) {
+        return Err(format!(
+            "line {line}: a quote is opened here that nothing closes"
+        ));
+    }
     let mut text = text.trim_start_matches('\u{feff}').to_owned();
     let header = csv_reader(&text).headers().cloned();
     let header = header.map_err(|error| error.to_string())?;
@@ -156,6 +239,7 @@ fn from_csv(file: File) -> Result<Table, String> {
     let mut columns = Vec::new();
     for name in &header {
         let column = |key| Column {
+            name: name.to_owned(),
             key,
             cells: Vec::new(),
         };
@@ -173,7 +257,7 @@ fn from_csv(file: File) -> Result<Table, String> {
         };
         for (column, cell) in columns.iter_mut().zip(&record) {
             match column {
-                Some(Column { key, cells }) => cells.push(csv_cell(key, cell).map_err(told)?),
+                Some(Column { key, cells, .. }) => cells.push(csv_cell(key, cell).map_err(told)?),
                 None if cell.parse() == Ok(rows) => {}
                 None => {
                     let reason = format!(
@@ -185,11 +269,24 @@ fn from_csv(file: File) -> Result<Table, String> {
         }
         rows += 1;
     }
-    if rows == 0 {
-        return Err("there are no rows".to_owned());
-    }
-    let columns = columns.into_iter().flatten().collect();
-    Ok(Table { columns, rows })
+    check_rows(rows)?;
+    Ok(Table {
+        columns: columns.into_iter().flatten().collect(),
+        rows,
+        file: None,
+    })
+}
+
+/// The number of the line in which a quote is opened that nothing closes.
+fn unclosed_quote(text: &str) -> Option<usize> {
+    let lines = text.lines().enumerate();
+    lines.fold(None, |opened, (index, line)| {
+        match line.matches('"').count() % 2 {
+            0 => opened,
+            _ if opened.is_some() => None,
+            _ => Some(index + 1),
+        }
+    })
 }
 
 /// A cell of a CSV file: empty, a word or a number.
@@ -250,16 +347,6 @@ fn with_empty_cells(text: &str) -> String {
     filled
 }
 
-/// The cells of a column for this key.
-fn cells_of(key: &Key, column: &dyn Array) -> Result<Cells, String> {
-    let cells = cells(column)?;
-    let is_wrong = |value: &&Value| matches!(value, Value::Text(_)) != key.kind.is_text();
-    match cells.iter().flatten().find(is_wrong) {
-        Some(value) => Err(format!("{value}: must be {}", key.kind)),
-        None => Ok(cells),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -313,6 +400,10 @@ mod tests {
             (
                 "friction_k,initial.phi\n0.1,1\n\n0.2\n",
                 "line 4 has 1 cell, and the header 2",
+            ),
+            (
+                "friction_k\n\"0.1\"\n\"0.2\n0.3\n",
+                "line 3: a quote is opened here that nothing closes",
             ),
         ] {
             assert_eq!(read(text).unwrap_err(), told, "{text:?}");

@@ -2,12 +2,12 @@
 
 use super::counts::{Counts, RowError};
 use super::error::SweepError;
-use super::part::{Sweep, bytes};
+use super::part::Sweep;
 use super::row::Watch;
 use super::store::Store;
 use arrow_array::RecordBatch;
 use std::ops::{ControlFlow, Range};
-use std::path::{Path, is_separator};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
@@ -30,13 +30,22 @@ impl Shard {
 /// How a sweep is computed. Nothing of this changes its bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
-    /// Number of threads; 0 for one for each processor.
+    /// Number of threads, as [`threads`] takes it.
     pub threads: usize,
     /// Computes the parts of this share alone, and doesn't merge.
     pub shard: Option<Shard>,
     /// Ends at the first row with an error instead of going on: of all rows or those of the share, whether they are
     /// computed now or were there.
     pub fail_fast: bool,
+}
+
+/// The number of threads for some runs: as many as are wanted (0: all), but no more than there are processors and runs.
+#[must_use]
+pub fn threads(wanted: usize, runs: u64) -> usize {
+    let processors = thread::available_parallelism().map_or(1, usize::from);
+    let wanted = if wanted == 0 { processors } else { wanted };
+    let runs = usize::try_from(runs).unwrap_or(usize::MAX);
+    wanted.min(processors).min(runs).max(1)
 }
 
 /// What was done.
@@ -67,19 +76,18 @@ pub fn run(
     options: &Options,
     watch: &Watch<'_>,
 ) -> Result<Finished, SweepError> {
-    check_name(table)?;
-    let store = Store::new(sweep, table);
+    let store = Store::new(sweep, table)?;
     let mut finished = Finished::default();
-    let result = match store.finished()? {
-        Some(_) => Ok(()),
-        None => complete(&store, sweep, options, watch, &mut finished),
-    };
-    // What is missing may have been completed elsewhere meanwhile, and the parts cleared away.
-    let merged = store.finished().ok().flatten();
-    match result {
-        Err(error @ SweepError::Row { .. }) => return Err(error),
-        Err(error) if merged.is_none() => return Err(error),
-        _ => {}
+    let mut merged = store.finished()?;
+    if merged.is_none() {
+        let completed = complete(&store, sweep, options, watch, &mut finished);
+        // What is missing may have been completed elsewhere meanwhile, and the parts cleared away.
+        merged = store.finished().ok().flatten();
+        match completed {
+            Err(error @ SweepError::Row { .. }) => return Err(error),
+            Err(error) if merged.is_none() => return Err(error),
+            _ => {}
+        }
     }
     if let Some(counts) = merged {
         store.clear_rest();
@@ -119,9 +127,9 @@ fn complete(
     if let Some((part, _)) = failed {
         to_do.retain(|missing| *missing < part);
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads)
-        .build()?;
+    let threads = threads(options.threads, rows_in(sweep, &to_do));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let pool = pool.build()?;
     // One part is computed while another one is written.
     let (sender, receiver) = sync_channel(0);
     let written = thread::scope(|scope| {
@@ -150,29 +158,19 @@ fn complete(
 /// # Errors
 /// As [`run`].
 pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u64, SweepError> {
-    check_name(table)?;
-    let store = Store::new(sweep, table);
+    let store = Store::new(sweep, table)?;
     if store.finished()?.is_some() {
         return Ok(0);
     }
     store.check_parts()?;
-    let mut left = 0;
-    for part in missing(&store, sweep, shard) {
-        let rows = sweep.rows_of(part?);
-        left += rows.end - rows.start;
-    }
-    Ok(left)
+    let missing: Vec<u64> = missing(&store, sweep, shard).collect::<Result<_, _>>()?;
+    Ok(rows_in(sweep, &missing))
 }
 
-/// Refuses a path that no table can have, before anything is computed for it.
-fn check_name(table: &Path) -> Result<(), SweepError> {
-    let name = table.to_string_lossy();
-    if table.file_name().is_some() && !name.ends_with(is_separator) {
-        return Ok(());
-    }
-    Err(SweepError::Spec(format!(
-        "\"{name}\" names no file: the table needs a name, as in out.parquet"
-    )))
+/// The number of rows of some parts.
+fn rows_in(sweep: &Sweep, parts: &[u64]) -> u64 {
+    let rows = parts.iter().map(|part| sweep.rows_of(*part));
+    rows.map(|rows| rows.end - rows.start).sum()
 }
 
 /// All parts, or those of a share, in order.
@@ -181,7 +179,7 @@ fn parts(sweep: &Sweep, shard: Option<Shard>) -> impl Iterator<Item = u64> {
     (0..sweep.parts()).filter(is_own)
 }
 
-/// The parts that are not there, in order; an error for one that is something else.
+/// The parts that are not there, in order; an error for one that is of another sweep.
 fn missing(
     store: &Store<'_>,
     sweep: &Sweep,
@@ -201,9 +199,7 @@ fn first_failed(
     shard: Option<Shard>,
 ) -> Result<Option<(u64, RowError)>, SweepError> {
     for part in parts(sweep, shard) {
-        if store.has(part)?
-            && let Some(error) = store.counts(part)?.first_error
-        {
+        if let Some(error) = store.counts(part)?.and_then(|counts| counts.first_error) {
             return Ok(Some((part, error)));
         }
     }
@@ -258,7 +254,7 @@ fn first_refused(sweep: &Sweep, mut rows: Range<u64>) -> Option<RowError> {
 /// Writes parts as they come.
 fn write_all(store: &Store<'_>, computed: Receiver<Computed>) -> Result<(), SweepError> {
     for (part, batch, counts) in computed {
-        store.write(part, bytes(&batch, &counts)?)?;
+        store.write(part, &batch, &counts)?;
     }
     Ok(())
 }

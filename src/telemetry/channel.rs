@@ -44,8 +44,6 @@ pub struct Leaf {
     pub is_component: bool,
     /// The index of its time derivative among the channel's numbers, if that is recorded.
     pub derivative: Option<usize>,
-    /// The version of the telemetry that recorded it first.
-    pub since: u32,
 }
 
 /// A member of an encoded message: a leaf, or an object of numbers.
@@ -167,7 +165,6 @@ fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
         plot: field.plot,
         is_component: components.len() > 1,
         derivative: None,
-        since: field.since,
     };
     components.iter().map(leaf).collect()
 }

@@ -81,12 +81,7 @@ impl Encoder {
     /// An encoder of this kind.
     #[must_use]
     pub fn new(encoding: Encoding) -> Self {
-        Self::of(encoding, channels())
-    }
-
-    /// An encoder of this kind for messages of these channels, as a version of the telemetry has them.
-    #[must_use]
-    pub fn of(encoding: Encoding, channels: &[ChannelInfo]) -> Self {
+        let channels = channels();
         match encoding {
             Encoding::Json => Self::Json(JsonEncoder::new(channels)),
             Encoding::Protobuf => Self::Protobuf(ProtobufEncoder::new(channels)),

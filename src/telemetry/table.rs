@@ -11,7 +11,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 /// 2. Nutation cycles are only those whose period is that of a nutation, and have the ranges of the rates. Integrals of
 ///    the terms of φ̈ and ψ̈, the work about each axis of the node frame and that of the friction force are recorded.
 ///    Views tell the ranges of what nutates.
-pub const VERSION: u32 = 2;
+/// 3. The ranges of the rates in a nutation hold what is before and after each impact in it, and nothing else. Where the axis
+///    is exactly vertical, φ and the rates are those with which it goes on. Drilling that has stopped the spin of a top with a free peg holds it.
+pub const VERSION: u32 = 3;
 
 /// A channel whose messages are made from values of type `S`.
 #[derive(Debug)]
@@ -45,8 +47,6 @@ pub struct Field<S> {
     pub plot: &'static str,
     /// Name of the field that is its time derivative, if the channel has it.
     pub derivative: Option<&'static str>,
-    /// The version of the telemetry that recorded it first.
-    pub since: u32,
     /// How to get its value.
     pub source: Source<S>,
 }
@@ -81,7 +81,6 @@ const fn number<S>(
         meaning,
         plot: name,
         derivative: None,
-        since: 1,
         source: Source::Number(get),
     }
 }
@@ -100,7 +99,6 @@ const fn vector<S>(
         meaning,
         plot: name,
         derivative: None,
-        since: 1,
         source: Source::Vector(get),
     }
 }
@@ -113,7 +111,6 @@ const fn text<S>(name: &'static str, meaning: &'static str, get: fn(&S) -> &str)
         meaning,
         plot: name,
         derivative: None,
-        since: 1,
         source: Source::Text(get),
     }
 }
@@ -130,18 +127,12 @@ const fn with_derivative<S>(derivative: &'static str, mut field: Field<S>) -> Fi
     field
 }
 
-/// Names the version of the telemetry that recorded a field first.
-const fn since<S>(version: u32, mut field: Field<S>) -> Field<S> {
-    field.since = version;
-    field
-}
-
 /// The channels that have a message for each sample.
 #[rustfmt::skip]
 pub const SAMPLES: &[Channel<Sample>] = &[
     Channel {
         topic: "/top/state", schema: "toprise.State",
-        meaning: "Euler angles (z-x-z), their rates and accelerations",
+        meaning: "Euler angles (z-x-z), their rates and accelerations; where the axis is exactly vertical, φ and the rates are those with which it leaves the vertical, or else φ is kept and φ̇ is 0; φ̈ is 0 there",
         is_of_free_peg: false,
         present: None,
         fields: &[
@@ -162,7 +153,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         is_of_free_peg: false,
         present: None,
         fields: &[
-            Field { name: "orientation", quantity: Orientation, frame: "", plot: "orientation", derivative: None, since: 1,
+            Field { name: "orientation", quantity: Orientation, frame: "", plot: "orientation", derivative: None,
                 meaning: "unit quaternion that turns body components into world components",
                 source: Source::Rotation(|s| s.world_from_body) },
             vector("axis", Direction, WORLD, "direction of the symmetry axis", |s| s.axis),
@@ -201,10 +192,10 @@ pub const SAMPLES: &[Channel<Sample>] = &[
             together("psi_ddot", number("psi_ddot.gyroscopic", Acceleration, "−(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ) cos θ/sin θ", |s| s.accelerations.gyroscopic.psi)),
             together("psi_ddot", number("psi_ddot.coriolis", Acceleration, "2 θ̇ φ̇ cos² θ/sin θ + θ̇ φ̇ sin θ", |s| s.accelerations.inertial.psi)),
             together("psi_ddot", number("psi_ddot.frictional", Acceleration, "the term of friction, −k M g R ψ̇ (cos² θ/I_x + sin² θ/I_z)/|ω_⊥| in the paper", |s| s.accelerations.frictional.psi)),
-            since(2, together("phi_dot", number("phi_dot.gyroscopic", Rate, "what the gyroscopic term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_gyroscopic))),
-            since(2, together("phi_dot", number("phi_dot.coriolis", Rate, "what the Coriolis term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_coriolis))),
-            since(2, together("phi_dot", number("phi_dot.frictional", Rate, "what the frictional term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_frictional))),
-            since(2, number("psi_dot.frictional", Rate, "what the frictional term of ψ̈ has changed ψ̇ by since the start", |s| s.integrals.terms.psi_frictional)),
+            together("phi_dot", number("phi_dot.gyroscopic", Rate, "what the gyroscopic term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_gyroscopic)),
+            together("phi_dot", number("phi_dot.coriolis", Rate, "what the Coriolis term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_coriolis)),
+            together("phi_dot", number("phi_dot.frictional", Rate, "what the frictional term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_frictional)),
+            number("psi_dot.frictional", Rate, "what the frictional term of ψ̈ has changed ψ̇ by since the start", |s| s.integrals.terms.psi_frictional),
         ],
     },
     Channel {
@@ -221,7 +212,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
             vector("contact_point", Length, WORLD, "the point of contact", |s| s.contact_point),
             number("slip_path", Length, "length of the path slipped since the start", |s| s.integrals.slip_path),
             number("regime", Flag, "1 slipping, 0 not slipping", Sample::regime),
-            since(2, number("slip_work", Energy, "work of the friction force along the path slipped since the start", |s| s.integrals.slip_work)),
+            number("slip_work", Energy, "work of the friction force along the path slipped since the start", |s| s.integrals.slip_work),
         ],
     },
     Channel {
@@ -235,7 +226,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
             together("mechanical", number("total", Energy, "total energy", |s| s.energy())),
             number("friction_power", Power, "power of the torque of friction", |s| s.friction_power),
             number("friction_work", Energy, "work of friction since the start", |s| s.integrals.friction_work),
-            since(2, vector("friction_work_node", Energy, NODE, "work of friction about each axis since the start", |s| s.integrals.work_node)),
+            vector("friction_work_node", Energy, NODE, "work of friction about each axis since the start", |s| s.integrals.work_node),
         ],
     },
     Channel {
@@ -312,13 +303,13 @@ pub const NUTATION: Channel<NutationCycle> = Channel {
         number("theta_dot_mean", Rate, "mean of θ̇", |c| c.mean_rates.theta),
         number("phi_dot_mean", Rate, "mean of φ̇", |c| c.mean_rates.phi),
         number("psi_dot_mean", Rate, "mean of ψ̇", |c| c.mean_rates.psi),
-        since(2, together("theta_dot_range", number("theta_dot_min", Rate, "least θ̇ in it", |c| c.least_rates.theta))),
-        since(2, together("theta_dot_range", number("theta_dot_max", Rate, "greatest θ̇ in it", |c| c.greatest_rates.theta))),
-        since(2, together("phi_dot_range", number("phi_dot_min", Rate, "least φ̇ in it", |c| c.least_rates.phi))),
-        since(2, together("phi_dot_range", number("phi_dot_max", Rate, "greatest φ̇ in it", |c| c.greatest_rates.phi))),
-        since(2, together("psi_dot_range", number("psi_dot_min", Rate, "least ψ̇ in it", |c| c.least_rates.psi))),
-        since(2, together("psi_dot_range", number("psi_dot_max", Rate, "greatest ψ̇ in it", |c| c.greatest_rates.psi))),
-        since(2, number("phi_ddot_frictional_mean", Acceleration, "mean of the frictional term of φ̈", |c| c.mean_phi_frictional)),
+        together("theta_dot_range", number("theta_dot_min", Rate, "least θ̇ in it", |c| c.least_rates.theta)),
+        together("theta_dot_range", number("theta_dot_max", Rate, "greatest θ̇ in it", |c| c.greatest_rates.theta)),
+        together("phi_dot_range", number("phi_dot_min", Rate, "least φ̇ in it", |c| c.least_rates.phi)),
+        together("phi_dot_range", number("phi_dot_max", Rate, "greatest φ̇ in it", |c| c.greatest_rates.phi)),
+        together("psi_dot_range", number("psi_dot_min", Rate, "least ψ̇ in it", |c| c.least_rates.psi)),
+        together("psi_dot_range", number("psi_dot_max", Rate, "greatest ψ̇ in it", |c| c.greatest_rates.psi)),
+        number("phi_ddot_frictional_mean", Acceleration, "mean of the frictional term of φ̈", |c| c.mean_phi_frictional),
     ],
 };
 

@@ -20,13 +20,9 @@ use self::cdr::Cdr;
 use self::envelope::Envelope;
 use self::scales::Scales;
 use super::channel::channels;
-use super::fields::{
-    CONTACT, EVENTS, NUTATION, NumberField, POSE, STATE, TORQUE, contact, events, pose, state,
-    torque,
-};
+use super::fields::{CONTACT, EVENTS, POSE, STATE, TORQUE, contact, events, pose, state, torque};
 use super::message::Message;
 use super::proportions::Proportions;
-use super::table::VERSION;
 use super::topic::Topic;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
@@ -154,10 +150,10 @@ pub struct Views {
     sources: Vec<Option<Topic>>,
     /// The description of the top's shape, until it has been sent.
     description: Option<String>,
-    /// Sequence number, θ and θ̇ of the last state.
-    state: Option<(u32, [f64; 2])>,
-    /// The ranges in the last nutation; none in the first version of the telemetry.
-    envelope: Option<Envelope>,
+    /// θ and θ̇ of the last state.
+    state: [f64; 2],
+    /// The ranges in the last nutation.
+    envelope: Envelope,
     cdr: Cdr,
 }
 
@@ -165,13 +161,6 @@ impl Views {
     /// Prepares the views of a run of `scenario` that `wants` some topics of the table.
     #[must_use]
     pub fn new(scenario: &Scenario, wants: impl Fn(Topic) -> bool) -> Self {
-        Self::of_version(VERSION, scenario, wants)
-    }
-
-    /// Prepares the views as a version of the telemetry had them.
-    #[must_use]
-    pub fn of_version(telemetry: u32, scenario: &Scenario, wants: impl Fn(Topic) -> bool) -> Self {
-        let envelope = (telemetry > 1).then(|| Envelope::new(wants(NUTATION)));
         let top = scenario.model.top;
         let is_free = scenario.model.support.is_free();
         let proportions = Proportions::new(&top);
@@ -190,15 +179,10 @@ impl Views {
         let period = scenario.sample_period_ns.max(1);
         Self {
             sources: VIEWS.iter().map(source).collect(),
-            description: Some(urdf::urdf(
-                &proportions,
-                &scales,
-                envelope.is_some(),
-                is_free,
-            )),
+            description: Some(urdf::urdf(&proportions, &scales, is_free)),
             stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
-            state: None,
-            envelope,
+            state: [f64::NAN; 2],
+            envelope: Envelope::new(),
             cdr: Cdr::default(),
             top,
             scales,
@@ -214,16 +198,13 @@ impl Views {
     /// Passes to `emit` the views that come with a message: index in [`view_channels`], sequence number and bytes.
     /// Their time is that of the message.
     pub fn take(&mut self, message: &Message<'_>, mut emit: impl FnMut(usize, u32, &[u8])) {
-        if let Some(envelope) = &mut self.envelope {
-            envelope.take(message);
-        }
+        self.envelope.take(message);
         let is_due = message.sequence.is_multiple_of(self.stride);
         if channels()[message.channel].is_sampled && !is_due {
             return;
         }
         if message.topic() == STATE {
-            let angle_and_rate = [state::THETA, state::THETA_DOT].map(|field| field.of(message));
-            self.state = Some((message.sequence, angle_and_rate));
+            self.state = [state::THETA, state::THETA_DOT].map(|field| field.of(message));
         }
         for (index, view) in VIEWS.iter().enumerate() {
             if self.sources[index] == Some(message.topic()) && self.write(view.kind, message) {
@@ -234,7 +215,7 @@ impl Views {
 
     /// Encodes the view of a message into `cdr`; false if the message has none.
     fn write(&mut self, kind: Kind, message: &Message<'_>) -> bool {
-        let (cdr, envelope) = (&mut self.cdr, self.envelope.as_ref());
+        let (cdr, envelope) = (&mut self.cdr, &self.envelope);
         let time = message.time_ns;
         cdr.begin();
         match kind {
@@ -255,21 +236,10 @@ impl Views {
                 cdr.f64s(&contact).f64s(&[0.0, 0.0, 0.0, 1.0]);
             }
             Kind::Inclination => {
-                // Where messages were lost, a torque may come without its state.
-                let Some((_, [theta, theta_dot])) = self
-                    .state
-                    .filter(|(sequence, _)| *sequence == message.sequence)
-                else {
-                    return false;
-                };
-                let (Some(theta), Some(theta_dot)) = (
-                    with_range(envelope, state::THETA, theta),
-                    with_range(envelope, state::THETA_DOT, theta_dot),
-                ) else {
-                    return false;
-                };
+                let [theta, theta_dot] = self.state;
+                let theta = envelope.around(state::THETA, theta);
+                let theta_dot = envelope.around(state::THETA_DOT, theta_dot);
                 let names = ["theta", "least in nutation", "greatest in nutation"];
-                let names = &names[..theta.len()];
                 cdr.header(time, "").u32(names.len() as u32);
                 for name in names {
                     cdr.string(name);
@@ -283,10 +253,7 @@ impl Views {
                     Kind::PrecessionRate => state::PHI_DOT,
                     _ => state::PSI_DOT,
                 };
-                let Some(values) = with_range(envelope, rate, rate.of(message)) else {
-                    return false;
-                };
-                plot(cdr, &values);
+                plot(cdr, &envelope.around(rate, rate.of(message)));
             }
             Kind::SlipSpeed => plot(cdr, &[contact::SLIP_SPEED.of(message)]),
             Kind::NormalForce => plot(cdr, &[contact::NORMAL_FORCE.of(message)]),
@@ -311,14 +278,6 @@ impl Views {
             }
         }
         true
-    }
-}
-
-/// A value of a quantity that nutates, and its range in the last nutation; none where it can't be known.
-fn with_range(envelope: Option<&Envelope>, field: NumberField, value: f64) -> Option<Vec<f64>> {
-    match envelope {
-        Some(envelope) => Some(envelope.around(field, value)?.to_vec()),
-        None => Some(vec![value]),
     }
 }
 

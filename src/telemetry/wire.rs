@@ -1,16 +1,15 @@
 //! Protobuf's wire format: the fields of a message, one after the other.
 
-use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, key_len, skip_field};
+use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
 
 /// What stands in a field, by the way it is written.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Wire<'a> {
     Varint(u64),
     Eight(u64),
-    Four(u32),
+    Four,
     Bytes(&'a [u8]),
-    /// What stands between its beginning and its end.
-    Group(&'a [u8]),
+    Group,
     /// The end of a group.
     End,
 }
@@ -42,10 +41,9 @@ pub(super) fn take<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
             Wire::Bytes(bytes)
         }
         WireType::StartGroup => {
-            let group = *data;
             skip_field(wire, number, data, DecodeContext::default())
                 .map_err(|error| error.to_string())?;
-            Wire::Group(&group[..group.len() - data.len() - key_len(number)])
+            Wire::Group
         }
         WireType::EndGroup => Wire::End,
     };
@@ -67,7 +65,7 @@ pub(super) fn eight(data: &mut &[u8]) -> Result<Wire<'static>, String> {
 
 #[inline]
 pub(super) fn four(data: &mut &[u8]) -> Result<Wire<'static>, String> {
-    Ok(Wire::Four(u32::from_le_bytes(take_array(data)?)))
+    take_array::<4>(data).map(|_| Wire::Four)
 }
 
 #[inline]

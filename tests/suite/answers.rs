@@ -145,7 +145,6 @@ fn every_command_answers_by_its_schema() {
             "diff a.mcap full-coulomb --set stop.duration=0.3",
             1,
         ),
-        ("DiffMatrix", "diff a.mcap a.mcap cut.mcap", 3),
         (
             "FiguresReport",
             "figures a.mcap cut.mcap --only figure-2 -o drawn",
@@ -164,13 +163,7 @@ fn every_command_answers_by_its_schema() {
             "verify a.mcap cut.mcap text.mcap missing.mcap",
             2,
         ),
-        (
-            "ConvertReport",
-            "convert a.mcap p.mcap --encoding protobuf",
-            0,
-        ),
-        ("RecoverReport", "recover cut.mcap saved.mcap", 3),
-        ("RecoverReport", "recover cut.mcap whole.mcap --complete", 0),
+        ("RunReport", "run cut.mcap -o again.mcap", 0),
         ("PresetsReport", "presets", 0),
         ("PresetsReport", "presets paper", 0),
         ("LawsReport", "laws", 0),
@@ -195,12 +188,12 @@ fn every_command_answers_by_its_schema() {
         assert!(used.contains_key(name), "{name} is not tried");
     }
     // The check is one: what is not by the schema is found.
-    let schema = &used["ConvertReport"];
+    let schema = &used["VerifyReport"];
     for wrong in [
-        r#"{"file": "a"}"#,
-        r#"{"file": 1, "bytes": 1, "encoding": "json", "content_digest": ""}"#,
-        r#"{"file": "a", "bytes": 1, "encoding": "xml", "content_digest": ""}"#,
-        r#"{"file": "a", "bytes": 1, "encoding": "json", "content_digest": "", "more": 1}"#,
+        "[{}]",
+        r#"[{"file": 1}]"#,
+        r#"[{"file": "a", "verdict": "verified", "state": "lost", "missing": 0, "without": []}]"#,
+        r#"[{"file": "a", "more": 1}]"#,
     ] {
         let wrong = serde_json::from_str(wrong).unwrap();
         assert!(check("", &wrong, schema, schema).is_err(), "{wrong}");
@@ -210,17 +203,17 @@ fn every_command_answers_by_its_schema() {
 #[test]
 fn every_command_answers_in_markdown() {
     let directory = recorded();
-    for line in [
-        "explain a.mcap",
-        "diff a.mcap a.mcap",
-        "info a.mcap",
-        "verify a.mcap",
-        "presets",
-        "laws",
-        "schema",
-        "run --set stop.duration=0.1 -o b.mcap",
+    for (line, code) in [
+        ("explain a.mcap --all", 0),
+        ("diff a.mcap a.mcap", 0),
+        ("info a.mcap", 0),
+        ("verify a.mcap cut.mcap", 3),
+        ("presets", 0),
+        ("laws", 0),
+        ("schema", 0),
+        ("run --set stop.duration=0.1 -o b.mcap", 0),
     ] {
-        let text = answer(&directory, &format!("{line} --markdown"), 0);
+        let text = answer(&directory, &format!("{line} --markdown"), code);
         assert!(text.contains("| :-- |"), "{line}:\n{text}");
         assert!(!text.contains('\x1b'), "{line}");
     }
@@ -293,16 +286,8 @@ fn text_from_files_is_harmless_in_every_answer() {
                 lines.push(format!("{verb} {file} --color never --format {format}"));
             }
         }
-        for (at, rest) in ["--encoding protobuf", "--encoding json"]
-            .iter()
-            .enumerate()
-        {
-            lines.push(format!("convert {file} {at}-{file} {rest}"));
-        }
-        lines.push(format!("recover {file} saved-{file}"));
-        lines.push(format!("recover {file} whole-{file} --complete"));
+        lines.push(format!("run {file} -o again-{file}"));
         lines.push(format!("figures {file} -o drawn-{file}"));
-        lines.push(format!("diff a.mcap {file} --mcap diff-{file}"));
         if cfg!(feature = "rerun") {
             lines.push(format!("view {file} --rrd {file}.rrd"));
             lines.push(format!("diff a.mcap {file} --rrd diff-{file}.rrd"));
@@ -343,8 +328,7 @@ fn broken_streams_are_no_panic() {
         "verify text.mcap",
         "explain text.mcap",
         "diff a.mcap text.mcap",
-        "convert text.mcap b.mcap --encoding json",
-        "recover text.mcap b.mcap",
+        "run text.mcap -o b.mcap",
         "figures text.mcap",
         "presets nope",
         "schema /nope",
@@ -361,8 +345,6 @@ fn broken_streams_are_no_panic() {
     }
     // Warnings and notes that nobody hears change nothing.
     assert_eq!(ends("explain cut.mcap", "2>/dev/full >/dev/null"), Some(3));
-    let noted = "diff a.mcap a.mcap --mcap d.mcap";
-    assert_eq!(ends(noted, "2>/dev/full >/dev/null"), Some(0));
     // An answer that can't be written is a failure.
     for line in [
         "--help",
@@ -387,13 +369,12 @@ fn names_of_files_need_not_be_text() {
     fs::write(directory.path().join(scenario), toml).unwrap();
     for (verb, file, rest, code) in [
         ("info", name, "", 0),
-        ("verify", name, "--no-reproduce", 0),
+        ("verify", name, "", 0),
         ("explain", name, "", 0),
         ("diff", name, "a.mcap", 0),
         ("figures", name, "--only figure-2 -o drawn", 0),
-        ("convert", name, "b.mcap --encoding json", 0),
+        ("run", name, "-o b.mcap", 0),
         ("run", scenario, "--set stop.duration=0.1 -o c.mcap", 0),
-        ("recover", name, "d.mcap", 2),
     ] {
         let mut command = Command::cargo_bin("toprise").unwrap();
         command.current_dir(directory.path()).arg(verb).arg(file);
@@ -406,11 +387,14 @@ fn names_of_files_need_not_be_text() {
 #[test]
 fn quiet_leaves_notes_out_and_color_is_chosen() {
     let directory = recorded();
-    let noted = toprise(&directory, "diff a.mcap a.mcap --mcap d.mcap");
-    assert!(String::from_utf8_lossy(&noted.stderr).contains("wrote d.mcap"));
-    let quiet = toprise(&directory, "-q diff a.mcap a.mcap --mcap e.mcap");
-    assert!(quiet.stderr.is_empty());
-    assert_eq!(noted.stdout, quiet.stdout);
+    #[cfg(feature = "sweep")]
+    {
+        let sweep = "sweep paper --set stop.duration=0.01 --over initial.theta=0.5";
+        let noted = toprise(&directory, &format!("{sweep} -o a.parquet"));
+        assert!(!noted.stderr.is_empty());
+        let quiet = toprise(&directory, &format!("-q {sweep} -o b.parquet"));
+        assert!(quiet.stderr.is_empty());
+    }
     // Errors stay.
     let failed = toprise(&directory, "info missing.mcap --quiet");
     assert!(String::from_utf8_lossy(&failed.stderr).contains("missing.mcap"));

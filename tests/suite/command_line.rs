@@ -8,6 +8,7 @@ use std::path::Path;
 use std::time::Duration;
 use tempfile::{TempDir, tempdir};
 use toprise::archive::recording::Overview;
+use toprise::run::scenario::Scenario;
 
 fn toprise(directory: &TempDir) -> Command {
     let mut command = Command::cargo_bin("toprise").unwrap();
@@ -139,16 +140,6 @@ fn bad_input_is_exit_code_2_and_writes_nothing() {
         (&["info", "file"], "empty"),
         (&["info", "."], "."),
         (&["verify", "missing.mcap"], "missing.mcap"),
-        (
-            &["convert", "broken.toml", "b.mcap", "--encoding", "json"],
-            "not an MCAP file",
-        ),
-        (
-            &["convert", "a.mcap", "b.mcap", "--encoding", "xml"],
-            "protobuf",
-        ),
-        (&["recover", ".", "b.mcap"], "directory"),
-        (&["recover", "file", "b.mcap"], "empty"),
         (&["run", "--encoding", "cdr"], "json"),
         (&["presets", "nope"], "paper"),
         (&["schema", "/nope"], "/top/state"),
@@ -347,7 +338,8 @@ fn a_killed_run_leaves_a_readable_partial_file() {
     let overview = Overview::read(&partial).unwrap();
     assert!(overview.run.is_some() && overview.end.is_none());
     assert!(overview.messages() > 100);
-    assert_eq!(overview.parsed_scenario().unwrap().name(), "paper");
+    let scenario = Scenario::from_toml(&overview.scenario.unwrap()).unwrap();
+    assert_eq!(scenario.name(), "paper");
     let info = toprise(&directory)
         .args(["info", "live.mcap.partial"])
         .assert()
@@ -389,24 +381,72 @@ fn a_full_disk_is_a_clear_error() {
     assert!(overview.messages() > 100 && overview.end.is_none());
 }
 
-#[cfg(unix)]
+/// A reader that stops early is none: `cli::output` tests it.
 #[test]
-fn a_reader_that_goes_away_is_no_failure() {
+fn an_answer_that_nobody_can_read_is_failed_output() {
     let directory = tempdir().unwrap();
-    let program = assert_cmd::cargo::cargo_bin("toprise");
-    let script = format!(
-        "{} schema | true; exit ${{PIPESTATUS[0]}}",
-        program.display()
-    );
-    for _ in 0..5 {
-        let mut bash = std::process::Command::new("bash");
-        let status = bash
-            .current_dir(directory.path())
-            .args(["-c", &script])
-            .status()
-            .unwrap();
-        assert_eq!(status.code(), Some(0));
+    for arguments in [&["schema"][..], &["--help"], &["laws", "--format", "json"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut program = std::process::Command::new(assert_cmd::cargo::cargo_bin("toprise"));
+        let program = program.current_dir(directory.path()).args(arguments);
+        let output = program.stdout(writer).output().unwrap();
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        assert!(told.contains("cannot write to standard output"), "{told}");
     }
+}
+
+/// What says under which name a file is written is checked before the run.
+#[test]
+fn regress_names_that_no_recording_can_have_are_refused_at_once() {
+    let directory = tempdir().unwrap();
+    for (output, part) in [
+        ("new/", "\"new/\" names no file"),
+        ("new/..", "names no file"),
+        ("a.mcap/.", "names no file"),
+        ("a.mcap.partial", "runs that are not complete"),
+        ("a.rrd", "write one with --rrd a.rrd"),
+    ] {
+        // It would take longer than the test does.
+        let mut program = toprise(&directory);
+        program.args(["run", "--realtime", "1e-3", "-o", output, "--force"]);
+        let refused = program.timeout(Duration::from_secs(20)).assert().code(2);
+        let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+        assert!(told.contains(part), "{output}: {told}");
+    }
+    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
+}
+
+/// Chunks end by their sizes: no clock reaches the file.
+#[test]
+fn regress_a_paced_run_writes_the_bytes_of_one_that_is_not() {
+    let directory = tempdir().unwrap();
+    let recorded = |name: &str, pace: &[&str]| {
+        let mut program = toprise(&directory);
+        let brief = ["run", "--set", "stop.duration=0.3", "-o", name];
+        program.args(brief).args(pace).assert().success();
+        fs::read(directory.path().join(name)).unwrap()
+    };
+    let whole = recorded("a.mcap", &[]);
+    assert!(whole == recorded("b.mcap", &["--realtime"]));
+    assert!(whole == recorded("c.mcap", &["--realtime", "0.5"]));
+}
+
+/// Only `-o` leaves a Rerun recording out that nobody has asked to leave out.
+#[cfg(feature = "rerun")]
+#[test]
+fn the_report_tells_of_a_rerun_recording_that_is_left_out() {
+    let directory = tempdir().unwrap();
+    let told = |arguments: &[&str]| {
+        let mut program = toprise(&directory);
+        let program = program.args(["run", "--set", "stop.duration=0.01"]);
+        answer(program.args(arguments)).contains("no Rerun recording, because of -o")
+    };
+    assert!(told(&["-o", "a.mcap"]));
+    assert!(!told(&["-o", "b.mcap", "--no-rrd"]));
+    assert!(!told(&["-o", "c.mcap", "--rrd", "c.rrd"]));
+    assert!(!told(&["--no-rrd"]));
 }
 
 /// Runs `commands` one after the other; each must end with its exit code.
@@ -417,8 +457,9 @@ fn ends_with(directory: &TempDir, commands: &[(&[&str], i32)]) {
 }
 
 #[test]
-fn recordings_are_verified_converted_and_recovered() {
+fn recordings_are_verified_and_run_again() {
     let directory = tempdir().unwrap();
+    let file = |name: &str| directory.path().join(name);
     toprise(&directory)
         .args(SHORT)
         .args(["-o", "a.mcap"])
@@ -426,101 +467,71 @@ fn recordings_are_verified_converted_and_recovered() {
         .success();
     let text = answer(toprise(&directory).args(["verify", "a.mcap"]));
     assert!(text.starts_with("a.mcap: verified"), "{text}");
-    assert!(text.contains("equal, bit for bit"), "{text}");
-    let whole = fs::read(directory.path().join("a.mcap")).unwrap();
-    fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
-    fs::write(
-        directory.path().join("e.mcap.partial"),
-        &whole[..whole.len() / 2],
-    )
-    .unwrap();
+    let whole = fs::read(file("a.mcap")).unwrap();
+    let cut = &whole[..whole.len() / 2];
+    fs::write(file("cut.mcap"), cut).unwrap();
+    fs::write(file("e.mcap.partial"), cut).unwrap();
     let mut flipped = whole.clone();
     flipped[whole.len() / 2] ^= 4;
-    fs::write(directory.path().join("flipped.mcap"), flipped).unwrap();
+    fs::write(file("flipped.mcap"), flipped).unwrap();
+    // A recording with the beginning of one run and the end of another.
+    let other = ["--set", "friction.k=0.02", "-o", "other.mcap"];
+    let run = toprise(&directory).args(SHORT).args(other).assert();
+    run.success();
+    let other = fs::read(file("other.mcap")).unwrap();
+    fs::write(file("spliced.mcap"), [cut, &other[..]].concat()).unwrap();
+    let force = |arguments: &[&'static str]| [&["run"], arguments, &["--force"]].concat();
     ends_with(
         &directory,
         &[
             (
-                &["convert", "a.mcap", "b.mcap", "--encoding", "protobuf"],
+                &["run", "a.mcap", "--encoding", "protobuf", "-o", "b.mcap"],
                 0,
             ),
             (
-                &["convert", "a.mcap", "b.mcap", "--encoding", "protobuf"],
+                &["run", "a.mcap", "--encoding", "protobuf", "-o", "b.mcap"],
                 2,
             ),
             (&["verify", "a.mcap", "b.mcap"], 0),
-            (&["verify", "b.mcap", "--no-reproduce"], 0),
             (&["verify", "cut.mcap"], 3),
-            (&["verify", "a.mcap", "flipped.mcap", "cut.mcap"], 1),
-            (&["verify", "a.mcap", "flipped.mcap", "missing.mcap"], 2),
+            (&["verify", "a.mcap", "flipped.mcap", "cut.mcap"], 3),
+            (&["verify", "a.mcap", "spliced.mcap", "cut.mcap"], 1),
+            (&["verify", "a.mcap", "spliced.mcap", "missing.mcap"], 2),
             (&["info", "cut.mcap"], 3),
-            (&["convert", "cut.mcap", "c.mcap", "--encoding", "json"], 2),
-            (&["recover", "a.mcap", "c.mcap"], 2),
-            (&["recover", "cut.mcap", "c.mcap"], 3),
-            (&["recover", "cut.mcap", "c.mcap"], 2),
-            (
-                &["recover", "cut.mcap", "c.mcap", "--complete", "--force"],
-                0,
-            ),
-            (&["verify", "c.mcap"], 0),
+            (&["run", "cut.mcap", "-o", "c.mcap"], 0),
+            (&["run", "flipped.mcap", "-o", "d.mcap"], 0),
             // What an interrupted run has left becomes the file that it should have been.
-            (&["recover", "e.mcap.partial", "e.mcap"], 3),
+            (&["run", "e.mcap.partial", "-o", "e.mcap"], 2),
+            (&force(&["e.mcap.partial", "-o", "e.mcap"]), 0),
+            // The encoding of a recording is kept, or another one is chosen.
+            (&["run", "b.mcap", "-o", "same.mcap"], 0),
+            (&["run", "b.mcap", "--encoding", "json", "-o", "f.mcap"], 0),
+            // Another scenario is another run.
             (
-                &[
-                    "recover",
-                    "e.mcap.partial",
-                    "e.mcap",
-                    "--complete",
-                    "--force",
-                ],
+                &["run", "a.mcap", "--set", "friction.k=0.02", "-o", "g.mcap"],
                 0,
             ),
-            (&["verify", "e.mcap"], 0),
-            (
-                &[
-                    "convert",
-                    "a.mcap",
-                    "a.mcap",
-                    "--encoding",
-                    "protobuf",
-                    "--force",
-                ],
-                0,
-            ),
-            (&["verify", "a.mcap"], 0),
-            (
-                &[
-                    "convert",
-                    "a.mcap",
-                    "a.mcap",
-                    "--encoding",
-                    "json",
-                    "--force",
-                ],
-                0,
-            ),
-            (&["recover", "flipped.mcap", "d.mcap"], 3),
-            (&["verify", "d.mcap"], 3),
         ],
     );
-    for same in ["c.mcap", "e.mcap", "a.mcap"] {
-        assert_eq!(
-            fs::read(directory.path().join(same)).unwrap(),
-            whole,
-            "{same}"
-        );
+    let bytes = |name: &str| fs::read(file(name)).unwrap();
+    for same in ["c.mcap", "d.mcap", "e.mcap", "f.mcap"] {
+        assert!(bytes(same) == whole, "{same}");
     }
-    let partial = fs::read(directory.path().join("e.mcap.partial")).unwrap();
-    assert_eq!(partial, &whole[..whole.len() / 2]);
+    assert!(bytes("same.mcap") == bytes("b.mcap"));
+    assert!(bytes("g.mcap") == other);
+    assert_eq!(bytes("e.mcap.partial"), cut);
+    let names = ["a.mcap", "spliced.mcap", "flipped.mcap"];
     let report = toprise(&directory)
-        .args(["verify", "a.mcap", "flipped.mcap", "--format", "json"])
+        .arg("verify")
+        .args(names)
+        .args(["--format", "json"])
         .assert()
         .code(1);
     let report: Value = serde_json::from_slice(&report.get_output().stdout).unwrap();
-    assert_eq!(report[0]["verdict"], "passed");
-    assert_eq!(report[1]["verdict"], "failed");
-    assert_eq!(report[1]["state"], "damaged");
-    assert_eq!(report[0]["checks"][0]["group"], "container");
+    assert_eq!(report[0]["verdict"], "verified");
+    assert_eq!(report[1]["verdict"], "different");
+    assert_eq!(report[2]["verdict"], "incomplete");
+    assert_eq!(report[2]["state"], "damaged");
 }
 
 #[cfg(feature = "rerun")]
@@ -604,5 +615,25 @@ fn a_run_of_no_time_tells_no_ratio_to_it() {
         assert!(output.status.success(), "{text}");
         assert!(!text.contains("of the simulated time"), "{text}");
         assert!(text.lines().all(|line| line.len() < 120), "{text}");
+    }
+}
+
+/// What is named like a file is one: the error is about the file.
+#[test]
+fn a_file_that_can_t_be_run_is_not_taken_for_a_preset() {
+    let directory = tempdir().unwrap();
+    fs::write(directory.path().join("empty.mcap"), "").unwrap();
+    fs::create_dir(directory.path().join("folder.mcap")).unwrap();
+    for (name, reason) in [
+        ("a.mcap.partial", "No such file"),
+        ("empty.mcap", "the file is empty"),
+        ("folder.mcap", "directory"),
+    ] {
+        let run = toprise(&directory)
+            .args(["run", name, "-o", "b.mcap"])
+            .assert()
+            .code(2);
+        let told = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        assert!(told.contains(name) && told.contains(reason), "{told}");
     }
 }

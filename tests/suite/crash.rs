@@ -1,32 +1,45 @@
-//! Runs that are killed or run out of space: what was on the disk stays readable and is saved.
+//! Runs that are killed or run out of space: what was on the disk stays readable and can be run again.
 
+use crate::support::verified;
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
-use toprise::analysis::verify::{Options, Verdict, verify};
-use toprise::archive::publish::Existing;
+use toprise::analysis::verify::Verdict;
 use toprise::archive::recording::{Condition, Overview, Recording, Selection};
-use toprise::archive::recover::recover;
 use toprise::telemetry::Topics;
 
 /// Runs that are killed.
 const KILLS: u64 = 24;
+const SCENARIO: [&str; 2] = ["--set", "stop.duration=10"];
 
 fn program() -> std::path::PathBuf {
     assert_cmd::cargo::cargo_bin("toprise")
 }
 
-/// A run at a multiple of real time, in the background.
-fn paced_run(directory: &Path, encoding: &str) -> Child {
+/// Forms of a run.
+const FORMS: [&[&str]; 2] = [
+    &["--encoding", "json"],
+    &["--encoding", "protobuf", "--topics", "/top/state,/events"],
+];
+
+/// A run in the background.
+fn start(directory: &Path, arguments: &[&str]) -> Child {
     Command::new(program())
         .current_dir(directory)
-        .args(["run", "--realtime", "4", "-o", "live.mcap"])
-        .args(["--encoding", encoding])
+        .arg("run")
+        .args(arguments)
         .stdout(Stdio::null())
         .spawn()
         .unwrap()
+}
+
+/// The bytes of the recording of a run that ends.
+fn whole(directory: &Path, arguments: &[&str]) -> Vec<u8> {
+    let run = start(directory, &[arguments, &["-o", "whole.mcap"]].concat()).wait();
+    assert!(run.unwrap().success(), "{arguments:?}");
+    fs::read(directory.join("whole.mcap")).unwrap()
 }
 
 /// Messages of a recording that is being written, once there are any.
@@ -35,9 +48,10 @@ fn messages(partial: &Path) -> u64 {
 }
 
 /// Kills a run some milliseconds after its first messages have reached the disk.
-fn killed_after(directory: &Path, encoding: &str, milliseconds: u64) {
+fn killed_after(directory: &Path, form: &[&str], milliseconds: u64, expected: &[u8]) {
     let partial = directory.join("live.mcap.partial");
-    let mut run = paced_run(directory, encoding);
+    let paced = ["--realtime", "4", "-o", "live.mcap"];
+    let mut run = start(directory, &[&SCENARIO, form, &paced].concat());
     for _ in 0..1000 {
         if messages(&partial) > 0 {
             break;
@@ -58,18 +72,11 @@ fn killed_after(directory: &Path, encoding: &str, milliseconds: u64) {
         "{} of {before}",
         overview.messages()
     );
-    let report = verify(&recording, Options::default(), &|_| {});
-    assert_eq!(report.verdict(), Verdict::Incomplete, "{report:#?}");
-
-    let saved = directory.join("saved.mcap");
-    let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
-    assert!(recovered.lost.unwrap().contains("the end of the run"));
-    let saved = Recording::open(&saved).unwrap();
-    let report = verify(&saved, Options::default(), &|_| {});
-    assert_eq!(report.verdict(), Verdict::Incomplete, "{report:#?}");
-    assert_eq!(Overview::of(&saved).messages(), overview.messages());
-    // Not one sample is missing in what was saved.
-    let mut reader = saved.reader(Selection {
+    let report = verified(&partial);
+    assert_eq!(report.verdict, Verdict::Incomplete, "{report:#?}");
+    assert!(whole(directory, &["live.mcap.partial"]) == expected);
+    // Not one sample is missing in what was on the disk.
+    let mut reader = recording.reader(Selection {
         topics: Topics::Only(vec!["/top/state".to_owned()]),
         ..Selection::default()
     });
@@ -82,15 +89,21 @@ fn killed_after(directory: &Path, encoding: &str, milliseconds: u64) {
 
 #[test]
 fn runs_that_are_killed_at_any_moment_lose_nothing_that_was_on_the_disk() {
+    let directory = tempfile::tempdir().unwrap();
+    let wholes = FORMS.map(|form| {
+        let arguments = [&SCENARIO, form, &["--force"]].concat();
+        whole(directory.path(), &arguments)
+    });
     thread::scope(|scope| {
         for lane in 0..4 {
+            let wholes = &wholes;
             scope.spawn(move || {
                 // Knuth's multiplicative hash spreads the moments over the first 700 ms.
                 for kill in (lane..KILLS).step_by(4) {
                     let directory = tempfile::tempdir().unwrap();
                     let moment = (kill * 2_654_435_761) % 700;
-                    let encoding = ["json", "protobuf"][(kill % 2) as usize];
-                    killed_after(directory.path(), encoding, moment);
+                    let form = (kill / 4 % 2) as usize;
+                    killed_after(directory.path(), FORMS[form], moment, &wholes[form]);
                 }
             });
         }
@@ -128,8 +141,8 @@ fn a_full_file_system_is_a_clear_error() {
     let partial = directory.path().join("full.mcap.partial");
     let recording = Recording::open(&partial).unwrap();
     assert_eq!(recording.condition(), Condition::Interrupted);
-    let report = verify(&recording, Options::default(), &|_| {});
-    assert_eq!(report.verdict(), Verdict::Incomplete, "{report:#?}");
+    let report = verified(&partial);
+    assert_eq!(report.verdict, Verdict::Incomplete, "{report:#?}");
     assert!(messages(&partial) > 100);
 }
 

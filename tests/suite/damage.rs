@@ -1,46 +1,24 @@
-//! Recordings that were damaged: nothing goes unnoticed, nothing panics, and what is whole is saved.
+//! Recordings that were damaged: nothing goes unnoticed, nothing panics, and the run can be run again.
 
 use crate::fuzz_corpus::steps::analyses;
-use crate::support::{archive, scenario};
+use crate::support::{archive, is_noticed, run_again, scenario, verified};
 use std::fs;
 use std::io::Read as _;
 use std::path::Path;
 use std::thread;
-use toprise::analysis::complete::complete;
 use toprise::analysis::explain::explain;
 use toprise::analysis::figures::{Figure, Run};
-use toprise::analysis::salvage::salvage;
-use toprise::analysis::verify::{Group, Options, Verdict, verify};
-use toprise::archive::convert::convert;
-use toprise::archive::publish::Existing;
+use toprise::analysis::verify::Verdict;
 use toprise::archive::recording::{Condition, Overview, Recording};
-use toprise::archive::recover::{RecoverError, recover};
 use toprise::archive::writer::Form;
 use toprise::telemetry::encoding::Encoding;
 use toprise::telemetry::fields::state;
 
-const QUICK: Options = Options { reproduce: false };
-
-/// Whether somebody who verifies the file is told that something is wrong with it.
-fn is_noticed(path: &Path) -> bool {
-    match Recording::open(path) {
-        Ok(recording) => verify(&recording, QUICK, &|_| {}).verdict() != Verdict::Passed,
-        Err(_) => true,
-    }
-}
-
-/// Reads everything of the file in every way, and saves what can be saved.
+/// Reads everything of the file in every way.
 fn endures(path: &Path) {
     let _ = Overview::read(path);
-    let Ok(recording) = Recording::open(path) else {
-        return;
-    };
-    let _ = recording.series(state::THETA);
-    let saved = path.with_extension("saved");
-    if recover(&recording, &saved, Existing::Replace, &|_| {}).is_ok() {
-        let saved = Recording::open(&saved).unwrap();
-        let report = verify(&saved, QUICK, &|_| {});
-        assert_ne!(report.verdict(), Verdict::Failed, "{report:#?}");
+    if let Ok(recording) = Recording::open(path) {
+        let _ = recording.series(state::THETA);
     }
 }
 
@@ -83,10 +61,7 @@ fn every_byte_of_a_tiny_recording_counts() {
             fs::write(path, bytes).unwrap();
             assert!(is_noticed(path), "byte {position} xor {mask:#x}");
         }
-        // Saving syncs files, which takes its time.
-        if position % 7 == 0 {
-            endures(path);
-        }
+        endures(path);
     });
 }
 
@@ -163,30 +138,6 @@ fn chunks_that_were_swapped_or_repeated_are_noticed() {
 }
 
 #[test]
-fn a_recording_out_of_order_is_not_converted_and_the_reason_is_told() {
-    let directory = tempfile::tempdir().unwrap();
-    let [path, target] = ["run.mcap", "target.mcap"].map(|name| directory.path().join(name));
-    let whole = recorded("0.5", &[], Form::default());
-    let chunks = chunks(&whole);
-    let (first, second) = (chunks[1].clone(), chunks[2].clone());
-    let parts = [
-        &whole[..first.start],
-        &whole[second.clone()],
-        &whole[first],
-        &whole[second.end..],
-    ];
-    fs::write(&path, parts.concat()).unwrap();
-    let recording = Recording::open(&path).unwrap();
-    let error = convert(&recording, &target, Existing::Keep, Encoding::Json, &|_| {}).unwrap_err();
-    let told = error.to_string();
-    assert!(
-        told.starts_with("its content is not what its end record says"),
-        "{told}"
-    );
-    assert!(!told.contains("target.mcap") && !target.exists(), "{told}");
-}
-
-#[test]
 fn messages_that_come_twice_are_left_out_and_told() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
@@ -234,65 +185,45 @@ pub fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
 }
 
 #[test]
-fn the_rest_of_a_damaged_recording_is_saved_and_can_be_completed() {
+fn a_damaged_recording_is_read_past_its_damage_and_run_again_to_the_same_bytes() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let scenario = scenario("paper", &[("stop.duration", "0.5")]);
-    archive(&path, &scenario, &[], Form::default()).unwrap();
-    let whole = fs::read(&path).unwrap();
-    let all = Overview::read(&path).unwrap().messages();
-    let hit = chunks(&whole)[2].clone();
-
-    let damaged = directory.path().join("damaged.mcap");
-    let mut bytes = whole.clone();
-    bytes[usize::midpoint(hit.start, hit.end)] ^= 1;
-    fs::write(&damaged, bytes).unwrap();
-    let recording = Recording::open(&damaged).unwrap();
-    let overview = Overview::of(&recording);
-    assert_eq!(overview.condition, Condition::Damaged);
-    assert_eq!(overview.losses.len(), 1);
-    assert_eq!(overview.losses[0].offset, hit.start as u64);
-    let theta = recording.series(state::THETA).unwrap();
-    assert_eq!(theta.losses, overview.losses);
-
-    let saved = directory.path().join("saved.mcap");
-    let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
-    let lost = recovered.lost.unwrap();
-    assert!(
-        lost.starts_with("messages from") && !lost.contains(';'),
-        "{lost}"
-    );
-    let report = verify(
-        &Recording::open(&saved).unwrap(),
-        Options::default(),
-        &|_| {},
-    );
-    assert_eq!(report.verdict(), Verdict::Incomplete, "{report:#?}");
-    assert_eq!(report.condition, Condition::Recovered);
-    let kept = Overview::read(&saved).unwrap().messages();
-    assert!(kept < all && kept > all / 2, "{kept} of {all}");
-
-    let completed = directory.path().join("completed.mcap");
-    complete(&recording, &completed, Existing::Keep, &|_| {}).unwrap();
-    assert_eq!(fs::read(&completed).unwrap(), whole);
-
-    let again = directory.path().join("again.mcap");
-    let error = recover(
-        &Recording::open(&path).unwrap(),
-        &again,
-        Existing::Keep,
-        &|_| {},
-    );
-    assert!(matches!(error, Err(RecoverError::Whole)));
-    assert!(!again.exists());
+    for (encoding, topics) in [
+        (Encoding::Json, &[][..]),
+        (Encoding::Protobuf, &["/top/state", "/top/energy"]),
+    ] {
+        let _ = fs::remove_file(&path);
+        let form = Form {
+            encoding,
+            ..Form::default()
+        };
+        archive(&path, &scenario, topics, form).unwrap();
+        let whole = fs::read(&path).unwrap();
+        let hit = chunks(&whole).pop().unwrap();
+        let mut bytes = whole.clone();
+        bytes[usize::midpoint(hit.start, hit.end)] ^= 1;
+        fs::write(&path, bytes).unwrap();
+        let recording = Recording::open(&path).unwrap();
+        let overview = Overview::of(&recording);
+        assert_eq!(overview.condition, Condition::Damaged);
+        assert_eq!(overview.losses.len(), 1);
+        assert_eq!(overview.losses[0].offset, hit.start as u64);
+        let theta = recording.series(state::THETA).unwrap();
+        assert_eq!(theta.losses, overview.losses);
+        let report = verified(&path);
+        assert_eq!(report.verdict, Verdict::Incomplete, "{report:#?}");
+        assert_eq!(report.state, Condition::Damaged);
+        assert!(report.missing > 0);
+        assert!(run_again(&path).unwrap() == whole);
+    }
 }
 
 #[test]
-fn a_recording_that_ends_before_its_channels_says_whether_it_can_be_completed() {
+fn a_recording_that_ends_before_its_scenario_can_not_be_run_again() {
     let whole = recorded("0.02", &[], Form::default());
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("cut.mcap");
-    let saved = directory.path().join("saved.mcap");
     let first_chunk = chunks(&whole)[0].start;
     // Each record is an opcode, the length of its body, and the body; the header stands behind the magic.
     let mut ends = vec![8];
@@ -300,101 +231,52 @@ fn a_recording_that_ends_before_its_channels_says_whether_it_can_be_completed() 
         let length = whole[end + 1..end + 9].try_into().unwrap();
         ends.push(end + 9 + u64::from_le_bytes(length) as usize);
     }
-    let mut completed = 0;
-    for end in &ends[1..] {
-        fs::write(&path, &whole[..*end]).unwrap();
-        let recording = Recording::open(&path).unwrap();
-        let error = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap_err();
-        assert!(matches!(error, RecoverError::Nothing { .. }), "{error}");
-        let is_completed = complete(&recording, &saved, Existing::Replace, &|_| {}).is_ok();
-        assert_eq!(error.to_string().contains("--complete"), is_completed);
-        if is_completed {
-            assert!(fs::read(&saved).unwrap() == whole);
-            fs::remove_file(&saved).unwrap();
-            completed += 1;
-        }
-    }
-    assert!(completed > 0 && completed < ends.len() - 1);
-}
-
-/// Saves a changed recording; gives what it says is lost, and whether it is the original again.
-fn saved(whole: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> (Option<String>, bool) {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
-    let mut bytes = whole.to_vec();
-    change(&mut bytes);
-    fs::write(&path, bytes).unwrap();
-    assert!(is_noticed(&path));
-    let saved = directory.path().join("saved.mcap");
-    let recording = Recording::open(&path).unwrap();
-    let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
-    (recovered.lost, fs::read(&saved).unwrap() == whole)
+    // The header, toprise.run and the scenario.
+    let runs: Vec<_> = ends[1..]
+        .iter()
+        .map(|end| {
+            fs::write(&path, &whole[..*end]).unwrap();
+            assert!(is_noticed(&path), "{end}");
+            run_again(&path).map(|bytes| bytes == whole)
+        })
+        .collect();
+    assert_eq!(runs, [None, None, Some(true)]);
 }
 
 #[test]
 fn damage_outside_of_chunks_costs_no_messages() {
     let whole = recorded("0.5", &[], Form::default());
-    let all = Some("perhaps some of the metadata: the checksum of the data is wrong".to_owned());
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let changed = |at: usize, mask: u8| {
+        let mut bytes = whole.clone();
+        bytes[at] ^= mask;
+        fs::write(&path, bytes).unwrap();
+        assert!(is_noticed(&path), "byte {at}");
+        assert_eq!(verified(&path).missing, 0, "byte {at}");
+    };
     // The times in the head of a chunk: it seems to stand at the wrong place.
     for chunk in chunks(&whole) {
         for byte in [9, 13, 17, 21] {
-            let (lost, _) = saved(&whole, |bytes| bytes[chunk.start + byte] ^= 0x10);
-            assert_eq!(lost, all, "chunk at {}, byte {byte}", chunk.start);
+            changed(chunk.start + byte, 0x10);
         }
     }
     // A length that swallows what comes behind: of the header, and of the end of the data.
-    let (lost, _) = saved(&whole, |bytes| bytes[8 + 1] ^= 0x40);
-    assert_eq!(lost, None, "the header says nothing that is missed");
+    changed(8 + 1, 0x40);
     let summary = mcap::read::footer(&whole).unwrap().summary_start as usize;
     let data_end = summary - 13;
     assert_eq!(whole[data_end], mcap::records::op::DATA_END);
     for (byte, mask) in [(1, 0x40), (2, 0x01), (2, 0x04)] {
-        let (lost, is_same) = saved(&whole, |bytes| bytes[data_end + byte] ^= mask);
-        assert_eq!(
-            (lost, is_same),
-            (None, true),
-            "byte {byte} of the end of the data"
-        );
+        changed(data_end + byte, mask);
     }
     // The summary.
     for at in (summary + 9..whole.len() - 40).step_by(151) {
-        let (lost, is_same) = saved(&whole, |bytes| bytes[at] ^= 1);
-        assert_eq!((lost, is_same), (None, true), "byte {at}");
+        changed(at, 1);
     }
 }
 
 #[test]
-fn the_laws_are_judged_where_the_beginning_is_lost() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
-    let mut bytes = recorded("0.5", &[], Form::default());
-    let first = chunks(&bytes)[0].clone();
-    bytes[usize::midpoint(first.start, first.end)] ^= 1;
-    fs::write(&path, bytes).unwrap();
-    let report = verify(
-        &Recording::open(&path).unwrap(),
-        Options::default(),
-        &|_| {},
-    );
-    for check in report
-        .checks
-        .iter()
-        .filter(|check| check.group == Group::Physics)
-    {
-        assert_eq!(
-            check.verdict,
-            Verdict::Passed,
-            "{}: {}",
-            check.name,
-            check.finding
-        );
-    }
-    let last = report.checks.last().unwrap();
-    assert_eq!(last.verdict, Verdict::Incomplete, "{}", last.finding);
-}
-
-#[test]
-fn what_stands_behind_the_footer_and_missing_checksums_are_noticed() {
+fn what_stands_behind_the_footer_is_noticed() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let whole = recorded("0.1", &[], Form::default());
@@ -405,29 +287,23 @@ fn what_stands_behind_the_footer_and_missing_checksums_are_noticed() {
     bytes.extend_from_slice(&whole[end..]);
     fs::write(&path, bytes).unwrap();
     assert!(is_noticed(&path));
-    let mut bytes = whole.clone();
-    let summary = mcap::read::footer(&whole).unwrap().summary_start as usize;
-    bytes[summary - 4..summary].fill(0);
-    fs::write(&path, bytes).unwrap();
-    assert!(is_noticed(&path));
 }
 
 #[test]
 fn a_recording_whose_index_is_lost_loses_nothing() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
-    let scenario = scenario("paper", &[("stop.duration", "0.3")]);
-    let archived = archive(&path, &scenario, &[], Form::default()).unwrap();
-    let whole = fs::read(&path).unwrap();
+    let whole = recorded("0.3", &[], Form::default());
     // The end magic and a part of the footer.
     fs::write(&path, &whole[..whole.len() - 20]).unwrap();
-    let recording = Recording::open(&path).unwrap();
-    assert_eq!(recording.condition(), Condition::Damaged);
-    let saved = directory.path().join("saved.mcap");
-    let recovered = recover(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
-    assert_eq!(recovered.lost, None);
-    assert_eq!(recovered.archived.digest, archived.digest);
-    assert_eq!(fs::read(&saved).unwrap(), whole);
+    let report = verified(&path);
+    assert_eq!(report.state, Condition::Damaged);
+    assert_eq!((report.verdict, report.missing), (Verdict::Incomplete, 0));
+    assert_eq!(
+        report.equal,
+        Some(Overview::read(&path).unwrap().messages())
+    );
+    assert!(run_again(&path).unwrap() == whole);
 }
 
 #[test]
@@ -445,12 +321,8 @@ fn the_scenario_of_another_run_is_not_taken_for_its_own() {
     let (head, rest) = (&a[..chunks(&a)[0].start], &b[chunks(&b)[0].start..]);
     let spliced = [head, &[0xee; 40], rest].concat();
     fs::write(path("spliced.mcap"), spliced).unwrap();
-    let recording = Recording::open(&path("spliced.mcap")).unwrap();
-    let saved = path("saved.mcap");
-    let recovered = salvage(&recording, &saved, Existing::Keep, &|_| {}).unwrap();
-    let lost = recovered.lost.unwrap_or_default();
-    assert!(lost.contains("another run"), "{lost}");
-    assert!(Recording::open(&saved).unwrap().recovery().is_some());
+    let report = verified(&path("spliced.mcap"));
+    assert_eq!(report.verdict, Verdict::Different, "{report:#?}");
 }
 
 #[test]
@@ -464,19 +336,15 @@ fn every_byte_of_the_record_of_the_run_counts_in_an_interrupted_recording() {
     let start = name.unwrap() - 13;
     let length = u64::from_le_bytes(whole[start + 1..start + 9].try_into().unwrap());
     let positions: Vec<usize> = (start..start + 9 + length as usize).collect();
-    let findings = |path: &Path| {
-        let recording = Recording::open(path).unwrap();
-        verify(&recording, QUICK, &|_| {}).checks
-    };
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("interrupted.mcap");
     fs::write(&path, interrupted).unwrap();
-    let sound = findings(&path);
+    let sound = verified(&path);
     in_parallel(&positions, |path, position| {
         let mut bytes = interrupted.to_vec();
         bytes[*position] ^= 1 << (position % 8);
         fs::write(path, bytes).unwrap();
-        assert_ne!(findings(path), sound, "byte {position}");
+        assert_ne!(verified(path), sound, "byte {position}");
     });
 }
 
@@ -487,9 +355,9 @@ fn a_recording_that_ends_in_its_summary_is_incomplete() {
     let lengths: Vec<usize> = (summary..whole.len()).step_by(29).collect();
     in_parallel(&lengths, |path, length| {
         fs::write(path, &whole[..*length]).unwrap();
-        let report = verify(&Recording::open(path).unwrap(), QUICK, &|_| {});
+        let report = verified(path);
         assert_eq!(
-            report.verdict(),
+            report.verdict,
             Verdict::Incomplete,
             "{length} bytes: {report:?}"
         );
@@ -514,13 +382,8 @@ fn an_empty_summary_offset_beside_that_of_the_group_is_refused() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     fs::write(&path, bytes).unwrap();
-    let report = verify(&Recording::open(&path).unwrap(), QUICK, &|_| {});
-    let index = report
-        .checks
-        .iter()
-        .find(|check| check.name == "index")
-        .unwrap();
-    assert!(index.finding.contains("summary offsets"), "{report:?}");
+    let difference = verified(&path).difference.unwrap();
+    assert_eq!(difference.place, "the groups of the summary");
 }
 
 /// A record of an MCAP file.

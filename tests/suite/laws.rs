@@ -1,12 +1,11 @@
 //! Laws of friction: what each must keep in every state, their limits, sticking, whole lives.
 
-use crate::support::{Run, archive, assert_near, scenario};
+use crate::support::{Run, archive, assert_near, scenario, verified};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
-use toprise::analysis::verify::{Options, Verdict, verify};
-use toprise::archive::recording::Recording;
+use toprise::analysis::verify::Verdict;
 use toprise::archive::writer::Form;
 use toprise::physics::dynamics::{BodyRotation, EulerAngles, Model, Phase};
 use toprise::physics::friction::{
@@ -77,7 +76,11 @@ fn losses() -> impl Strategy<Value = Losses> {
     (0.0..1e-3_f64, 0.0..1.0_f64, 1e-6..1e-2_f64, air).prop_map(
         |(rolling_arm, k, patch_radius, (axial, transverse, disc))| Losses {
             rolling_arm,
-            drilling: Drilling { k, patch_radius },
+            drilling: Drilling {
+                k,
+                patch_radius,
+                creep: 0.0,
+            },
             air: Air {
                 axial,
                 transverse,
@@ -143,7 +146,9 @@ proptest! {
         // Without slip neither the resistance to rolling nor drilling depends on how fast the top turns.
         let torque = losses.at_contact(normal_force, &tilt.omega_lean);
         let rolling = losses.rolling_arm * normal_force;
-        let Drilling { k, patch_radius } = losses.drilling;
+        let Drilling {
+            k, patch_radius, ..
+        } = losses.drilling;
         let drilling = 3.0 * PI / 16.0 * k * normal_force * patch_radius;
         // Some ten roundings of products and a root.
         let rounding = 10.0 * f64::EPSILON * (rolling + drilling);
@@ -624,9 +629,8 @@ fn recordings_of_all_laws_are_verified() {
         let scenario = Scenario::from_toml(&values).unwrap();
         let path = directory.path().join(format!("{index}.mcap"));
         archive(&path, &scenario, &[], Form::default()).unwrap();
-        let recording = Recording::open(&path).unwrap();
-        let report = verify(&recording, Options::default(), &|_| {});
-        assert_eq!(report.verdict(), Verdict::Passed, "{index}: {report:#?}");
+        let report = verified(&path);
+        assert_eq!(report.verdict, Verdict::Verified, "{index}: {report:#?}");
     }
 }
 
@@ -732,4 +736,40 @@ fn a_run_that_no_longer_gets_on_ends_with_an_error() {
     let error = Simulation::new(&scenario).unwrap().find_map(Result::err);
     let error = error.expect("it ends with an error").to_string();
     assert!(error.contains("has stalled"), "{error}");
+}
+
+#[test]
+fn val_drilling_takes_the_spin_in_its_time_and_then_holds_it() {
+    let changes = [
+        ("friction.law", "none"),
+        ("friction.k", ""),
+        ("friction.viscous_speed", ""),
+        ("friction.dissipation", ""),
+        ("initial.theta", "0"),
+        ("initial.psi_dot", "2"),
+        ("initial.phi_dot", "0"),
+        ("drilling.k", "1"),
+        ("drilling.patch_radius", "1e-3"),
+        ("stop.theta_risen", ""),
+        ("stop.duration", "1"),
+    ];
+    let scenario = scenario("free-viscous", &changes);
+    let top = scenario.model.top;
+    let slowing = 3.0 * PI / 16.0 * top.weight() * 1e-3 / top.axial_moment;
+    let creep = scenario.model.friction.losses.unwrap().drilling.creep;
+    // It would stop within 1e-5 s.
+    assert_near(
+        "creep",
+        creep,
+        1e-5 * slowing.max(slowing * top.axial_moment / top.central_moment()),
+        1e-12,
+    );
+    let run = Run::of(&scenario);
+    assert_eq!(run.end.time, 1.0);
+    for sample in &run.samples {
+        let left = (2.0 - slowing * (sample.time_ns as f64 / 1e9)).max(0.0);
+        // Near the end the spin fades within twice the time, and by as much less than it creeps.
+        assert_near("spin", sample.omega_world.z, left, creep);
+    }
+    assert!(run.end.statistics.accepted < 100_000);
 }

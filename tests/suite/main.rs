@@ -3,7 +3,6 @@
 //! `val_*` compare with an independent truth, `regress_*` pin what there was, the rest are laws and
 //! behaviour.
 
-mod accusations;
 mod answers;
 mod architecture;
 mod archive;
@@ -13,25 +12,23 @@ mod crash;
 mod cycles;
 mod damage;
 mod diff;
-mod diff_command;
-mod diff_pairs;
-mod diff_sentences;
 mod documents;
+mod effort;
 mod explain;
 mod figures;
 mod forgeries;
 mod free_peg;
-mod free_stories;
 mod fuzz_corpus;
 mod golden;
 mod integrate;
 mod laws;
-mod numbers;
+mod laws_of_motion;
 mod outcome;
 mod package;
 mod physics;
 mod properties;
 mod publish;
+mod random_scenarios;
 mod readers;
 mod recordings;
 mod reference;
@@ -42,9 +39,8 @@ mod rerun_pair;
 mod scenarios;
 #[cfg(all(feature = "web-viewer", unix))]
 mod serve;
-mod stories;
 mod support;
 #[cfg(feature = "sweep")]
 mod sweep;
 mod telemetry;
-mod versions;
+mod vertical;

@@ -1,18 +1,18 @@
 //! Files appear whole or not at all, and nothing that exists is harmed: not what is read, nor what is being written
 //! or was left.
 
-use crate::support::{archive, scenario};
+use crate::support::{archive, run_again, scenario};
 use assert_cmd::Command;
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::{Child, Command as Process, Stdio};
 use tempfile::{TempDir, tempdir};
-use toprise::analysis::complete::complete;
-use toprise::archive::publish::{Draft, Existing, partial_name};
+use toprise::archive::pipeline::McapSink;
+use toprise::archive::publish::{Draft, Existing, is_same_file, partial_name};
 use toprise::archive::recording::{Condition, Overview, Recording};
 use toprise::archive::sink::SinkError;
-use toprise::archive::writer::{Form, McapSink};
+use toprise::archive::writer::Form;
 use toprise::telemetry::encoding::Encoding;
 use toprise::telemetry::{Telemetry, Topics};
 
@@ -53,60 +53,23 @@ fn what_is_read_is_never_harmed_whatever_it_is_called() {
     let cut = &whole[..whole.len() / 2];
     let cases: &[(&str, &[u8], &[&str], i32)] = &[
         (
-            "c.mcap.new",
-            &whole,
-            &[
-                "convert",
-                "IN",
-                "c.mcap",
-                "--encoding",
-                "protobuf",
-                "--force",
-            ],
-            0,
-        ),
-        (
-            "c.mcap.partial",
-            &whole,
-            &["convert", "IN", "c.mcap", "--encoding", "json", "--force"],
-            0,
-        ),
-        (
             "x.mcap.new",
             cut,
-            &["recover", "IN", "x.mcap", "--force"],
-            3,
-        ),
-        (
-            "x.mcap.partial",
-            cut,
-            &["recover", "IN", "x.mcap", "--force"],
-            3,
-        ),
-        (
-            "x.mcap.partial",
-            cut,
-            &["recover", "IN", "x.mcap", "--force", "--complete"],
+            &["run", "IN", "-o", "x.mcap", "--force"],
             0,
         ),
         (
-            "d.mcap.partial",
-            &whole,
-            &["diff", "IN", "a.mcap", "--mcap", "d.mcap", "--force"],
+            "x.mcap.partial",
+            cut,
+            &["run", "IN", "-o", "x.mcap", "--force"],
             0,
         ),
         // What would replace the input itself is refused.
-        ("x.mcap", cut, &["recover", "IN", "x.mcap", "--force"], 2),
+        ("x.mcap", cut, &["run", "IN", "-o", "x.mcap", "--force"], 2),
         (
             "x.mcap",
-            cut,
-            &["recover", "IN", "./x.mcap", "--force", "--complete"],
-            2,
-        ),
-        (
-            "d.mcap",
             &whole,
-            &["diff", "IN", "a.mcap", "--mcap", "d.mcap", "--force"],
+            &["run", "IN", "-o", "./x.mcap", "--force"],
             2,
         ),
         (
@@ -170,7 +133,7 @@ fn an_input_is_known_by_any_name_or_link() {
     for output in ["hard.mcap", "soft.mcap", "../{}/cut.mcap"] {
         let name = directory.path().file_name().unwrap().to_string_lossy();
         let output = output.replace("{}", &name);
-        let refused = toprise(&directory, &["recover", "cut.mcap", &output, "--force"]).code(2);
+        let refused = toprise(&directory, &["run", "cut.mcap", "-o", &output, "--force"]).code(2);
         let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
         assert!(error.contains("already read or written here"), "{error}");
         assert!(fs::read(directory.path().join(&output)).unwrap() == cut);
@@ -187,6 +150,77 @@ fn an_input_is_known_by_any_name_or_link() {
         fs::read_to_string(directory.path().join("mine.toml")).unwrap(),
         toml
     );
+}
+
+/// Two outputs are one file if they lead to one, however they are spelled, and before there is such a file.
+#[cfg(unix)]
+#[test]
+fn regress_two_outputs_of_one_name_are_refused() {
+    let directory = tempdir().unwrap();
+    record(&directory, "a.mcap");
+    fs::create_dir(directory.path().join("real")).unwrap();
+    std::os::unix::fs::symlink("real", directory.path().join("link")).unwrap();
+    let before = files(directory.path());
+    let run = ["run", "--set", "stop.duration=0.05", "-o"];
+    for (one, other) in [
+        ("o.x", "o.x"),
+        ("o.x", "./o.x"),
+        ("real/o.x", "link/o.x"),
+        ("real/o.x", "link/../real/./o.x"),
+        ("new/o.x", "new/deep/../o.x"),
+    ] {
+        let outputs = [one, "--rrd", other, "--force"];
+        let arguments: Vec<_> = run.into_iter().chain(outputs).collect();
+        if cfg!(feature = "rerun") {
+            let refused = toprise(&directory, &arguments).code(2);
+            let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+            assert!(error.contains("already read or written here"), "{error}");
+        }
+        assert!(is_same_file(
+            &directory.path().join(one),
+            &directory.path().join(other)
+        ));
+    }
+    assert_eq!(files(directory.path()), before);
+    assert!(files(&directory.path().join("real")).is_empty());
+    // These are two.
+    for (one, other) in [("o.x", "real/o.x"), ("o.x", "o.y"), ("new/o.x", "new/o/x")] {
+        let [one, other] = [one, other].map(|name| directory.path().join(name));
+        assert!(!is_same_file(&one, &other));
+    }
+}
+
+/// A table of which a map is drawn is read too.
+#[cfg(feature = "sweep")]
+#[test]
+fn regress_a_table_is_not_replaced_by_its_map() {
+    let directory = tempdir().unwrap();
+    let sweep = [
+        "sweep",
+        "paper",
+        "--set",
+        "stop.duration=0.01",
+        "-o",
+        "sweep.svg",
+    ];
+    let over = ["--over", "friction.k=0.1,0.2"];
+    toprise(&directory, &[&sweep[..], &over].concat()).success();
+    let before = fs::read(directory.path().join("sweep.svg")).unwrap();
+    let figures = [
+        "figures",
+        "--sweep",
+        "sweep.svg",
+        "--x",
+        "friction_k",
+        "--show",
+        "theta",
+    ];
+    toprise(
+        &directory,
+        &[&figures[..], &["-o", ".", "--force"]].concat(),
+    )
+    .code(2);
+    assert!(fs::read(directory.path().join("sweep.svg")).unwrap() == before);
 }
 
 #[cfg(unix)]
@@ -253,7 +287,7 @@ fn whichever_of_several_files_of_one_name_is_published_last_stays_and_is_whole()
 }
 
 /// Commands that write a file which can be made again leave no draft of it when they are asked to end.
-#[cfg(unix)]
+#[cfg(all(feature = "rerun", unix))]
 #[test]
 fn a_signal_leaves_no_drafts() {
     // Below `nohup`, and before `&` in a script, signals are ignored; what is started here inherits that.
@@ -275,15 +309,10 @@ fn a_signal_leaves_no_drafts() {
     .unwrap();
     let whole = fs::read(&path).unwrap();
     fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() - 9]).unwrap();
-    let commands: [&[&str]; 4] = [
-        &["convert", "a.mcap", "x.mcap", "--encoding", "protobuf"],
-        &["recover", "cut.mcap", "x.mcap"],
-        &["recover", "cut.mcap", "x.mcap", "--complete"],
-        &["diff", "a.mcap", "cut.mcap", "--mcap", "x.mcap"],
-    ];
-    for (arguments, signal) in commands.iter().zip(["-INT", "-TERM"].iter().cycle()) {
+    for signal in ["-INT", "-TERM"] {
+        let arguments = ["diff", "a.mcap", "cut.mcap", "--rrd", "x.rrd"];
         let mut command = Process::new(assert_cmd::cargo::cargo_bin("toprise"));
-        command.current_dir(directory.path()).args(*arguments);
+        command.current_dir(directory.path()).args(arguments);
         let mut child = command
             .stdout(Stdio::null())
             .stderr(Stdio::null())
@@ -302,7 +331,7 @@ fn a_signal_leaves_no_drafts() {
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
         let id = child.id().to_string();
-        Process::new("kill").args([*signal, &id]).status().unwrap();
+        Process::new("kill").args([signal, &id]).status().unwrap();
         assert_eq!(child.wait().unwrap().code(), Some(130), "{arguments:?}");
         assert_eq!(
             files(directory.path()),
@@ -317,32 +346,9 @@ fn directories_of_files_that_are_not_written_vanish() {
     let directory = tempdir().unwrap();
     fs::create_dir(directory.path().join("mine")).unwrap();
     fs::write(directory.path().join("damaged.mcap"), "no recording").unwrap();
-    // The damage is met before, and the lack of common topics after, the file has been begun.
-    let fails: [&[&str]; 2] = [
-        &[
-            "convert",
-            "damaged.mcap",
-            "mine/a/b/x.mcap",
-            "--encoding",
-            "json",
-        ],
-        &[
-            "diff",
-            "paper",
-            "full-coulomb",
-            "--set",
-            "stop.duration=0.1",
-            "--tol",
-            "/top/none.*=1",
-            "--mcap",
-            "mine/a/b/x.mcap",
-        ],
-    ];
-    for arguments in fails {
-        toprise(&directory, arguments).code(2);
-        let inside = fs::read_dir(directory.path().join("mine")).unwrap();
-        assert_eq!(inside.count(), 0, "{arguments:?}");
-    }
+    let run = ["run", "damaged.mcap", "-o", "mine/a/b/x.mcap"];
+    toprise(&directory, &run).code(2);
+    assert_eq!(files(&directory.path().join("mine")), Vec::<String>::new());
 }
 
 #[test]
@@ -353,7 +359,10 @@ fn what_an_interrupted_run_left_is_never_touched() {
     let run = ["run", "--set", "stop.duration=0.05", "-o", "x.mcap"];
     let refused = toprise(&directory, &run).code(2);
     let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-    assert!(error.contains("toprise recover x.mcap.partial"), "{error}");
+    assert!(
+        error.contains("toprise run x.mcap.partial -o OUT"),
+        "{error}"
+    );
     toprise(&directory, &[&run[..], &["--force"]].concat()).success();
     assert_eq!(fs::read(&left).unwrap(), b"interrupted");
     assert_eq!(files(directory.path()), ["x.mcap", "x.mcap.partial"]);
@@ -418,7 +427,7 @@ fn runs_with_one_name_each_publish_a_whole_file() {
 }
 
 #[test]
-fn a_run_that_is_killed_before_its_first_message_can_be_completed() {
+fn a_run_that_is_killed_before_its_first_message_can_be_run_again() {
     let scenario = scenario("paper", &[("stop.duration", "0.05")]);
     for (encoding, topics, views) in [
         (Encoding::Json, &[][..], true),
@@ -442,25 +451,8 @@ fn a_run_that_is_killed_before_its_first_message_can_be_completed() {
         drop(sink);
         let recording = Recording::open(&killed).unwrap();
         assert_eq!(recording.condition(), Condition::Interrupted);
-        let completed = directory.path().join("completed.mcap");
-        complete(&recording, &completed, Existing::Keep, &|_| {}).unwrap();
-        assert!(fs::read(&completed).unwrap() == whole, "{encoding:?}");
+        assert!(run_again(&killed).unwrap() == whole, "{encoding:?}");
     }
-}
-
-#[test]
-fn a_complete_recording_that_has_not_got_its_name_gets_it() {
-    let directory = tempdir().unwrap();
-    let whole = record(&directory, "a.mcap");
-    fs::rename(
-        directory.path().join("a.mcap"),
-        directory.path().join("a.mcap.partial"),
-    )
-    .unwrap();
-    let saved = toprise(&directory, &["recover", "a.mcap.partial", "a.mcap"]).success();
-    let text = String::from_utf8_lossy(&saved.get_output().stdout).into_owned();
-    assert!(text.contains("nothing: the content is what"), "{text}");
-    assert!(fs::read(directory.path().join("a.mcap")).unwrap() == whole);
 }
 
 /// A Rerun recording for which there is no room leaves the MCAP file alone.
@@ -488,27 +480,7 @@ fn a_run_goes_on_without_a_rerun_recording_that_finds_no_room() {
 }
 
 #[test]
-fn a_file_of_tolerances_is_read_and_never_replaced() {
-    let directory = tempdir().unwrap();
-    record(&directory, "a.mcap");
-    let tolerances = directory.path().join("tolerances.toml");
-    fs::write(&tolerances, "rel = 1e-9\n").unwrap();
-    let arguments = [
-        "diff",
-        "a.mcap",
-        "a.mcap",
-        "--tolerances",
-        "tolerances.toml",
-        "--mcap",
-        "tolerances.toml",
-        "--force",
-    ];
-    toprise(&directory, &arguments).code(2);
-    assert_eq!(fs::read_to_string(&tolerances).unwrap(), "rel = 1e-9\n");
-}
-
-#[test]
-fn a_run_is_completed_to_the_same_bytes_without_its_channels() {
+fn a_recording_without_its_channels_is_run_again_to_the_same_bytes() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("a.mcap");
     let scenario = scenario("paper", &[("stop.duration", "0.2")]);
@@ -526,8 +498,5 @@ fn a_run_is_completed_to_the_same_bytes_without_its_channels() {
         end += 9 + usize::try_from(length).unwrap();
     }
     fs::write(directory.path().join("cut.mcap"), &whole[..end]).unwrap();
-    let completed = ["recover", "--complete", "cut.mcap", "completed.mcap"];
-    toprise(&directory, &completed).success();
-    let completed = fs::read(directory.path().join("completed.mcap")).unwrap();
-    assert!(completed == whole);
+    assert!(run_again(&directory.path().join("cut.mcap")).unwrap() == whole);
 }

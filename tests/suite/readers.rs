@@ -214,39 +214,6 @@ fn val_rerun_reads_recordings() {
     }
 }
 
-#[test]
-fn val_python_reads_the_differences() {
-    let Some(python) = python() else { return };
-    let directory = tempdir().unwrap();
-    let recording = record(&directory, "json");
-    let other = directory.path().join("other.mcap");
-    let run = ["run", "full-coulomb", "--set", "stop.duration=1", "-o"];
-    toprise(&directory).args(run).arg(&other).assert().success();
-    for encoding in ENCODINGS {
-        let mut command = toprise(&directory);
-        command.arg("diff").args([&recording, &other]);
-        command.args(["--format", "json", "--mcap", "diff.mcap", "--force"]);
-        command.args(["--encoding", encoding]);
-        let report = command.assert().code(1).get_output().stdout.clone();
-        fs::write(directory.path().join("report.json"), report).unwrap();
-        let schema = readers().join("../../schemas/toprise.DiffReport.json");
-        let mut command = Command::new(&python);
-        command.current_dir(directory.path());
-        command
-            .arg(readers().join("diff.py"))
-            .args([&recording, &other]);
-        command.args(["diff.mcap", "report.json"]).arg(schema);
-        let checked = json(&mut command);
-        assert_eq!(checked["/top/state"], 1001, "{encoding}");
-        let text = answer(rerun(&python).current_dir(directory.path()).args([
-            "mcap",
-            "check",
-            "diff.mcap",
-        ]));
-        assert!(text.contains("/diff/top/state"), "{text}");
-    }
-}
-
 #[cfg(feature = "rerun")]
 #[test]
 fn val_view_streams_the_same_as_run() {

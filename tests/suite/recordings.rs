@@ -1,6 +1,6 @@
 //! Reading recordings back: every bit, in both encodings, whole and in part.
 
-use crate::support::{archive, in_memory, scenario};
+use crate::support::{archive, in_memory, scenario, verified};
 use proptest::prelude::*;
 use serde_json::json;
 use std::borrow::Cow;
@@ -10,16 +10,14 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use toprise::analysis::subject::Subject;
-use toprise::analysis::verify::{Group, Options, Verdict, verify};
-use toprise::archive::convert::{ConvertError, convert};
+use toprise::analysis::verify::{Verdict, verify};
+use toprise::archive::format::end_entries;
 use toprise::archive::memory::{MemorySink, Owned};
-use toprise::archive::publish::Existing;
 use toprise::archive::recording::{
     Any, Condition, Overview, Recording, RecordingError, Selection, SeriesError,
 };
 use toprise::archive::replay::replay;
-use toprise::archive::sink::Sink;
-use toprise::archive::writer::Form;
+use toprise::archive::writer::{Form, McapWriter};
 use toprise::run::scenario::Scenario;
 use toprise::telemetry::encoding::{Decoder, Encoder, Encoding, Row};
 use toprise::telemetry::fields::{ENERGY, NumberField, POSE, STATE, pose, state};
@@ -178,210 +176,50 @@ fn a_selection_is_what_was_asked_for() {
     assert_eq!(times, expected);
 }
 
-#[test]
-fn converting_there_and_back_gives_the_same_bytes() {
-    let (directory, json) = recorded("json.mcap", Form::default());
-    let protobuf = directory.path().join("protobuf.mcap");
-    archive(&protobuf, &short(), &[], PROTOBUF).unwrap();
-    for (from, to, encoding) in [
-        (&json, &protobuf, Encoding::Protobuf),
-        (&protobuf, &json, Encoding::Json),
-    ] {
-        let out = directory.path().join("out.mcap");
-        let recording = Recording::open(from).unwrap();
-        convert(&recording, &out, Existing::Replace, encoding, &|_| {}).unwrap();
-        assert!(
-            fs::read(&out).unwrap() == fs::read(to).unwrap(),
-            "{encoding:?}"
-        );
+/// A recording of a run by the writer that needs no thread, with its messages changed.
+fn written(scenario: &Scenario, form: Form, change: impl Fn(&mut Owned)) -> Vec<u8> {
+    let (sink, end) = in_memory(scenario);
+    let mut writer = McapWriter::new(Vec::new(), scenario, &Telemetry::default(), form).unwrap();
+    for mut message in sink.messages {
+        change(&mut message);
+        writer.write(&message.as_message()).unwrap();
     }
+    let (bytes, digest) = writer.finish(end_entries(&end)).unwrap();
+    assert_eq!(digest.len(), 64);
+    bytes
 }
 
 #[test]
-fn only_whole_recordings_are_converted() {
-    let (directory, path) = recorded("run.mcap", Form::default());
-    let whole = fs::read(&path).unwrap();
-    fs::write(&path, &whole[..whole.len() / 2]).unwrap();
-    let out = directory.path().join("out.mcap");
-    let recording = Recording::open(&path).unwrap();
-    let error = convert(&recording, &out, Existing::Keep, Encoding::Json, &|_| {}).unwrap_err();
-    assert!(matches!(error, ConvertError::Condition { .. }), "{error}");
-    let mut flipped = whole.clone();
-    flipped[whole.len() / 2] ^= 1;
-    fs::write(&path, &flipped).unwrap();
-    let recording = Recording::open(&path).unwrap();
-    let error = convert(&recording, &out, Existing::Keep, Encoding::Json, &|_| {}).unwrap_err();
-    assert!(error.to_string().contains("recover"), "{error}");
-    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+fn both_writers_give_the_same_bytes() {
+    for form in [Form::default(), PROTOBUF] {
+        for views in [true, false] {
+            let form = Form { views, ..form };
+            let (_directory, path) = recorded("run.mcap", form);
+            assert!(fs::read(path).unwrap() == written(&short(), form, |_| {}));
+        }
+    }
 }
 
 #[test]
 fn verifying_finds_one_bit_of_one_number() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
-    let scenario = short();
-    let mut forged = Forgery::new(&path, &scenario);
-    for mut message in simulated(&scenario) {
-        let is_it = channels()[message.channel].topic == "/top/torque" && message.sequence == 123;
-        if is_it {
+    let bytes = written(&short(), Form::default(), |message| {
+        if channels()[message.channel].topic == "/top/torque" && message.sequence == 123 {
             let number = &mut message.numbers[4];
             *number = number.next_up();
         }
-        forged.write(&message);
-    }
-    forged.finish();
-    let report = verify(
-        &Recording::open(&path).unwrap(),
-        Options::default(),
-        &|_| {},
-    );
-    assert_eq!(report.verdict(), Verdict::Failed);
-    let last = report.checks.last().unwrap();
-    let expected = "t = 0.123 s /top/torque.friction_body.y: recorded ";
-    assert!(last.finding.starts_with(expected), "{}", last.finding);
-    assert!(last.finding.ends_with(", 1 ulp apart"), "{}", last.finding);
-}
-
-#[test]
-fn verifying_judges_the_physics_by_itself() {
-    let scenario = short();
-    for (topic, field, factor, check) in [
-        ("/top/energy", "total", 1.0 + 1e-6, "energy balance"),
-        ("/top/momentum", "vertical", 1.0 + 1e-6, "vertical momentum"),
-        ("/top/energy", "friction_power", -1.0, "friction only takes"),
-        (
-            "/top/contact",
-            "friction_force.x",
-            1.0 + 1e-12,
-            "bound of the force",
-        ),
-        ("/top/contact", "slip_world.x", 1.0 + 1e-11, "slip velocity"),
-        ("/top/torque", "total_node.y", 2.0, "sum of torques"),
-        (
-            "/top/state",
-            "phi_ddot",
-            1.0 + 1e-12,
-            "sum of accelerations",
-        ),
-        ("/top/pose", "orientation.w", 1.0 + 1e-12, "orientation"),
-        (
-            "/top/precession",
-            "slow_root",
-            1.0 + 1e-12,
-            "regular precession",
-        ),
-        (
-            "/top/energy",
-            "kinetic",
-            1.0 + 1e-11,
-            "energies and momenta",
-        ),
-        (
-            "/top/torque",
-            "friction_body.x",
-            1.0 + 1e-9,
-            "torque of the force",
-        ),
-    ] {
-        let failed = failed_laws(&scenario, topic, field, factor);
-        assert!(failed.contains(&check), "{topic}.{field}: {failed:?}");
-    }
-}
-
-#[test]
-fn verifying_judges_the_torque_of_each_loss() {
-    let losses: [&[(&str, &str)]; 3] = [
-        &[("rolling.arm", "1e-5")],
-        &[("drilling.k", "0.1"), ("drilling.patch_radius", "1e-3")],
-        &[("air.axial", "1e-6"), ("air.transverse", "1e-6")],
-    ];
-    for loss in losses {
-        let overrides = [
-            &[("stop.duration", "0.1"), ("friction.dissipation", "full")],
-            loss,
-        ];
-        let scenario = scenario("paper", &overrides.concat());
-        for topic in [
-            ("/top/torque", "friction_body.x"),
-            ("/top/torque", "friction_node.z"),
-        ] {
-            let failed = failed_laws(&scenario, topic.0, topic.1, 1.0 + 1e-9);
-            assert!(
-                failed.contains(&"torque of friction"),
-                "{loss:?}: {failed:?}"
-            );
-        }
-    }
-}
-
-/// The laws that a run breaks if a number in its messages from the fiftieth on is multiplied by a factor.
-fn failed_laws(scenario: &Scenario, topic: &str, field: &str, factor: f64) -> Vec<&'static str> {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
-    let info = channels().iter().find(|c| c.topic == topic).unwrap();
-    let number = info.number_index(field).unwrap();
-    let mut forged = Forgery::new(&path, scenario);
-    for mut message in simulated(scenario) {
-        if channels()[message.channel].topic == topic && message.sequence >= 50 {
-            message.numbers[number] *= factor;
-        }
-        forged.write(&message);
-    }
-    forged.finish();
-    let recording = Recording::open(&path).unwrap();
-    let report = verify(&recording, Options { reproduce: false }, &|_| {});
-    let failed = report
-        .checks
-        .iter()
-        .filter(|check| check.verdict == Verdict::Failed);
-    failed.map(|check| check.name).collect()
-}
-
-/// A recording with any content, complete with a digest that fits it.
-struct Forgery {
-    sink: toprise::archive::writer::McapSink,
-    counts: BTreeMap<&'static str, u64>,
-}
-
-impl Forgery {
-    fn new(path: &Path, scenario: &Scenario) -> Self {
-        let form = Form {
-            views: false,
-            ..Form::default()
-        };
-        let telemetry = Telemetry::default();
-        let existing = Existing::Replace;
-        let sink =
-            toprise::archive::writer::McapSink::create(path, existing, scenario, &telemetry, form);
-        Self {
-            sink: sink.unwrap(),
-            counts: BTreeMap::new(),
-        }
-    }
-
-    fn write(&mut self, message: &Owned) {
-        *self
-            .counts
-            .entry(channels()[message.channel].topic)
-            .or_default() += 1;
-        self.sink.write(&message.as_message()).unwrap();
-    }
-
-    fn finish(self) {
-        let count = |topic| self.counts.get(topic).copied().unwrap_or(0).to_string();
-        let end = [
-            ("stop_reason", "duration".to_owned()),
-            ("samples", count("/top/state")),
-            ("events", count("/events")),
-            ("nutations", count("/top/nutation")),
-        ];
-        let end = Some(end.map(|(key, value)| (key.to_owned(), value)).into());
-        let ending = toprise::archive::writer::Ending {
-            end,
-            ..Default::default()
-        };
-        self.sink.finish_with(ending).unwrap();
-    }
+    });
+    fs::write(&path, bytes).unwrap();
+    let report = verified(&path);
+    assert_eq!(report.verdict, Verdict::Different);
+    let difference = report.difference.unwrap();
+    let place = (difference.place.as_str(), difference.time.as_deref());
+    assert_eq!(place, ("/top/torque", Some("0.123")));
+    assert_eq!(difference.field.as_deref(), Some("friction_body.y"));
+    let values = [difference.recorded, difference.simulated];
+    let [recorded, simulated] = values.map(|value| value.unwrap().parse::<f64>().unwrap());
+    assert_eq!(recorded, simulated.next_up());
 }
 
 /// An MCAP file with some channels, by the crate's own writer.
@@ -420,8 +258,7 @@ fn kinds_of_files_are_told_apart() {
     assert_eq!(recording.library(), "somebody");
     let mut reader = recording.reader(Selection::default());
     assert!(matches!(reader.next_of_any(), Some(Ok(Any::Other(m))) if m.data == b"{\"x\":1}"));
-    let report = verify(&recording, Options::default(), &|_| {});
-    assert_eq!(report.verdict(), Verdict::Failed);
+    assert_eq!(verified(&path).verdict, Verdict::Different);
 
     // A version of toprise that had other fields and other channels.
     let schema = json!({
@@ -601,39 +438,21 @@ proptest! {
         whole.append(&mut bytes);
         fs::write(&path, &whole).unwrap();
         if let Ok(recording) = Recording::open(&path) {
-            let _ = verify(&recording, Options::default(), &|_| {});
+            let _ = verify(&recording, &|_| {});
         }
     }
 }
 
 #[test]
-fn laws_are_judged_only_where_what_they_are_about_is_recorded() {
+fn topics_that_are_not_recorded_are_named() {
     let directory = tempfile::tempdir().unwrap();
-    let judged = |name: &str, topics: &[&str]| {
-        let path = directory.path().join(name);
-        let scenario = scenario("paper", &[("stop.duration", "0.1")]);
-        archive(&path, &scenario, topics, Form::default()).unwrap();
-        let recording = Recording::open(&path).unwrap();
-        let report = verify(&recording, Options::default(), &|_| {});
-        let expected = match topics {
-            [] => Verdict::Passed,
-            _ => Verdict::Partial,
-        };
-        assert_eq!(report.verdict(), expected, "{report:#?}");
-        let checks = report.checks.into_iter();
-        checks
-            .filter(|check| check.group == Group::Physics)
-            .collect::<Vec<_>>()
-    };
     for topic in ["/top/state", "/top/nutation", "/events"] {
-        for check in judged(&topic.replace('/', "_"), &[topic]) {
-            assert_eq!(check.verdict, Verdict::Skipped, "{topic}: {check:?}");
-        }
+        let path = directory.path().join(topic.replace('/', "_"));
+        archive(&path, &short(), &[topic], Form::default()).unwrap();
+        let report = verified(&path);
+        assert_eq!(report.verdict, Verdict::Verified, "{report:#?}");
+        let all = Topic::all_with(short().model.support);
+        let others = all.map(|t| t.to_string()).filter(|other| other != topic);
+        assert_eq!(report.without, others.collect::<Vec<_>>());
     }
-    let all = judged("all.mcap", &[]);
-    let bound = all
-        .iter()
-        .find(|check| check.name == "bound of the force")
-        .unwrap();
-    assert_eq!(bound.finding, "kept exactly at 101 instants");
 }

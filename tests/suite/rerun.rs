@@ -55,16 +55,18 @@ fn a_missing_viewer_is_a_warning_and_harms_nothing() {
 #[test]
 fn a_run_gives_the_same_bytes_again_and_from_its_archive() {
     let directory = tempdir().unwrap();
-    let run = |name: &str| {
+    let run = |name: &str, pace: &[&str]| {
         let rrd = format!("{name}/run.rrd");
         toprise(directory.path())
             .args(["run", "--set", "stop.duration=0.3", "-o"])
             .args([&format!("{name}/run.mcap"), "--rrd", &rrd])
+            .args(pace)
             .assert()
             .success();
         fs::read(directory.path().join(rrd)).unwrap()
     };
-    let (first, second) = (run("first"), run("second"));
+    let (first, second) = (run("first", &[]), run("second", &[]));
+    let paced = run("paced", &["--realtime"]);
     toprise(directory.path())
         .args(["view", "first/run.mcap", "--rrd", "viewed.rrd"])
         .assert()
@@ -73,6 +75,7 @@ fn a_run_gives_the_same_bytes_again_and_from_its_archive() {
     assert!(first.len() > 100_000);
     // Not assert_eq, which would print the files.
     assert!(first == second, "two runs differ");
+    assert!(first == paced, "a paced run differs");
     assert!(first == viewed, "the archive gives another recording");
 }
 

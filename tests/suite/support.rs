@@ -2,10 +2,14 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
+use toprise::analysis::verify::{Report, Verdict, verify};
+use toprise::archive::given;
 use toprise::archive::memory::MemorySink;
+use toprise::archive::pipeline::{Archived, McapSink};
 use toprise::archive::publish::Existing;
+use toprise::archive::recording::Recording;
 use toprise::archive::sink::{Sink, SinkError, record};
-use toprise::archive::writer::{Archived, Form, McapSink};
+use toprise::archive::writer::Form;
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{
     Event, EventKind, Landing, NutationCycle, Record, RunEnd, Sample, Simulation,
@@ -97,13 +101,48 @@ pub fn archive(
     topics: &[&str],
     form: Form,
 ) -> Result<Archived, SinkError> {
-    let mut telemetry = match topics {
-        [] => Telemetry::default(),
-        topics => Telemetry::with_topics(&Topics::named(topics).unwrap()),
+    let topics = match topics {
+        [] => Topics::All,
+        topics => Topics::named(topics).unwrap(),
     };
+    archive_topics(path, scenario, &topics, form)
+}
+
+fn archive_topics(
+    path: &Path,
+    scenario: &Scenario,
+    topics: &Topics,
+    form: Form,
+) -> Result<Archived, SinkError> {
+    let mut telemetry = Telemetry::with_topics(topics);
     let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, form)?;
     let mut simulation = Simulation::new(scenario).unwrap();
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
     let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
     sink.finish(&end)
+}
+
+/// Runs again what a file holds, in its own form, as `toprise run FILE` does; gives the bytes of the new recording, none if
+/// the file has no scenario.
+pub fn run_again(file: &Path) -> Option<Vec<u8>> {
+    let scenario = Scenario::new(given::values(file).ok()?).unwrap();
+    let (form, topics) = given::form(file).unwrap_or_default();
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("again.mcap");
+    archive_topics(&path, &scenario, &topics, form).unwrap();
+    Some(std::fs::read(path).unwrap())
+}
+
+/// The result of verifying a file.
+pub fn verified(file: &Path) -> Report {
+    verify(&Recording::open(file).unwrap(), &|_| {})
+}
+
+/// Whether `verify` reports that something is wrong with a file, or missing.
+pub fn is_noticed(file: &Path) -> bool {
+    let Ok(recording) = Recording::open(file) else {
+        return true;
+    };
+    let verdict = verify(&recording, &|_| {}).verdict;
+    !matches!(verdict, Verdict::Verified | Verdict::PackedOtherwise)
 }

@@ -11,6 +11,10 @@ use arrow_schema::{DataType, Field, Schema};
 use assert_cmd::Command;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::column::writer::ColumnCloseResult;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File};
@@ -21,9 +25,8 @@ use toprise::run::outcome;
 use toprise::run::outcome::Cell;
 use toprise::run::scenario::{Scenario, Value};
 use toprise::sweep::{
-    Axis, Base, Choice, Design, Finished, Method, Options, Recorded, Recordings, RunResult, Shard,
-    Spec, Sweep, SweepError, Table, Watch, check_recordings, parts_directory, recordings_directory,
-    run,
+    Axis, Base, Columns, Design, Finished, Method, Options, RunResult, Sample, Shard, Spec, Sweep,
+    SweepError, Table, Watch, parts_directory, run, threads as threads_for, values_of_row,
 };
 
 /// Runs that end at once, over a grid of 2,400: three parts.
@@ -371,7 +374,8 @@ fn what_is_there_is_never_overwritten() {
     let sweep = |text| Sweep::new(spec(&[("friction.k", text)]));
     let go = |text| compute(&sweep(text), &table, &Options::default());
     fs::write(&table, "precious").unwrap();
-    assert!(matches!(go("0.1"), Err(SweepError::Exists { .. })));
+    let told = go("0.1").unwrap_err().to_string();
+    assert!(told.contains("is not the table of a sweep"), "{told}");
     assert_eq!(fs::read(&table).unwrap(), b"precious");
     fs::remove_file(&table).unwrap();
     go("0.1").unwrap();
@@ -390,14 +394,8 @@ fn what_is_there_is_never_overwritten() {
     };
     compute(&sweep("0.1"), &table, &options).unwrap();
     let refused = compute(&sweep("0.3"), &table, &options).unwrap_err();
-    assert!(matches!(refused, SweepError::Changed { .. }), "{refused}");
-    // A part that was cut off is not merged.
-    let part = parts_directory(&table).join("000000.parquet");
-    let bytes = fs::read(&part).unwrap();
-    fs::write(&part, &bytes[..bytes.len() / 2]).unwrap();
-    let refused = compute(&sweep("0.1"), &table, &Options::default()).unwrap_err();
-    assert!(matches!(refused, SweepError::BadPart { .. }), "{refused}");
-    fs::remove_file(&part).unwrap();
+    let told = refused.to_string();
+    assert!(told.contains("is of another sweep"), "{told}");
     compute(&sweep("0.1"), &table, &Options::default()).unwrap();
     assert_eq!(
         fs::read(folder.path().join("a.parquet")).unwrap(),
@@ -414,7 +412,13 @@ fn samples_and_tables_say_what_runs() {
             ("friction.law", "coulomb,none"),
         ];
         let axes = axes.map(|(key, text)| Axis::parse(key, text).unwrap());
-        let design = Design::of(axes.to_vec(), Some((64, method, seed)), None).unwrap();
+        let count = 64;
+        let sample = Sample {
+            count,
+            method,
+            seed,
+        };
+        let design = Design::Sample(sample, axes.to_vec());
         let base = Base::open("paper", Path::new(""), &[]).unwrap();
         Sweep::new(Spec::new(vec![base], design, None).unwrap()).design(0..64)
     };
@@ -487,7 +491,12 @@ fn val_samples_are_the_sobol_sequence_of_scipy() {
     let axes = keys
         .iter()
         .map(|key| Axis::parse(key.path, "0..1").unwrap());
-    let design = Design::of(axes.collect(), Some((2_000_000, Method::Sobol, 0)), None).unwrap();
+    let sample = Sample {
+        count: 2_000_000,
+        method: Method::Sobol,
+        seed: 0,
+    };
+    let design = Design::Sample(sample, axes.collect());
     let base = Base::open("paper", Path::new(""), &[]).unwrap();
     let sweep = Sweep::new(Spec::new(vec![base], design, None).unwrap());
     let points = data["points"].as_object().unwrap();
@@ -566,240 +575,126 @@ fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     entries.map(file).collect()
 }
 
-fn choice(conditions: &[&str], most: Option<u64>, sweep: &Sweep) -> Choice {
-    let conditions: Vec<_> = conditions.iter().map(|text| (*text).to_owned()).collect();
-    Choice::parse(&conditions, most, sweep).unwrap()
-}
-
-/// Writes the recordings that are missing; tells how many were chosen.
-fn store(
-    sweep: &Sweep,
-    table: &Path,
-    choice: &Choice,
-    options: &Options,
-) -> Result<(u64, Recorded), SweepError> {
-    let recordings = Recordings::find(sweep, table, choice, options.shard)?;
-    let recorded = everything(|watch| recordings.write(options, watch))?;
-    Ok((recordings.chosen(), recorded))
-}
-
+/// Any design: a grid over several bases, with words, a sample, and a table that leaves cells to the base.
 #[test]
-fn recordings_are_those_of_the_rows_that_fulfil_all_conditions() {
-    let folder = tempfile::tempdir().unwrap();
-    let sweep = Sweep::new(spec(AXES));
-    let table = folder.path().join("a.parquet");
-    compute(&sweep, &table, &Options::default()).unwrap();
-    let rows = read(&table);
-    let (k, psi_dot) = (numbers(&rows, "friction_k"), numbers(&rows, "psi_dot"));
-    let rises = rows.column_by_name("rise_time").unwrap();
-    let fulfil =
-        |row: &usize| k.value(*row) <= 0.006 && psi_dot.value(*row) > 180.0 && rises.is_null(*row);
-    let expected: Vec<usize> = (0..rows.num_rows()).filter(fulfil).collect();
-    assert!((20..60).contains(&expected.len()), "{}", expected.len());
-    let conditions = ["friction.k <= 0.006", "psi_dot>180", "rise_time = null"];
-    let names = |rows: &[usize]| {
-        let names = rows.iter().map(|row| format!("{row:06}.mcap"));
-        let mut names: Vec<_> = names.collect();
-        names.push("sweep.json".to_owned());
-        names
-    };
-    let all = choice(&conditions, None, &sweep);
-    let (chosen, recorded) = store(&sweep, &table, &all, &Options::default()).unwrap();
-    assert_eq!(chosen, expected.len() as u64);
-    assert_eq!(recorded.written, chosen);
-    let whole = files(&recordings_directory(&table));
-    assert!(whole.keys().eq(&names(&expected)));
-
-    // The first of them, from threads and shards.
-    let first = &expected[..7];
-    for (name, options) in [
-        ("threads", vec![(1, None)]),
-        ("shards", vec![(2, Some(1)), (1, Some(0)), (2, None)]),
-    ] {
-        let table = folder.path().join(name);
-        let some = choice(&conditions, Some(7), &sweep);
-        for (threads, shard) in options {
-            let shard = shard.map(|index| Shard { index, count: 2 });
-            let options = Options {
-                threads,
-                shard,
-                ..Options::default()
-            };
-            compute(&sweep, &table, &options).unwrap();
-            let (chosen, _) = store(&sweep, &table, &some, &options).unwrap();
-            // Another share could have seven before these.
-            assert_eq!(chosen, if shard.is_some() { 0 } else { 7 });
-        }
-        let some = files(&recordings_directory(&table));
-        assert!(some.keys().eq(&names(first)), "{name}");
-        assert!(some.iter().all(|(name, bytes)| whole[name] == *bytes));
-    }
-}
-
-#[test]
-fn a_shard_records_what_is_its_own() {
-    let folder = tempfile::tempdir().unwrap();
-    let sweep = Sweep::new(spec(AXES));
-    let table = folder.path().join("a.parquet");
-    let options = |index| Options {
-        shard: Some(Shard { index, count: 2 }),
-        ..Options::default()
-    };
-    // Rows 1000 to 1999 are the second part, and so of shard 1.
-    let around = choice(&["run >= 997", "run < 1005"], None, &sweep);
-    for (index, expected) in [(0, 3), (1, 5)] {
-        compute(&sweep, &table, &options(index)).unwrap();
-        let (chosen, _) = store(&sweep, &table, &around, &options(index)).unwrap();
-        assert_eq!(chosen, expected, "shard {index}");
-    }
-    // The first rows are the first whatever the others come to.
-    let few = choice(&[], Some(3), &sweep);
-    let (chosen, _) = store(&sweep, &table, &few, &options(0)).unwrap();
-    assert_eq!(chosen, 3);
-    // Once it is merged, a shard finds its rows in the table.
-    compute(&sweep, &table, &Options::default()).unwrap();
-    let chosen = [0, 1].map(|index| store(&sweep, &table, &around, &options(index)).unwrap().0);
-    assert_eq!(chosen, [3, 5]);
-    let (all, recorded) = store(&sweep, &table, &around, &Options::default()).unwrap();
-    assert_eq!((all, recorded.written), (8, 0));
-}
-
-#[test]
-fn recordings_are_kept_and_completed_but_never_replaced() {
-    let folder = tempfile::tempdir().unwrap();
-    let sweep = Sweep::new(spec(&[
-        ("friction.k", "0.1,0.2,0.3,0.4"),
-        ("initial.theta", "0.5,4"),
-    ]));
-    let table = folder.path().join("a.parquet");
-    compute(&sweep, &table, &Options::default()).unwrap();
-    let all = choice(&[], Some(10), &sweep);
-    let go = || store(&sweep, &table, &all, &Options::default());
-    // It is interrupted after two, and leaves nothing unfinished.
-    let done = AtomicU64::new(0);
-    let watch = Watch {
-        carry_on: &|| done.load(Ordering::Relaxed) < 2,
-        done: &|_| {
-            done.fetch_add(1, Ordering::Relaxed);
-        },
-    };
-    let one = Options {
-        threads: 1,
-        ..Options::default()
-    };
-    let recordings = Recordings::find(&sweep, &table, &all, None).unwrap();
-    let recorded = recordings.write(&one, &watch).unwrap();
-    assert!(recorded.is_interrupted);
-    assert_eq!(recorded.written, 2);
-    let directory = recordings_directory(&table);
-    assert_eq!(files(&directory).len(), 3);
-    // Rows without an outcome have no recording.
-    let (chosen, recorded) = go().unwrap();
-    assert_eq!((chosen, recorded.written), (4, 2));
-    let whole = files(&directory);
-    let names = [
-        "000000.mcap",
-        "000002.mcap",
-        "000004.mcap",
-        "000006.mcap",
-        "sweep.json",
-    ];
-    assert!(whole.keys().eq(&names));
-    assert_eq!(go().unwrap().1, Recorded::default());
-    // What was cut off, or is of another run, is refused and stays.
-    let path = directory.join("000004.mcap");
-    let cut = &whole["000004.mcap"][..3000];
-    for (bytes, part) in [
-        (cut, "interrupted"),
-        (&whole["000002.mcap"][..], "another scenario"),
-        (&b"text"[..], "MCAP"),
-    ] {
-        fs::write(&path, bytes).unwrap();
-        let told = go().unwrap_err().to_string();
-        assert!(
-            told.contains("is not the whole recording of run 4"),
-            "{told}"
-        );
-        assert!(told.contains(part), "{told}");
-        assert_eq!(fs::read(&path).unwrap(), bytes);
-    }
-    fs::remove_file(&path).unwrap();
-    assert_eq!(go().unwrap().1.written, 1);
-    assert_eq!(files(&directory), whole);
-    // A sweep of other values under the same name is another one.
-    let other = Sweep::new(spec(&[("friction.k", "0.1,0.2")]));
-    let refused = check_recordings(&other, &table).unwrap_err();
-    assert!(matches!(refused, SweepError::Changed { .. }), "{refused}");
-}
-
-/// What has appeared since the first look is looked at as what was there.
-#[test]
-fn regress_recordings_of_another_process_are_not_taken_for_whole() {
-    let folder = tempfile::tempdir().unwrap();
-    let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2,0.3")]));
-    let table = folder.path().join("a.parquet");
-    compute(&sweep, &table, &Options::default()).unwrap();
-    let all = choice(&[], Some(3), &sweep);
-    let find = || Recordings::find(&sweep, &table, &all, None).unwrap();
-    let write = |recordings: &Recordings<'_>| {
-        everything(|watch| recordings.write(&Options::default(), watch))
-    };
-    let (late, later) = (find(), find());
-    assert_eq!(write(&find()).unwrap().written, 3);
-    assert_eq!(write(&late).unwrap(), Recorded::default());
-    let other = recordings_directory(&table).join("000001.mcap");
-    fs::copy(recordings_directory(&table).join("000000.mcap"), other).unwrap();
-    let refused = write(&later).unwrap_err();
-    assert!(
-        matches!(refused, SweepError::BadRecording { run: 1, .. }),
-        "{refused}"
-    );
-}
-
-#[test]
-fn the_command_records_runs_as_run_does() {
+fn a_row_is_run_again_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let sweep = "sweep paper --set stop.duration=0.1 --over friction.k=0.01,0.03 --over initial.theta=0.4,4";
-    let (code, answer, told) = toprise(
-        folder,
-        &format!("{sweep} --keep friction.k>0.02 --format json -o a.parquet"),
-    );
-    assert_eq!(code, 3, "{told}");
-    let report: serde_json::Value = serde_json::from_str(&answer).unwrap();
-    let expected = serde_json::json!({
-        "directory": "a.parquet.runs", "chosen": 1, "written": 1, "failed": 0,
-    });
-    assert_eq!(report["recordings"], expected);
-    let run = "run paper -q --set stop.duration=0.1 --set friction.k=0.03 --set initial.theta=0.4 -o b.mcap";
-    #[cfg(feature = "rerun")]
-    let run = &format!("{run} --no-rrd");
-    let (code, _, told) = toprise(folder, run);
-    assert_eq!(code, 0, "{told}");
-    let bytes = |name| fs::read(folder.join(name)).unwrap();
-    assert_eq!(bytes("a.parquet.runs/000002.mcap"), bytes("b.mcap"));
-    // The table is that of a sweep without recordings.
-    let (code, answer, _) = toprise(folder, &format!("{sweep} --format json -o c.parquet"));
-    assert_eq!(code, 3);
-    assert_eq!(bytes("a.parquet"), bytes("c.parquet"));
-    let report: serde_json::Value = serde_json::from_str(&answer).unwrap();
-    assert!(report["recordings"].is_null());
-    // What is wrong is told before anything is computed.
-    let (code, _, told) = toprise(
-        folder,
-        &format!("{sweep} --keep friction.mu=1 -o d.parquet"),
-    );
-    assert_eq!(code, 2);
-    assert!(
-        told.contains("there is no column friction.mu; there are run, scenario, friction_k"),
-        "{told}"
-    );
-    assert!(!folder.join("d.parquet.parts").exists());
-    // Nothing chosen, no directory.
-    let (code, answer, _) = toprise(folder, &format!("{sweep} --keep rise_time<1 -o c.parquet"));
-    assert_eq!(code, 3);
-    assert!(answer.contains("no run is chosen"), "{answer}");
-    assert!(!folder.join("c.parquet.runs").exists());
+    fs::write(
+        folder.join("design.csv"),
+        "friction_k,initial.theta\n0.02,0.5\n,0.4\n",
+    )
+    .unwrap();
+    let brief = "--set stop.duration=0.1 --format json";
+    for (sweep, row, run) in [
+        (
+            "paper viscous --over friction.k=0.01,0.03 --over formulation=euler,body",
+            6,
+            "viscous --set friction.k=0.03 --set formulation=euler",
+        ),
+        (
+            "paper --sample 9 --over friction.k=0.25..0.75",
+            1,
+            "paper --set friction.k=0.5",
+        ),
+        (
+            "paper --table design.csv",
+            1,
+            "paper --set initial.theta=0.4",
+        ),
+    ] {
+        let (code, _, told) = toprise(folder, &format!("sweep {sweep} {brief} -o a.parquet"));
+        assert_eq!(code, 0, "{told}");
+        let recorded = |what: &str, name: &str| {
+            let rrd = if cfg!(feature = "rerun") {
+                "--no-rrd"
+            } else {
+                ""
+            };
+            let line = format!("run {what} -q {rrd} -o {name}");
+            let (code, _, told) = toprise(folder, &line);
+            assert_eq!(code, 0, "{told}");
+            let bytes = fs::read(folder.join(name)).unwrap();
+            fs::remove_file(folder.join(name)).unwrap();
+            bytes
+        };
+        let again = recorded(&format!("a.parquet --row {row}"), "again.mcap");
+        let plain = recorded(&format!("{run} --set stop.duration=0.1"), "plain.mcap");
+        assert!(again == plain, "{sweep}");
+        fs::remove_file(folder.join("a.parquet")).unwrap();
+    }
+}
+
+#[test]
+fn a_row_that_is_not_there_or_was_changed_is_not_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let table = folder.join("a.parquet");
+    let sweep = Sweep::new(spec(&[("initial.theta", "0.4,4")]));
+    compute(&sweep, &table, &Options::default()).unwrap();
+    let k: ArrayRef = Arc::new(Float64Array::from(vec![0.1]));
+    let design = RecordBatch::try_from_iter([("friction_k", k)]).unwrap();
+    write(&folder.join("design.parquet"), &design);
+    for (line, part) in [
+        (
+            "a.parquet --row 2",
+            "there is no row 2: it has 2, from 0 on",
+        ),
+        ("a.parquet --row 1", "initial.theta = 4"),
+        ("a.parquet", "--row 42"),
+        ("design.parquet --row 0", "not the table of a sweep"),
+        ("paper --row 0", "paper"),
+    ] {
+        let (code, _, told) = toprise(folder, &format!("run {line} -o a.mcap"));
+        assert_eq!(code, 2, "{line}: {told}");
+        assert!(told.contains(part), "{line}: {told}");
+    }
+    // The same file with another inclination in the row.
+    let mut columns = read(&table).columns().to_vec();
+    columns[2] = Arc::new(Float64Array::from(vec![0.5, 4.0]));
+    let metadata = {
+        let reader = SerializedFileReader::new(File::open(&table).unwrap()).unwrap();
+        reader
+            .metadata()
+            .file_metadata()
+            .key_value_metadata()
+            .cloned()
+    };
+    let properties = WriterProperties::builder()
+        .set_key_value_metadata(metadata)
+        .build();
+    let changed = RecordBatch::try_new(sweep.schema(), columns).unwrap();
+    let output = File::create(&table).unwrap();
+    let mut writer = ArrowWriter::try_new(output, sweep.schema(), Some(properties)).unwrap();
+    writer.write(&changed).unwrap();
+    writer.close().unwrap();
+    let error = values_of_row(&table, 0).unwrap_err().to_string();
+    assert!(error.contains("row 0 gives another scenario"), "{error}");
+}
+
+/// Whatever bit of it is wrong: the row is the one that was run, or the table is refused.
+#[test]
+fn no_damage_of_a_table_is_more_than_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a.parquet");
+    let sweep = Sweep::new(spec(&[("friction.k", "0.01..0.1/12")]));
+    compute(&sweep, &table, &Options::default()).unwrap();
+    let sound = fs::read(&table).unwrap();
+    let digest_of = |table: &Path| -> Result<String, SweepError> {
+        Ok(Scenario::new(values_of_row(table, 3)?)?.digest())
+    };
+    let expected = digest_of(&table).unwrap();
+    let names = ["friction_k", "rise_time"];
+    let damaged = folder.path().join("b.parquet");
+    for place in (4..sound.len()).step_by(3) {
+        let mut bytes = sound.clone();
+        bytes[place] ^= 1 << (place % 8);
+        fs::write(&damaged, bytes).unwrap();
+        // Name and description of a scenario are free text.
+        let digest = digest_of(&damaged);
+        assert!(digest.is_err() || digest.is_ok_and(|digest| digest == expected));
+        let _ = Columns::read(&damaged, &names);
+    }
 }
 
 #[test]
@@ -859,7 +754,8 @@ fn sweeps_are_drawn_as_maps_and_curves() {
     );
 }
 
-/// A part is taken for that of this sweep only if it is, and every bit of it is as it was written.
+/// A part is taken for that of this sweep only if it is, and every bit of it is as it was written. What is damaged is
+/// computed again.
 #[test]
 fn parts_that_are_others_or_damaged_are_never_merged() {
     let folder = tempfile::tempdir().unwrap();
@@ -867,8 +763,8 @@ fn parts_that_are_others_or_damaged_are_never_merged() {
         folder.path().join("a.parquet"),
         folder.path().join("b.parquet"),
     );
-    let shard = Options {
-        shard: Some(Shard { index: 0, count: 1 }),
+    let shard = |index, count| Options {
+        shard: Some(Shard { index, count }),
         ..Options::default()
     };
     let axes = |last| {
@@ -879,40 +775,166 @@ fn parts_that_are_others_or_damaged_are_never_merged() {
     };
     let first = Sweep::new(spec(&axes("60..200/60")));
     let second = Sweep::new(spec(&axes("60..210/60")));
-    compute(&first, &a, &shard).unwrap();
-    compute(&second, &b, &shard).unwrap();
+    compute(&first, &a, &shard(0, 1)).unwrap();
+    compute(&second, &b, &shard(0, 1)).unwrap();
     let part = |table, number: u64| parts_directory(table).join(format!("{number:06}.parquet"));
-    let sound = fs::read(part(&a, 1)).unwrap();
-    let merge = || compute(&first, &a, &Options::default());
+    let sound = fs::read(part(&a, 2)).unwrap();
     let refused = |what: &str| {
-        let error = merge().unwrap_err();
+        let error = compute(&first, &a, &Options::default()).unwrap_err();
+        let is_named = error.to_string().contains("000002.parquet");
         assert!(
-            matches!(error, SweepError::BadPart { .. }),
-            "{what}: {error}"
-        );
-        assert!(
-            error.to_string().contains("000001.parquet"),
+            error.to_string().contains("can't be merged") && is_named,
             "{what}: {error}"
         );
         assert!(!a.exists(), "{what}");
     };
-    fs::copy(part(&b, 1), part(&a, 1)).unwrap();
+    fs::copy(part(&b, 2), part(&a, 2)).unwrap();
     refused("a part of another sweep");
-    fs::copy(part(&a, 0), part(&a, 1)).unwrap();
+    fs::copy(part(&a, 0), part(&a, 2)).unwrap();
     refused("another part");
+    // Parts of another sweep are still seen where the file is gone that says of which they are.
+    fs::copy(part(&b, 2), part(&a, 2)).unwrap();
+    fs::remove_file(parts_directory(&a).join("sweep.json")).unwrap();
+    refused("a part without a word of its sweep");
+    let is_mended = |damaged: &[u8]| {
+        fs::write(part(&a, 2), damaged).unwrap();
+        let finished = compute(&first, &a, &shard(2, 3)).unwrap();
+        finished.computed == 400 && fs::read(part(&a, 2)).unwrap() == sound
+    };
     for place in (0..sound.len()).step_by(sound.len() / 100) {
         let mut damaged = sound.clone();
         damaged[place] ^= 1 << (place % 8);
-        fs::write(part(&a, 1), damaged).unwrap();
-        refused(&format!("a flipped bit at {place}"));
+        assert!(is_mended(&damaged), "a flipped bit at {place}");
     }
-    // Parts of another sweep are still seen where the file is gone that says of which they are.
-    fs::copy(part(&b, 1), part(&a, 1)).unwrap();
-    fs::remove_file(parts_directory(&a).join("sweep.json")).unwrap();
-    refused("a part without a word of its sweep");
-    fs::write(part(&a, 1), &sound).unwrap();
-    merge().unwrap();
+    for length in [0, 7, sound.len() / 2, sound.len() - 1] {
+        assert!(is_mended(&sound[..length]), "cut off after {length} bytes");
+    }
+    assert_eq!(compute(&first, &a, &shard(2, 3)).unwrap().computed, 0);
+    compute(&first, &a, &Options::default()).unwrap();
     assert!(!parts_directory(&a).exists());
+}
+
+/// A table that is there is done only if every bit of it is as it was written.
+#[test]
+fn regress_a_damaged_table_is_not_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("a.parquet");
+    let sweep = Sweep::new(spec(AXES));
+    let go = || compute(&sweep, &table, &Options::default());
+    go().unwrap();
+    let sound = fs::read(&table).unwrap();
+    for place in (0..sound.len()).step_by(sound.len() / 200) {
+        let mut damaged = sound.clone();
+        damaged[place] ^= 1 << (place % 8);
+        fs::write(&table, &damaged).unwrap();
+        assert!(go().is_err(), "a flipped bit at {place}");
+        // Only the user knows whether it was changed on purpose.
+        assert!(fs::read(&table).unwrap() == damaged);
+    }
+    let mut damaged = sound.clone();
+    damaged[2000..2100].fill(0);
+    fs::write(&table, damaged).unwrap();
+    let error = go().unwrap_err();
+    assert!(
+        error.to_string().contains("is damaged, or was changed"),
+        "{error}"
+    );
+    fs::remove_file(&table).unwrap();
+    go().unwrap();
+    assert!(fs::read(&table).unwrap() == sound);
+    assert_eq!(go().unwrap().computed, 0);
+}
+
+/// Row counts, names and types of a Parquet file are looked at before its columns.
+#[test]
+fn regress_a_design_is_refused_before_its_columns_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("design.parquet");
+    let written = |name: &str, column: ArrayRef| {
+        let table = RecordBatch::try_from_iter([(name, column)]).unwrap();
+        write(&path, &table);
+        let mut bytes = fs::read(&path).unwrap();
+        let groups = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+        let (start, length) = groups.metadata().row_group(0).column(0).byte_range();
+        // Who reads the column sees that it is damaged.
+        bytes[start as usize..][..length as usize].fill(0xff);
+        fs::write(&path, bytes).unwrap();
+        Table::read(&path).unwrap_err().to_string()
+    };
+    let numbers = || Arc::new(Float64Array::from(vec![0.1; 1000])) as ArrayRef;
+    let words = || Arc::new(LargeStringArray::from(vec!["fast"; 1000])) as ArrayRef;
+    for (name, column, part) in [
+        ("friction_kk", numbers(), "did you mean"),
+        ("friction_k", words(), "the values are words, and must be"),
+        (
+            "friction_law",
+            numbers(),
+            "the values are numbers, and must be",
+        ),
+    ] {
+        let told = written(name, column);
+        assert!(told.contains(part), "{told}");
+    }
+    let told = written("friction_k", numbers());
+    assert!(!told.contains("rows"), "{told}");
+    // The same thousand rows, ten thousand times and once more.
+    write(
+        &path,
+        &RecordBatch::try_from_iter([("friction_k", numbers())]).unwrap(),
+    );
+    let thousand = File::open(&path).unwrap();
+    let reader = SerializedFileReader::new(thousand.try_clone().unwrap()).unwrap();
+    let group = reader.metadata().row_group(0);
+    let schema = reader.metadata().file_metadata().schema_descr();
+    let many = folder.path().join("many.parquet");
+    let output = File::create(&many).unwrap();
+    let properties = Arc::default();
+    let mut writer =
+        SerializedFileWriter::new(output, schema.root_schema_ptr(), properties).unwrap();
+    for _ in 0..10_001 {
+        let mut copy = writer.next_row_group().unwrap();
+        let close = ColumnCloseResult {
+            bytes_written: group.column(0).compressed_size() as u64,
+            rows_written: 1000,
+            metadata: group.column(0).clone(),
+            bloom_filter: None,
+            column_index: None,
+            offset_index: None,
+        };
+        copy.append_column(&thousand, close).unwrap();
+        copy.close().unwrap();
+    }
+    writer.close().unwrap();
+    let told = Table::read(&many).unwrap_err().to_string();
+    assert!(told.contains("more than 10000000 rows"), "{told}");
+}
+
+/// Threads that have nothing to do cost as much as others to start.
+#[cfg(target_os = "linux")]
+#[test]
+fn regress_there_are_no_more_threads_than_processors_and_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let threads = || fs::read_dir("/proc/self/task").unwrap().count() as u64;
+    let most = AtomicU64::new(0);
+    let watch = Watch {
+        carry_on: &|| true,
+        done: &|_| {
+            most.fetch_max(threads(), Ordering::Relaxed);
+        },
+    };
+    let options = Options {
+        threads: 1024,
+        ..Options::default()
+    };
+    let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2,0.3")]));
+    run(&sweep, &folder.path().join("a.parquet"), &options, &watch).unwrap();
+    // Other tests have some too.
+    assert!(most.into_inner() < 1024);
+    let processors = std::thread::available_parallelism().unwrap().get();
+    assert_eq!(threads_for(1024, 1), 1);
+    assert_eq!(threads_for(1024, 1_000_000), processors);
+    assert_eq!(threads_for(0, 1_000_000), processors);
+    assert_eq!(threads_for(0, 0), 1);
 }
 
 /// A share that comes in late, when the sweep has been completed without it, leaves nothing behind.
@@ -960,7 +982,7 @@ fn what_says_of_which_sweep_parts_are_may_be_damaged() {
     for text in ["", "{", "\u{0}"] {
         fs::write(parts_directory(&table).join("sweep.json"), text).unwrap();
         let error = compute(&sweep, &table, &Options::default()).unwrap_err();
-        assert!(matches!(error, SweepError::Unreadable { .. }), "{error}");
+        assert!(error.to_string().contains("that is damaged"), "{error}");
     }
 }
 
@@ -1122,7 +1144,10 @@ fn what_others_keep_beside_the_parts_stays() {
     fs::create_dir(&parts).unwrap();
     // The draft of a part, which a process that was killed has left, goes; nothing else does.
     for name in [
-        ".000000.parquet.x1.tmp",
+        ".000000.parquet.x1y2z3.tmp",
+        ".000000.parquet.bak",
+        ".000000.parquet.bak.tmp",
+        ".sweep.json.mine",
         "000007.parquet",
         "1.parquet",
         "design.csv",
@@ -1143,6 +1168,9 @@ fn what_others_keep_beside_the_parts_stays() {
     assert_eq!(
         left,
         [
+            ".000000.parquet.bak",
+            ".000000.parquet.bak.tmp",
+            ".sweep.json.mine",
             "000007.parquet",
             "1.parquet",
             "1.parquet.bak",
@@ -1153,12 +1181,24 @@ fn what_others_keep_beside_the_parts_stays() {
     // A table that has the name of a part would be taken for one.
     let table = folder.join("b.parquet.parts/000000.parquet");
     fs::create_dir(table.parent().unwrap()).unwrap();
-    fs::copy(folder.join("a.parquet"), &table).unwrap();
+    let k: ArrayRef = Arc::new(Float64Array::from(vec![0.1]));
+    write(
+        &table,
+        &RecordBatch::try_from_iter([("friction_k", k)]).unwrap(),
+    );
     let line = "sweep paper --table b.parquet.parts/000000.parquet -o b.parquet";
     let (code, _, told) = toprise(folder, line);
     assert_eq!(code, 2);
-    assert!(told.contains("where this sweep keeps its parts"), "{told}");
+    assert!(told.contains("already read or written here"), "{told}");
     assert!(table.exists());
+    // So would a scenario.
+    let scenario = scenario("paper", &[]).to_toml();
+    fs::write(&table, &scenario).unwrap();
+    let line = "sweep b.parquet.parts/000000.parquet --set stop.duration=0.01 -o b.parquet";
+    let (code, _, told) = toprise(folder, line);
+    assert_eq!(code, 2);
+    assert!(told.contains("already read or written here"), "{told}");
+    assert_eq!(fs::read_to_string(&table).unwrap(), scenario);
 }
 
 #[cfg(unix)]
@@ -1326,78 +1366,6 @@ fn an_interrupted_dry_run_has_no_result() {
     let output = in_time.next().expect("the signal has an effect");
     assert_eq!(output.status.code(), Some(130));
     assert!(output.stdout.is_empty());
-}
-
-#[test]
-fn a_spec_says_which_runs_are_recorded_unless_an_argument_does() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let spec = |recording: &str| {
-        let text = format!(
-            "{recording}\n[set]\n\"stop.duration\" = 0.01\n[over]\n\"friction.k\" = \"0.01,0.02,0.03,0.04\"\n"
-        );
-        fs::write(folder.join("spec.toml"), text).unwrap();
-    };
-    let recorded = |arguments: &str| {
-        let line = format!("sweep spec.toml -o a.parquet --format json {arguments}");
-        let (code, answer, told) = toprise(folder, &line);
-        assert_eq!(code, 0, "{told}");
-        let report: serde_json::Value = serde_json::from_str(&answer).unwrap();
-        let runs = folder.join("a.parquet.runs");
-        let names = fs::read_dir(&runs).into_iter().flatten();
-        let names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-        let mut names: Vec<_> = names.filter(|name| name.ends_with(".mcap")).collect();
-        names.sort();
-        let _ = fs::remove_dir_all(runs);
-        assert_eq!(
-            report["recordings"]["chosen"].as_u64().unwrap_or(0),
-            names.len() as u64
-        );
-        names
-    };
-    let file = |run: u64| format!("{run:06}.mcap");
-    spec("");
-    assert!(recorded("").is_empty());
-    // What is recorded is no part of the sweep: its table stays as it is.
-    spec("keep = [\"friction.k > 0.015\", \"run < 3\"]");
-    assert_eq!(recorded(""), [file(1), file(2)]);
-    assert_eq!(recorded("--record 1"), [file(1)]);
-    assert_eq!(recorded("--keep friction.k>0.035"), [file(3)]);
-    assert!(recorded("--dry-run").is_empty());
-    spec("record = 2");
-    assert_eq!(recorded(""), [file(0), file(1)]);
-    assert_eq!(recorded("--record 3").len(), 3);
-    assert_eq!(recorded("--keep run>1"), [file(2), file(3)]);
-    for (recording, part) in [
-        ("record = 0", "record"),
-        ("keep = \"run > 1\"", "keep"),
-        ("keep = [\"mass > 1\"]", "there is no column mass"),
-    ] {
-        spec(recording);
-        let (code, _, told) = toprise(folder, "sweep spec.toml -o b.parquet");
-        assert_eq!(code, 2, "{told}");
-        assert!(told.contains(part), "{told}");
-        assert!(told.contains("spec.toml"), "{told}");
-        assert!(!folder.join("b.parquet.parts").exists());
-    }
-}
-
-/// A run that was given up has no outcome, and so no recording.
-#[test]
-fn regress_what_is_over_its_budget_is_not_recorded() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let line = "sweep paper --over stop.duration=0.001,5 --max-steps 50 --record 2 -o a.parquet --format json";
-    let (code, answer, told) = toprise(folder, line);
-    assert_eq!(code, 3, "{told}");
-    let report: serde_json::Value = serde_json::from_str(&answer).unwrap();
-    assert_eq!(report["recordings"]["chosen"], 1);
-    assert_eq!(report["recordings"]["failed"], 0);
-    let table = read(&folder.join("a.parquet"));
-    let expected = [(1, "not finished within 50 steps".to_owned())];
-    assert_eq!(errors(&table), expected);
-    assert!(folder.join("a.parquet.runs/000000.mcap").exists());
-    assert!(!folder.join("a.parquet.runs/000001.mcap").exists());
 }
 
 /// A table of others, one of whose columns has a dot in its name.

@@ -27,12 +27,11 @@ fn short_run(overrides: &[(&str, &str)]) -> MemorySink {
     in_memory(&scenario).0
 }
 
-/// The numbers at the end of a message of the view of φ̇ for each nutation that came before it, from views of a version of
-/// the telemetry.
-fn precession_views(telemetry: u32, count: usize) -> Vec<(Option<[f64; 2]>, Vec<f64>)> {
+/// The numbers at the end of a message of the view of φ̇, with the range in the nutation before it.
+fn precession_views() -> Vec<(Option<[f64; 2]>, Vec<f64>)> {
     let scenario = scenario("paper", &[("stop.duration", "0.3")]);
     let messages = in_memory(&scenario).0.messages;
-    let mut views = Views::of_version(telemetry, &scenario, |_| true);
+    let mut views = Views::new(&scenario, |_| true);
     let (mut range, mut found) = (None, Vec::new());
     for message in &messages {
         let message = message.as_message();
@@ -44,7 +43,7 @@ fn precession_views(telemetry: u32, count: usize) -> Vec<(Option<[f64; 2]>, Vec<
         views.take(&message, |view, _, bytes| {
             if view_channels()[view].topic == "/view/precession_rate" {
                 // A header of four bytes, an empty layout, the number of values and four bytes of room.
-                assert_eq!(bytes.len(), 4 + 16 + 8 * count);
+                assert_eq!(bytes.len(), 4 + 16 + 8 * 3);
                 let values = bytes[20..]
                     .chunks(8)
                     .map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap()));
@@ -58,13 +57,11 @@ fn precession_views(telemetry: u32, count: usize) -> Vec<(Option<[f64; 2]>, Vec<
 
 #[test]
 fn views_tell_the_range_in_the_last_nutation() {
-    for (range, values) in precession_views(2, 3) {
+    for (range, values) in precession_views() {
         let value = values[0];
         let [least, greatest] = range.unwrap_or([value; 2]);
         assert_eq!(values, [value, least, greatest]);
     }
-    // Those of the first version, which `verify` makes again, had values only.
-    precession_views(1, 1);
 }
 
 #[test]

@@ -1,20 +1,18 @@
 //! Whole recordings with bits flipped, and pieces of recordings put together.
 
 use crate::bench::{Random, Trial};
-use crate::material::{failure, forms, recorded, scenario};
+use crate::material::{forms, recorded, scenario};
 use std::cell::RefCell;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use toprise::analysis::diff::{Options as DiffOptions, compare};
 use toprise::analysis::explain::explain;
-use toprise::analysis::salvage::salvage;
-use toprise::analysis::verify::{Options, Verdict, verify};
-use toprise::archive::publish::Existing;
+use toprise::analysis::verify::{Verdict, verify};
+use toprise::archive::given;
 use toprise::archive::recording::{Overview, Recording};
 use toprise::archive::writer::Form;
-
-const QUICK: Options = Options { reproduce: false };
+use toprise::run::scenario::Scenario;
 
 thread_local! {
     /// A place for files of this thread.
@@ -29,8 +27,7 @@ fn path(name: &str) -> PathBuf {
     })
 }
 
-/// Flips a bit, or several in a byte, of a whole recording: `verify` must notice, and one in 50 is read and saved in
-/// every way.
+/// Flips a bit, or several in a byte, of a whole recording: `verify` must notice, and one in 50 is read in every way.
 pub fn flips() -> Result<Trial, String> {
     let tiny = scenario("paper", &[("stop.duration", "0.002")]);
     let small = scenario("full-coulomb", &[("stop.duration", "0.03")]);
@@ -47,7 +44,7 @@ pub fn flips() -> Result<Trial, String> {
         bytes[at] ^= mask;
         let path = path("flipped.mcap");
         fs::write(&path, &bytes).unwrap();
-        if verdict(&path) == Some(Verdict::Passed) {
+        if is_verified(&path) {
             let length = bytes.len();
             return Err(format!(
                 "byte {at} of {length} xor {mask:#x} is not noticed"
@@ -60,14 +57,16 @@ pub fn flips() -> Result<Trial, String> {
     }))
 }
 
-/// The verdict on a recording; none if it can't be opened.
-fn verdict(path: &Path) -> Option<Verdict> {
-    let recording = Recording::open(path).ok()?;
-    Some(verify(&recording, QUICK, &|_| {}).verdict())
+/// Whether `verify` finds nothing wrong with a file.
+fn is_verified(path: &Path) -> bool {
+    let recording = Recording::open(path);
+    recording.is_ok_and(|recording| {
+        let verdict = verify(&recording, &|_| {}).verdict;
+        matches!(verdict, Verdict::Verified | Verdict::PackedOtherwise)
+    })
 }
 
-/// Reads everything of a file in every way, and saves it: what is saved must be a sound recording, unless it is
-/// said what is wrong.
+/// Reads everything of a file in every way. Its scenario, if it is there, is that of one of the whole recordings.
 fn endures(file: &Path) -> Result<(), String> {
     let _ = Overview::read(file);
     let Ok(recording) = Recording::open(file) else {
@@ -75,24 +74,14 @@ fn endures(file: &Path) -> Result<(), String> {
     };
     let _ = explain(&recording);
     let _ = compare(&recording, &recording, &DiffOptions::default());
-    let saved = path("saved.mcap");
-    let Ok(recovered) = salvage(&recording, &saved, Existing::Replace, &|_| {}) else {
-        return Ok(());
-    };
-    let sound = Recording::open(&saved).map_err(|error| format!("what is saved: {error}"))?;
-    let report = verify(&sound, QUICK, &|_| {});
-    match (failure(&report), recovered.lost) {
-        (Some(failure), None) => Err(format!("nothing is said to be lost, but {failure}")),
-        // What belongs to another run is wrong, and said to be.
-        (Some(failure), Some(lost)) if !lost.contains("another run") => {
-            Err(format!("{lost} is said to be lost, but {failure}"))
-        }
-        _ => Ok(()),
-    }
+    let values = given::values(file).ok();
+    let again = values.map(Scenario::new).transpose();
+    again
+        .map(|_| ())
+        .map_err(|error| format!("the scenario: {error}"))
 }
 
-/// Puts pieces of two recordings together, cuts some out, repeats or swaps some: `verify` must notice, and what is
-/// saved must verify, or it must be said what is lost.
+/// Puts pieces of two recordings together, cuts some out, repeats or swaps some: `verify` must notice.
 pub fn splices() -> Result<Trial, String> {
     let keys = [
         ("paper", ("friction.k", "0.03")),
@@ -120,7 +109,7 @@ pub fn splices() -> Result<Trial, String> {
         }
         let path = path("spliced.mcap");
         fs::write(&path, &bytes).unwrap();
-        if verdict(&path) == Some(Verdict::Passed) {
+        if is_verified(&path) {
             return Err("a splice is not noticed".to_owned());
         }
         endures(&path)

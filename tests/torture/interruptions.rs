@@ -2,14 +2,14 @@
 
 use crate::bench::{Random, Trial};
 use crate::material::failure;
-use crate::program::{errors, expect, start, wait};
+use crate::program::{expect, start, wait};
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command};
 use std::thread;
 use std::time::Duration;
 use tempfile::tempdir;
-use toprise::analysis::verify::{Options, verify};
+use toprise::analysis::verify::verify;
 use toprise::archive::recording::Recording;
 
 /// Longer than anything here should take on a busy machine.
@@ -34,7 +34,7 @@ fn whole(arguments: &[&str]) -> Vec<u8> {
     fs::read(directory.path().join("x.mcap")).unwrap()
 }
 
-/// Kills runs at any moment: what they leave is completed to the bytes of the whole run, and saved as it is.
+/// Kills runs at any moment: what they leave is run again to the bytes of the whole run.
 pub fn kills() -> Result<Trial, String> {
     const RUN: [&str; 3] = ["run", "--set", "stop.duration=2"];
     // Real time parts the chunks otherwise, but a run that is killed doesn't reach its end.
@@ -57,21 +57,14 @@ pub fn kills() -> Result<Trial, String> {
             if !room.join("x.mcap.partial").exists() {
                 return Ok(()); // It had not begun.
             }
-            let saved = start(room, &["recover", "x.mcap.partial", "saved.mcap"]);
-            let ended = wait(saved, LONG)?;
-            // The system may cut the one write that brings the first chunk, and with it the channels.
-            let is_cut_at_first = errors(room).contains("--complete can simulate the run again");
-            if ![Some(0), Some(3)].contains(&ended.code) && !is_cut_at_first {
-                return Err(format!("after {moment:.1} ms: {}", errors(room)));
-            }
-            let complete = ["recover", "x.mcap.partial", "x.mcap", "--complete"];
-            let completed = expect(start(room, &complete), room, 0, LONG);
-            completed.map_err(|error| format!("after {moment:.1} ms: {error}"))?;
+            let again = ["run", "x.mcap.partial", "-o", "x.mcap", "--force"];
+            let ended = expect(start(room, &again), room, 0, LONG);
+            ended.map_err(|error| format!("after {moment:.1} ms: {error}"))?;
         }
         if fs::read(&named).unwrap() != wholes[form] {
             let form = FORMS[form];
             return Err(format!(
-                "{form:?} after {moment:.1} ms: completed to other bytes"
+                "{form:?} after {moment:.1} ms: run again to other bytes"
             ));
         }
         Ok(())
@@ -172,18 +165,16 @@ pub fn signals() -> Result<Trial, String> {
         ],
         &["run", "viscous", "--realtime", "0.001", "-o", "x.mcap"],
     ];
-    let others: [&[&str]; 4] = [
+    let others: [&[&str]; 3] = [
         &["diff", "frictionless", "paper", "--set", LONGEST],
         &["explain", "frictionless", "--set", LONGEST],
         &["verify", "fifo"],
-        &["recover", "fifo", "y.mcap"],
     ];
-    let fifos: [&[&str]; 6] = [
+    let fifos: [&[&str]; 5] = [
         &["info", "fifo"],
         &["verify", "fifo"],
         &["run", "./fifo"],
         &["diff", "fifo", "paper"],
-        &["recover", "fifo", "y.mcap"],
         &["run", "--set", "stop.duration=0.1", "-o", "fifo", "--force"],
     ];
     Ok(Box::new(move |random| {
@@ -244,6 +235,6 @@ fn is_ctrl_c_ignored() -> bool {
 
 fn is_sound(path: &Path) -> Result<(), String> {
     let recording = Recording::open(path).map_err(|error| error.to_string())?;
-    let report = verify(&recording, Options { reproduce: false }, &|_| {});
+    let report = verify(&recording, &|_| {});
     failure(&report).map_or(Ok(()), Err)
 }

@@ -2,10 +2,11 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use toprise::analysis::verify::{Report, Verdict};
+use toprise::analysis::verify::Report;
+use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
 use toprise::archive::sink::{Sink, record};
-use toprise::archive::writer::{Form, McapSink};
+use toprise::archive::writer::Form;
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::encoding::Encoding;
@@ -41,11 +42,9 @@ pub fn archive(path: &Path, scenario: &Scenario, topics: &[&str], form: Form) {
     sink.finish(&end).unwrap();
 }
 
-/// What fails in a recording, if something does.
+/// The difference between a recording and its scenario, run again, if there is one.
 pub fn failure(report: &Report) -> Option<String> {
-    let mut checks = report.checks.iter();
-    let failed = checks.find(|check| check.verdict == Verdict::Failed)?;
-    Some(format!("{}: {}", failed.name, failed.finding))
+    report.difference.as_ref().map(ToString::to_string)
 }
 
 /// Every form of recording.

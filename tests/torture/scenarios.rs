@@ -4,11 +4,12 @@ use crate::bench::{Random, Trial};
 use crate::material::failure;
 use std::ops::ControlFlow;
 use tempfile::tempdir;
-use toprise::analysis::verify::{Options, verify};
+use toprise::analysis::verify::verify;
+use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
 use toprise::archive::sink::{RecordError, Sink, record};
-use toprise::archive::writer::{Form, McapSink};
+use toprise::archive::writer::Form;
 use toprise::run::scenario::{PRESETS, Preset, Scenario};
 use toprise::run::simulation::{RunEnd, Simulation, StopReason};
 use toprise::telemetry::Telemetry;
@@ -40,7 +41,7 @@ pub fn scenarios() -> Result<Trial, String> {
         };
         sink.finish(&end).map_err(|error| error.to_string())?;
         let recording = Recording::open(&path).map_err(|error| error.to_string())?;
-        let report = verify(&recording, Options { reproduce: true }, &|_| {});
+        let report = verify(&recording, &|_| {});
         match failure(&report) {
             None => Ok(()),
             Some(failure) => Err(format!("{keys:?}: {failure}")),

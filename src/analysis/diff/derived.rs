@@ -49,70 +49,53 @@ impl DerivedKind {
 }
 
 impl Derived {
-    /// The derived numbers of a channel of the table; `find` tells which column of the rows has a field.
-    pub(super) fn of(topic: Topic, find: impl Fn(NumberField) -> Option<usize>) -> Vec<Self> {
+    /// The derived numbers of a topic.
+    pub(super) fn of(topic: Topic) -> Vec<Self> {
+        let direction = |name, field: NumberField| (name, DerivedKind::Direction(field.index()));
         let kinds = match topic {
             fields::STATE => vec![
-                (
-                    "φ as a direction",
-                    find(state::PHI).map(DerivedKind::Direction),
-                ),
-                (
-                    "ψ as a direction",
-                    find(state::PSI).map(DerivedKind::Direction),
-                ),
+                direction("φ as a direction", state::PHI),
+                direction("ψ as a direction", state::PSI),
             ],
-            fields::POSE => vec![
-                (
-                    "angle of the orientations",
-                    columns(pose::ORIENTATION.components(), &find).map(DerivedKind::Orientation),
-                ),
-                (
-                    "angle of the axes",
-                    columns(pose::AXIS.components(), &find).map(DerivedKind::Between),
-                ),
-            ],
+            fields::POSE => {
+                let orientation = pose::ORIENTATION.components().map(NumberField::index);
+                let axis = pose::AXIS.components().map(NumberField::index);
+                vec![
+                    (
+                        "angle of the orientations",
+                        DerivedKind::Orientation(orientation),
+                    ),
+                    ("angle of the axes", DerivedKind::Between(axis)),
+                ]
+            }
             _ => Vec::new(),
         };
-        let derived = |(name, kind): (&'static str, Option<DerivedKind>)| {
-            Some(Self {
-                name,
-                kind: kind?,
-                tally: FieldTally::new(Tolerance::default()),
-            })
+        let derived = |(name, kind)| Self {
+            name,
+            kind,
+            tally: FieldTally::new(Tolerance::default()),
         };
-        kinds.into_iter().filter_map(derived).collect()
+        kinds.into_iter().map(derived).collect()
     }
 
-    /// Takes in the fields of a pair.
+    /// Takes the numbers of a pair.
     pub(super) fn add(&mut self, time_ns: u64, a: &[f64], b: &[f64]) {
-        self.tally.add(time_ns, 0.0, self.kind.difference(a, b));
+        let difference = if a == b {
+            0.0
+        } else {
+            self.kind.difference(a, b)
+        };
+        self.tally.add(time_ns, 0.0, difference);
     }
 
-    /// Takes in a pair without differences.
-    pub(super) fn add_identical(&mut self, time_ns: u64) {
-        self.tally.add(time_ns, 0.0, 0.0);
-    }
-
-    /// What was found.
+    /// The differences so far.
     pub(super) fn report(&self) -> FieldDifference {
         FieldDifference {
             is_derived: true,
             scale: 0.0,
-            relative: 0.0,
-            ulp: None,
-            ..self.tally.report(self.name, "rad", false)
+            ..self.tally.report(self.name, "rad", None)
         }
     }
-}
-
-/// The columns of several fields, if all of them are there.
-fn columns<const N: usize>(
-    fields: [NumberField; N],
-    find: impl Fn(NumberField) -> Option<usize>,
-) -> Option<[usize; N]> {
-    let columns: Vec<usize> = fields.into_iter().filter_map(find).collect();
-    columns.try_into().ok()
 }
 
 #[cfg(test)]

@@ -1,55 +1,56 @@
-//! Section f of a report: how much of a difference is the integrators' doing.
+//! The integrators' errors.
 //!
 //! Each scenario is simulated twice more, with its own tolerances and with a hundredth of them, and the two are compared
-//! like any runs. Their difference is the error of the coarser one, as far as it is known. A difference between A and B
-//! that is no larger than both errors together, the floor, says nothing about the models.
+//! like any runs. Their difference estimates the error of the coarser one. A difference between A and B below both errors
+//! together says nothing about the models.
 
 use super::averages;
-use super::events::Events;
 use super::observer::While;
 use super::options::Options;
-use super::passage::LevelPassage;
-use super::plan::ComparisonPlan;
-use super::reading::read_both;
-use super::topic::ComparedTopic;
+use super::pairing::{Paired, read_both};
+use super::topic::TopicTally;
+use crate::analysis::history::RunHistory;
 use crate::analysis::subject::Subject;
 use crate::run::scenario::Scenario;
+use crate::run::simulation::EventKind;
+use crate::telemetry::Topic;
+use crate::telemetry::fields::nutation;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::thread;
 
-/// Factor by which the tolerances are tightened.
+/// By this factor the tolerances are tightened.
 const TIGHTER: f64 = 0.01;
-/// The tightest tolerances that scenarios may have.
+/// Below this, steps are rounding.
 const TIGHTEST_RELATIVE: f64 = 1e-14;
 const TIGHTEST_ABSOLUTE: f64 = 1e-18;
 
-/// Section f: how far each run would be from itself with a hundredth of its tolerances.
+/// The errors of both integrations.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Floor {
-    /// A's error.
+    /// A's.
     pub a: IntegratorError,
-    /// B's error.
+    /// B's.
     pub b: IntegratorError,
 }
 
-/// The error of an integrator.
+/// The error of one integration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct IntegratorError {
     /// The relative tolerance of the run.
     pub relative_tolerance: f64,
-    /// The relative tolerance that it was compared with.
+    /// The tighter one that it was compared with.
     pub compared_with: f64,
-    /// Fields and their largest differences.
+    /// The largest error of each field, by its full name.
     pub fields: Vec<(String, f64)>,
-    /// Largest shift of an event, s, but of those that come with each nutation.
-    pub event_shift: f64,
-    /// Largest difference of the mean of θ over a nutation, rad.
+    /// The largest error of an event's time, s.
+    pub event_time: f64,
+    /// The largest error of the mean of θ over a nutation, rad.
     pub theta_mean: f64,
 }
 
 impl Floor {
-    /// The errors of both integrators together in a field (with its topic), if they are known.
+    /// The errors of a field, A's and B's together.
     pub(super) fn of(&self, field: &str) -> Option<f64> {
         let of = |error: &IntegratorError| {
             let mut fields = error.fields.iter();
@@ -57,9 +58,14 @@ impl Floor {
         };
         Some(of(&self.a)? + of(&self.b)?)
     }
+
+    /// The error of the difference of the times of two events, s.
+    pub(super) fn event_time(&self) -> f64 {
+        self.a.event_time + self.b.event_time
+    }
 }
 
-/// Finds the errors of both integrators up to a time (s), if both scenarios are known and `carry_on` doesn't say no.
+/// Computes both errors up to a time (s); none if a scenario is missing or can't be tightened.
 pub(super) fn compute(
     [a, b]: [Subject<'_>; 2],
     to: f64,
@@ -83,37 +89,38 @@ pub(super) fn compute(
 fn error(scenario: &Scenario, carry_on: &(dyn Fn() -> bool + Sync)) -> Option<IntegratorError> {
     let tighter = tightened(scenario)?;
     let runs = [Subject::Scenario(scenario), Subject::Scenario(&tighter)];
-    let options = Options::default();
-    let plan = ComparisonPlan::new(runs, &options).ok()?;
-    let findings = read_both(runs, &plan, &options.tolerances, &mut While(carry_on)).ok()?;
-    let [first, second] = [0, 1].map(|side| &findings.runs[side].course);
-    let passage = LevelPassage::find(first, second, [0.0; 2]);
-    let events = Events::compare(first, second, passage.as_ref());
-    let means = averages::compare(first, second).map(|averaged| averaged.means);
-    let theta = means.and_then(|means| means.first().map(|mean| mean.largest.abs()));
-    let largest = |topic: &ComparedTopic| topic.tally.largest().collect::<Vec<_>>();
+    let topics: Vec<Topic> = Topic::all_with(scenario.model.support).collect();
+    let paired = read_both(runs, &topics, &Options::default(), &mut While(carry_on)).ok()?;
+    let Paired { runs: [a, b], .. } = &paired;
+    let averaged = averages::compare(&a.history, &b.history);
+    let theta = averaged.and_then(|averaged| Some(averaged.of(nutation::THETA_MEAN)?.largest));
     Some(IntegratorError {
         relative_tolerance: scenario.tolerances.relative,
         compared_with: tighter.tolerances.relative,
-        fields: findings.compared().flat_map(largest).collect(),
-        event_shift: events.largest_shift(),
-        theta_mean: theta.unwrap_or_default(),
+        fields: paired.compared().flat_map(TopicTally::largest).collect(),
+        event_time: event_time(&a.history, &b.history),
+        theta_mean: theta.unwrap_or_default().abs(),
     })
 }
 
-/// The scenario, ended at a time (s): its run is the beginning of the whole, to the last bit.
+/// The largest difference of the first times of events of a kind.
+fn event_time(a: &RunHistory, b: &RunHistory) -> f64 {
+    let first = |history: &RunHistory, kind| history.first(kind).map(|event| event.time);
+    let shifts = EventKind::ALL
+        .into_iter()
+        .filter_map(|kind| Some((first(b, kind)? - first(a, kind)?).abs()));
+    shifts.fold(0.0, f64::max)
+}
+
+/// A scenario that ends no later than this, s.
 fn until(scenario: &Scenario, time: f64) -> Option<Scenario> {
-    if scenario
-        .stop
-        .duration
-        .is_some_and(|duration| duration <= time)
-    {
+    let duration = scenario.stop.duration;
+    if duration.is_some_and(|duration| duration <= time) {
         return Some(scenario.clone());
     }
     scenario.with([("stop.duration", time.into())]).ok()
 }
 
-/// The scenario with a hundredth of its tolerances, as far as that goes.
 fn tightened(scenario: &Scenario) -> Option<Scenario> {
     let relative = (scenario.tolerances.relative * TIGHTER).max(TIGHTEST_RELATIVE);
     let absolute = (scenario.tolerances.absolute * TIGHTER).max(TIGHTEST_ABSOLUTE);

@@ -1,14 +1,13 @@
-//! Mean and root mean square of numbers of any size.
+//! The root mean square of numbers of any size.
 
-/// The sums of some numbers and of their squares, in memory that doesn't grow with their number.
+/// The sum of the squares of some numbers, in memory that doesn't grow with their number.
 ///
-/// The sums are kept in units of a power of two that is no larger than the largest number, so squares don't overflow. Such
-/// a unit changes no digit.
+/// It is kept in units of a power of two that is no larger than the largest number, so squares don't overflow. Such a unit
+/// changes no digit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moments {
     /// Zero as long as all numbers are.
     unit: f64,
-    sum: f64,
     squares: f64,
 }
 
@@ -22,19 +21,11 @@ impl Moments {
         if number.abs() >= 2.0 * self.unit {
             let unit = libm::ldexp(1.0, libm::frexp(number.abs()).1 - 1);
             let ratio = self.unit / unit;
-            self.sum *= ratio;
             self.squares *= ratio * ratio;
             self.unit = unit;
         }
         let scaled = number / self.unit;
-        self.sum += scaled;
         self.squares += scaled * scaled;
-    }
-
-    /// The mean of so many numbers, those that were not added being zero.
-    pub(super) fn mean(&self, count: u64) -> f64 {
-        let mean = self.sum / count.max(1) as f64 * self.unit;
-        mean.clamp(f64::MIN, f64::MAX)
     }
 
     /// The root of the mean square of so many numbers, those that were not added being zero.
@@ -60,7 +51,6 @@ mod tests {
                 // The smallest double has no fractions.
                 relative < 1e-15 || (found - expected).abs() < 5e-324 * 1.01
             };
-            assert!(near(moments.mean(3), scale), "{scale}: {moments:?}");
             assert!(
                 near(moments.rms(3), 7_f64.sqrt() * scale),
                 "{scale}: {moments:?}"
@@ -71,10 +61,6 @@ mod tests {
             moments.add(number);
         }
         assert!((moments.rms(3) / f64::MAX - 1.0).abs() < 1e-15);
-        assert!((moments.mean(3) / f64::MAX + 1.0 / 3.0).abs() < 1e-15);
-        assert_eq!(
-            (Moments::default().mean(0), Moments::default().rms(5)),
-            (0.0, 0.0)
-        );
+        assert_eq!(Moments::default().rms(5), 0.0);
     }
 }

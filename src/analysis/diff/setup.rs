@@ -1,49 +1,33 @@
-//! Section a of a report: what was different in the set-up of two runs.
+//! The differences in the set-up of two runs: keys of the scenarios, and what the files hold beside their messages.
 
 use crate::analysis::subject::Subject;
-use crate::archive::recording::{FileChannel, Recording};
+use crate::archive::recording::Recording;
 use crate::run::scenario::KEYS;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Keys of what files say about themselves, beside the entries of their metadata records.
-const LIBRARY: &str = "library";
-const PROFILE: &str = "profile";
-pub(super) const ENCODING: &str = "encoding";
-pub(super) const CONDITION: &str = "condition";
-
-/// Section a: the set-up.
+/// The differences in the set-up of two runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct SetupDifferences {
-    /// Keys of the scenarios with different values.
+    /// Keys of the scenarios that differ.
     pub scenario: Vec<KeyDifference>,
-    /// Number of keys that both scenarios have with equal values.
+    /// How many keys of the scenarios are equal.
     pub equal_keys: u64,
-    /// What the files say about themselves: versions, encodings, entries of metadata records.
+    /// Differences of the files: what wrote them, encoding, metadata, schemas, attachments. Empty unless both are recordings.
     pub files: Vec<KeyDifference>,
-    /// Topics with schemas that differ.
-    pub schemas: Vec<String>,
-    /// Topics whose channels differ in their number or metadata.
-    pub channels: Vec<String>,
-    /// Names of attachments that differ, or that only one of the files has.
-    pub attachments: Vec<String>,
-    /// Topics that only A has.
-    pub topics_only_in_a: Vec<String>,
-    /// Topics that only B has.
-    pub topics_only_in_b: Vec<String>,
-    /// Fields of common topics that only A has.
-    pub fields_only_in_a: Vec<String>,
-    /// Fields of common topics that only B has.
-    pub fields_only_in_b: Vec<String>,
+    /// Topics that only A and only B has.
+    pub topics_only_in: [Vec<String>; 2],
+    /// Fields that only A and only B has.
+    pub fields_only_in: [Vec<String>; 2],
 }
 
-/// A key and its two values.
+/// A key that differs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct KeyDifference {
     /// The key.
     pub key: String,
-    /// The unit of the values.
+    /// Its unit, empty for pure numbers and words.
     pub unit: String,
     /// A's value; absent if it has none.
     pub a: Option<String>,
@@ -51,36 +35,48 @@ pub struct KeyDifference {
     pub b: Option<String>,
 }
 
-/// Keys of a scenario that don't change the run.
-const NAMES: [&str; 2] = ["name", "description"];
-
 impl KeyDifference {
-    /// Whether it changes the run: not only what it is called.
+    /// Whether the key has a part in what is simulated: all but name and description.
     #[must_use]
     pub fn changes_the_run(&self) -> bool {
-        !NAMES.contains(&self.key.as_str())
+        !["name", "description"].contains(&self.key.as_str())
     }
 }
 
-/// Keys with their values as texts.
+/// Keys, each with its value as text.
 type Flat = BTreeMap<String, String>;
 
-/// Compares scenarios and files; which topics and fields only one of them has is found elsewhere.
 pub(super) fn compare(a: Subject<'_>, b: Subject<'_>) -> SetupDifferences {
     let mut setup = SetupDifferences::default();
     if let (Some(a), Some(b)) = (flat_scenario(a), flat_scenario(b)) {
-        compare_scenarios(&a, &b, &mut setup);
+        let all: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+        setup.scenario = differences(&a, &b);
+        setup.equal_keys = (all.len() - setup.scenario.len()) as u64;
     }
     if let (Subject::Recording(a), Subject::Recording(b)) = (a, b) {
-        setup.files = file_differences(a, b);
-        setup.schemas = schema_differences(a, b);
-        setup.channels = channel_differences(a, b);
-        setup.attachments = attachment_differences(a, b);
+        let has_schemas = a.encoding() == b.encoding();
+        setup.files = differences(&facts(a, has_schemas), &facts(b, has_schemas));
     }
     setup
 }
 
-/// The keys of a run's scenario, also of one of another version, whose keys mean nothing here.
+/// The keys that differ: those of a scenario in the order of the table of keys, then others by name.
+fn differences(a: &Flat, b: &Flat) -> Vec<KeyDifference> {
+    let place = |key: &str| KEYS.iter().position(|known| known.path == key);
+    let differ = |key: &&String| a.get(*key) != b.get(*key);
+    let all: BTreeSet<&String> = a.keys().chain(b.keys()).filter(differ).collect();
+    let mut all: Vec<&String> = all.into_iter().collect();
+    all.sort_by_key(|key| place(key).unwrap_or(usize::MAX));
+    let difference = |key: &String| KeyDifference {
+        key: key.clone(),
+        unit: place(key).map_or("", |at| KEYS[at].unit).to_owned(),
+        a: a.get(key).cloned(),
+        b: b.get(key).cloned(),
+    };
+    all.into_iter().map(difference).collect()
+}
+
+/// The keys of a run's scenario, also of one that this version can't run.
 fn flat_scenario(subject: Subject<'_>) -> Option<Flat> {
     let text = match subject {
         Subject::Scenario(scenario) => scenario.to_toml(),
@@ -107,161 +103,41 @@ fn flatten(prefix: &str, table: &toml::Table, flat: &mut Flat) {
     }
 }
 
-fn compare_scenarios(a: &Flat, b: &Flat, setup: &mut SetupDifferences) {
-    let known: BTreeMap<&str, &str> = KEYS.iter().map(|key| (key.path, key.unit)).collect();
-    let all: BTreeSet<&str> = a.keys().chain(b.keys()).map(String::as_str).collect();
-    let ours = KEYS.iter().map(|key| key.path);
-    let ours = ours.filter(|path| all.contains(path));
-    let others = all.iter().copied();
-    let others = others.filter(|path| !known.contains_key(path));
-    for path in ours.chain(others) {
-        let (x, y) = (a.get(path), b.get(path));
-        if x == y {
-            setup.equal_keys += 1;
-        } else {
-            let unit = known.get(path).copied().unwrap_or_default();
-            setup.scenario.push(key_difference(path, unit, x, y));
-        }
-    }
-}
-
-fn key_difference(key: &str, unit: &str, a: Option<&String>, b: Option<&String>) -> KeyDifference {
-    KeyDifference {
-        key: key.to_owned(),
-        unit: unit.to_owned(),
-        a: a.cloned(),
-        b: b.cloned(),
-    }
-}
-
-/// What files say about themselves that is not the same.
-fn file_differences(a: &Recording, b: &Recording) -> Vec<KeyDifference> {
-    let [of_a, of_b] = [a, b].map(facts);
-    let keys: BTreeSet<&String> = of_a.keys().chain(of_b.keys()).collect();
-    let own = [LIBRARY, PROFILE, ENCODING, CONDITION].map(str::to_owned);
-    let records = keys.into_iter().filter(|key| !own.contains(*key));
-    let all = own.iter().chain(records);
-    let differing = all.filter(|key| of_a.get(*key) != of_b.get(*key));
-    let mut differing: Vec<_> = differing
-        .map(|key| key_difference(key, "", of_a.get(key), of_b.get(key)))
-        .collect();
-    if differing.is_empty() && !a.all_metadata().eq(b.all_metadata()) {
-        // Only the order of the records, or names that read the same with their keys.
-        let [x, y] = [a, b].map(|recording| {
-            let names = recording.all_metadata().map(|(name, _)| name);
-            names.collect::<Vec<_>>().join(", ")
-        });
-        differing.push(key_difference("order of metadata", "", Some(&x), Some(&y)));
-    }
-    differing
-}
-
-/// What a file says about itself, and the entries of its metadata records.
-fn facts(recording: &Recording) -> Flat {
+/// What a file holds beside its messages and its scenario's keys. Schemas of different encodings can't be compared.
+fn facts(recording: &Recording, has_schemas: bool) -> Flat {
     let mut facts = Flat::new();
-    let mut counts: BTreeMap<&str, u64> = BTreeMap::new();
-    for (name, entries) in recording.all_metadata() {
-        let count = counts.entry(name).or_default();
-        *count += 1;
-        // Several records may have one name.
-        let record = match *count {
-            1 => name.to_owned(),
-            count => format!("{name} ({count})"),
-        };
-        if entries.is_empty() {
-            facts.insert(format!("{record}: "), "no entries".to_owned());
-        }
-        let entries = entries.iter();
-        facts.extend(entries.map(|(key, value)| (format!("{record}: {key}"), value.clone())));
-    }
-    facts.insert(PROFILE.to_owned(), recording.profile().to_owned());
-    facts.insert(LIBRARY.to_owned(), recording.library().to_owned());
-    facts.insert(ENCODING.to_owned(), encodings(recording));
-    let condition = recording.condition().name().to_owned();
-    facts.insert(CONDITION.to_owned(), condition);
-    facts
-}
-
-/// The names of the attachments that differ, or that only one of two files has.
-fn attachment_differences(a: &Recording, b: &Recording) -> Vec<String> {
-    let [of_a, of_b] = [a, b].map(Recording::attachment_digests);
-    let names: BTreeSet<&String> = of_a.keys().chain(of_b.keys()).collect();
-    let differing = names
-        .into_iter()
-        .filter(|name| of_a.get(*name) != of_b.get(*name));
-    differing.cloned().collect()
-}
-
-/// Topics of both files whose channels differ in their number or metadata.
-fn channel_differences(a: &Recording, b: &Recording) -> Vec<String> {
-    let [of_a, of_b] = [a, b].map(|recording| {
-        let mut channels: BTreeMap<&str, Vec<&BTreeMap<String, String>>> = BTreeMap::new();
-        for channel in recording.channels() {
-            let of_topic = channels.entry(&channel.topic).or_default();
-            of_topic.push(&channel.metadata);
-        }
-        // The order of channels means nothing.
-        for of_topic in channels.values_mut() {
-            of_topic.sort();
-        }
-        channels
-    });
-    let in_both = of_a
-        .iter()
-        .filter_map(|(topic, x)| Some((topic, x, of_b.get(topic)?)));
-    in_both
-        .filter(|(_, x, y)| x != y)
-        .map(|(topic, ..)| (*topic).to_owned())
-        .collect()
-}
-
-/// Topics of both files whose message types differ.
-fn schema_differences(a: &Recording, b: &Recording) -> Vec<String> {
-    let mut of_b: BTreeMap<&str, VecDeque<&FileChannel>> = BTreeMap::new();
-    for channel in b.channels() {
-        of_b.entry(&channel.topic).or_default().push_back(channel);
-    }
-    let channels = a.channels().iter();
-    let differences = channels.filter_map(|channel| {
-        // A topic may have several channels, each with its own message type.
-        let others = of_b.get_mut(channel.topic.as_str())?;
-        let same = others
-            .iter()
-            .position(|other| other.schema == channel.schema);
-        let other = others.remove(same.unwrap_or(0))?;
-        schema_difference(channel, other)
-    });
-    differences.collect()
-}
-
-/// The encodings of a file's messages, separated by commas.
-pub(super) fn encodings(recording: &Recording) -> String {
-    if let Some(encoding) = recording.encoding() {
-        return encoding.name().to_owned();
-    }
-    let mut names: Vec<_> = recording
-        .channels()
-        .iter()
-        .map(|c| c.encoding.as_str())
-        .collect();
-    names.sort_unstable();
-    names.dedup();
-    names.join(", ")
-}
-
-/// In what the message types of a topic differ, if both are of one encoding.
-fn schema_difference(a: &FileChannel, b: &FileChannel) -> Option<String> {
-    if a.encoding != b.encoding || a.schema == b.schema {
-        return None;
-    }
-    let name = |channel: &FileChannel| match channel.schema_name() {
-        "" => "none".to_owned(),
-        name => name.to_owned(),
+    let mut add = |key: String, value: String| {
+        facts
+            .entry(key)
+            .and_modify(|all| *all += &format!(", {value}"))
+            .or_insert(value);
     };
-    let (x, y) = (name(a), name(b));
-    Some(if x == y {
-        format!("{}: both are {x}, described differently", a.topic)
-    } else {
-        format!("{}: {x} in A, {y} in B", a.topic)
-    })
+    add("library".to_owned(), recording.library().to_owned());
+    add("profile".to_owned(), recording.profile().to_owned());
+    add("state".to_owned(), recording.condition().name().to_owned());
+    for (name, entries) in recording.all_metadata() {
+        add(
+            format!("metadata {name}"),
+            format!("{} entries", entries.len()),
+        );
+        for (key, value) in entries {
+            add(format!("metadata {name}: {key}"), value.clone());
+        }
+    }
+    for (name, digests) in recording.attachment_digests() {
+        add(format!("attachment {name}"), digests.join(", "));
+    }
+    let channels = recording.channels().iter();
+    for channel in channels.filter(|_| has_schemas) {
+        let schema = channel.schema.as_deref();
+        let sum = schema.map_or(0, |schema| crc32fast::hash(&schema.data));
+        let text = format!(
+            "{}, schema {} (crc32 {sum:08x}), metadata {:?}",
+            channel.encoding,
+            channel.schema_name(),
+            channel.metadata
+        );
+        add(format!("channel {}", channel.topic), text);
+    }
+    facts
 }

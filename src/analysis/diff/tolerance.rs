@@ -1,22 +1,18 @@
 //! How far two numbers may lie apart and still count as equal.
 
 use super::error::DiffError;
-use crate::physics::math::ulp_distance;
 use crate::telemetry::fields::state::THETA;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-/// A bound on the difference of two numbers that count as equal: any of the three bounds suffices. By default the
-/// numbers must be equal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+/// A bound on the difference of two numbers that count as equal: either bound suffices. By default the numbers must be
+/// equal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Tolerance {
-    /// Largest difference, in the unit of the field.
+    /// Absolute tolerance, in the unit of the field.
     pub abs: f64,
-    /// Largest difference as a part of the larger magnitude.
+    /// Relative tolerance, as a part of the larger magnitude.
     pub rel: f64,
-    /// Largest number of doubles from one to the other.
-    pub ulp: u64,
 }
 
 impl Tolerance {
@@ -31,20 +27,7 @@ impl Tolerance {
             return false;
         }
         let difference = (b - a).abs();
-        difference <= self.abs
-            || difference <= self.rel * a.abs().max(b.abs())
-            || (self.ulp > 0 && ulp_distance(a, b) <= self.ulp)
-    }
-}
-
-impl Tolerance {
-    /// Whether two integers count as equal, to their last digits.
-    #[must_use]
-    pub fn allows_integers(&self, a: i128, b: i128) -> bool {
-        let difference = a.abs_diff(b);
-        let largest = a.unsigned_abs().max(b.unsigned_abs());
-        // The conversion rounds the bound off; none is negative.
-        difference <= self.abs as u128 || difference as f64 <= self.rel * largest as f64
+        difference <= self.abs || difference <= self.rel * a.abs().max(b.abs())
     }
 }
 
@@ -55,75 +38,12 @@ pub struct Tolerances {
     pub general: Tolerance,
     /// Patterns of fields with their tolerances; of several that match, the last counts.
     pub fields: Vec<(String, Tolerance)>,
-    /// Patterns of topics and fields that don't count at all.
+    /// Patterns of topics and fields that are ignored.
     pub ignored: Vec<String>,
 }
 
-/// A file of tolerances.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    #[serde(default)]
-    abs: f64,
-    #[serde(default)]
-    rel: f64,
-    #[serde(default)]
-    ulp: u64,
-    #[serde(default)]
-    fields: toml::Table,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Bound {
-    Absolute(f64),
-    Whole(Tolerance),
-}
-
 impl Tolerances {
-    /// Reads a file of tolerances:
-    ///
-    /// ```toml
-    /// rel = 1e-9
-    /// [fields]
-    /// "/top/state.theta" = 1e-9
-    /// "/top/torque.*" = { rel = 1e-6, ulp = 4 }
-    /// ```
-    ///
-    /// # Errors
-    /// [`DiffError::Tolerance`] naming what is wrong.
-    pub fn from_toml(text: &str) -> Result<Self, DiffError> {
-        let malformed = |error: toml::de::Error| DiffError::Tolerance {
-            text: error.to_string().trim_end().to_owned(),
-            reason:
-                "a file of tolerances has abs, rel, ulp and a table [fields] of patterns with a \
-                     number or { abs, rel, ulp }"
-                    .to_owned(),
-        };
-        let file: File = toml::from_str(text).map_err(malformed)?;
-        let mut tolerances = Self {
-            general: Tolerance {
-                abs: file.abs,
-                rel: file.rel,
-                ulp: file.ulp,
-            },
-            ..Self::default()
-        };
-        for (name, bound) in file.fields {
-            let tolerance = match Bound::deserialize(bound).map_err(malformed)? {
-                Bound::Absolute(abs) => Tolerance {
-                    abs,
-                    ..Tolerance::default()
-                },
-                Bound::Whole(tolerance) => tolerance,
-            };
-            tolerances.fields.push((name, tolerance));
-        }
-        tolerances.check()?;
-        Ok(tolerances)
-    }
-
-    /// Adds the tolerance of a pattern as on the command line: `PATTERN=1e-9`, or `PATTERN=abs:1e-9,rel:1e-6,ulp:4`.
+    /// Adds the tolerance of a pattern as on the command line: `PATTERN=1e-9`, or `PATTERN=abs:1e-9,rel:1e-6`.
     ///
     /// # Errors
     /// [`DiffError::Tolerance`] naming what is wrong.
@@ -143,11 +63,10 @@ impl Tolerances {
             let understood = match kind.trim() {
                 "abs" => number().map(|abs| tolerance.abs = abs),
                 "rel" => number().map(|rel| tolerance.rel = rel),
-                "ulp" => value.trim().parse().ok().map(|ulp| tolerance.ulp = ulp),
                 _ => None,
             };
             understood.ok_or_else(|| {
-                malformed("after the = stands a number, or abs:NUMBER, rel:NUMBER and ulp:COUNT with commas between")
+                malformed("after the = there must be a number, or abs:NUMBER and rel:NUMBER with a comma between")
             })?;
         }
         self.fields.push((pattern.to_owned(), tolerance));
@@ -192,13 +111,16 @@ impl Tolerances {
         self.ignored.iter().any(|pattern| matches(pattern, name))
     }
 
-    /// The first pattern that matches none of the fields, with the names most like it. Topics that are ignored have none.
-    pub(super) fn unmatched(&self, fields: &[String], topics: &[String]) -> Option<DiffError> {
+    /// Whether each pattern matches one of the fields or topics.
+    ///
+    /// # Errors
+    /// [`DiffError::UnknownField`] with the first that doesn't, and the names most like it.
+    pub(super) fn match_any_of(&self, fields: &[String]) -> Result<(), DiffError> {
         let is_idle = |pattern: &&String| !fields.iter().any(|field| matches(pattern, field));
-        let is_of_topic = |pattern: &&String| topics.iter().any(|topic| matches(pattern, topic));
         let of_fields = self.fields.iter().map(|(pattern, _)| pattern);
-        let ignored = self.ignored.iter().filter(|pattern| !is_of_topic(pattern));
-        let pattern = of_fields.chain(ignored).find(is_idle)?;
+        let Some(pattern) = of_fields.chain(&self.ignored).find(is_idle) else {
+            return Ok(());
+        };
         let likeness = |field: &String| strsim::jaro_winkler(pattern, field);
         let mut near: Vec<_> = fields
             .iter()
@@ -210,7 +132,7 @@ impl Tolerances {
             .take(3)
             .map(|(_, field)| field.as_str())
             .collect();
-        Some(DiffError::UnknownField {
+        Err(DiffError::UnknownField {
             pattern: pattern.clone(),
             near: near.join(", "),
         })
@@ -282,10 +204,10 @@ mod tests {
     fn the_last_pattern_counts() {
         let mut tolerances = Tolerances::default();
         tolerances.add("*=1").unwrap();
-        tolerances.add("/a.x=rel:0.5,ulp:3").unwrap();
+        tolerances.add("/a.x=rel:0.5").unwrap();
         assert_eq!(tolerances.of("/a", "y").abs, 1.0);
         let x = tolerances.of("/a", "x");
-        assert_eq!((x.abs, x.rel, x.ulp), (0.0, 0.5, 3));
+        assert_eq!((x.abs, x.rel), (0.0, 0.5));
     }
 
     #[test]
@@ -297,7 +219,7 @@ mod tests {
             "a=x",
             "a=-1",
             "a=inf",
-            "a=abs:1,ulp:0.5",
+            "a=abs:1,ulp:4",
             "a=foo:1",
         ] {
             let error = Tolerances::default().add(text).unwrap_err().to_string();
@@ -306,16 +228,6 @@ mod tests {
                 "{text}: {error}"
             );
         }
-        let last = Tolerances::from_toml("[fields]\n\"/x.y\" = 1\n\"*\" = 2\n").unwrap();
-        assert_eq!(last.of("/x", "y").abs, 2.0);
-        assert!(Tolerances::from_toml("abs = 'x'").is_err());
-        assert!(Tolerances::from_toml("abss = 1").is_err());
-        assert!(Tolerances::from_toml("[fields]\n'*' = { abs = 1, relative = 2 }").is_err());
-        let file = "ulp = 2\n[fields]\n\"/top/state.theta\" = 1e-9\n\"*.x\" = { rel = 1e-6 }\n";
-        let read = Tolerances::from_toml(file).unwrap();
-        assert_eq!(read.general.ulp, 2);
-        assert_eq!(read.of("/top/state", "theta").abs, 1e-9);
-        assert_eq!(read.of("/top/torque", "friction_body.x").rel, 1e-6);
     }
 
     #[test]
@@ -325,17 +237,10 @@ mod tests {
             exact.allows(1.0, 1.0) && exact.allows(f64::NAN, f64::NAN) && exact.allows(0.0, -0.0)
         );
         assert!(!exact.allows(1.0, 1.0_f64.next_up()) && !exact.allows(1.0, f64::NAN));
-        let ulp = Tolerance { ulp: 1, ..exact };
-        assert!(ulp.allows(1.0, 1.0_f64.next_up()) && !ulp.allows(1.0, f64::NAN));
         let rel = Tolerance { rel: 0.1, ..exact };
         assert!(rel.allows(-9.5, -10.0) && !rel.allows(8.9, 10.0));
         assert!(!rel.allows(1.0, f64::INFINITY) && !rel.allows(f64::NEG_INFINITY, f64::INFINITY));
         assert!(rel.allows(f64::INFINITY, f64::INFINITY));
-        let large = 1_i128 << 53;
-        assert!(exact.allows_integers(large, large) && !exact.allows_integers(large, large + 1));
-        assert!(!ulp.allows_integers(large, large + 1) && rel.allows_integers(large, large + 1));
-        let abs = Tolerance { abs: 1.5, ..exact };
-        assert!(abs.allows_integers(-1, 0) && !abs.allows_integers(large, large + 2));
         let abs = Tolerance { abs: 0.5, ..exact };
         assert!(abs.allows(0.0, 0.5) && !abs.allows(0.0, 0.6) && !abs.allows(0.0, f64::INFINITY));
     }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::analysis::plot::drawing::{Drawing, Label};
 use crate::analysis::plot::shape::{Bounds, Shape};
+use crate::analysis::plot::style::FONT;
 use crate::run::scenario::{Preset, Scenario};
 
 /// A run that is drawn quickly, and differs from others.
@@ -24,6 +25,17 @@ fn runs() -> Vec<Run> {
     ]
 }
 
+/// The space that a label takes.
+fn space(label: &Label) -> Bounds {
+    let ((x, y), text) = (label.origin, &label.text);
+    let [width, above, below] = [text.width, text.above, text.below].map(|em| em * FONT);
+    if label.is_upward {
+        Bounds::between((x - above, y - width), (x + below, y))
+    } else {
+        Bounds::between((x, y - above), (x + width, y + below))
+    }
+}
+
 fn overlap(a: &Bounds, b: &Bounds) -> bool {
     a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom
 }
@@ -31,7 +43,7 @@ fn overlap(a: &Bounds, b: &Bounds) -> bool {
 fn check(drawing: &Drawing, what: &str) {
     let (width, height) = drawing.size();
     for (index, label) in drawing.labels.iter().enumerate() {
-        let bounds = label.bounds();
+        let bounds = space(label);
         let said = &label.text.spoken;
         let is_within = bounds.left >= 0.0
             && bounds.top >= 0.0
@@ -40,12 +52,12 @@ fn check(drawing: &Drawing, what: &str) {
         assert!(is_within, "{what}: {said} sticks out: {bounds:?}");
         for other in &drawing.labels[index + 1..] {
             let other_said = &other.text.spoken;
-            let is_apart = !overlap(&bounds, &other.bounds());
+            let is_apart = !overlap(&bounds, &space(other));
             assert!(is_apart, "{what}: {said} lies on {other_said}");
         }
     }
     for frame in frames(drawing) {
-        let inside = |label: &&Label| overlap(&label.bounds(), &frame);
+        let inside = |label: &&Label| overlap(&space(label), &frame);
         let label = drawing.labels.iter().find(inside);
         assert!(
             label.is_none(),

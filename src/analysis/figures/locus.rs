@@ -11,7 +11,7 @@ use crate::analysis::plot::drawing::Drawing;
 use crate::analysis::plot::frame::{self, Frame, Quantity};
 use crate::analysis::plot::legend::{self, Entry};
 use crate::analysis::plot::range::extremes;
-use crate::analysis::plot::shape::{Bounds, Point, Stroke};
+use crate::analysis::plot::shape::{Bounds, Stroke};
 use crate::analysis::plot::style::{LINE, MARGIN, TWO_COLUMNS};
 use crate::analysis::plot::text::Text;
 
@@ -46,7 +46,7 @@ pub(super) fn locus(runs: &[&Run], width: f64) -> Drawing {
     let squares = squares(&drawn, &traces);
     let sphere_height = sphere.height(usable).min(TALLEST * usable);
     let (bounds, below) = if width < TWO_COLUMNS {
-        let bounds = boxed((MARGIN, top), usable, sphere_height);
+        let bounds = Bounds::new((MARGIN, top), usable, sphere_height);
         let grid = Grid {
             columns: 2,
             width: (usable - GAP) / 2.0,
@@ -63,7 +63,7 @@ pub(super) fn locus(runs: &[&Run], width: f64) -> Drawing {
         };
         let below = grid.draw(&mut drawing, &squares);
         let height = grid.row_height(&squares);
-        (boxed((MARGIN, top), grid.width, height), below)
+        (Bounds::new((MARGIN, top), grid.width, height), below)
     };
     sphere.draw(&mut drawing, &drawn, bounds);
     frame::draw_letter(&mut drawing, 'a', (MARGIN, top - frame::ABOVE));
@@ -129,15 +129,6 @@ fn traces(runs: &[&Run]) -> Vec<Trace> {
 /// The ends of several paths are magnified together if they take at most so many times the room of the smallest.
 const MAGNIFIED_TOGETHER: f64 = 4.0;
 
-fn boxed((left, top): Point, width: f64, height: f64) -> Bounds {
-    Bounds {
-        left,
-        top,
-        right: left + width,
-        bottom: top + height,
-    }
-}
-
 /// Where squares are drawn: in rows, from left to right.
 struct Grid {
     columns: usize,
@@ -158,7 +149,7 @@ impl Grid {
             let (column, line) = (place % self.columns, place / self.columns);
             let left = MARGIN + column as f64 * (self.width + GAP) + room;
             let top = self.top + line as f64 * row;
-            let frame = Frame::square(boxed((left, top), side, side), square.ranges);
+            let frame = Frame::square(Bounds::new((left, top), side, side), square.ranges);
             square.draw(drawing, &frame);
             let baseline = top - frame::ABOVE;
             let letter = ('b'..='z').nth(index).unwrap_or('z');
@@ -177,13 +168,11 @@ impl Grid {
     /// The room that the numbers to the left of a square take, mm.
     fn room_left(&self, squares: &[Square<'_>]) -> f64 {
         // The room that the numbers need hardly depends on the size of the frame.
-        let bounds = boxed((0.0, 0.0), 0.7 * self.width, 0.7 * self.width);
+        let bounds = Bounds::new((0.0, 0.0), 0.7 * self.width, 0.7 * self.width);
         let frames = squares
             .iter()
             .map(|square| Frame::square(bounds, square.ranges));
-        frames
-            .map(|frame| frame::room_left(&frame.y, Y))
-            .fold(0.0, f64::max)
+        frames.map(|frame| frame.room_left(Y)).fold(0.0, f64::max)
     }
 
     fn side(&self, squares: &[Square<'_>]) -> f64 {
@@ -211,9 +200,7 @@ impl Square<'_> {
             .iter()
             .flat_map(|trace| trace.dots((self.from)(trace), place));
         drawing.group("start and end", dots.collect());
-        frame.draw(drawing);
-        frame.name_x(drawing, X);
-        frame.name_y(drawing, Y, frame::ticks_width(&frame.y));
+        frame.draw_with_names(drawing, [X, Y]);
     }
 }
 

@@ -97,7 +97,6 @@ impl Run {
         if let Subject::Recording(recording) = subject {
             match recording.condition() {
                 Condition::Interrupted => run.lose("the run was cut off: its end is missing"),
-                Condition::Recovered => run.lose("it was recovered: parts may be missing"),
                 Condition::Damaged => {
                     let losses = recording.losses().iter();
                     run.losses.extend(losses.map(ToString::to_string));

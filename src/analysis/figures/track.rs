@@ -35,20 +35,15 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
     legend.extend([Entry::dot(false, "start"), Entry::dot(true, "end")]);
     let top = legend::draw_at_top(&mut drawing, &legend) + LINE + 0.6;
     let ranges = ranges(&tracks);
-    let square = |left: f64, side: f64| Bounds {
-        left,
-        top,
-        right: left + side,
-        bottom: top + side,
-    };
+    let square = |left: f64, side: f64| Frame::square(Bounds::new((left, top), side, side), ranges);
     let usable = width - 2.0 * MARGIN;
     // A larger frame has other numbers, which may need more room.
-    let room_at = |side: f64| frame::room_left(&Frame::square(square(0.0, side), ranges).y, Y);
+    let room_at = |side: f64| square(0.0, side).room_left(Y);
     let side_beside = |room: f64| (usable - room - frame::ROOM_RIGHT).min(LARGEST);
     let room = room_at(0.7 * usable.min(LARGEST));
     let room = room.max(room_at(side_beside(room)));
     let side = side_beside(room);
-    let frame = Frame::square(square(MARGIN + room, side), ranges);
+    let frame = square(MARGIN + room, side);
     for (index, (run, track)) in runs.iter().zip(&tracks).enumerate() {
         let stroke = looks.run_in_legend(index);
         let meaning = format!("{}: track of the contact point", run.name);
@@ -59,9 +54,7 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
         });
         drawing.group("start and end", dots.collect());
     }
-    frame.draw(&mut drawing);
-    frame.name_x(&mut drawing, X);
-    frame.name_y(&mut drawing, Y, frame::ticks_width(&frame.y));
+    frame.draw_with_names(&mut drawing, [X, Y]);
     drawing.height = top + side + frame::ROOM_BELOW + MARGIN;
     drawing
 }

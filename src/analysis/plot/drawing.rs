@@ -1,9 +1,7 @@
 //! Drawings: shapes and labels, before they become a file. Lengths are in mm, from the upper left corner.
 
-#[cfg(test)]
-use super::shape::Bounds;
-use super::shape::{Colour, Point, Shape};
-use super::style::{self, FONT};
+use super::shape::{Point, Shape};
+use super::style::FONT;
 use super::text::Text;
 
 /// Shapes that belong together, with a description for screen readers.
@@ -13,42 +11,14 @@ pub(crate) struct Group {
     pub(crate) shapes: Vec<Shape>,
 }
 
-/// A text at a place of a drawing.
+/// A black text of size [`FONT`] at a place of a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Label {
     pub(crate) text: Text,
     /// The start of the baseline.
     pub(crate) origin: Point,
-    /// The size of an em, mm.
-    pub(crate) size: f64,
     /// Whether the text runs upwards.
     pub(crate) is_upward: bool,
-    pub(crate) colour: Colour,
-}
-
-#[cfg(test)]
-impl Label {
-    /// The space that the label takes.
-    pub(crate) fn bounds(&self) -> Bounds {
-        let (x, y) = self.origin;
-        let [width, above, below] =
-            [self.text.width, self.text.above, self.text.below].map(|em| em * self.size);
-        if self.is_upward {
-            Bounds {
-                left: x - above,
-                top: y - width,
-                right: x + below,
-                bottom: y,
-            }
-        } else {
-            Bounds {
-                left: x,
-                top: y - above,
-                right: x + width,
-                bottom: y + below,
-            }
-        }
-    }
 }
 
 /// The point of a label that is placed.
@@ -99,9 +69,7 @@ impl Drawing {
         self.labels.push(Label {
             text,
             origin: (x, y),
-            size: FONT,
             is_upward: false,
-            colour: style::BLACK,
         });
     }
 
@@ -111,9 +79,7 @@ impl Drawing {
         self.labels.push(Label {
             origin: (left + text.above * FONT, y),
             text,
-            size: FONT,
             is_upward: true,
-            colour: style::BLACK,
         });
     }
 

@@ -30,7 +30,7 @@ pub(crate) struct Quantity {
 
 impl Quantity {
     /// The label of an axis whose numbers are to be multiplied by a power of ten.
-    fn text(self, exponent: i32) -> Text {
+    pub(crate) fn text(self, exponent: i32) -> Text {
         let Self { symbol, unit } = self;
         match in_brackets(exponent, unit) {
             empty if empty.is_empty() => Text::markup(symbol),
@@ -152,23 +152,18 @@ impl Frame {
         let mut border = self.bounds.corners();
         border.extend_from_within(..2);
         let mut lines = vec![border];
-        let Bounds {
-            left,
-            top,
-            right,
-            bottom,
-        } = self.bounds;
+        let bounds = self.bounds;
         let mut across = |value: f64, length: f64| {
             let x = self.place((value, self.y.low)).0;
-            lines.push(vec![(x, bottom), (x, bottom - length)]);
-            lines.push(vec![(x, top), (x, top + length)]);
+            lines.push(vec![(x, bounds.bottom), (x, bounds.bottom - length)]);
+            lines.push(vec![(x, bounds.top), (x, bounds.top + length)]);
         };
         self.x.minor().iter().for_each(|v| across(*v, MINOR_TICK));
         self.x.ticks().iter().for_each(|t| across(t.value, TICK));
         let mut upward = |value: f64, length: f64| {
             let y = self.place((self.x.low, value)).1;
-            lines.push(vec![(left, y), (left + length, y)]);
-            lines.push(vec![(right, y), (right - length, y)]);
+            lines.push(vec![(bounds.left, y), (bounds.left + length, y)]);
+            lines.push(vec![(bounds.right, y), (bounds.right - length, y)]);
         };
         self.y.minor().iter().for_each(|v| upward(*v, MINOR_TICK));
         self.y.ticks().iter().for_each(|t| upward(t.value, TICK));
@@ -177,20 +172,28 @@ impl Frame {
         drawing.group("frame", lines.into_iter().map(shape).collect());
     }
 
-    /// Draws the numbers below the frame, and the label of the axis.
-    pub(crate) fn name_x(&self, drawing: &mut Drawing, quantity: Quantity) {
-        self.label_x(drawing, quantity.text(self.x.exponent));
+    /// Draws the frame, the numbers at its ticks and the labels of both axes.
+    pub(crate) fn draw_with_labels(&self, drawing: &mut Drawing, [x, y]: [Text; 2]) {
+        self.draw(drawing);
+        self.label_x(drawing, x);
+        self.label_y(drawing, y, ticks_width(&self.y));
     }
 
-    /// Draws the numbers below the frame, and a text as the label of the axis.
+    /// The room that the numbers and the name of a quantity to the left of the frame take, mm.
+    pub(crate) fn room_left(&self, quantity: Quantity) -> f64 {
+        room_left(&self.y, &quantity.text(self.y.exponent))
+    }
+
+    /// Draws the frame with two quantities along its axes.
+    pub(crate) fn draw_with_names(&self, drawing: &mut Drawing, [x, y]: [Quantity; 2]) {
+        let labels = [x.text(self.x.exponent), y.text(self.y.exponent)];
+        self.draw_with_labels(drawing, labels);
+    }
+
+    /// Draws the numbers below the frame, and the label of the axis.
     pub(crate) fn label_x(&self, drawing: &mut Drawing, text: Text) {
-        let Bounds {
-            left,
-            right,
-            bottom,
-            ..
-        } = self.bounds;
-        let baseline = bottom + GAP + 0.66 * FONT;
+        let (left, right) = (self.bounds.left, self.bounds.right);
+        let baseline = self.bounds.bottom + GAP + 0.66 * FONT;
         let mut from = 0.0;
         for tick in self.x.ticks() {
             let x = self.place((tick.value, self.y.low)).0;
@@ -207,28 +210,27 @@ impl Frame {
     }
 
     /// Draws the numbers to the left of the frame, and beyond their `width` the label of the axis.
-    pub(crate) fn name_y(&self, drawing: &mut Drawing, quantity: Quantity, width: f64) {
-        self.label_y(drawing, quantity.text(self.y.exponent), width);
-    }
-
-    /// Draws the numbers to the left of the frame, and beyond their `width` a text as the label of the axis.
     pub(crate) fn label_y(&self, drawing: &mut Drawing, text: Text, width: f64) {
-        let Bounds {
-            left, top, bottom, ..
-        } = self.bounds;
+        let (left, heights) = (self.bounds.left, (self.bounds.top, self.bounds.bottom));
         for tick in self.y.ticks() {
             let y = self.place((self.x.low, tick.value)).1 + 0.33 * FONT;
             drawing.label(Text::plain(&tick.label), (left - GAP, y), Anchor::End);
         }
         let ink = (text.above + text.below) * FONT;
-        drawing.upward_label(text, left - 2.0 * GAP - width - ink, (top, bottom));
+        drawing.upward_label(text, left - 2.0 * GAP - width - ink, heights);
     }
 
     /// Marks where curves go furthest beyond the upper and the lower end of the upright axis.
     pub(crate) fn draw_beyond(&self, drawing: &mut Drawing, curves: &[&[Point]]) {
-        let points = || curves.iter().copied().flatten();
-        let highest = points().max_by(|one, other| height(one).total_cmp(&height(other)));
-        let lowest = points().min_by(|one, other| depth(one).total_cmp(&depth(other)));
+        let finite = || {
+            curves
+                .iter()
+                .copied()
+                .flatten()
+                .filter(|point| point.1.is_finite())
+        };
+        let highest = finite().max_by(|one, other| one.1.total_cmp(&other.1));
+        let lowest = finite().min_by(|one, other| one.1.total_cmp(&other.1));
         let is_above = |point: &&Point| point.1 > self.y.high;
         let is_below = |point: &&Point| point.1 < self.y.low;
         let Bounds { top, bottom, .. } = self.bounds;
@@ -247,48 +249,19 @@ impl Frame {
 
     /// Marks the upright axis as broken at its lower end.
     pub(crate) fn draw_break(&self, drawing: &mut Drawing) {
-        let Bounds {
-            left,
-            right,
-            bottom,
-            ..
-        } = self.bounds;
+        let bounds = self.bounds;
         let mark = |x: f64, y: f64| Shape::Line {
             points: vec![(x - 0.8, y + 0.5), (x + 0.8, y - 0.5)],
             stroke: style::frame(),
         };
-        let ends = [bottom, bottom + BREAK];
-        let marks = ends.map(|y| [left, right].map(|x| mark(x, y)));
+        let ends = [bounds.bottom, bounds.bottom + BREAK];
+        let marks = ends.map(|y| [bounds.left, bounds.right].map(|x| mark(x, y)));
         drawing.group("break of the axis", marks.concat());
     }
 }
 
-/// The value of a point, for finding the greatest: what is not a number is least.
-fn height(point: &Point) -> f64 {
-    if point.1.is_finite() {
-        point.1
-    } else {
-        f64::NEG_INFINITY
-    }
-}
-
-/// The value of a point, for finding the least: what is not a number is greatest.
-fn depth(point: &Point) -> f64 {
-    if point.1.is_finite() {
-        point.1
-    } else {
-        f64::INFINITY
-    }
-}
-
-/// The room that numbers and label to the left of a frame take, mm.
-pub(crate) fn room_left(scale: &Scale, quantity: Quantity) -> f64 {
-    let text = quantity.text(scale.exponent);
-    room_beside(scale, &text)
-}
-
 /// The room that numbers and this label to the left of a frame take, mm.
-pub(crate) fn room_beside(scale: &Scale, text: &Text) -> f64 {
+pub(crate) fn room_left(scale: &Scale, text: &Text) -> f64 {
     2.0 * GAP + ticks_width(scale) + (text.above + text.below) * FONT
 }
 

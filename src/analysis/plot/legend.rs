@@ -112,16 +112,10 @@ impl Sample {
                 points: vec![(left, middle), (right, middle)],
                 stroke,
             }],
-            Self::Area(fill) => vec![Shape::Area {
-                points: Bounds {
-                    left,
-                    top: middle - 0.35 * FONT,
-                    right,
-                    bottom: middle + 0.35 * FONT,
-                }
-                .corners(),
-                fill,
-            }],
+            Self::Area(fill) => {
+                let (top, bottom) = (middle - 0.35 * FONT, middle + 0.35 * FONT);
+                vec![Bounds::between((left, top), (right, bottom)).area(fill)]
+            }
             Self::Dot(is_filled) => vec![dot((left + DOT, middle), is_filled, style::BLACK)],
             Self::Marks => vec![
                 mark((left + MARK, middle - MARK), 1.0),

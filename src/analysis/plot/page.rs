@@ -117,7 +117,8 @@ fn name_all_y(drawing: &mut Drawing, frames: &[(&Frame, &Panel)]) {
     let widths = frames.iter().map(|(frame, _)| frame::ticks_width(&frame.y));
     let width = widths.fold(0.0, f64::max);
     for (frame, panel) in frames {
-        frame.name_y(drawing, panel.quantity, width);
+        let label = panel.quantity.text(frame.y.exponent);
+        frame.label_y(drawing, label, width);
     }
 }
 
@@ -220,12 +221,7 @@ impl Page {
             let bottom = *top + tall.fold(0.0, f64::max);
             for (panel, (left, right)) in panels.iter().zip(sides) {
                 let (low, high) = self.range(panel);
-                let bounds = Bounds {
-                    left,
-                    top: *top,
-                    right,
-                    bottom,
-                };
+                let bounds = Bounds::between((left, *top), (right, bottom));
                 frames.push(Frame {
                     x: Scale::new(low, high, frame::ticks_across(bounds.width())),
                     y: panel.scale(height),
@@ -240,7 +236,10 @@ impl Page {
 
     /// The room that the labels to the left of the frames need, for each column.
     fn rooms_left(&self, columns: usize, height: f64) -> Vec<f64> {
-        let room = |panel: &Panel| frame::room_left(&panel.scale(height), panel.quantity);
+        let room = |panel: &Panel| {
+            let scale = panel.scale(height);
+            frame::room_left(&scale, &panel.quantity.text(scale.exponent))
+        };
         let of_column = |column| self.panels.iter().skip(column).step_by(columns).map(room);
         (0..columns)
             .map(|column| of_column(column).fold(0.0, f64::max))
@@ -278,18 +277,16 @@ impl Page {
             frame.draw_break(drawing);
         }
         if self.has_x_axis(index, columns) {
-            frame.name_x(drawing, self.x);
+            frame.label_x(drawing, self.x.text(frame.x.exponent));
         }
         self.draw_heading(drawing, index, frame);
     }
 
     fn draw_heading(&self, drawing: &mut Drawing, index: usize, frame: &Frame) {
         let panel = &self.panels[index];
-        let Bounds {
-            left, right, top, ..
-        } = frame.bounds;
+        let (left, right) = (frame.bounds.left, frame.bounds.right);
         let lines = legend::lines(&panel.legend, right - left - INDENT);
-        let baseline = top - frame::ABOVE - lines.saturating_sub(1) as f64 * LINE;
+        let baseline = frame.bounds.top - frame::ABOVE - lines.saturating_sub(1) as f64 * LINE;
         if let Some(letter) = self.letter(index) {
             frame::draw_letter(drawing, letter, (left, baseline));
         }

@@ -2,7 +2,7 @@
 
 use super::drawing::{Drawing, Label};
 use super::shape::{Colour, Point, Shape, Stroke};
-use super::style::RESOLUTION;
+use super::style::{BLACK, FONT, RESOLUTION};
 use super::text::{self, UNITS};
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, PixelDimensions, Unit};
 use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, StrokeDash, Transform};
@@ -125,7 +125,7 @@ fn draw(pixels: &mut Pixmap, shape: &Shape) {
 
 fn write(pixels: &mut Pixmap, label: &Label) {
     let turn = if label.is_upward { -90.0 } else { 0.0 };
-    let em = label.size as f32;
+    let em = FONT as f32;
     let place = scale()
         .pre_translate(label.origin.0 as f32, label.origin.1 as f32)
         .pre_rotate(turn)
@@ -137,7 +137,7 @@ fn write(pixels: &mut Pixmap, label: &Label) {
         let place = place
             .pre_translate(glyph.x as f32, glyph.y as f32)
             .pre_scale(size, size);
-        fill(pixels, builder.0.finish(), label.colour, place);
+        fill(pixels, builder.0.finish(), BLACK, place);
     }
 }
 

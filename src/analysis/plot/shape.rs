@@ -17,6 +17,21 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
+    /// The rectangle between its upper left and its lower right corner.
+    pub(crate) fn between((left, top): Point, (right, bottom): Point) -> Self {
+        Self {
+            left,
+            top,
+            right,
+            bottom,
+        }
+    }
+
+    /// The rectangle with this upper left corner.
+    pub(crate) fn new((left, top): Point, width: f64, height: f64) -> Self {
+        Self::between((left, top), (left + width, top + height))
+    }
+
     pub(crate) fn width(&self) -> f64 {
         self.right - self.left
     }
@@ -32,6 +47,12 @@ impl Bounds {
             (self.right, self.bottom),
             (self.left, self.bottom),
         ]
+    }
+
+    /// The rectangle as a filled area.
+    pub(crate) fn area(&self, fill: Colour) -> Shape {
+        let points = self.corners();
+        Shape::Area { points, fill }
     }
 
     /// The part of a segment within the rectangle.

@@ -5,6 +5,7 @@
 
 use super::drawing::{Drawing, Label};
 use super::shape::{Colour, Point, Shape, Stroke};
+use super::style::{BLACK, FONT};
 use super::text::{self, Style, UNITS};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -168,12 +169,12 @@ fn shape(shape: &Shape) -> String {
 }
 
 fn label(label: &Label) -> String {
-    let scale = label.size * SCALE / UNITS;
+    let scale = FONT * SCALE / UNITS;
     let turn = if label.is_upward { " rotate(-90)" } else { "" };
     let mut svg = format!(
         "<g aria-label=\"{}\" fill=\"{}\" transform=\"translate({} {}){turn} scale({} {})\">",
         escaped(&label.text.spoken),
-        hex(label.colour),
+        hex(BLACK),
         unit(label.origin.0),
         unit(label.origin.1),
         decimal(scale),

@@ -1,11 +1,11 @@
 //! The channels of a file, and which of them are the table's.
 
-use crate::telemetry::encoding::{DecodeError, Decoder, Encoding};
-use crate::telemetry::payload::{PayloadDecoder, PayloadError, Schema};
+use crate::telemetry::encoding::{DecodeError, Decoder};
 use crate::telemetry::views::view_channels;
-use crate::telemetry::{ChannelInfo, Topic, Version};
+use crate::telemetry::{ChannelInfo, Topic};
 use mcap::records::Record;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
 /// A channel of a file.
@@ -49,20 +49,6 @@ impl FileChannel {
         self.table.map(Topic::info)
     }
 
-    /// Whether its schema is that of its topic in a version of the telemetry; other channels than the table's have none.
-    #[must_use]
-    pub fn is_of(&self, version: &Version) -> bool {
-        let Some((topic, encoding)) = self.table.zip(Encoding::find(&self.encoding)) else {
-            return self.table.is_none();
-        };
-        let info = &version.channels()[topic.index()];
-        self.schema.as_deref().is_some_and(|schema| {
-            schema.name == info.schema
-                && schema.encoding == encoding.schema_encoding()
-                && schema.data == encoding.schema(info)
-        })
-    }
-
     /// Whether it is one of those that are there for viewers only.
     #[must_use]
     pub fn is_view(&self) -> bool {
@@ -79,19 +65,6 @@ impl FileChannel {
         let info = self.info()?;
         Some(Decoder::new(info, &self.encoding, self.schema_name(), data))
     }
-
-    /// What decodes its messages field by field, whoever wrote them.
-    ///
-    /// # Errors
-    /// [`PayloadError`] if its encoding or schema can't be read.
-    pub fn payload_decoder(&self) -> Result<PayloadDecoder, PayloadError> {
-        let schema = self.schema.as_deref().map(|schema| Schema {
-            name: &schema.name,
-            encoding: &schema.encoding,
-            data: &schema.data,
-        });
-        PayloadDecoder::new(&self.encoding, schema)
-    }
 }
 
 /// All channels of a file, in the order of their first definitions.
@@ -100,8 +73,6 @@ pub(crate) struct Channels {
     schemas: BTreeMap<u16, Arc<FileSchema>>,
     list: Vec<FileChannel>,
     positions: BTreeMap<u16, usize>,
-    /// Definitions that contradict earlier ones; each once, however often it comes.
-    pub(crate) contradictions: BTreeSet<String>,
 }
 
 impl Channels {
@@ -142,17 +113,8 @@ impl Channels {
                     encoding: header.encoding,
                     data: data.into_owned(),
                 });
-                match self.schemas.get(&header.id) {
-                    Some(known) if *known != schema => {
-                        let text = format!("schema {} is defined twice, differently", header.id);
-                        self.contradictions.insert(text);
-                    }
-                    // The summary repeats those of the data.
-                    Some(_) => {}
-                    None => {
-                        self.schemas.insert(header.id, schema);
-                    }
-                }
+                // The summary repeats those of the data.
+                self.schemas.entry(header.id).or_insert(schema);
             }
             Record::Channel(record) => {
                 let schema = self.schemas.get(&record.schema_id).cloned();
@@ -165,16 +127,9 @@ impl Channels {
                     metadata: record.metadata,
                     table,
                 };
-                match self.position(record.id) {
-                    Some(position) if self.list[position] != channel => {
-                        let text = format!("channel {} is defined twice, differently", record.id);
-                        self.contradictions.insert(text);
-                    }
-                    Some(_) => {}
-                    None => {
-                        self.positions.insert(record.id, self.list.len());
-                        self.list.push(channel);
-                    }
+                if let Entry::Vacant(free) = self.positions.entry(record.id) {
+                    free.insert(self.list.len());
+                    self.list.push(channel);
                 }
             }
             _ => {}

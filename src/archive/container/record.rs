@@ -71,8 +71,8 @@ pub(super) fn is_exact(opcode: u8, body: &[u8]) -> bool {
     expected == Some(rest.len() as u64)
 }
 
-/// The length of a record's body that what is read of it takes. A longer body holds something that is not read: bytes
-/// behind the last field, or a key twice.
+/// The length of a record's body that what is read of it takes; none for kinds that are not those of the specification. A
+/// longer body holds something that is not read: bytes behind the last field, or a key twice.
 pub(crate) fn content_length(record: &Record<'_>) -> Option<usize> {
     let text = |text: &str| 4 + text.len();
     let texts = |pairs: &BTreeMap<String, String>| {
@@ -87,9 +87,14 @@ pub(crate) fn content_length(record: &Record<'_>) -> Option<usize> {
         Record::Channel(channel) => {
             4 + text(&channel.topic) + text(&channel.message_encoding) + texts(&channel.metadata)
         }
+        Record::Message { data, .. } => 22 + data.len(),
+        Record::Chunk { header, data } => 36 + text(&header.compression) + data.len(),
         Record::MessageIndex(index) => 6 + 16 * index.records.len(),
         Record::ChunkIndex(index) => {
             60 + 10 * index.message_index_offsets.len() + text(&index.compression)
+        }
+        Record::Attachment { header, data, .. } => {
+            28 + text(&header.name) + text(&header.media_type) + data.len()
         }
         Record::AttachmentIndex(index) => 40 + text(&index.name) + text(&index.media_type),
         Record::Metadata(metadata) => text(&metadata.name) + texts(&metadata.metadata),
@@ -98,7 +103,7 @@ pub(crate) fn content_length(record: &Record<'_>) -> Option<usize> {
         Record::SummaryOffset(_) => 17,
         Record::DataEnd(_) => 4,
         Record::Footer(_) => 20,
-        _ => return None,
+        Record::Unknown { .. } => return None,
     })
 }
 

@@ -47,10 +47,6 @@ pub(crate) enum SectionError {
     Checksum { expected: u32, found: u32 },
 }
 
-/// What a frame of each compression begins with.
-const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
-const LZ4_MAGIC: [u8; 4] = [0x04, 0x22, 0x4d, 0x18];
-
 /// The bytes of a section, used again for the next one.
 #[derive(Default)]
 pub(crate) struct Buffers {
@@ -58,41 +54,6 @@ pub(crate) struct Buffers {
     /// The section's records.
     pub(crate) records: Vec<u8>,
     zstd: Option<zstd::bulk::Decompressor<'static>>,
-}
-
-/// How a chunk is packed, as its index repeats it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Packing {
-    pub(crate) compression: String,
-    pub(crate) compressed: u64,
-    pub(crate) uncompressed: u64,
-}
-
-impl Buffers {
-    /// How the chunk that was loaded last is packed.
-    pub(crate) fn packing(&self) -> Option<Packing> {
-        let chunk = self.chunk()?;
-        Some(Packing {
-            compression: String::from_utf8_lossy(chunk.compression).into_owned(),
-            compressed: chunk.data.len() as u64,
-            uncompressed: chunk.size,
-        })
-    }
-
-    /// Whether the chunk that was loaded last is compressed as one frame, which takes all of its data. Of several
-    /// frames some readers see all, and some the first.
-    pub(crate) fn is_one_frame(&self) -> bool {
-        self.chunk().is_some_and(|chunk| chunk.is_one_frame())
-    }
-
-    /// Whether the chunk that was loaded last has a checksum: zero stands for none.
-    pub(crate) fn has_checksum(&self) -> bool {
-        self.chunk().is_some_and(|chunk| chunk.checksum != 0)
-    }
-
-    fn chunk(&self) -> Option<Chunk<'_>> {
-        Chunk::parse(self.raw.get(HEAD as usize..)?)
-    }
 }
 
 impl fmt::Debug for Buffers {
@@ -120,6 +81,9 @@ impl Section {
 
     /// Reads, decompresses and checks it.
     pub(crate) fn load(&self, source: &Source, buffers: &mut Buffers) -> Result<(), SectionError> {
+        if self.length > LARGEST_CHUNK {
+            return Err(SectionError::TooLarge);
+        }
         if !self.is_chunk {
             source.read(self.offset, self.length, &mut buffers.records)?;
             return if buffers.records.len() as u64 == self.length {
@@ -161,21 +125,6 @@ impl<'a> Chunk<'a> {
         })
     }
 
-    fn is_one_frame(&self) -> bool {
-        match self.compression {
-            b"zstd" => {
-                let length = zstd::zstd_safe::find_frame_compressed_size(self.data);
-                self.data.starts_with(&ZSTD_MAGIC) && length == Ok(self.data.len())
-            }
-            b"lz4" => {
-                let mut decoder = lz4_flex::frame::FrameDecoder::new(self.data);
-                let read = io::copy(&mut decoder, &mut io::sink());
-                self.data.starts_with(&LZ4_MAGIC) && read.is_ok() && decoder.get_ref().is_empty()
-            }
-            _ => true,
-        }
-    }
-
     fn decompress(
         &self,
         records: &mut Vec<u8>,
@@ -186,7 +135,13 @@ impl<'a> Chunk<'a> {
         }
         records.clear();
         match self.compression {
-            b"" => records.extend_from_slice(self.data),
+            b"" if self.data.len() as u64 == self.size => records.extend_from_slice(self.data),
+            b"" => {
+                return Err(SectionError::Size {
+                    expected: self.size,
+                    found: self.data.len() as u64,
+                });
+            }
             b"zstd" if self.size > PIECE => {
                 let mut decoder = zstd::stream::read::Decoder::with_buffer(self.data)?;
                 decoder.window_log_max(LARGEST_CHUNK.ilog2())?;

@@ -38,6 +38,30 @@ impl Source {
         })
     }
 
+    /// The CRC-32 of the bytes between two positions.
+    pub(crate) fn checksum(&self, from: u64, to: u64) -> io::Result<u32> {
+        let mut hasher = crc32fast::Hasher::new();
+        let mut bytes = Vec::new();
+        let mut at = from;
+        while at < to {
+            self.read(at, (1 << 20).min(to - at), &mut bytes)?;
+            if bytes.is_empty() {
+                break;
+            }
+            hasher.update(&bytes);
+            at += bytes.len() as u64;
+        }
+        Ok(hasher.finalize())
+    }
+
+    /// The same file for another thread.
+    pub(crate) fn try_clone(&self) -> io::Result<Self> {
+        Ok(Self {
+            file: self.file.try_clone()?,
+            length: self.length,
+        })
+    }
+
     /// Its length when it was opened, in bytes.
     pub(crate) fn length(&self) -> u64 {
         self.length
@@ -61,22 +85,6 @@ impl Source {
         }
         buffer.truncate(filled);
         Ok(())
-    }
-
-    /// The CRC-32 of the bytes between two positions.
-    pub(crate) fn checksum(&self, from: u64, to: u64) -> io::Result<u32> {
-        let mut hasher = crc32fast::Hasher::new();
-        let mut bytes = Vec::new();
-        let mut at = from;
-        while at < to {
-            self.read(at, (1 << 20).min(to - at), &mut bytes)?;
-            if bytes.is_empty() {
-                break;
-            }
-            hasher.update(&bytes);
-            at += bytes.len() as u64;
-        }
-        Ok(hasher.finalize())
     }
 }
 

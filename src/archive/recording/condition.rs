@@ -17,8 +17,6 @@ pub enum Condition {
     Interrupted,
     /// A recording of which parts can't be read.
     Damaged,
-    /// What was saved of an interrupted or damaged recording.
-    Recovered,
 }
 
 impl Condition {
@@ -30,7 +28,6 @@ impl Condition {
             Self::Whole => "complete",
             Self::Interrupted => "interrupted",
             Self::Damaged => "damaged",
-            Self::Recovered => "recovered",
         }
     }
 }

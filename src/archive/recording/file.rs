@@ -8,17 +8,19 @@ use crate::archive::container::record::{HEAD, RecordSpan, parse};
 use crate::archive::container::source::Source;
 use crate::archive::error::{NoScenario, RecordingError};
 use crate::archive::format::{
-    END_RECORD, Entries, RECOVERY_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT, VERSION, form_entries,
-    recorded_form, telemetry_version,
+    END_RECORD, Entries, RUN_RECORD, SCENARIO_ATTACHMENT, STOP_REASON, recorded_form,
 };
-use crate::physics::dynamics::Support;
 use crate::run::scenario::{Scenario, hex};
+use crate::run::simulation::StopReason;
 use crate::telemetry::encoding::{Encoding, FieldDifferences};
-use crate::telemetry::{Telemetry, Topic, Topics, Version, table};
+use crate::telemetry::{Topic, Topics};
 use mcap::records::Record;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+/// A scenario has a few kilobytes; what is longer is none.
+const LONGEST_SCENARIO: u64 = 1 << 20;
 
 /// An MCAP file, opened for reading.
 ///
@@ -69,19 +71,6 @@ impl Recording {
         self.source.length()
     }
 
-    /// Whether another file has the same bytes.
-    #[must_use]
-    pub fn has_bytes_of(&self, other: &Self) -> bool {
-        const PIECE: u64 = 1 << 20;
-        let (mut mine, mut theirs) = (Vec::new(), Vec::new());
-        self.size() == other.size()
-            && (0..self.size()).step_by(PIECE as usize).all(|offset| {
-                let read = self.source.read(offset, PIECE, &mut mine);
-                let read = read.and_then(|()| other.source.read(offset, PIECE, &mut theirs));
-                read.is_ok() && mine == theirs
-            })
-    }
-
     /// The program and version that wrote it, by its own words.
     #[must_use]
     pub fn library(&self) -> &str {
@@ -103,8 +92,6 @@ impl Recording {
         let cut_in_the_middle = self.end().is_some() && !self.layout.is_ended;
         if self.layout.losses.iter().any(|loss| !self.is_tail(loss)) || cut_in_the_middle {
             Condition::Damaged
-        } else if self.recovery().is_some() {
-            Condition::Recovered
         } else if self.end().is_none() {
             Condition::Interrupted
         } else {
@@ -129,10 +116,12 @@ impl Recording {
         self.metadata(END_RECORD)
     }
 
-    /// The entries of the `toprise.recovery` record, which says what was lost.
+    /// Whether the run was ended before its end, orderly or not.
     #[must_use]
-    pub fn recovery(&self) -> Option<&Entries> {
-        self.metadata(RECOVERY_RECORD)
+    pub fn is_interrupted(&self) -> bool {
+        let reason = self.end().map(|end| end.get(STOP_REASON));
+        let interrupted = StopReason::Interrupted.name();
+        reason.is_none_or(|reason| reason.is_some_and(|reason| reason == interrupted))
     }
 
     /// The entries of the first metadata record with a name.
@@ -140,21 +129,6 @@ impl Recording {
     pub fn metadata(&self, name: &str) -> Option<&Entries> {
         let mut records = self.layout.metadata.iter();
         records.find(|r| r.name == name).map(|r| &r.metadata)
-    }
-
-    /// The version of the telemetry that it holds: as it says, or else the newest whose schemas its channels have. None
-    /// if this program doesn't know it.
-    #[must_use]
-    pub fn version(&self) -> Option<Version> {
-        if let Some(run) = self.run() {
-            return Version::find(telemetry_version(run)?);
-        }
-        let versions = (1..=table::VERSION).rev().filter_map(Version::find);
-        let has = |version: &Version| self.channels().iter().all(|c| c.is_of(version));
-        versions
-            .clone()
-            .find(has)
-            .or_else(|| versions.clone().next())
     }
 
     /// How it was recorded, as `toprise.run` says, or else its channels: the encoding, whether with views, and the topics.
@@ -166,53 +140,6 @@ impl Recording {
             let views = self.channels().iter().any(FileChannel::is_view);
             Some((self.encoding()?, views, Topics::Only(self.topics())))
         })
-    }
-
-    /// What `toprise.run` has to say about the form, in the words of the writer: what it says, as far as the channels
-    /// agree.
-    pub(crate) fn form_entries(&self) -> Option<Entries> {
-        let (encoding, views, topics) = self.form()?;
-        let encoding = self.encoding().unwrap_or(encoding);
-        let views = views || self.channels().iter().any(FileChannel::is_view);
-        let is_recorded = |topic: &Topic| topics.include(topic) || self.has(*topic);
-        let topics = Topics::Only(Topic::all().filter(is_recorded).collect());
-        let telemetry = Telemetry::with_topics(&topics);
-        let topics = telemetry.topics(self.support());
-        Some(form_entries(encoding, views, &topics))
-    }
-
-    /// How the table held the peg: what the scenario says, or else the channels.
-    fn support(&self) -> Support {
-        let is_of_free_peg = |channel: &FileChannel| {
-            let info = channel.info();
-            info.is_some_and(|info| info.is_of_free_peg)
-        };
-        match self.scenario() {
-            Ok(scenario) => scenario.model.support,
-            Err(_) if self.channels().iter().any(is_of_free_peg) => {
-                Support::FreePeg { restitution: 0.0 }
-            }
-            Err(_) => Support::FixedPeg,
-        }
-    }
-
-    /// Refuses a recording of a version of the telemetry that is newer than this program.
-    ///
-    /// # Errors
-    /// [`RecordingError::Newer`].
-    pub fn refuse_newer(&self) -> Result<(), RecordingError> {
-        let run = self.run();
-        let telemetry = run.and_then(telemetry_version);
-        match telemetry.filter(|telemetry| *telemetry > table::VERSION) {
-            None => Ok(()),
-            Some(telemetry) => Err(RecordingError::Newer {
-                telemetry,
-                version: run
-                    .and_then(|run| run.get(VERSION))
-                    .cloned()
-                    .unwrap_or_default(),
-            }),
-        }
     }
 
     /// All metadata records: names and entries, in the order of the file.
@@ -285,6 +212,11 @@ impl Recording {
         let mut attached = attached.filter(|attachment| attachment.name == SCENARIO_ATTACHMENT);
         let place = &attached.next().ok_or(NoScenario::Missing)?.place;
         let damaged = |reason: String| NoScenario::Damaged(reason);
+        if place.length > LONGEST_SCENARIO {
+            return Err(damaged(format!(
+                "it is longer than {LONGEST_SCENARIO} bytes"
+            )));
+        }
         let data = self.attachment(place).map_err(damaged)?;
         String::from_utf8(data.1).map_err(|error| damaged(error.to_string()))
     }
@@ -339,17 +271,5 @@ impl Recording {
             Ok(_) => Err("it is no attachment".to_owned()),
             Err(error) => Err(error.to_string()),
         }
-    }
-
-    /// Whether the data are what they were when they were written; a file without a checksum can't be told.
-    pub(crate) fn data_checksum_is_right(&self) -> bool {
-        let Some(end) = self.layout.data_end else {
-            return true;
-        };
-        let mut bytes = Vec::new();
-        let read = self.source.read(end + HEAD, 4, &mut bytes);
-        let noted = bytes.as_slice().try_into().map_or(0, u32::from_le_bytes);
-        let is_right = |found| found == noted;
-        read.is_ok() && (noted == 0 || self.source.checksum(0, end).is_ok_and(is_right))
     }
 }

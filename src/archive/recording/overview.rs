@@ -7,7 +7,6 @@ use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::Loss;
 use crate::archive::error::RecordingError;
 use crate::archive::format::Entries;
-use crate::run::scenario::Scenario;
 use crate::telemetry::Message;
 use crate::telemetry::encoding::{Decoder, Row};
 use crate::telemetry::fields::{EVENTS, events};
@@ -24,8 +23,6 @@ pub struct Overview {
     pub run: Option<Entries>,
     /// The entries of the `toprise.end` record; `None` if the run did not reach its end.
     pub end: Option<Entries>,
-    /// The entries of the `toprise.recovery` record: what was lost before it was saved.
-    pub recovery: Option<Entries>,
     /// The scenario as TOML.
     pub scenario: Option<String>,
     /// The channels, in the order of the file.
@@ -129,18 +126,11 @@ impl Overview {
             library: recording.library().to_owned(),
             run: recording.run().cloned(),
             end: recording.end().cloned(),
-            recovery: recording.recovery().cloned(),
             scenario: recording.scenario_text().ok(),
             channels: counted,
             events: events.map(|events| events.found).unwrap_or_default(),
             losses,
         }
-    }
-
-    /// The scenario, if it is there and this version can read it.
-    #[must_use]
-    pub fn parsed_scenario(&self) -> Option<Scenario> {
-        Scenario::from_toml(self.scenario.as_deref()?).ok()
     }
 
     /// Whether it is a recording of toprise that reached its end and is readable throughout.

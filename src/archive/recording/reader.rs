@@ -58,9 +58,6 @@ pub enum Any<'a> {
     Other(Undecoded<'a>),
 }
 
-/// A decoded message, or why it can't be decoded; none if its channel is not of the table.
-pub(crate) type Decoded<'a> = Option<Result<Message<'a>, MessageError>>;
-
 /// Sections that overlap in time are put in order together as long as they take no more bytes than this.
 const LARGEST_BATCH: usize = 1 << 26;
 
@@ -91,10 +88,6 @@ pub struct Reader<'r> {
     row: Row,
     losses: Vec<Loss>,
     order: Option<Order>,
-    /// Whether messages that repeat others or go back in time are given too.
-    gives_misplaced: bool,
-    /// Whether the last message is one of them.
-    is_misplaced: bool,
     /// How many bytes of content may still be read; none if there is no bound.
     left: Option<u64>,
     /// How many bytes of the file have been looked at, and how many of them have been told.
@@ -153,8 +146,6 @@ impl<'r> Reader<'r> {
             row: Row::default(),
             losses: Vec::new(),
             order: None,
-            gives_misplaced: false,
-            is_misplaced: false,
             left: None,
             seen: 0,
             told: 0,
@@ -170,7 +161,7 @@ impl<'r> Reader<'r> {
     /// Gives the messages in the order of their times, wherever they stand.
     ///
     /// Chunks are sorted, and messages within them. A message that comes too late even so, or a second time, is
-    /// left out and told by [`Reader::misplaced`]: the times of a channel never go back.
+    /// left out and told by [`Reader::left_out`]: the times of a channel never go back.
     pub(crate) fn in_order_of_time(mut self) -> Self {
         self = self.bounded();
         if !self.are_sections_in_order() {
@@ -188,26 +179,9 @@ impl<'r> Reader<'r> {
         self
     }
 
-    /// Gives messages that repeat others or go back in time too, instead of leaving them out;
-    /// [`Reader::is_misplaced`] tells which they are.
-    pub(crate) fn with_misplaced(mut self) -> Self {
-        self.gives_misplaced = true;
-        self
-    }
-
-    /// Whether the last message repeats another of its channel or goes back in time.
-    pub(crate) fn is_misplaced(&self) -> bool {
-        self.is_misplaced
-    }
-
-    /// The messages so far that repeat others or go back in time.
-    pub(crate) fn misplaced(&self) -> Option<&Misplaced> {
-        self.order.as_ref()?.misplaced()
-    }
-
-    /// Those of them that have been left out.
+    /// The messages that have been left out because they repeat others or go back in time.
     pub(crate) fn left_out(&self) -> Option<&Misplaced> {
-        self.misplaced().filter(|_| !self.gives_misplaced)
+        self.order.as_ref()?.misplaced()
     }
 
     /// Whether each chunk begins where the one before has ended, as their heads say.
@@ -307,16 +281,6 @@ impl<'r> Reader<'r> {
         Some(self.decode(&at)?.map(Any::Decoded))
     }
 
-    /// The next message as it stands in the file, and decoded if its channel is of the table.
-    ///
-    /// After an error reading can go on: it is about one message.
-    pub(crate) fn next_both(&mut self) -> Option<(Undecoded<'_>, Decoded<'_>)> {
-        let at = self.advance()?;
-        let decoded = self.fill_row(&at);
-        let decoded = decoded.map(|filled| filled.map(|channel| self.message(&at, channel)));
-        Some((self.undecoded(&at), decoded))
-    }
-
     fn decode(&mut self, at: &At) -> Option<Result<Message<'_>, MessageError>> {
         let filled = self.fill_row(at)?;
         Some(filled.map(|channel| self.message(at, channel)))
@@ -397,10 +361,9 @@ impl<'r> Reader<'r> {
                 continue;
             };
             let order = self.order.as_mut();
-            self.is_misplaced = order.is_some_and(|order| {
-                !order.accepts(at.channel, at.head.log_time, at.head.sequence)
-            });
-            if !self.is_misplaced || self.gives_misplaced {
+            let is_in_order = order
+                .is_none_or(|order| order.accepts(at.channel, at.head.log_time, at.head.sequence));
+            if is_in_order {
                 return Some(at);
             }
         }

@@ -66,11 +66,6 @@ impl ShowArguments {
     pub(super) fn rrd(&self) -> Option<&PathBuf> {
         self.rrd.as_ref()
     }
-
-    /// Whether anything is to be shown.
-    pub(super) fn is_asked(&self) -> bool {
-        self.rrd.is_some() || self.viewer.is_asked()
-    }
 }
 
 fn identity([a, b]: [Subject<'_>; 2], hop_scale: f64) -> Result<PairIdentity, Error> {

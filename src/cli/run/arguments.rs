@@ -3,11 +3,17 @@
 use crate::archive::publish::Existing;
 use crate::archive::writer::Form;
 use crate::cli::arguments::{FormArguments, Override, parse_override};
+#[cfg(feature = "sweep")]
+use crate::cli::given::checked;
+use crate::cli::given::scenario;
 #[cfg(feature = "rerun")]
 use crate::cli::viewer::ViewerArguments;
+use crate::run::scenario::Scenario;
+#[cfg(feature = "sweep")]
+use crate::sweep::values_of_row;
+use crate::telemetry::Topics;
 use crate::telemetry::encoding::Encoding;
-use crate::telemetry::{Telemetry, Topics};
-use anyhow::Error;
+use anyhow::{Error, bail};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -17,6 +23,11 @@ pub(crate) struct RunArguments {
     /// A preset (see `toprise presets`), a scenario file, or a recording, whose scenario is run again.
     #[arg(default_value = "paper")]
     pub(super) scenario: PathBuf,
+
+    /// Run this row of a sweep's table, which is named in place of the scenario.
+    #[cfg(feature = "sweep")]
+    #[arg(long, value_name = "N")]
+    row: Option<u64>,
 
     /// Set a key of the scenario, as in friction.k=0.02; an empty value removes the key.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
@@ -41,9 +52,9 @@ pub(crate) struct RunArguments {
     #[command(flatten)]
     pub(super) viewer: ViewerArguments,
 
-    /// Encoding of the MCAP file's messages.
-    #[arg(long, value_enum, default_value_t = Encoding::Json)]
-    encoding: Encoding,
+    /// Encoding of the MCAP file's messages; without this option that of a recording that is run again, or json.
+    #[arg(long, value_enum)]
+    encoding: Option<Encoding>,
 
     /// Leave out the channels that let viewers show the MCAP file by themselves.
     #[arg(long)]
@@ -67,26 +78,61 @@ pub(crate) struct RunArguments {
 }
 
 impl RunArguments {
+    /// The scenario that is run.
+    pub(super) fn scenario(&self) -> Result<Scenario, Error> {
+        #[cfg(feature = "sweep")]
+        if let Some(row) = self.row {
+            let values = values_of_row(&self.scenario, row)?;
+            return checked(&self.scenario, values, &self.overrides);
+        }
+        if self
+            .scenario
+            .extension()
+            .is_some_and(|kind| kind == "parquet")
+        {
+            let table = self.scenario.display();
+            bail!("{table} is a table: name the row to run, as in --row 42");
+        }
+        scenario(&self.scenario, &self.overrides)
+    }
+
+    /// Refuses to write an MCAP file under the name of a Rerun recording.
+    pub(super) fn check_output(&self) -> Result<(), Error> {
+        let is_rrd = |path: &&PathBuf| path.extension().is_some_and(|kind| kind == "rrd");
+        match self.output.as_ref().filter(is_rrd) {
+            Some(path) => bail!(
+                "-o names the MCAP file, and {} is the name of a Rerun recording: write one with --rrd {0}",
+                path.display()
+            ),
+            None => Ok(()),
+        }
+    }
+
+    /// What the report says of a Rerun recording that is not written, and that nobody has asked to leave out.
+    pub(super) fn note_on_rrd(&self) -> Option<&'static str> {
+        #[cfg(feature = "rerun")]
+        let is_left_out = self.output.is_some() && self.rrd.is_none() && !self.no_rrd;
+        #[cfg(not(feature = "rerun"))]
+        let is_left_out = false;
+        is_left_out.then_some("no Rerun recording, because of -o: --rrd FILE writes one too")
+    }
+
     /// What may happen to files that exist.
     pub(super) fn existing(&self) -> Existing {
         Existing::forced(self.force)
     }
 
-    /// The form of the MCAP file.
-    pub(super) fn mcap_form(&self) -> Form {
-        Form {
-            encoding: self.encoding,
-            views: !self.no_views,
+    /// The form of the MCAP file and the topics in it: those of a recording that is run again, unless the arguments name
+    /// others.
+    pub(super) fn form(&self) -> Result<(Form, Topics), Error> {
+        let recorded = crate::archive::given::form(&self.scenario);
+        let (mut form, mut topics) = recorded.unwrap_or_default();
+        form.encoding = self.encoding.unwrap_or(form.encoding);
+        form.views &= !self.no_views;
+        if !self.topics.is_empty() {
+            topics = Topics::named(&self.topics)?;
         }
-    }
-
-    /// The telemetry with the topics that are wanted.
-    pub(super) fn telemetry(&self) -> Result<Telemetry, Error> {
-        Ok(if self.topics.is_empty() {
-            Telemetry::default()
-        } else {
-            Telemetry::with_topics(&Topics::named(&self.topics)?)
-        })
+        Ok((form, topics))
     }
 }
 

@@ -2,10 +2,11 @@
 
 use super::arguments::RunArguments;
 use crate::archive::format::CONTENT_DIGEST;
+use crate::archive::pipeline::{Archived, McapSink};
 use crate::archive::publish::{Draft, partial_name, refuse_inputs};
 use crate::archive::recording::Recording;
 use crate::archive::sink::SinkError;
-use crate::archive::writer::{Archived, McapSink};
+use crate::archive::writer::Form;
 use crate::run::scenario::Scenario;
 use crate::telemetry::Telemetry;
 use std::path::{Path, PathBuf};
@@ -29,8 +30,9 @@ impl RunFiles {
         arguments: &RunArguments,
         scenario: &Scenario,
         telemetry: &Telemetry,
+        form: Form,
     ) -> Result<(Self, Earlier), SinkError> {
-        let preface = McapSink::preface(scenario, telemetry, arguments.mcap_form())?;
+        let preface = McapSink::preface(scenario, telemetry, form)?;
         let Some(mcap) = &arguments.output else {
             return Self::free(arguments, scenario.name(), &preface);
         };

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A paced run passes on what it has this often, so that a viewer follows and little is lost.
+/// A paced run passes on what it has this often, so that a viewer follows.
 const FLUSH_EVERY: Duration = Duration::from_millis(50);
 /// Longest sleep, so that Ctrl-C is answered at once.
 const NAP: Duration = Duration::from_millis(20);

@@ -1,6 +1,6 @@
 //! What a run says at its end.
 
-use crate::archive::writer::Archived;
+use crate::archive::pipeline::Archived;
 use crate::cli::numbers::{count, number};
 use crate::cli::page::{Page, Section, Tone};
 use crate::cli::report::WrittenFile;
@@ -94,8 +94,8 @@ impl RunReport {
         }
     }
 
-    /// The summary for people.
-    pub(super) fn page(&self) -> Page {
+    /// The summary for people, with a note on what is not written.
+    pub(super) fn page(&self, not_written: Option<&str>) -> Page {
         let mut facts = vec![
             ("state", self.angles()),
             ("rates", self.rates()),
@@ -104,7 +104,9 @@ impl RunReport {
         facts.extend(under("events", self.event_lines()));
         facts.extend([("logged", self.logged()), ("took", self.took())]);
         let files = std::iter::once(&self.mcap).chain(&self.rrd);
-        facts.extend(under("wrote", files.map(WrittenFile::line).collect()));
+        let files = files.map(WrittenFile::line);
+        let lines = files.chain(not_written.map(str::to_owned)).collect();
+        facts.extend(under("wrote", lines));
         facts.push(("content", format!("sha-256 {}", self.content_digest)));
         if let Some(path) = &self.identical_to {
             facts.push(("", format!("identical to {path}")));

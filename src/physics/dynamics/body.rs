@@ -71,7 +71,7 @@ impl<const N: usize> System<N> for BodyRotation {
     #[inline]
     fn derivative(&self, _t: f64, y: &[f64; N]) -> [f64; N] {
         let q = quaternion(y);
-        let lean = Lean::of(&q);
+        let lean = Lean::of(&q, |_| momentum(y));
         let tilt = self.tilt(&lean, &momentum(y));
         let contact = self.model.contact(&tilt);
         let friction = self.model.friction_torque(&contact, &tilt);
@@ -108,7 +108,7 @@ impl BodyRotation {
     /// The state with the contact point brought to rest at the same angular momentum about the vertical.
     #[must_use]
     pub fn brought_to_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
-        let lean = Lean::of(&quaternion(y));
+        let lean = Lean::of(&quaternion(y), |_| momentum(y));
         let held = Self {
             phase: Phase::Holding,
             ..*self
@@ -139,17 +139,26 @@ impl<const N: usize> Formulation<N> for BodyRotation {
     }
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {
-        euler_angles(&quaternion(y), reference)
+        let q = quaternion(y);
+        let lean = Lean::of(&q, |_| momentum(y));
+        euler_angles(&q, lean.reference(reference))
     }
 
     fn motion_without_turns(&self, y: &[f64; N], reference: Euler) -> Motion {
         let q = quaternion(y);
+        let lean = Lean::of(&q, |_| momentum(y));
+        let mut tilt = self.tilt(&lean, &momentum(y));
+        if tilt.is_upright() {
+            let per_moment = 1.0 / self.model.top.transverse_moment;
+            let torque = momentum(&self.derivative(0.0, y));
+            tilt = lean.going_on(tilt, &(momentum(y) * per_moment), &(torque * per_moment));
+        }
         Motion {
             angles: Euler {
                 theta: inclination(&q),
                 ..reference
             },
-            tilt: self.tilt(&Lean::of(&q), &momentum(y)),
+            tilt,
             peg: Peg::fixed(self.model.top.peg_radius),
             phase: self.phase,
             integrals: integrals::<{ Self::VARIABLES }, N>(y),

@@ -48,10 +48,6 @@ impl EulerAngles {
 impl<const N: usize> System<N> for EulerAngles {
     const CONTROLLED: usize = Self::VARIABLES;
 
-    fn is_smooth(&self) -> bool {
-        self.model.friction.is_smooth()
-    }
-
     #[inline(always)]
     fn derivative(&self, _t: f64, y: &[f64; N]) -> [f64; N] {
         const {

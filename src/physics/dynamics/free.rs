@@ -115,7 +115,7 @@ impl FreeRotation {
     #[inline(always)]
     fn parts<const N: usize>(&self, y: &[f64; N]) -> Parts {
         let top = &self.model.top;
-        let lean = Lean::of(&quaternion(y));
+        let lean = self.lean(y);
         let turning = lean.of_world(&vector(y, 4));
         let axial = lean.sin * turning.x + lean.cos * turning.z;
         let excess = axial * (self.inertia.transverse * self.inertia.per_axial - 1.0);
@@ -138,6 +138,20 @@ impl FreeRotation {
             arm,
             rolling,
         }
+    }
+
+    /// The lean. Friction turns a vertical axis that rests about the horizontal direction across the slip.
+    #[inline(always)]
+    fn lean<const N: usize>(&self, y: &[f64; N]) -> Lean {
+        let top = &self.model.top;
+        Lean::of(&quaternion(y), |cos| {
+            let turning = vector(y, 4);
+            if turning.x != 0.0 || turning.y != 0.0 || self.phase == Phase::Holding {
+                turning
+            } else {
+                Arm::of(top, 0.0, cos).up * Vector3::new(y[11], -y[10], 0.0)
+            }
+        })
     }
 
     #[inline(always)]
@@ -471,12 +485,16 @@ impl<const N: usize> Formulation<N> for FreeRotation {
     }
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {
-        euler_angles(&quaternion(y), reference)
+        euler_angles(&quaternion(y), self.lean(y).reference(reference))
     }
 
     fn motion_without_turns(&self, y: &[f64; N], reference: Euler) -> Motion {
         let top = &self.model.top;
-        let parts = self.parts(y);
+        let mut parts = self.parts(y);
+        if parts.tilt.is_upright() {
+            let torque = vector(&self.derivative(0.0, y), 4);
+            parts.tilt = parts.lean.going_on(parts.tilt, &vector(y, 4), &torque);
+        }
         let Parts {
             lean,
             tilt,

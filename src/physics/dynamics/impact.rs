@@ -18,7 +18,29 @@ use nalgebra::Vector3;
 /// A contact point that approaches the table more slowly than this doesn't bounce, m/s. Each bounce of a train is lower
 /// than the one before; without an end there would be infinitely many. Between 1e-8 and 1e-5 m/s this moves what follows
 /// by less than 1e-11 s.
-pub(super) const SLOWEST_BOUNCE: f64 = 1e-6;
+const SLOWEST_BOUNCE: f64 = 1e-6;
+
+/// The last bounces of a train are cut off earlier where each takes less than this part of the speed.
+const LEAST_LOSS: f64 = 0.01;
+/// But only bounces slower than this, m/s: a top of 0.1 kg has 5e-10 J of them, and they take 2e-5 s each.
+const SLOWEST_ELASTIC_BOUNCE: f64 = 1e-4;
+
+/// A peg that approaches the table more slowly than this doesn't bounce, m/s. Where a bounce takes no speed itself, friction
+/// between bounces may, and a train never ends.
+fn slowest_bounce(restitution: f64) -> f64 {
+    let loss = 1.0 - restitution;
+    if loss >= LEAST_LOSS {
+        SLOWEST_BOUNCE
+    } else if loss * SLOWEST_ELASTIC_BOUNCE > LEAST_LOSS * SLOWEST_BOUNCE {
+        SLOWEST_BOUNCE * LEAST_LOSS / loss
+    } else {
+        SLOWEST_ELASTIC_BOUNCE
+    }
+}
+
+/// Rolling resistance is in proportion to the rate of rolling where it would stop it within this part of an impact: its jump
+/// could not be followed.
+const CREEP_SHARE: f64 = 1e-3;
 
 /// Slower than this fraction of the velocity of the impact the contact point has stopped slipping. What is left is taken
 /// away along a straight line, so that an error of the square of this remains.
@@ -85,6 +107,8 @@ struct Process<'a> {
     before: Vector3<f64>,
     /// Approach of the contact point before, m/s: the scale of velocities.
     speed: f64,
+    /// Below this rate of rolling its resistance is weaker, rad/s.
+    creep: f64,
     stage: Stage,
 }
 
@@ -116,6 +140,18 @@ impl Process<'_> {
         }
     }
 
+    /// What friction does per newton second of normal impulse while the contact point slips (m/s) and the top turns (rad/s).
+    #[inline]
+    fn per_newton(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
+        let mut wrench = self.body.friction.per_newton(slip, omega);
+        let rate = hypot(omega.x, omega.y);
+        if rate < self.creep {
+            wrench.couple.x *= rate / self.creep;
+            wrench.couple.y *= rate / self.creep;
+        }
+        wrench
+    }
+
     #[inline]
     fn slip(velocity: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(velocity.x, velocity.y, 0.0)
@@ -139,7 +175,7 @@ impl Process<'_> {
                         } else {
                             1.0
                         };
-                        (friction.per_newton(&slip, &now.omega), pace)
+                        (self.per_newton(&slip, &now.omega), pace)
                     }
                     _ => {
                         // Near the end of slip its direction turns ever faster.
@@ -148,7 +184,7 @@ impl Process<'_> {
                         } else {
                             1.0
                         };
-                        (friction.per_newton(&slip, &now.omega), pace)
+                        (self.per_newton(&slip, &now.omega), pace)
                     }
                 }
             }
@@ -162,11 +198,7 @@ impl Process<'_> {
 
     /// The friction that keeps the contact point at rest, per newton second of normal impulse.
     fn holding(&self, now: &Progress) -> Wrench {
-        let couple = self
-            .body
-            .friction
-            .per_newton(&Vector3::zeros(), &now.omega)
-            .couple;
+        let couple = self.per_newton(&Vector3::zeros(), &now.omega).couple;
         let by_couple = self.body.answer_to_couple(&couple);
         let response = &self.body.response;
         Wrench {
@@ -188,10 +220,7 @@ impl Process<'_> {
         }
         let slowly = SLIP_STOPPED * self.scale();
         let answer = |direction: &Vector3<f64>| {
-            let friction = self
-                .body
-                .friction
-                .per_newton(&(slowly * direction), &now.omega);
+            let friction = self.per_newton(&(slowly * direction), &now.omega);
             self.body.answer_per_newton(&friction)
         };
         match FreeBody::departure(answer) {
@@ -286,6 +315,8 @@ impl<'a> Course<'a> {
             body,
             before,
             speed,
+            creep: CREEP_SHARE * body.friction.rolling_arm() * body.top.mass * speed
+                / body.top.least_moment(),
             stage: Stage::Slipping(None),
         };
         let start = [0.0; SIZE];
@@ -300,7 +331,7 @@ impl<'a> Course<'a> {
         };
         let mut course = Self {
             integrator: Dop853::new(process, 0.0, start, tolerances, Direction::Forward)?,
-            restitution: if speed < SLOWEST_BOUNCE {
+            restitution: if speed < slowest_bounce(restitution) {
                 0.0
             } else {
                 restitution

@@ -1,6 +1,7 @@
 //! What takes energy beside the sliding: torques that belong to no slip.
 
 use super::law::drilling_torque;
+use crate::physics::top::Top;
 use nalgebra::Vector3;
 
 /// Rolling resistance, drilling and air. They add to any law of sliding and always act as a whole.
@@ -17,12 +18,44 @@ pub struct Losses {
 
 /// Drilling friction about the vertical, as if nothing slipped: `−(3π/16) k N a sgn ω_z′` (pressure of
 /// Hertz; the limit v = 0 of V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705).
+///
+/// A top that has stopped drilling is held by any torque up to this one. A fixed peg that holds comes to rest there; of a free one
+/// the jump is a slope: below [`Drilling::creep`] the torque is in proportion to `ω_z′`, so that a top that is held creeps.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Drilling {
     /// Coefficient of friction in the patch, dimensionless.
     pub k: f64,
     /// Radius `a` of the patch of contact, m.
     pub patch_radius: f64,
+    /// Rate about the vertical up to which the torque grows with it, rad/s; 0 for a jump.
+    pub creep: f64,
+}
+
+/// A top creeps, instead of being held, at rates that drilling takes away within this time, s. Shorter times are less creep and
+/// more steps: about one for six of them.
+const CREEP_TIME: f64 = 1e-5;
+
+impl Drilling {
+    /// The same under a top that creeps where it is held.
+    #[must_use]
+    pub fn creeping(self, top: &Top) -> Self {
+        let strongest = drilling_torque(self.k, self.patch_radius, top.weight(), 0.0, -1.0);
+        Self {
+            creep: strongest / top.least_moment() * CREEP_TIME,
+            ..self
+        }
+    }
+
+    /// The torque about the vertical, N m, at a rate (rad/s).
+    #[inline]
+    fn torque(&self, normal_force: f64, rate: f64) -> f64 {
+        let torque = drilling_torque(self.k, self.patch_radius, normal_force, 0.0, rate);
+        if rate.abs() < self.creep {
+            torque * (rate.abs() / self.creep)
+        } else {
+            torque
+        }
+    }
 }
 
 /// Drag of the air: `−c_n w_n n − c_t w_t − c |w_n|^(1/2) w_n n`, with the angular velocity's part `w_n`
@@ -59,8 +92,7 @@ impl Losses {
     #[must_use]
     #[inline]
     pub fn at_contact(&self, normal_force: f64, omega: &Vector3<f64>) -> Vector3<f64> {
-        let Drilling { k, patch_radius } = self.drilling;
-        let drilling = drilling_torque(k, patch_radius, normal_force, 0.0, omega.z);
+        let drilling = self.drilling.torque(normal_force, omega.z);
         let rolling = self.rolling_resistance(normal_force, omega);
         Vector3::new(-rolling * omega.x, -rolling * omega.y, drilling)
     }
@@ -79,7 +111,9 @@ impl Losses {
     /// Largest torque of the contact, N m: rolling resistance and drilling.
     #[must_use]
     pub fn of_contact(&self, normal_force: f64) -> f64 {
-        let Drilling { k, patch_radius } = self.drilling;
+        let Drilling {
+            k, patch_radius, ..
+        } = self.drilling;
         let drilling = drilling_torque(k, patch_radius, normal_force, 0.0, 1.0);
         self.rolling_arm * normal_force - drilling
     }

@@ -38,32 +38,6 @@ const CHECKED_AT: f64 = 0.8;
 /// oscillations and tops, 0.7 to 9 times elsewhere (a test holds it to that). Of a mere quadrature it tells too little.
 const DEFECT_PER_ERROR: f64 = 2.64;
 
-/// Steps are alike if their lengths, their errors and the estimates behind these differ by less than this factor.
-const LIKENESS: f64 = 1.2;
-
-/// The error of the dense output, in units of what it may be, up to which those of steps that are alike need no check.
-const SAFE_DENSE_ERROR: f64 = 0.2;
-
-/// The least and greatest ratio of the error of the dense output to that of the step, each in units of what it may be,
-/// in motion that is resolved well: there it is about 0.29.
-const USUAL_RATIO: (f64, f64) = (0.1, 0.35);
-
-/// Steps may go unchecked once so many in a row have succeeded at the first try.
-const CALM: u32 = 64;
-
-/// So many steps in a row may go unchecked. Of 630,000 that did, in 7000 runs of random tops, three had a dense output that a
-/// check would have refused.
-const MOST_UNCHECKED: u32 = 12;
-
-/// The stages at 1/4 and 6/7 of a step, where the slope of the fifth term of the dense output is 0.19 and 0.17 times its
-/// coefficient: almost as much as anywhere.
-const SHOWING_STAGES: [usize; 2] = [6, 10];
-/// The outline of a step has a fifth term with a coefficient so many times as large as these stages show: four times what
-/// they show if there is no more than that term.
-const BEYOND: f64 = 20.0;
-/// And so many tolerances larger, for errors and rounding.
-const TOLERANCES_BEYOND: f64 = 1000.0;
-
 /// The shortest step that can still advance t well, as a multiple of |t|.
 const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
 
@@ -106,14 +80,6 @@ pub struct Dop853<S, const N: usize> {
     dense: Option<Dense<N>>,
     /// Whether the steps would be longer if the dense output were not checked.
     dense_limits: bool,
-    /// Whether the dense output is checked at all.
-    checks: bool,
-    /// Steps accepted since one was last tried in vain.
-    calm: u32,
-    /// How many more steps need no check of their dense output if each is like the one before.
-    unchecked: u32,
-    /// Whether the last step was one of these.
-    is_unchecked: bool,
     statistics: Statistics,
 }
 
@@ -127,18 +93,6 @@ struct Step<const N: usize> {
     end: f64,
     end_y: [f64; N],
     end_dy: [f64; N],
-    error: StepError,
-}
-
-/// The local error of a step, in units of the tolerances.
-#[derive(Clone, Copy, Debug, Default)]
-struct StepError {
-    /// At most 1 if the step is good; NaN if its numbers are not finite.
-    error: f64,
-    /// The fifth-order estimate.
-    fifth: f64,
-    /// The third-order estimate, by which that is damped.
-    third: f64,
 }
 
 /// The derivatives at the stages of a step.
@@ -176,15 +130,10 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
                 end: t0,
                 end_y: y0,
                 end_dy: dy,
-                error: StepError::default(),
             },
             next_h: 0.0,
             dense: None,
             dense_limits: false,
-            checks: true,
-            calm: 0,
-            unchecked: 0,
-            is_unchecked: false,
             statistics: Statistics {
                 evaluations: 1,
                 ..Statistics::default()
@@ -205,16 +154,10 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         y: [f64; N],
         direction: Direction,
     ) -> Result<(), IntegrateError> {
-        let (before, checks) = (self.statistics, self.checks);
+        let before = self.statistics;
         *self = Self::new(system, t, y, self.tolerances, direction)?;
         self.statistics = self.statistics.after(before);
-        self.checks = checks;
         Ok(())
-    }
-
-    /// From now on, [`Dop853::step_densely`] does no more than [`Dop853::step`].
-    pub fn leave_out_checks(&mut self) {
-        self.checks = false;
     }
 
     /// Makes the next step no longer than this. For motions that may not be looked past at first: the steps grow again.
@@ -268,7 +211,6 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// not finite. The state and the dense output are then still those of the last accepted step.
     pub fn step(&mut self) -> Result<(), IntegrateError> {
         let (step, factor) = self.try_steps(LARGEST_GROWTH)?;
-        self.unchecked = 0;
         self.next_h = step.h * factor;
         self.accept(step, None);
         Ok(())
@@ -277,25 +219,12 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// Advances by one step whose [dense output](Dop853::dense) is good too: it errs by no more than about ten times as
     /// much as a step may. [`Dop853::step`] doesn't look at that and goes a little faster.
     ///
-    /// Of a [smooth](System::is_smooth) system the dense output is not checked in each step, nor made before it is asked
-    /// for: a step that is like the one before has one as good.
-    ///
     /// # Errors
     /// As [`Dop853::step`].
     pub fn step_densely(&mut self) -> Result<(), IntegrateError> {
-        if !self.checks {
-            return self.step();
-        }
         let mut growth_limit = LARGEST_GROWTH;
         loop {
             let (step, factor) = self.try_steps(growth_limit)?;
-            if self.unchecked > 0 && step.is_like(&self.last) {
-                self.unchecked -= 1;
-                self.next_h = step.h * factor;
-                self.accept(step, None);
-                self.is_unchecked = true;
-                return Ok(());
-            }
             self.statistics.evaluations += 3;
             let dense = self.dense_of(&step);
             let error = self.dense_error(&step, &dense);
@@ -307,11 +236,6 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
                 } else {
                     factor
                 };
-                let may_go_on = self.system.is_smooth()
-                    && self.calm >= CALM
-                    && !self.dense_limits
-                    && is_safe(error, step.error.error);
-                self.unchecked = if may_go_on { MOST_UNCHECKED } else { 0 };
                 self.next_h = step.h * factor;
                 self.accept(step, Some(dense));
                 return Ok(());
@@ -336,35 +260,6 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         }
     }
 
-    /// A polynomial whose [bounds](Dense::bounds) are meant to hold the last step's dense output, and which costs no
-    /// evaluation. None where that had to be checked.
-    ///
-    /// It is the cubic with the values and slopes of both ends, and one term more, several times as large as what two stages
-    /// within the step show to be beyond it. Quadratures have none. Its values mean nothing.
-    pub fn outline(&self) -> Option<Dense<N>> {
-        if !self.is_unchecked {
-            return None;
-        }
-        let Step { t, h, k, .. } = &self.last;
-        let [start, rise, start_bend, bend] = self.last.cubic(S::CONTROLLED);
-        let mut beyond = [0.0; N];
-        for i in 0..S::CONTROLLED {
-            beyond[i] = TOLERANCES_BEYOND * self.scale(start[i].abs());
-            for stage in SHOWING_STAGES {
-                let s = NODES[stage];
-                let slope =
-                    rise[i] + (1.0 - 2.0 * s) * start_bend[i] + s * (2.0 - 3.0 * s) * bend[i];
-                beyond[i] += BEYOND * (h * k[stage][i] - slope).abs();
-            }
-        }
-        let none = [0.0; N];
-        Some(Dense {
-            t0: *t,
-            h: *h,
-            coefficients: [start, rise, start_bend, bend, beyond, none, none, none],
-        })
-    }
-
     /// Tries steps until one has a small enough error. Returns it and the length of the next as a multiple of its own.
     #[inline]
     fn try_steps(&mut self, mut growth_limit: f64) -> Result<(Step<N>, f64), IntegrateError> {
@@ -374,11 +269,11 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
             let y = advance(self.y(), h, &combine(&SOLUTION, &k));
             self.statistics.evaluations += 11;
             let error = self.error(h, &y, &k);
-            if error.error <= 1.0 && all_finite(&y[..S::CONTROLLED]) {
-                let step = self.ended(h, y, k, error)?;
-                return Ok((step, step_factor(error.error, growth_limit)));
+            if error <= 1.0 && all_finite(&y[..S::CONTROLLED]) {
+                let step = self.ended(h, y, k)?;
+                return Ok((step, step_factor(error, growth_limit)));
             }
-            self.reject(h, error.error);
+            self.reject(h, error);
             // What has just failed would fail again.
             growth_limit = 1.0;
         }
@@ -387,7 +282,6 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// Throws a step away whose error is too large or not finite.
     fn reject(&mut self, h: f64, error: f64) {
         self.statistics.rejected += 1;
-        (self.calm, self.unchecked) = (0, 0);
         self.next_h = h * if error > 1.0 {
             step_factor(error, 1.0)
         } else {
@@ -399,13 +293,16 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     fn dense_of(&self, step: &Step<N>) -> Dense<N> {
         let Step { t, h, .. } = *step;
         let k = self.all_stages(step);
-        let [start, rise, start_bend, bend] = step.cubic(N);
+        // The cubic with the values and slopes of both ends.
+        let rise = difference(&step.end_y, &step.y);
+        let start_bend: [f64; N] = std::array::from_fn(|i| h * step.k[0][i] - rise[i]);
+        let end_bend: [f64; N] = std::array::from_fn(|i| rise[i] - h * step.end_dy[i]);
         let high = |row| combine(row, &k).map(|dy| h * dy);
         let coefficients = [
-            start,
+            step.y,
             rise,
             start_bend,
-            bend,
+            difference(&end_bend, &start_bend),
             high(&DENSE[0]),
             high(&DENSE[1]),
             high(&DENSE[2]),
@@ -421,12 +318,11 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// The error of the dense output of a step in units of what it may be, by its defect: how far its slope is from the
     /// derivative.
     #[inline]
-    fn dense_error(&mut self, step: &Step<N>, dense: &Dense<N>) -> f64 {
+    fn dense_error(&self, step: &Step<N>, dense: &Dense<N>) -> f64 {
         let (t, h) = (step.t + CHECKED_AT * step.h, step.h);
         let slope = dense.slope(CHECKED_AT);
         let state = dense.first_at(S::CONTROLLED, CHECKED_AT);
         let dy = self.system.derivative(t, &state);
-        self.statistics.checks += 1;
         let mut squared = 0.0;
         for i in 0..S::CONTROLLED {
             let scale = self.scale(larger(step.y[i].abs(), step.end_y[i].abs()));
@@ -503,10 +399,11 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         self.system.derivative(t + node * h, &y)
     }
 
-    /// The local error of a tried step: the fifth-order estimate, damped by the third-order one where they differ much
+    /// The local error of a tried step in units of the tolerances, at most 1 if it is good and NaN if its numbers are not
+    /// finite: the fifth-order estimate, damped by the third-order one where they differ much
     /// (book, II.10).
     #[inline]
-    fn error(&self, h: f64, y: &[f64; N], k: &Stages<N>) -> StepError {
+    fn error(&self, h: f64, y: &[f64; N], k: &Stages<N>) -> f64 {
         let third = combine_controlled::<S, N, _, STAGES>(&ERROR_3, k);
         let fifth = combine_controlled::<S, N, _, STAGES>(&ERROR_5, k);
         let (mut third_squared, mut fifth_squared) = (0.0, 0.0);
@@ -517,24 +414,14 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         }
         let damped = fifth_squared + WEIGHT_OF_THIRD * third_squared;
         if damped == 0.0 {
-            return StepError::default();
+            return 0.0;
         }
-        StepError {
-            error: h.abs() * fifth_squared / (Self::controlled() * damped).sqrt(),
-            fifth: h.abs() * (fifth_squared / Self::controlled()).sqrt(),
-            third: h.abs() * (third_squared / Self::controlled()).sqrt(),
-        }
+        h.abs() * fifth_squared / (Self::controlled() * damped).sqrt()
     }
 
     /// A step of length `h` to `y`, unless it ends in numbers that are not finite.
     #[inline]
-    fn ended(
-        &mut self,
-        h: f64,
-        y: [f64; N],
-        k: Stages<N>,
-        error: StepError,
-    ) -> Result<Step<N>, IntegrateError> {
+    fn ended(&mut self, h: f64, y: [f64; N], k: Stages<N>) -> Result<Step<N>, IntegrateError> {
         let end = self.t() + h;
         let dy = self.system.derivative(end, &y);
         self.statistics.evaluations += 1;
@@ -549,7 +436,6 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
             end,
             end_y: y,
             end_dy: dy,
-            error,
         })
     }
 
@@ -557,10 +443,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     #[inline]
     fn accept(&mut self, step: Step<N>, dense: Option<Dense<N>>) {
         self.statistics.count_step(step.h.abs());
-        self.calm = self.calm.saturating_add(1);
         self.last = step;
         self.dense = dense;
-        self.is_unchecked = false;
     }
 
     /// A first step such that the terms of the Taylor series behind it are small (book, II.4; `hinit` of
@@ -611,46 +495,6 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     fn controlled() -> f64 {
         S::CONTROLLED as f64
     }
-}
-
-impl<const N: usize> Step<N> {
-    /// The first four coefficients of the [dense output](Dense), those of the cubic with the values and slopes of both ends,
-    /// for the first `count` components; 0 for the others.
-    #[inline]
-    fn cubic(&self, count: usize) -> [[f64; N]; 4] {
-        let [mut start, mut rise, mut start_bend, mut bend] = [[0.0; N]; 4];
-        for i in 0..count {
-            start[i] = self.y[i];
-            rise[i] = self.end_y[i] - self.y[i];
-            start_bend[i] = self.h * self.k[0][i] - rise[i];
-            let end_bend = rise[i] - self.h * self.end_dy[i];
-            bend[i] = end_bend - start_bend[i];
-        }
-        [start, rise, start_bend, bend]
-    }
-
-    /// Whether this step is like another in length and error.
-    #[inline]
-    fn is_like(&self, other: &Self) -> bool {
-        let (error, others) = (self.error, other.error);
-        are_alike(self.h.abs(), other.h.abs())
-            && are_alike(error.error, others.error)
-            && are_alike(error.fifth, others.fifth)
-            && are_alike(error.third, others.third)
-    }
-}
-
-#[inline]
-fn are_alike(a: f64, b: f64) -> bool {
-    a < LIKENESS * b && b < LIKENESS * a
-}
-
-/// Whether the errors of the dense output and of its step, each in units of what it may be, are small and in the usual
-/// ratio.
-#[inline]
-fn is_safe(dense_error: f64, error: f64) -> bool {
-    let (least, greatest) = USUAL_RATIO;
-    dense_error < SAFE_DENSE_ERROR && dense_error > least * error && dense_error < greatest * error
 }
 
 impl Statistics {

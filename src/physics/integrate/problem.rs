@@ -9,12 +9,6 @@ pub trait System<const N: usize> {
     /// the steps. No derivative may depend on them: within a step they are given as 0.
     const CONTROLLED: usize = N;
 
-    /// Whether the derivative is so smooth that the error of a step tells that of its dense output, as long as one step is
-    /// like the other: then most steps need no check of it. False where something may turn round within a step.
-    fn is_smooth(&self) -> bool {
-        false
-    }
-
     /// The derivative y′ at (t, y). Where it is not defined it may be infinite or NaN.
     fn derivative(&self, t: f64, y: &[f64; N]) -> [f64; N];
 }
@@ -46,8 +40,6 @@ pub struct Statistics {
     pub rejected: u64,
     /// Evaluations of the derivative for steps and dense output.
     pub evaluations: u64,
-    /// Evaluations beside those, which only checked the dense output.
-    pub checks: u64,
     /// Length of the shortest step taken, in the unit of t; 0 before the first.
     pub smallest_step: f64,
     /// Length of the longest step taken, in the unit of t; 0 before the first.
@@ -67,7 +59,6 @@ impl Statistics {
             accepted: before.accepted + self.accepted,
             rejected: before.rejected + self.rejected,
             evaluations: before.evaluations + self.evaluations,
-            checks: before.checks + self.checks,
             smallest_step: smallest,
             largest_step: before.largest_step.max(self.largest_step),
         }
@@ -80,7 +71,7 @@ pub enum IntegrateError {
     /// The tolerances ask for a step that t can't resolve: the solution is singular or discontinuous
     /// ahead, or the equations are not defined there.
     #[error(
-        "the step size fell to {step:e} at t = {t:?}: the solution is singular or discontinuous there"
+        "no step from t = {t:?} on is short enough: the solution is singular or discontinuous there"
     )]
     StepSizeUnderflow {
         /// Where the last accepted step ended.

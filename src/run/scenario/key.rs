@@ -1,9 +1,11 @@
 //! What a key of a scenario is: its name, its unit, and the values that it takes.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// What a scenario says under one key.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
 pub enum Value {
     /// A name, a choice or a text.
     Text(String),
@@ -17,6 +19,15 @@ impl fmt::Display for Value {
         match self {
             Self::Text(text) => write!(f, "{}", toml::Value::from(text.as_str())),
             Self::Number(number) => write!(f, "{number:?}"),
+        }
+    }
+}
+
+impl From<Value> for toml::Value {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Text(text) => Self::from(text),
+            Value::Number(number) => Self::from(number),
         }
     }
 }

@@ -12,10 +12,11 @@ use crate::physics::top::Top;
 
 /// The physics that complete values describe.
 pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
+    let (top, support) = (top(values)?, support(values)?);
     Ok(Model {
-        top: top(values)?,
-        friction: friction(values)?,
-        support: support(values)?,
+        top,
+        friction: friction(values, (support != Support::FixedPeg).then_some(&top))?,
+        support,
     })
 }
 
@@ -41,9 +42,9 @@ fn top(values: &Values) -> Result<Top, ScenarioError> {
     })
 }
 
-fn friction(values: &Values) -> Result<Friction, ScenarioError> {
+fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioError> {
     let law = law(values)?;
-    let losses = Some(losses(values)).filter(|losses| !losses.is_none());
+    let losses = Some(losses(values, free)).filter(|losses| !losses.is_none());
     if matches!(law, FrictionLaw::Contensou { .. }) && values.get("drilling.k").is_some() {
         return Err(ScenarioError::Conflict {
             key: "drilling.k",
@@ -92,14 +93,17 @@ fn law(values: &Values) -> Result<FrictionLaw, ScenarioError> {
     }
 }
 
-fn losses(values: &Values) -> Losses {
+/// The losses of a top, which is `free` if its peg is.
+fn losses(values: &Values, free: Option<&Top>) -> Losses {
     let number = |path| values.optional_number(path).unwrap_or_default();
+    let drilling = Drilling {
+        k: number("drilling.k"),
+        patch_radius: number("drilling.patch_radius"),
+        creep: 0.0,
+    };
     Losses {
         rolling_arm: number("rolling.arm"),
-        drilling: Drilling {
-            k: number("drilling.k"),
-            patch_radius: number("drilling.patch_radius"),
-        },
+        drilling: free.map_or(drilling, |top| drilling.creeping(top)),
         air: Air {
             axial: number("air.axial"),
             transverse: number("air.transverse"),

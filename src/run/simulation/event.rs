@@ -90,15 +90,6 @@ impl EventKind {
         matches!(self, Self::NutationMinimum | Self::NutationMaximum)
     }
 
-    /// Whether it can come with each nutation, so that which one it is follows from where the motion is.
-    pub(crate) fn comes_with_nutation(self) -> bool {
-        self.is_of_nutation()
-            || matches!(
-                self,
-                Self::UprightPassage | Self::LoopingBegins | Self::LoopingEnds
-            )
-    }
-
     /// The name in recordings.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -12,6 +12,9 @@ const PERIOD_FACTOR: f64 = 2.0;
 
 /// One nutation, from a maximum of θ̇ to the next.
 ///
+/// Where an impact makes the rates jump, those before it belong to the cycle that lasts until then, and those after it to the
+/// cycle that lasts from then on: to the same one within a cycle, to different ones where θ̈ jumps from positive to negative.
+///
 /// θ itself has no extremes where the ripple is smaller than the drift; θ̇ always has. Maxima of θ̇ that are not about a
 /// period of nutation apart, as before and after a fall, make no cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,8 +61,8 @@ pub(super) struct NutationTracker {
     /// Since the last maximum of θ̇, or since the motion began, which is no beginning of a cycle.
     open: OpenCycle,
     has_begun: bool,
-    /// Whether a cycle may last as long as it wants.
-    takes_all: bool,
+    /// When an impact has made the motion jump, s, and the rates after it, until it is known whether a cycle ends there.
+    jump: Option<(f64, Euler)>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -84,21 +87,8 @@ impl OpenCycle {
         }
     }
 
-    fn widen(&mut self, motion: &Motion) {
-        widen(
-            &mut self.theta_min,
-            &mut self.theta_max,
-            motion.angles.theta,
-        );
-        self.widen_rates(motion);
-    }
-
-    fn widen_rates(&mut self, motion: &Motion) {
-        let (least, greatest, rates) = (
-            &mut self.least_rates,
-            &mut self.greatest_rates,
-            &motion.tilt.rates,
-        );
+    fn widen_rates(&mut self, rates: &Euler) {
+        let (least, greatest) = (&mut self.least_rates, &mut self.greatest_rates);
         widen(&mut least.phi, &mut greatest.phi, rates.phi);
         widen(&mut least.theta, &mut greatest.theta, rates.theta);
         widen(&mut least.psi, &mut greatest.psi, rates.psi);
@@ -131,13 +121,8 @@ impl NutationTracker {
             count: 0,
             open: OpenCycle::new(time, &motion),
             has_begun: false,
-            takes_all: false,
+            jump: None,
         }
-    }
-
-    /// Takes each stretch from one maximum of θ̇ to the next for a cycle.
-    pub(super) fn take_all(&mut self) {
-        self.takes_all = true;
     }
 
     /// Forgets the open cycle: the motion goes on from here after a break.
@@ -149,16 +134,39 @@ impl NutationTracker {
     /// Notes an extreme of θ, and tells whether it is one of nutation: it is not if more time has gone by since the
     /// last maximum of θ̇ than a nutation takes.
     pub(super) fn extreme(&mut self, time: f64, motion: &Motion) -> bool {
-        self.open.widen(motion);
+        self.widen(time, motion);
         let extremes = [self.open.theta_min, self.open.theta_max];
         let period = self.model.nutation_period(&self.open.motion, extremes);
-        self.takes_all
-            || period.is_none_or(|period| time - self.open.start <= PERIOD_FACTOR * period)
+        period.is_none_or(|period| time - self.open.start <= PERIOD_FACTOR * period)
     }
 
-    /// Notes rates that may be the least or greatest of the cycle.
-    pub(super) fn rates(&mut self, motion: &Motion) {
-        self.open.widen_rates(motion);
+    /// Notes rates that may be the least or greatest of the cycle. Those where the motion has just jumped may belong to the
+    /// next one.
+    pub(super) fn rates(&mut self, time: f64, motion: &Motion) {
+        if self.jump.is_some_and(|(jump, _)| time <= jump) {
+            return;
+        }
+        if let Some((_, after)) = self.jump.take() {
+            self.open.widen_rates(&after);
+        }
+        self.open.widen_rates(&motion.tilt.rates);
+    }
+
+    /// Notes that the motion has jumped. The rates before have been noted.
+    pub(super) fn jumped(&mut self, time: f64, after: &Motion) {
+        if let Some((_, before)) = self.jump.replace((time, after.tilt.rates)) {
+            self.open.widen_rates(&before);
+        }
+    }
+
+    fn widen(&mut self, time: f64, motion: &Motion) {
+        let open = &mut self.open;
+        widen(
+            &mut open.theta_min,
+            &mut open.theta_max,
+            motion.angles.theta,
+        );
+        self.rates(time, motion);
     }
 
     /// Notes a maximum of θ̇, which ends a cycle and begins the next.
@@ -168,10 +176,11 @@ impl NutationTracker {
         time_ns: u64,
         motion: Motion,
     ) -> Option<NutationCycle> {
-        let mut open = std::mem::replace(&mut self.open, OpenCycle::new(time, &motion));
+        self.widen(time, &motion);
+        self.jump = None;
+        let open = std::mem::replace(&mut self.open, OpenCycle::new(time, &motion));
         let has_begun = std::mem::replace(&mut self.has_begun, true);
-        open.widen(&motion);
-        let is_nutation = self.takes_all || open.is_nutation(&self.model, time);
+        let is_nutation = open.is_nutation(&self.model, time);
         if !has_begun || !is_nutation {
             return None;
         }

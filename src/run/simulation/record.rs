@@ -40,6 +40,14 @@ pub enum SimulationError {
     /// The integrator gave up.
     #[error("the motion can't be integrated further: {0}")]
     Integrate(#[from] IntegrateError),
+    /// An impact can't be computed.
+    #[error(
+        "the impact at t = {time:?} s can't be followed: its friction changes too steeply with the velocity of the contact point"
+    )]
+    Impact {
+        /// When, s.
+        time: f64,
+    },
     /// The steps have become so short that the run would never end.
     #[error(
         "the motion has stalled at t = {time:?} s: a torque jumps back and forth there (drilling against \

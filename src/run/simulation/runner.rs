@@ -1,8 +1,10 @@
 //! The loop: step, look for events, hand out records in the order of their times.
 
-use super::event::{Event, EventKind, StopReason, UPRIGHT};
+use super::event::{EventKind, StopReason, UPRIGHT};
 use super::free::Landing;
-use super::nutation::{NutationCycle, NutationTracker};
+use super::nutation::NutationTracker;
+use super::progress::Progress;
+use super::queue::{Pending, Queue, to_nanoseconds};
 use super::record::{Record, RunEnd, SimulationError};
 use super::sample::Sample;
 use super::tally::Tally;
@@ -15,7 +17,6 @@ use crate::physics::dynamics::{
 use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{OnStick, Scenario, Stop};
-use std::collections::VecDeque;
 
 /// A run, whatever its formulation.
 pub(super) trait RecordStream {
@@ -25,23 +26,9 @@ pub(super) trait RecordStream {
         carry_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<Record>, SimulationError>;
 
-    /// Takes each stretch from one maximum of θ̇ to the next for a nutation, and checks no step.
-    fn go_by_first_rules(&mut self);
-
     /// What has happened so far.
     fn end(&self) -> RunEnd;
 }
-
-/// A run has stalled if this many steps advance it by less than [`STALLED_TIME`]: a torque that jumps changes its
-/// sign with each of them.
-const STALLED_STEPS: u32 = 1_000_000;
-/// The time that a run which has not stalled takes at least for [`STALLED_STEPS`], s.
-const STALLED_TIME: f64 = 0.05;
-
-/// A run has stalled too if this many phases take it no farther than [`CHATTER_TIME`]: the slowest bounce takes 2e-7 s.
-const CHATTER_PHASES: u32 = 1000;
-/// The time that a run which has not stalled takes at least for [`CHATTER_PHASES`], s.
-const CHATTER_TIME: f64 = 1e-9;
 
 /// How much of a run is looked at. It never changes the steps, nor what happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,20 +50,12 @@ pub(super) struct Runner<F, const N: usize> {
     dense: Option<Dense<N>>,
     /// Euler angles at the start of that step.
     reference: Euler,
-    /// Events and cycles within that step that have not been handed out.
-    pending: VecDeque<Pending>,
+    /// What has happened within that step and has not been handed out.
+    queue: Queue,
     next_sample: u32,
-    events: u32,
-    /// Nutation cycles that have been handed out.
-    cycles: u32,
-    /// Impacts that have been handed out.
-    impacts: u32,
     /// Impacts since the peg was last on the table.
     bounces: u32,
-    /// Steps since it was last checked that the run advances, and the time of that check, s.
-    since_check: (u32, f64),
-    /// Phases entered since the run last advanced by [`CHATTER_TIME`], and the time then, s.
-    since_phase: (u32, f64),
+    progress: Progress,
     energy_at_start: f64,
     /// Where the step is left before its end, once that is known.
     end: Option<(f64, End<F, N>)>,
@@ -103,35 +82,18 @@ enum End<F, const N: usize> {
     Enter(Entry<F, N>),
 }
 
-enum Pending {
-    Event(EventKind, f64, Motion),
-    /// The peg is on the table again, after this many impacts.
-    Landing(u32, f64, Motion),
-    Nutation(NutationCycle),
-    Impact(Landing),
-}
-
-impl Pending {
-    fn time_ns(&self) -> u64 {
-        match self {
-            Self::Event(_, time, _) | Self::Landing(_, time, _) => to_nanoseconds(*time),
-            Self::Nutation(cycle) => cycle.time_ns,
-            Self::Impact(landing) => landing.time_ns,
-        }
-    }
-}
-
 impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     pub(super) fn new(scenario: &Scenario, detail: Detail) -> Result<Self, SimulationError> {
         let may_hold = scenario.stop.on_stick == OnStick::Continue;
         let (formulation, state, passage) = F::start(&scenario.model, &scenario.start(), may_hold);
         let motion = formulation.motion(&state, scenario.angles);
-        let mut pending = VecDeque::from([Pending::Event(EventKind::Start, 0.0, motion)]);
+        let mut queue = Queue::default();
+        queue.push(Pending::Event(EventKind::Start, 0.0, motion));
         let kind = passage.and_then(|passage| kind_of(&passage));
-        pending.extend(kind.map(|kind| Pending::Event(kind, 0.0, motion)));
+        queue.extend(kind.map(|kind| Pending::Event(kind, 0.0, motion)));
         let mut end = None;
         if motion.phase == Phase::Holding && scenario.model.support.is_free() {
-            pending.push_back(Pending::Event(EventKind::RollBegins, 0.0, motion));
+            queue.push(Pending::Event(EventKind::RollBegins, 0.0, motion));
             end = (!may_hold).then_some((0.0, End::Stop(StopReason::SlipStopped, None)));
         }
         let integrator = Dop853::new(
@@ -160,14 +122,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             nutation: NutationTracker::new(scenario.model, 0.0, motion),
             dense: None,
             reference: scenario.angles,
-            pending,
+            queue,
             next_sample: 0,
-            events: 0,
-            cycles: 0,
-            impacts: 0,
             bounces: 0,
-            since_check: (0, 0.0),
-            since_phase: (0, 0.0),
+            progress: Progress::default(),
             energy_at_start,
             end,
             last: (0.0, motion),
@@ -184,15 +142,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let (system, state) = (self.integrator.system(), self.integrator.y());
         self.reference = system.angles(state, self.reference);
         self.integrator.step_densely()?;
-        self.check_advance(self.integrator.t())?;
-        let outline = self.integrator.outline();
-        let outline = outline.and_then(|outline| self.integrator.system().bounds(&outline));
-        if self.detail == Detail::Outcome && outline.is_some_and(|outline| self.is_idle(&outline)) {
-            self.dense = None;
-            return Ok(());
-        }
+        self.progress.step_to(self.integrator.t())?;
         let dense = self.integrator.dense();
-        let mut crossings = self.crossings(&dense, outline.as_ref()).into_iter();
+        let mut crossings = self.crossings(&dense).into_iter();
         for (s, meaning, slope) in crossings.by_ref() {
             self.note(&dense, s, meaning, slope)?;
             if self.end.is_some() {
@@ -203,16 +155,6 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.end_at_duration(&dense);
         self.dense = Some(dense);
         Ok(())
-    }
-
-    /// Whether bounds show that nothing happens in the last step, and that the run goes on after it.
-    fn is_idle(&self, bounds: &EulerBounds) -> bool {
-        let is_over = |duration| duration <= self.integrator.t();
-        !self.settings.stop.duration.is_some_and(is_over)
-            && self
-                .watches
-                .iter()
-                .all(|watch| self.is_quiet(watch, bounds))
     }
 
     /// Whether bounds show that a watched function keeps its sign throughout a step.
@@ -237,13 +179,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// All zeros of the watched functions in a step, in the order of time. What its outline settles is settled, for
-    /// recordings as for outcomes, which may look no further.
-    fn crossings(
-        &mut self,
-        dense: &Dense<N>,
-        outline: Option<&EulerBounds>,
-    ) -> Vec<(f64, Meaning, Slope)> {
+    /// All zeros of the watched functions in a step, in the order of time.
+    fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, Meaning, Slope)> {
         let (system, sense) = (self.integrator.system(), self.settings.sense);
         let bounds = system.bounds(dense);
         let mut motions = None;
@@ -253,24 +190,17 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         for watch in &mut watches {
             let looks_closer = watch.meaning == Meaning::NutationRate && self.detail == Detail::All;
             let is_quiet = |bounds| self.is_quiet(watch, bounds);
-            let is_settled = outline.is_some_and(is_quiet);
-            if !looks_closer && (is_settled || bounds.as_ref().is_some_and(is_quiet)) {
+            if !looks_closer && bounds.as_ref().is_some_and(is_quiet) {
                 continue;
             }
             let Watch { meaning, tracker } = watch;
             let meaning = *meaning;
             let motions = motions.get_or_insert_with(|| self.motions_at_knots(dense));
             let values = if looks_closer {
-                let accelerations = motions
-                    .each_ref()
-                    .map(|motion| accelerations(system.model(), motion));
-                envelope(dense.h, motions, &accelerations, &mut all);
-                if is_settled {
-                    continue;
-                }
-                accelerations
-                    .each_ref()
-                    .map(|acceleration| acceleration.theta)
+                let of = |motion: &Motion| accelerations(system.model(), motion);
+                let at_knots = motions.each_ref().map(of);
+                envelope(|s| of(&self.motion_alone(dense, s)), &at_knots, &mut all);
+                at_knots.each_ref().map(|acceleration| acceleration.theta)
             } else if meaning == Meaning::NutationRate
                 && is_steady_at_knots(dense.h, motions, tracker.sign())
             {
@@ -315,7 +245,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     ) -> Result<(), SimulationError> {
         let motion = self.motion(dense, s);
         let time = dense.t0 + s * dense.h;
-        let mut event = |kind| self.pending.push_back(Pending::Event(kind, time, motion));
+        let mut event = |kind| self.queue.push(Pending::Event(kind, time, motion));
         match (meaning, slope) {
             (Meaning::Nutation, slope) => {
                 let is_of_nutation = self.nutation.extreme(time, &motion);
@@ -329,11 +259,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 }
             }
             (Meaning::NutationRate, Slope::Rising) | (Meaning::Envelope, _) => {
-                self.nutation.rates(&motion);
+                self.nutation.rates(time, &motion);
             }
             (Meaning::NutationRate, Slope::Falling) => {
                 let cycle = self.nutation.boundary(time, to_nanoseconds(time), motion);
-                self.pending.extend(cycle.map(Pending::Nutation));
+                self.queue.extend(cycle.map(Pending::Nutation));
             }
             (Meaning::Precession, Slope::Falling) => event(EventKind::LoopingBegins),
             (Meaning::Precession, Slope::Rising) => event(EventKind::LoopingEnds),
@@ -371,13 +301,16 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         motion: Motion,
     ) -> Result<(), SimulationError> {
         if guard == Guard::Slip && self.settings.stop.on_stick == OnStick::Stop {
-            self.pending
-                .push_back(Pending::Event(EventKind::SlipStops, time, motion));
+            self.queue
+                .push(Pending::Event(EventKind::SlipStops, time, motion));
             self.end = Some((time, End::Stop(StopReason::SlipStopped, None)));
             return Ok(());
         }
+        self.nutation.rates(time, &motion);
         let system = *self.integrator.system();
-        let entry = system.enter(guard, state, self.reference)?;
+        let entry = system
+            .enter(guard, state, self.reference)
+            .map_err(|_| SimulationError::Impact { time })?;
         let at = time + entry.delay;
         self.tell(&entry, system.phase(), at);
         let stop = match entry.passage {
@@ -403,16 +336,16 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn tell(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
         let motion = entry.motion;
         let event = |kind| Pending::Event(kind, time, motion);
-        self.pending.extend(kind_of(&entry.passage).map(event));
+        self.queue.extend(kind_of(&entry.passage).map(event));
         if !self.model().support.is_free() {
             return;
         }
         let after = entry.formulation.phase();
         if before == Phase::Holding && after != Phase::Holding {
-            self.pending.push_back(event(EventKind::RollEnds));
+            self.queue.push(event(EventKind::RollEnds));
         }
         if before != Phase::Flying && after == Phase::Flying {
-            self.pending.push_back(event(EventKind::LiftOff));
+            self.queue.push(event(EventKind::LiftOff));
         }
         if let Passage::Bounces(hit) | Passage::Lands(hit) = &entry.passage {
             self.bounces += 1;
@@ -420,43 +353,14 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 bounce: self.bounces,
                 ..Landing::new(hit, &motion, time, to_nanoseconds(time))
             };
-            self.pending.push_back(Pending::Impact(landing));
+            self.queue.push(Pending::Impact(landing));
         }
         if before == Phase::Flying && after != Phase::Flying {
             let bounces = std::mem::take(&mut self.bounces);
-            self.pending
-                .push_back(Pending::Landing(bounces, time, motion));
+            self.queue.push(Pending::Landing(bounces, time, motion));
         }
         if before != Phase::Holding && after == Phase::Holding {
-            self.pending.push_back(event(EventKind::RollBegins));
-        }
-    }
-
-    /// Gives up where steps have become so short that the run would never end.
-    fn check_advance(&mut self, time: f64) -> Result<(), SimulationError> {
-        let (steps, since) = &mut self.since_check;
-        *steps += 1;
-        if *steps < STALLED_STEPS {
-            return Ok(());
-        }
-        if time - *since < STALLED_TIME {
-            return Err(SimulationError::Stalled { time });
-        }
-        self.since_check = (0, time);
-        Ok(())
-    }
-
-    /// Gives up where phases have become so short that the run would never end.
-    fn check_phases(&mut self, time: f64) -> Result<(), SimulationError> {
-        let (phases, since) = &mut self.since_phase;
-        if time - *since >= CHATTER_TIME {
-            (*phases, *since) = (0, time);
-        }
-        *phases += 1;
-        if *phases < CHATTER_PHASES {
-            Ok(())
-        } else {
-            Err(SimulationError::Chatters { time })
+            self.queue.push(event(EventKind::RollBegins));
         }
     }
 
@@ -474,8 +378,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 _ => None,
             };
             self.end = Some((duration, End::Stop(StopReason::Duration, after)));
-            let limit = to_nanoseconds(duration);
-            self.pending.retain(|record| record.time_ns() <= limit);
+            self.queue.forget_after(duration);
         }
     }
 
@@ -526,66 +429,23 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Record::Sample(Box::new(sample))
     }
 
-    fn event(&mut self, kind: EventKind, time: f64, motion: Motion, sentence: String) -> Record {
-        let event = Event {
-            kind,
-            time,
-            time_ns: to_nanoseconds(time),
-            index: self.events,
-            motion,
-            description: sentence,
-        };
-        self.events += 1;
-        self.last = (time, motion);
-        Record::Event(Box::new(event))
-    }
-
-    fn hand_out(&mut self, pending: Pending) -> Record {
-        match pending {
-            Pending::Event(kind, time, motion) => {
-                let sentence = kind.describe(&self.model().top, &motion);
-                self.event(kind, time, motion, sentence)
-            }
-            Pending::Landing(bounces, time, motion) => {
-                let described = EventKind::Landing.describe(&self.model().top, &motion);
-                let counted = match bounces {
-                    1 => "1 impact".to_owned(),
-                    bounces => format!("{bounces} impacts"),
-                };
-                let sentence = format!("{described} After {counted}.");
-                self.event(EventKind::Landing, time, motion, sentence)
-            }
-            Pending::Impact(landing) => {
-                let index = self.impacts;
-                self.impacts += 1;
-                Record::Impact(Box::new(Landing { index, ..landing }))
-            }
-            Pending::Nutation(cycle) => {
-                self.cycles += 1;
-                Record::Nutation(Box::new(cycle))
-            }
-        }
-    }
-
     /// Goes on from within the last step with another phase.
     #[cold]
     fn enter(&mut self, time: f64, entry: &Entry<F, N>) -> Result<(), SimulationError> {
-        self.check_phases(time)?;
+        let phases = self.progress.enter_phase(time)?;
         self.dense = None;
         let system = entry.formulation;
         self.reference = system.angles(&entry.state, self.reference);
         self.integrator
             .restart(system, time, entry.state, Direction::Forward)?;
         // Where phases repeat at once, the step is too long for what happens in it.
-        let (phases, _) = self.since_phase;
         let quarters = 4_u32.pow((phases - 1).min(10));
         self.integrator
             .limit_next_step(entry.first_step / f64::from(quarters));
         let before = std::mem::replace(&mut self.watches, watches(&self.settings.stop, &system));
         let motion = system.motion(&entry.state, self.reference);
         if self.model().support.is_free() {
-            // Nutation goes on; what an impact changes at once has changed since the last step.
-            self.nutation.rates(&motion);
+            self.nutation.jumped(time, &motion);
             keep_signs(&before, &mut self.watches);
         } else {
             self.nutation.interrupt(time, motion);
@@ -620,32 +480,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     ) -> Result<(RunEnd, Tally), SimulationError> {
         let mut tally = Tally::default();
         loop {
-            while let Some(pending) = self.pending.pop_front() {
-                self.take_in(&pending, &mut tally);
-            }
+            self.last = self.queue.count_all(&mut tally).unwrap_or(self.last);
             if self.stopped.is_some() || !self.advance(carry_on)? {
                 return Ok((RecordStream::end(&self), tally));
             }
         }
-    }
-
-    /// Counts what has happened.
-    fn take_in(&mut self, pending: &Pending, tally: &mut Tally) {
-        let (kind, time, motion) = match *pending {
-            Pending::Event(kind, time, motion) => (kind, time, motion),
-            Pending::Landing(_, time, motion) => (EventKind::Landing, time, motion),
-            Pending::Nutation(_) => {
-                self.cycles += 1;
-                return;
-            }
-            Pending::Impact(_) => {
-                self.impacts += 1;
-                return;
-            }
-        };
-        self.events += 1;
-        self.last = (time, motion);
-        tally.count(kind, time);
     }
 
     /// Ends the run: everything before its end has been handed out.
@@ -665,25 +504,24 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
     ) -> Result<Option<Record>, SimulationError> {
         while self.stopped.is_none() {
             let sample = self.next_sample_time();
-            let event = self.pending.front().map(Pending::time_ns);
+            let event = self.queue.next_time_ns();
             if let Some(time_ns) = sample
                 && event.is_none_or(|event| time_ns <= event)
             {
                 return Ok(Some(self.sample(time_ns)));
             }
-            if let Some(pending) = self.pending.pop_front() {
-                return Ok(Some(self.hand_out(pending)));
+            let top = &self.integrator.system().model().top;
+            if let Some(record) = self.queue.hand_out(top) {
+                if let Record::Event(event) = &record {
+                    self.last = (event.time, event.motion);
+                }
+                return Ok(Some(record));
             }
             if !self.advance(carry_on)? {
                 return Ok(None);
             }
         }
         Ok(None)
-    }
-
-    fn go_by_first_rules(&mut self) {
-        self.nutation.take_all();
-        self.integrator.leave_out_checks();
     }
 
     fn end(&self) -> RunEnd {
@@ -695,9 +533,9 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             energy: self.model().energy(&motion),
             energy_at_start: self.energy_at_start,
             samples: u64::from(self.next_sample),
-            events: u64::from(self.events),
-            nutations: u64::from(self.cycles),
-            impacts: u64::from(self.impacts),
+            events: u64::from(self.queue.events),
+            nutations: u64::from(self.queue.cycles),
+            impacts: u64::from(self.queue.impacts),
             statistics: *self.integrator.statistics(),
         }
     }
@@ -728,9 +566,4 @@ fn kind_of(passage: &Passage) -> Option<EventKind> {
 /// Seconds of whole nanoseconds: correctly rounded.
 fn to_seconds(time_ns: u64) -> f64 {
     time_ns as f64 / 1e9
-}
-
-/// The nearest whole number of nanoseconds to a time that is not negative.
-fn to_nanoseconds(time: f64) -> u64 {
-    (time * 1e9).round() as u64
 }

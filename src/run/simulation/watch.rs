@@ -135,36 +135,25 @@ fn each<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [
     numbers
 }
 
-/// Finds the turning points of φ̇ and ψ̇ in a step: where the cubics through the knots, with their slopes, turn. What
-/// this misses of an extreme value is of the order of the square of how far it misses the turning point.
-pub(super) fn envelope<const K: usize>(
-    h: f64,
-    motions: &[Motion; K],
-    accelerations: &[Euler; K],
+/// Finds the turning points of φ̇ and ψ̇ in a step: where the Euler accelerations (`at` a fraction of the step, and at the
+/// knots) pass zero.
+pub(super) fn envelope(
+    at: impl Fn(f64) -> Euler,
+    at_knots: &[Euler; 5],
     found: &mut Vec<(f64, Meaning, Slope)>,
 ) {
-    for (rate, acceleration) in [
-        (|m: &Motion| m.tilt.rates.phi, |a: &Euler| a.phi),
-        (|m| m.tilt.rates.psi, |a| a.psi),
-    ] as [(fn(&Motion) -> f64, fn(&Euler) -> f64); 2]
-    {
-        for i in 1..K {
-            let width = h * (KNOTS[i] - KNOTS[i - 1]);
-            let [d0, d1] = [i - 1, i].map(|i| acceleration(&accelerations[i]));
-            if d0 * d1 < 0.0 {
-                let rise = (rate(&motions[i]) - rate(&motions[i - 1])) / width;
-                let slope = |s: f64| {
-                    d0 + s * (6.0 * rise - 4.0 * d0 - 2.0 * d1)
-                        + 3.0 * s * s * (d0 + d1 - 2.0 * rise)
-                };
-                let s = zero(d0, d1, slope);
-                let direction = if d1 > 0.0 {
+    for component in [|a: &Euler| a.phi, |a: &Euler| a.psi] {
+        for i in 1..KNOTS.len() {
+            let [before, after] = [i - 1, i].map(|i| component(&at_knots[i]));
+            if before * after < 0.0 {
+                let (start, width) = (KNOTS[i - 1], KNOTS[i] - KNOTS[i - 1]);
+                let s = zero(before, after, |s| component(&at(start + s * width)));
+                let slope = if after > 0.0 {
                     Slope::Rising
                 } else {
                     Slope::Falling
                 };
-                let s = KNOTS[i - 1] + s * (KNOTS[i] - KNOTS[i - 1]);
-                found.push((s, Meaning::Envelope, direction));
+                found.push((start + s * width, Meaning::Envelope, slope));
             }
         }
     }

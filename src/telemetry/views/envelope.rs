@@ -1,6 +1,6 @@
 //! The ranges of what nutates.
 
-use crate::telemetry::fields::{NUTATION, NumberField, STATE, nutation, state};
+use crate::telemetry::fields::{NUTATION, NumberField, nutation, state};
 use crate::telemetry::message::Message;
 
 /// Quantities of the state with their least and greatest values in a nutation.
@@ -27,54 +27,36 @@ pub(super) struct Envelope {
     until_ns: u64,
     /// The time of the last message, ns.
     now_ns: u64,
-    /// The sequence number that the next state must have.
-    next_state: u32,
-    /// Whether nutations are recorded.
-    has_nutations: bool,
-    /// Whether a nutation may have been lost, so that the ranges are not known.
-    is_lost: bool,
 }
 
 impl Envelope {
-    pub(super) fn new(has_nutations: bool) -> Self {
+    pub(super) fn new() -> Self {
         Self {
             ranges: [[f64::NAN; 2]; 4],
             until_ns: 0,
             now_ns: 0,
-            next_state: 0,
-            has_nutations,
-            is_lost: false,
         }
     }
 
     /// Takes a message of any channel.
     pub(super) fn take(&mut self, message: &Message<'_>) {
         self.now_ns = message.time_ns;
-        if message.topic() == STATE {
-            let is_next = message.sequence == self.next_state;
-            self.is_lost |= self.has_nutations && !is_next;
-            self.next_state = message.sequence.wrapping_add(1);
-        } else if message.topic() == NUTATION {
+        if message.topic() == NUTATION {
             self.ranges = NUTATING
                 .map(|[_, least, greatest]| [least, greatest].map(|field| field.of(message)));
             let lasting = (1e9 * LASTING * nutation::PERIOD.of(message)) as u64;
             self.until_ns = message.time_ns.saturating_add(lasting);
-            self.is_lost = false;
         }
     }
 
     /// A value of a quantity, and its least and greatest value in the last nutation: the value itself where there is no
-    /// nutation. None if messages were lost that would tell.
-    pub(super) fn around(&self, field: NumberField, value: f64) -> Option<[f64; 3]> {
-        if self.is_lost {
-            return None;
+    /// nutation.
+    pub(super) fn around(&self, field: NumberField, value: f64) -> [f64; 3] {
+        let place = NUTATING.iter().position(|[known, ..]| *known == field);
+        match place.filter(|_| self.now_ns < self.until_ns) {
+            Some(place) => [value, self.ranges[place][0], self.ranges[place][1]],
+            None => [value; 3],
         }
-        let place = NUTATING.iter().position(|[known, ..]| *known == field)?;
-        let [least, greatest] = self.ranges[place];
-        if self.now_ns >= self.until_ns {
-            return Some([value; 3]);
-        }
-        Some([value, least, greatest])
     }
 }
 
@@ -82,6 +64,7 @@ impl Envelope {
 mod tests {
     use super::*;
     use crate::telemetry::channel::channels;
+    use crate::telemetry::fields::STATE;
 
     fn state(envelope: &mut Envelope, sequence: u32) {
         let channel = STATE.index();
@@ -116,27 +99,16 @@ mod tests {
 
     #[test]
     fn a_range_lasts_until_the_next_nutation_or_two_periods() {
-        let mut envelope = Envelope::new(true);
+        let mut envelope = Envelope::new();
         let around = |envelope: &Envelope| envelope.around(state::PHI_DOT, 0.5);
         state(&mut envelope, 0);
-        assert_eq!(around(&envelope), Some([0.5; 3]));
+        assert_eq!(around(&envelope), [0.5; 3]);
         nutation(&mut envelope, 0, 500_000);
         state(&mut envelope, 1);
-        assert_eq!(around(&envelope), Some([0.5, -1.0, 1.0]));
+        assert_eq!(around(&envelope), [0.5, -1.0, 1.0]);
         (2..41).for_each(|sequence| state(&mut envelope, sequence));
-        assert_eq!(around(&envelope), Some([0.5, -1.0, 1.0]));
+        assert_eq!(around(&envelope), [0.5, -1.0, 1.0]);
         state(&mut envelope, 41);
-        assert_eq!(around(&envelope), Some([0.5; 3]));
-    }
-
-    #[test]
-    fn nothing_is_known_after_a_loss_until_the_next_nutation() {
-        let mut envelope = Envelope::new(true);
-        state(&mut envelope, 0);
-        nutation(&mut envelope, 0, 500_000);
-        state(&mut envelope, 2);
-        assert_eq!(envelope.around(state::THETA, 0.5), None);
-        nutation(&mut envelope, 1, 2_500_000);
-        assert_eq!(envelope.around(state::THETA, 0.5), Some([0.5, -1.0, 1.0]));
+        assert_eq!(around(&envelope), [0.5; 3]);
     }
 }

@@ -22,15 +22,10 @@ const MATERIALS: [(&str, &str); 5] = [
 const LAYERS: u32 = 8;
 const DISC_LAYERS: u32 = 9;
 
-/// The description of a robot that is a top, with the link `top`. `has_ranges` says whether plots show ranges, `is_free`
-/// whether the peg is free.
-pub(super) fn urdf(
-    proportions: &Proportions,
-    scales: &Scales,
-    has_ranges: bool,
-    is_free: bool,
-) -> String {
-    let legend = legend(scales, has_ranges, is_free);
+/// The description of a robot that is a top, with the link `top`. `is_free` says whether the peg is
+/// free.
+pub(super) fn urdf(proportions: &Proportions, scales: &Scales, is_free: bool) -> String {
+    let legend = legend(scales, is_free);
     let mut text = format!("<robot name=\"toprise\"><!--\n{legend}-->\n");
     for (name, color) in MATERIALS {
         // Writing to a String cannot fail.
@@ -47,7 +42,7 @@ pub(super) fn urdf(
     text
 }
 
-fn legend(scales: &Scales, has_ranges: bool, is_free: bool) -> String {
+fn legend(scales: &Scales, is_free: bool) -> String {
     let mut text = "A heavy top rising by friction\nArrows:\n".to_owned();
     if let Some(scale) = scales.slip {
         let _ = writeln!(
@@ -59,13 +54,9 @@ fn legend(scales: &Scales, has_ranges: bool, is_free: bool) -> String {
     if let Some(scale) = scales.torque {
         let _ = writeln!(text, "- friction_torque, {:.0} cm for 1 mN m", 0.1 * scale);
     }
-    text.push_str(if has_ranges {
-        "Plots, [1] and [2]: least and greatest in the last nutation\n"
-    } else {
-        "Plots:\n"
-    });
     text.push_str(
-        "- inclination: position = angle theta to the vertical, rad;\n  \
+        "Plots, [1] and [2]: least and greatest in the last nutation\n\
+         - inclination: position = angle theta to the vertical, rad;\n  \
          velocity, rad/s; effort = torque about the line of nodes, N m\n\
          - precession_rate: d phi/dt, rad/s\n\
          - slip_speed of the contact point, m/s\n\

@@ -1,0 +1,225 @@
+//! When the averaged motions of two runs cross a level of θ, and the effect of the nutation on the first crossing.
+//!
+//! θ averaged over each nutation is a curve through the middles of the cycles. The times at which both curves cross a
+//! common level tell which run is ahead. When θ itself first reaches a level is a staircase beside that: it depends on
+//! which dip of the nutation reaches the level.
+
+use crate::analysis::history::curve::Curve;
+use crate::analysis::history::{Cycle, RunHistory};
+use crate::physics::integrate::zero;
+use crate::physics::math::{atan2, cos};
+use std::f64::consts::{PI, TAU};
+
+/// The averages must change by this many times their errors, which are estimates within a factor of a few.
+const CLEAR: f64 = 10.0;
+/// Number of levels that are tried, evenly from the farthest common one to the start.
+const LEVELS: u32 = 16;
+/// A curve crosses a level, rather than coming to rest there, if its slope is this part of its mean slope up to there.
+const STEADY: f64 = 0.2;
+/// The shift must hold at levels nearby: those this part of the way before and behind.
+const NEARBY: f64 = 0.02;
+/// How much smaller the error of a cubic between four points is than where the middle one of five is left out: the
+/// products of the distances are 4 and at most 0.94 (between the last two points).
+const LEFT_OUT: f64 = 4.0;
+
+/// A level of θ that both averaged motions cross.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LevelCrossing {
+    /// The level, rad.
+    pub(super) level: f64,
+    /// When A and B cross it, s.
+    pub(super) times: [f64; 2],
+    /// Uncertainty of the difference of these times, s.
+    pub(super) uncertainty: f64,
+}
+
+impl LevelCrossing {
+    /// The farthest level that both averaged motions cross in the same direction with a known slope, if there is such a
+    /// level. `integrators` are the errors of A's and B's averaged θ, rad.
+    pub(super) fn find(a: &RunHistory, b: &RunHistory, integrators: [f64; 2]) -> Option<Self> {
+        let histories = common([a, b]);
+        (1..LEVELS).find_map(|part| {
+            let part = f64::from(part) / f64::from(LEVELS);
+            // Rising tops first: their θ falls.
+            [1.0, -1.0]
+                .into_iter()
+                .find_map(|sign| Self::at_level(sign, part, histories, integrators))
+        })
+    }
+
+    /// The crossing at a part of the way from the farthest common level to the start, of sign · θ.
+    fn at_level(
+        sign: f64,
+        part: f64,
+        histories: [&RunHistory; 2],
+        integrators: [f64; 2],
+    ) -> Option<Self> {
+        let curves = histories.map(|history| history.of_cycles(|cycle| sign * cycle.means[0]));
+        let ends = histories.map(|history| {
+            let means = || history.cycles.iter().map(|c| sign * c.means[0]);
+            Some((means().next()?, means().reduce(f64::min)?))
+        });
+        let [(start_a, lowest_a), (start_b, lowest_b)] = [ends[0]?, ends[1]?];
+        let (start, farthest) = (start_a.min(start_b), lowest_a.max(lowest_b));
+        let descent = start - farthest;
+        let level = farthest + part * descent;
+        let reach = |level: f64| {
+            let [a, b] = &curves;
+            Some([a.first_reaches(level)?, b.first_reaches(level)?])
+        };
+        let times = reach(level)?;
+        let mut uncertainty = 0.0_f64;
+        for side in 0..2 {
+            let (curve, time) = (&curves[side], times[side]);
+            let slope = curve.slope(time)?.abs();
+            let (first, _) = curve.domain()?;
+            let mean_slope = (start - level) / (time - first);
+            let error = integrators[side]
+                + interpolation_error(curve, time)
+                + averaging_error(histories[side], time);
+            // Written so that what isn't a number doesn't pass.
+            let crosses = slope >= STEADY * mean_slope && start - level > CLEAR * error;
+            if !crosses {
+                return None;
+            }
+            uncertainty += error / slope;
+        }
+        let shift = times[1] - times[0];
+        for near in [level - NEARBY * descent, level + NEARBY * descent] {
+            let [a, b] = reach(near)?;
+            uncertainty = uncertainty.max((b - a - shift).abs());
+        }
+        uncertainty.is_finite().then_some(Self {
+            level: sign * level,
+            times,
+            uncertainty,
+        })
+    }
+}
+
+/// Two runs; where one is the beginning of the other only that: the averages that follow would bend the curve through the
+/// last of those that both have, as if they were shifted.
+fn common([a, b]: [&RunHistory; 2]) -> [&RunHistory; 2] {
+    let (short, long) = if a.cycles.len() <= b.cycles.len() {
+        (a, b)
+    } else {
+        (b, a)
+    };
+    let is_same = |(x, y): (&Cycle, &Cycle)| {
+        x.start == y.start && x.period == y.period && x.means[0] == y.means[0]
+    };
+    if short.cycles.iter().zip(&long.cycles).all(is_same) {
+        [short, short]
+    } else {
+        [a, b]
+    }
+}
+
+/// The error of a curve between its points, estimated where the point nearest to a time is left out.
+fn interpolation_error(curve: &Curve, time: f64) -> f64 {
+    curve
+        .left_out(time)
+        .map_or(0.0, |error| error.abs() / LEFT_OUT)
+}
+
+/// What an average over a nutation keeps of it, rad: where the amplitude A changes by ΔA from one to the next, the
+/// mean of A cos 2πs over a turn is up to ΔA/2π, depending on where the turn begins.
+fn averaging_error(history: &RunHistory, time: f64) -> f64 {
+    let amplitude = history.of_cycles(amplitude);
+    let Some((first, last)) = amplitude.domain() else {
+        return 0.0;
+    };
+    let period = history.of_cycles(|cycle| cycle.period).at(time);
+    let period = period.unwrap_or_default().min(last - first);
+    // Where both ends are one, they may be a rounding apart, in either order.
+    let end = time.max(first + 0.5 * period).min(last - 0.5 * period);
+    let at = |time: f64| amplitude.at(time).unwrap_or_default();
+    (at(end + 0.5 * period) - at(end - 0.5 * period)).abs() / TAU
+}
+
+/// The amplitude of θ in a nutation, rad: that of θ̇ over the frequency.
+fn amplitude(cycle: &Cycle) -> f64 {
+    cycle.amplitude() * cycle.period / TAU
+}
+
+/// How much earlier (negative) and later θ can first touch a level than its average does, s, depending on the phase of
+/// the nutation there; none where the nutation isn't known.
+///
+/// Amplitude and drift are taken at the touch and over the time by which it is early, for which a large nutation
+/// changes both.
+pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
+    let (first, last) = history.of_cycles(Cycle::amplitude).domain()?;
+    let touch = time.clamp(first, last);
+    let (of_theta, of_rate) = (
+        history.of_cycles(amplitude),
+        history.of_cycles(Cycle::amplitude),
+    );
+    let mean = history.of_cycles(|cycle| cycle.means[0]);
+    let earlier = |time: f64| Some(of_theta.at(time)? / mean.slope(time)?.abs());
+    let later = |time: f64| {
+        let ratio = of_rate.at(time)? / mean.slope(time)?.abs();
+        Some(earlier(time)? * latest(ratio))
+    };
+    let since = touch - earlier(touch)?;
+    let middles = history.cycles.iter().map(Cycle::middle);
+    let times = middles
+        .filter(|middle| (since..touch).contains(middle))
+        .chain([touch]);
+    let mut range = [0.0_f64, f64::NEG_INFINITY];
+    for time in times {
+        range = [range[0].min(-earlier(time)?), range[1].max(later(time)?)];
+    }
+    range.iter().all(|time| time.is_finite()).then_some(range)
+}
+
+/// How late θ = −x + r cos x can first be at a level, as a part of r, where r is the amplitude of θ̇ over its mean.
+///
+/// Where θ falls all the time (r ≤ 1), a level is touched once, up to r later than by the average. Where it doesn't, a
+/// dip that ends just above the level leaves it to the next descent, which is early if the dips are deep.
+fn latest(ratio: f64) -> f64 {
+    if ratio <= 1.0 {
+        return 1.0;
+    }
+    let theta = |x: f64| ratio * cos(x) - x;
+    // θ is least in a dip where −1 − r sin x = 0, and greatest before the next descent.
+    let angle = atan2(1.0, (ratio * ratio - 1.0).sqrt());
+    let (dip, top) = (PI + angle, TAU - angle);
+    let lowest = theta(dip);
+    let above = |s: f64| theta(top + s * (dip + TAU - top)) - lowest;
+    let part = zero(above(0.0), above(1.0), above);
+    let begin = top + part * (dip + TAU - top);
+    if begin <= TAU {
+        1.0
+    } else {
+        cos(begin).max(cos(dip))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against a search over all phases.
+    #[test]
+    fn val_first_touches_lie_between_the_earliest_and_the_latest() {
+        for ratio in [0.2, 0.99, 1.01, 1.5, 3.4, 20.0] {
+            let theta = |x: f64| ratio * cos(x) - x;
+            let (mut lowest, mut earliest, mut last) = (f64::INFINITY, 0.0_f64, -1.0_f64);
+            for i in 0..400_000_u32 {
+                // Long enough to forget the start.
+                let x = f64::from(i) * 1e-4 * (1.0 + ratio);
+                let y = theta(x);
+                if y < lowest {
+                    lowest = y;
+                    // The average is at this level when −x is y.
+                    if x > 3.0 * TAU * (1.0 + ratio / TAU) {
+                        earliest = earliest.min((x + y) / ratio);
+                        last = last.max((x + y) / ratio);
+                    }
+                }
+            }
+            assert!((earliest + 1.0).abs() < 1e-5, "{ratio}: {earliest}");
+            assert!((last - latest(ratio)).abs() < 1e-3, "{ratio}: {last}");
+        }
+    }
+}

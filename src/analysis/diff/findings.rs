@@ -1,0 +1,298 @@
+//! The findings of a comparison: numbers of A and of B that belong together, the most telling first.
+
+use super::averages::Averaged;
+use super::crossing::{LevelCrossing, ripple};
+use super::discrepancy::Discrepancy;
+use super::floor::Floor;
+use super::pairing::Paired;
+use crate::analysis::history::energy::Energies;
+use crate::analysis::history::{PegSummary, RunSummary};
+use crate::analysis::phrase::{duration, moment, signed_duration, significant};
+use crate::run::simulation::EventKind;
+use crate::telemetry::fields::{energy, nutation};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// A number of A and one of B that belong together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Finding {
+    /// What is compared.
+    pub what: String,
+    /// The unit, empty for pure numbers.
+    pub unit: String,
+    /// A's number; absent if it has none.
+    pub a: Option<f64>,
+    /// B's number; absent if it has none.
+    pub b: Option<f64>,
+    /// The difference B − A.
+    pub difference: Option<f64>,
+    /// Uncertainty of the difference; absent if it is not known.
+    pub uncertainty: Option<f64>,
+}
+
+impl Finding {
+    fn new(what: impl Into<String>, unit: &str, [a, b]: [Option<f64>; 2]) -> Self {
+        Self {
+            what: what.into(),
+            unit: unit.to_owned(),
+            a,
+            b,
+            difference: a.zip(b).map(|(a, b)| b - a),
+            uncertainty: None,
+        }
+    }
+
+    fn within(self, uncertainty: Option<f64>) -> Self {
+        Self {
+            uncertainty,
+            ..self
+        }
+    }
+
+    /// Whether either run has the number.
+    fn is_known(&self) -> bool {
+        self.a.is_some() || self.b.is_some() || self.difference.is_some()
+    }
+}
+
+impl Finding {
+    /// Whether the numbers differ, or only one run has one.
+    #[must_use]
+    pub fn differs(&self) -> bool {
+        self.a != self.b || self.difference.is_some_and(|difference| difference != 0.0)
+    }
+
+    /// The cells of a table: what is compared with its unit, A's and B's number, B − A with its uncertainty.
+    #[must_use]
+    pub fn cells(&self) -> [String; 4] {
+        let known = [self.a, self.b].into_iter().flatten();
+        let is_count = self.unit.is_empty()
+            && known.clone().count() > 0
+            && known.clone().all(|n| n.fract() == 0.0);
+        let is_time = self.unit == "s";
+        let value = |value: Option<f64>| match value {
+            Some(value) if is_time => format!("{value:.4}"),
+            Some(value) if is_count => format!("{value}"),
+            Some(value) => significant(value, 6),
+            None => "–".to_owned(),
+        };
+        let difference = self.difference.map(|difference| match difference {
+            0.0 => "0".to_owned(),
+            shift if is_time => signed_duration(shift),
+            count if is_count => format!("{count:+}").replace('-', "−"),
+            difference => significant(difference, 3),
+        });
+        // Less than the digits that are shown is left out.
+        let is_shown = |error: &f64| *error > NEGLIGIBLE * self.difference.unwrap_or(0.0).abs();
+        let uncertainty = match self.uncertainty.filter(is_shown) {
+            Some(error) if is_time => format!(" ± {}", duration(error)),
+            Some(error) => format!(" ± {}", significant(error, 2)),
+            None => String::new(),
+        };
+        let what = match self.unit.as_str() {
+            "" => self.what.clone(),
+            unit => format!("{} [{unit}]", self.what),
+        };
+        let difference = difference.map_or_else(String::new, |text| text + &uncertainty);
+        [what, value(self.a), value(self.b), difference]
+    }
+}
+
+/// An uncertainty that is a smaller part of its difference is not shown.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// What happened first in a run, if it happened.
+const HAPPENINGS: [(EventKind, &str); 8] = [
+    (EventKind::Fallen, "falls"),
+    (EventKind::UprightPassage, "first swings through upright"),
+    (EventKind::WeakTop, "becomes weak"),
+    (EventKind::SlipStops, "first stops slipping"),
+    (EventKind::Stick, "first sticks"),
+    (EventKind::LiftOff, "first lifts off"),
+    (EventKind::Rest, "comes to rest"),
+    (EventKind::Jam, "jams"),
+];
+
+/// Everything that the findings are computed from.
+pub(super) struct Evidence<'e> {
+    pub(super) paired: &'e Paired,
+    /// The level of θ that both reach if they rise, rad.
+    pub(super) level: Option<f64>,
+    pub(super) averaged: Option<&'e Averaged>,
+    pub(super) discrepancy: Option<&'e Discrepancy>,
+    pub(super) floor: Option<&'e Floor>,
+}
+
+/// All findings, the most telling first.
+pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
+    let summaries = [0, 1].map(|side| evidence.paired.runs[side].history.summary());
+    let mut found = vec![end(&summaries)];
+    found.extend(crossing(evidence));
+    found.push(rise(evidence));
+    found.extend(happenings(evidence));
+    found.extend(peg(&summaries));
+    found.extend(averages(evidence));
+    found.push(energy_lost(evidence));
+    found.extend(torque(evidence));
+    found.retain(Finding::is_known);
+    found
+}
+
+fn both<T>(items: &[T; 2], of: impl Fn(&T) -> Option<f64>) -> [Option<f64>; 2] {
+    [of(&items[0]), of(&items[1])]
+}
+
+fn end(summaries: &[RunSummary; 2]) -> Finding {
+    let reasons = summaries.each_ref().map(|run| run.stop_reason.as_deref());
+    let what = match reasons {
+        [Some(a), Some(b)] if a == b => format!("ends ({a})"),
+        [Some(a), Some(b)] => format!("ends ({a}, {b})"),
+        _ => "ends".to_owned(),
+    };
+    Finding::new(
+        what.replace('_', " "),
+        "s",
+        both(summaries, |c| c.stop_time),
+    )
+}
+
+/// When the averaged motions cross a common level.
+fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
+    let [a, b] = &evidence.paired.runs;
+    let integrators = evidence
+        .floor
+        .map_or([0.0; 2], |floor| [floor.a.theta_mean, floor.b.theta_mean]);
+    let found = LevelCrossing::find(&a.history, &b.history, integrators)?;
+    let what = format!("mean θ crosses {} rad", significant(found.level, 3));
+    let times = found.times.map(Some);
+    Some(Finding::new(what, "s", times).within(Some(found.uncertainty)))
+}
+
+/// When θ itself first reaches the level of both. Which dip of the nutation does is a matter of chance.
+fn rise(evidence: &Evidence<'_>) -> Finding {
+    let Some(level) = evidence.level else {
+        return Finding::default();
+    };
+    let runs = &evidence.paired.runs;
+    let risen = runs.each_ref().map(|run| run.history.rise.time());
+    let by_nutation = |side: usize| {
+        let [earliest, latest] = ripple(&runs[side].history, risen[side]?)?;
+        Some(earliest.abs().max(latest.abs()))
+    };
+    let errors = evidence.floor.map_or(0.0, Floor::event_time);
+    let uncertainty = by_nutation(0).zip(by_nutation(1));
+    let what = format!("θ first reaches {} rad", significant(level, 3));
+    Finding::new(what, "s", risen).within(uncertainty.map(|(a, b)| a + b + errors))
+}
+
+/// What only one run did, and what both did at other times.
+fn happenings(evidence: &Evidence<'_>) -> Vec<Finding> {
+    let histories = evidence.paired.runs.each_ref().map(|run| &run.history);
+    let errors = evidence.floor.map(Floor::event_time);
+    let time = |kind: EventKind| histories.map(|run| run.first(kind).map(|event| event.time));
+    let count = |kind| histories.map(|run| Some(run.events_of(kind).count() as f64));
+    let is_tippe = histories.iter().any(|run| run.is_of_tippe_top());
+    let mut found = Vec::new();
+    if is_tippe {
+        let inverted = histories.map(|run| run.inverted);
+        found.push(Finding::new("inverts", "s", inverted).within(errors));
+    }
+    // A tippe top precesses backward without loops.
+    let loops = count(EventKind::LoopingBegins);
+    if !is_tippe && loops != [Some(0.0); 2] {
+        let first = time(EventKind::LoopingBegins);
+        found.push(Finding::new("first loops", "s", first).within(errors));
+        found.push(Finding::new("loops", "", loops));
+    }
+    for (kind, what) in HAPPENINGS {
+        found.push(Finding::new(what, "s", time(kind)).within(errors));
+    }
+    found
+}
+
+/// What free pegs did.
+fn peg(summaries: &[RunSummary; 2]) -> Vec<Finding> {
+    let pegs = summaries.each_ref().map(|run| run.peg.as_ref());
+    if pegs == [None, None] {
+        return Vec::new();
+    }
+    let of = |get: fn(&PegSummary) -> Option<f64>| pegs.map(|peg| peg.and_then(get));
+    let hops = of(|peg| peg.hops.map(|count| count as f64));
+    let mut found = vec![
+        Finding::new("first rolls", "s", of(|peg| peg.first_roll)),
+        Finding::new(
+            "rolls to the end, from θ",
+            "rad",
+            of(|peg| peg.rolls_to_end_at),
+        ),
+    ];
+    if hops.iter().flatten().any(|count| *count > 0.0) {
+        found.insert(0, Finding::new("flights", "", hops));
+    }
+    found
+}
+
+/// How the averaged motions differ at equal times.
+fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
+    let Some(averaged) = evidence.averaged else {
+        return Vec::new();
+    };
+    let mean = |field, name: &str| {
+        let deviation = averaged.of(field)?;
+        let floor = (field == nutation::THETA_MEAN).then(|| {
+            let floor = evidence.floor?;
+            Some(floor.a.theta_mean + floor.b.theta_mean)
+        });
+        let what = format!("{name} at {}", moment(deviation.at));
+        let found = Finding::new(what, &deviation.unit, deviation.values.map(Some));
+        Some(found.within(floor.flatten()))
+    };
+    let runs = &evidence.paired.runs;
+    let is_tippe = runs.iter().any(|run| run.history.is_of_tippe_top());
+    let means = [
+        (nutation::THETA_MEAN, "mean θ"),
+        (nutation::PHI_DOT_MEAN, "mean φ̇"),
+        (nutation::PSI_DOT_MEAN, "mean ψ̇"),
+    ];
+    // A tippe top passes by the vertical, where precession and spin can't be told apart.
+    let means = means
+        .into_iter()
+        .take(if is_tippe { 1 } else { 3 })
+        .filter_map(|(field, name)| mean(field, name));
+    let phase = averaged.phase.as_ref().map(|phase| Finding {
+        what: format!("nutations ahead at {}", moment(phase.at)),
+        difference: Some(phase.ahead),
+        ..Finding::default()
+    });
+    let amplitudes = averaged.amplitudes.map(|amplitudes| {
+        let what = format!("nutation amplitude of θ̇ at {}", moment(averaged.to));
+        Finding::new(what, "rad/s", amplitudes.map(Some))
+    });
+    means.chain(phase).chain(amplitudes).collect()
+}
+
+/// The energy lost by the last sample that both runs have.
+fn energy_lost(evidence: &Evidence<'_>) -> Finding {
+    let common = &evidence.paired.common;
+    let Some(time) = common[0].until() else {
+        return Finding::default();
+    };
+    let what = format!("energy lost by {}", moment(time));
+    let errors = evidence
+        .floor
+        .and_then(|floor| floor.of(&energy::TOTAL.to_string()));
+    Finding::new(what, "J", both(common, Energies::lost)).within(errors)
+}
+
+/// How far the models' friction torques are apart at the states that A goes through.
+fn torque(evidence: &Evidence<'_>) -> Option<Finding> {
+    let torque = evidence.discrepancy?.quantities.first()?;
+    Some(Finding {
+        what: "friction torque at A's states, at most".to_owned(),
+        unit: torque.unit.clone(),
+        a: None,
+        b: None,
+        difference: Some(torque.largest),
+        uncertainty: None,
+    })
+}

@@ -1,0 +1,325 @@
+//! Two runs read side by side, and their messages paired.
+//!
+//! Each run is read by a thread of its own, which hands over batches of messages. The run that is behind is taken from
+//! next, so that few messages wait for their partners. Samples are partners if they have the same time, events and
+//! impacts if they have the same number. Nutation cycles are compared as curves over time ([`super::averages`]).
+
+use super::averages;
+use super::discrepancy::Residuals;
+use super::error::DiffError;
+use super::observer::Observer;
+use super::options::Options;
+use super::tolerance::full_name;
+use super::topic::TopicTally;
+use crate::analysis::history::RunHistory;
+use crate::analysis::history::energy::Energies;
+use crate::analysis::subject::{Ended, Subject};
+use crate::archive::memory::Owned;
+use crate::telemetry::fields::{ENERGY, NUTATION};
+use crate::telemetry::side::Side;
+use crate::telemetry::{Message, Topic, Topics};
+use std::collections::{BTreeSet, VecDeque};
+use std::ops::ControlFlow;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+
+/// Messages in a batch.
+const BATCH: usize = 1024;
+/// Batches that may wait on each side.
+const WAITING: usize = 4;
+
+/// The result of reading two runs.
+#[derive(Debug)]
+pub(super) struct Paired {
+    /// A and B.
+    pub(super) runs: [RunData; 2],
+    /// For each topic of the table the comparison of its messages; none for topics that are not compared.
+    pub(super) topics: Vec<Option<TopicTally>>,
+    /// The energies of A and of B at equal times.
+    pub(super) common: [Energies; 2],
+    /// The differences of the two models at A's states, if both scenarios are known.
+    pub(super) residuals: Option<Residuals>,
+}
+
+/// What was read of one run.
+#[derive(Debug, Default)]
+pub(super) struct RunData {
+    pub(super) history: RunHistory,
+    /// What could not be read.
+    pub(super) losses: Vec<String>,
+    pub(super) is_ended: bool,
+}
+
+impl Paired {
+    /// The topics that are compared.
+    pub(super) fn compared(&self) -> impl Iterator<Item = &TopicTally> {
+        self.topics.iter().flatten()
+    }
+
+    /// Whether both runs could be read as a whole and have the same messages, to the last bit.
+    pub(super) fn is_identical(&self) -> bool {
+        let is_whole = self.runs.iter().all(|run| run.losses.is_empty());
+        is_whole && self.compared().all(TopicTally::is_identical)
+    }
+
+    /// The time up to which both runs have messages, ns.
+    pub(super) fn common_end(&self) -> Option<u64> {
+        let [a, b] = &self.runs;
+        Some(a.history.last_ns?.min(b.history.last_ns?))
+    }
+}
+
+enum Parcel {
+    Batch(Vec<Owned>, u64),
+    End(Ended),
+}
+
+/// Reads both runs and compares the messages of `compared` topics.
+pub(super) fn read_both(
+    runs: [Subject<'_>; 2],
+    compared: &[Topic],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Paired, DiffError> {
+    let mut pairing = Pairing::new(runs, compared, options, observer);
+    thread::scope(|scope| {
+        let incoming = runs.map(|run| {
+            let (out, incoming) = sync_channel(WAITING);
+            scope.spawn(move || read(run, &out));
+            incoming
+        });
+        pairing.take_all(&incoming)
+    })?;
+    pairing.show_mean_differences()?;
+    Ok(pairing.paired)
+}
+
+/// Sends the messages of a run in batches, until nobody takes them any more.
+fn read(run: Subject<'_>, out: &SyncSender<Parcel>) {
+    let (mut batch, mut bytes) = (Vec::with_capacity(BATCH), 0);
+    let ended = run.read(&Topics::All, &mut |message, more| {
+        batch.push(Owned::from(message));
+        bytes += more;
+        if batch.len() < BATCH {
+            return ControlFlow::Continue(());
+        }
+        let full = std::mem::replace(&mut batch, Vec::with_capacity(BATCH));
+        match out.send(Parcel::Batch(full, std::mem::take(&mut bytes))) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        }
+    });
+    let _ = out.send(Parcel::Batch(batch, bytes));
+    let _ = out.send(Parcel::End(ended));
+}
+
+/// A comparison under way.
+struct Pairing<'o> {
+    observer: &'o mut dyn Observer,
+    paired: Paired,
+    /// For each topic the messages of A and B that wait for their partners.
+    waiting: Vec<[VecDeque<Owned>; 2]>,
+    /// Times between samples, ns.
+    periods: [Option<u64>; 2],
+}
+
+impl<'o> Pairing<'o> {
+    fn new(
+        runs: [Subject<'_>; 2],
+        compared: &[Topic],
+        options: &Options,
+        observer: &'o mut dyn Observer,
+    ) -> Self {
+        let scenarios = runs.map(Subject::scenario);
+        let models = scenarios.each_ref().map(|s| s.as_ref().map(|s| s.model));
+        let missing = runs.map(missing_fields);
+        let periods = scenarios
+            .each_ref()
+            .map(|scenario| scenario.as_ref().map(|s| s.sample_period_ns));
+        let has_sequences = periods[0] == periods[1];
+        let tally = |topic: Topic| {
+            let is_compared = compared.contains(&topic);
+            is_compared
+                .then(|| TopicTally::new(topic, &missing, &options.tolerances, has_sequences))
+        };
+        let paired = Paired {
+            topics: Topic::all().map(tally).collect(),
+            runs: models.map(|model| RunData {
+                history: RunHistory::new(model, level_of_both(runs)),
+                ..RunData::default()
+            }),
+            common: Default::default(),
+            residuals: match models {
+                [Some(a), Some(b)] => Residuals::new(a, b),
+                _ => None,
+            },
+        };
+        Self {
+            observer,
+            waiting: paired.topics.iter().map(|_| Default::default()).collect(),
+            paired,
+            periods,
+        }
+    }
+
+    /// Takes everything that comes, always from the run that is behind.
+    fn take_all(&mut self, incoming: &[Receiver<Parcel>; 2]) -> Result<(), DiffError> {
+        while let Some(side) = self.behind() {
+            match incoming[side.index()].recv() {
+                Ok(Parcel::Batch(messages, bytes)) => {
+                    self.observer.progress(bytes);
+                    for message in messages {
+                        self.take(side, message)?;
+                    }
+                }
+                Ok(Parcel::End(ended)) => self.end(side, ended),
+                // Its thread has died.
+                Err(_) => self.end(side, Ended::default()),
+            }
+            self.pair()?;
+        }
+        Ok(())
+    }
+
+    /// The run of which less has been read, unless both have ended.
+    fn behind(&self) -> Option<Side> {
+        let [a, b] = &self.paired.runs;
+        match [a.is_ended, b.is_ended] {
+            [true, true] => None,
+            [false, true] => Some(Side::A),
+            [false, false] if a.history.last_ns <= b.history.last_ns => Some(Side::A),
+            [_, false] => Some(Side::B),
+        }
+    }
+
+    fn end(&mut self, side: Side, ended: Ended) {
+        let run = &mut self.paired.runs[side.index()];
+        run.is_ended = true;
+        run.losses = ended.losses;
+        run.history.finish(ended.end);
+    }
+
+    fn take(&mut self, side: Side, message: Owned) -> Result<(), DiffError> {
+        let run = &mut self.paired.runs[side.index()];
+        let seen = message.as_message();
+        run.history.take(&seen);
+        self.observer.message(side, &seen)?;
+        if side == Side::A
+            && let Some(residuals) = &mut self.paired.residuals
+        {
+            residuals.take(&seen);
+        }
+        let channel = message.channel;
+        if let Some(tally) = &mut self.paired.topics[channel] {
+            tally.count(side);
+            self.waiting[channel][side.index()].push_back(message);
+        }
+        Ok(())
+    }
+
+    /// Compares all messages whose partners are there, and counts those that have none.
+    fn pair(&mut self) -> Result<(), DiffError> {
+        for topic in Topic::all() {
+            if self.paired.topics[topic.index()].is_some() {
+                self.pair_topic(topic)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn pair_topic(&mut self, topic: Topic) -> Result<(), DiffError> {
+        let key = |message: &Owned| match topic.info().is_sampled {
+            true => message.time_ns,
+            false => u64::from(message.sequence),
+        };
+        loop {
+            let [a, b] = &self.waiting[topic.index()];
+            let alone = match (a.front(), b.front()) {
+                (Some(x), Some(y)) if key(x) == key(y) => {
+                    self.compare_fronts(topic)?;
+                    continue;
+                }
+                (Some(x), Some(y)) if key(x) < key(y) => Side::A,
+                (Some(_), Some(_)) => Side::B,
+                (Some(_), None) if self.paired.runs[1].is_ended => Side::A,
+                (None, Some(_)) if self.paired.runs[0].is_ended => Side::B,
+                _ => return Ok(()),
+            };
+            let queue = &mut self.waiting[topic.index()][alone.index()];
+            let Some(message) = queue.pop_front() else {
+                return Ok(());
+            };
+            self.leave_alone(topic, alone, message.time_ns);
+        }
+    }
+
+    fn compare_fronts(&mut self, topic: Topic) -> Result<(), DiffError> {
+        let [a, b] = &mut self.waiting[topic.index()];
+        let (Some(a), Some(b)) = (a.pop_front(), b.pop_front()) else {
+            return Ok(());
+        };
+        let Some(tally) = &mut self.paired.topics[topic.index()] else {
+            return Ok(());
+        };
+        let [a, b] = [&a, &b].map(Owned::as_message);
+        tally.add(&a, &b);
+        if topic == ENERGY {
+            self.paired.common[0].take(&a);
+            self.paired.common[1].take(&b);
+        }
+        let difference = tally.difference();
+        if topic != NUTATION && difference.iter().all(|number| number.is_finite()) {
+            self.observer.difference(&Message {
+                numbers: difference,
+                texts: &[],
+                ..a
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Counts a message without a partner. Between the samples of a run that has fewer, it is passed over.
+    fn leave_alone(&mut self, topic: Topic, side: Side, time_ns: u64) {
+        let other = self.periods[side.other().index()];
+        let is_between =
+            topic.info().is_sampled && other.is_some_and(|period| !time_ns.is_multiple_of(period));
+        let end = self.paired.runs[side.other().index()].history.last_ns;
+        let is_beyond = end.is_none_or(|end| time_ns > end);
+        if let Some(tally) = &mut self.paired.topics[topic.index()] {
+            tally.leave_alone(side, time_ns, is_between, is_beyond);
+        }
+    }
+
+    /// Shows the differences of the averages at equal times: at the middles of A's nutations, as long as B nutates.
+    fn show_mean_differences(&mut self) -> Result<(), DiffError> {
+        let [a, b] = &self.paired.runs;
+        for (time_ns, sequence, numbers) in averages::differences(&a.history, &b.history) {
+            self.observer.difference(&Message {
+                channel: NUTATION.index(),
+                sequence,
+                time_ns,
+                numbers: &numbers,
+                texts: &[],
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// The level of θ that both runs reach if they reach that at which they count as risen, rad.
+pub(super) fn level_of_both(runs: [Subject<'_>; 2]) -> Option<f64> {
+    let levels = runs.map(|run| run.scenario()?.stop.theta_risen);
+    levels.into_iter().flatten().reduce(f64::max)
+}
+
+/// The fields of the table that a recording of another version lacks.
+fn missing_fields(run: Subject<'_>) -> BTreeSet<String> {
+    let Subject::Recording(recording) = run else {
+        return BTreeSet::new();
+    };
+    let mut missing = BTreeSet::new();
+    for (topic, fields) in recording.differences() {
+        missing.extend(fields.missing.iter().map(|field| full_name(&topic, field)));
+    }
+    missing
+}

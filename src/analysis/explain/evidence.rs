@@ -1,0 +1,30 @@
+//! Everything that an explanation is made from.
+
+use crate::analysis::history::{RunHistory, RunSummary};
+use crate::archive::format::STEPS;
+use crate::run::scenario::Scenario;
+
+/// Steps that the integrator takes per nutation, if the end record doesn't state them.
+const STEPS_PER_NUTATION: f64 = 30.0;
+
+/// Everything that an explanation is made from.
+pub(super) struct Evidence {
+    pub(super) scenario: Scenario,
+    pub(super) history: RunHistory,
+    pub(super) summary: RunSummary,
+}
+
+impl Evidence {
+    /// What the integrator may have added up to by the end of the run in a quantity of this size.
+    pub(super) fn floor(&self, size: f64) -> f64 {
+        let steps = self
+            .history
+            .end_entry(STEPS)
+            .and_then(|steps| steps.parse().ok());
+        let nutations = self.history.cycles.len() as f64;
+        let steps: f64 = steps.unwrap_or(STEPS_PER_NUTATION * (nutations + 1.0));
+        let tolerances = &self.scenario.tolerances;
+        // A run of a few steps is still rounded.
+        steps.max(10.0) * (tolerances.absolute + tolerances.relative * size.abs())
+    }
+}

@@ -1,0 +1,346 @@
+//! Facts of an explanation, and the only place where they become sentences.
+
+use crate::analysis::phrase::{moment, quantity, significant};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// A fact about a run: numbers in SI units and radians.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Fact {
+    /// The state in which the top starts.
+    Start {
+        /// Inclination, rad.
+        theta: f64,
+        /// Spin rate, rad/s.
+        psi_dot: f64,
+    },
+    /// θ has reached `stop.theta_risen`.
+    Risen {
+        /// The level, rad.
+        theta: f64,
+        /// When, s.
+        time: f64,
+    },
+    /// θ has reached `stop.theta_fallen`, or π/2.
+    Fallen {
+        /// The level, rad.
+        theta: f64,
+        /// When, s.
+        time: f64,
+    },
+    /// A tippe top's axis has passed the horizontal.
+    Inverted {
+        /// When, s, between two samples.
+        time: f64,
+    },
+    /// A tippe top's axis has not passed the horizontal.
+    NotInverted {
+        /// The end of the run, s.
+        time: f64,
+    },
+    /// The inclination of the averaged motion, at first and at last.
+    MeanTheta {
+        /// In the first nutation, rad.
+        first: f64,
+        /// In the last nutation, rad.
+        last: f64,
+    },
+    /// The inclination of the averaged motion did not change by more than the integrator's error.
+    ThetaConstant {
+        /// Its mean, rad.
+        theta: f64,
+    },
+    /// The axis loops.
+    Loops {
+        /// How often.
+        count: u64,
+        /// When the first loop begins, s.
+        first: f64,
+    },
+    /// The contact point stops slipping.
+    Sticks {
+        /// When, s.
+        time: f64,
+    },
+    /// The peg hops.
+    Hops {
+        /// How often, from lift-off to landing.
+        count: u64,
+        /// When it first lifts off, s.
+        first: f64,
+    },
+    /// Impacts of the peg.
+    Impacts {
+        /// How many.
+        count: u64,
+        /// Energy that they took, J.
+        lost: f64,
+    },
+    /// The peg rolls to the end.
+    Rolls {
+        /// From when on, s.
+        from: f64,
+        /// Inclination then, rad.
+        theta: f64,
+    },
+    /// The peg rolls for some of the time.
+    RollsAtTimes {
+        /// When first, s.
+        first: f64,
+        /// For how long in all, s.
+        duration: f64,
+    },
+    /// Averaged over nutations, φ̇ keeps to a rate of regular precession.
+    FollowsRoot {
+        /// `slow` or `fast`.
+        root: &'static str,
+        /// The largest difference, rad/s.
+        within: f64,
+    },
+    /// Averaged over nutations, φ̇ keeps to neither rate of regular precession.
+    FollowsNoRoot,
+    /// There are no real rates of regular precession at the start.
+    NoRoots,
+    /// Friction's part in the change of φ̇.
+    FrictionOnPrecession {
+        /// The integral of friction's term in φ̈, rad/s.
+        friction: f64,
+        /// The change of φ̇, rad/s.
+        change: f64,
+    },
+    /// Friction does not enter the precession equation.
+    NoFrictionOnPrecession,
+    /// The gyroscopic and Coriolis terms cancel friction's.
+    TermsCancel {
+        /// The mean θ̇ at which they do, rad/s.
+        demanded: f64,
+        /// The mean θ̇, rad/s.
+        mean: f64,
+    },
+    /// The model leaves out a part of friction.
+    ModelPart {
+        /// The word of `friction.dissipation`.
+        dissipation: String,
+        /// Whether it drops a term of the equations rather than a torque.
+        drops_term: bool,
+    },
+    /// The energy has changed.
+    Energy {
+        /// At the start, J.
+        first: f64,
+        /// In the last sample, J.
+        last: f64,
+        /// Time of the last sample, s.
+        time: f64,
+    },
+    /// The energy has not changed by more than the integrator's error.
+    EnergyConstant {
+        /// The energy, J.
+        energy: f64,
+        /// The largest deviation, J.
+        deviation: f64,
+    },
+    /// The work of friction, and of impacts, accounts for the change of energy.
+    Balance {
+        /// Within this, J.
+        within: f64,
+        /// Whether the peg hits the table.
+        has_impacts: bool,
+    },
+    /// Energy taken by sliding and by other losses of a free peg.
+    Sliding {
+        /// By sliding, J.
+        sliding: f64,
+        /// By rolling resistance, drilling and air, J.
+        losses: f64,
+    },
+    /// The length of the path slipped.
+    SlipPath {
+        /// The length, m.
+        length: f64,
+    },
+    /// The angular momentum about the vertical.
+    VerticalMomentum {
+        /// The largest deviation, relative.
+        deviation: f64,
+        /// Whether that is no more than the integrator's error.
+        is_constant: bool,
+    },
+    /// Jellett's integral.
+    Jellett {
+        /// The largest deviation, relative to its terms.
+        deviation: f64,
+        /// Whether that is no more than the integrator's error.
+        is_constant: bool,
+    },
+}
+
+impl Fact {
+    /// The fact as a sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let angle = |theta: &f64| quantity(*theta, 4, "rad");
+        let rate = |rate: &f64| quantity(*rate, 4, "rad/s");
+        let joule = |energy: &f64| quantity(*energy, 4, "J");
+        match self {
+            Self::Start { theta, psi_dot } => format!(
+                "The top starts at θ = {} and spins at {}.",
+                angle(theta),
+                rate(psi_dot)
+            ),
+            Self::Risen { theta, time } => {
+                format!("It reaches θ = {} at {}.", angle(theta), moment(*time))
+            }
+            Self::Fallen { theta, time } => {
+                format!("It falls to θ = {} at {}.", angle(theta), moment(*time))
+            }
+            Self::Inverted { time } => {
+                format!("It inverts: the axis passes the horizontal at {time:.3} s.")
+            }
+            Self::NotInverted { time } => {
+                format!("It does not invert by the end at {}.", moment(*time))
+            }
+            Self::MeanTheta { first, last } => format!(
+                "From the first nutation to the last, the mean of θ goes from {} to {}.",
+                angle(first),
+                angle(last)
+            ),
+            Self::ThetaConstant { theta } => {
+                format!("Averaged over nutations, θ stays at {}.", angle(theta))
+            }
+            Self::Loops { count: 1, first } => {
+                format!("The axis loops once, at {}.", moment(*first))
+            }
+            Self::Loops { count, first } => format!(
+                "The axis loops {}, from {} on.",
+                times(*count),
+                moment(*first)
+            ),
+            Self::Sticks { time } => {
+                format!("The contact point stops slipping at {}.", moment(*time))
+            }
+            Self::Hops { count: 1, first } => {
+                format!("The peg is in the air once, from {} on.", moment(*first))
+            }
+            Self::Hops { count, first } => format!(
+                "The peg hops {}, from {} on.",
+                times(*count),
+                moment(*first)
+            ),
+            Self::Impacts { count, lost } => {
+                format!(
+                    "The peg hits the table {}, which takes {}.",
+                    times(*count),
+                    joule(lost)
+                )
+            }
+            Self::Rolls { from, theta } if theta.is_finite() => format!(
+                "From {} to the end it rolls, at first at θ = {}.",
+                moment(*from),
+                angle(theta)
+            ),
+            Self::Rolls { from, .. } => format!("From {} to the end it rolls.", moment(*from)),
+            Self::RollsAtTimes { first, duration } => format!(
+                "It first rolls at {}, and for {} in all.",
+                moment(*first),
+                quantity(*duration, 3, "s")
+            ),
+            Self::FollowsRoot { root, within } => format!(
+                "Averaged over nutations, φ̇ equals the {root} rate of regular precession within {}.",
+                quantity(*within, 2, "rad/s")
+            ),
+            Self::FollowsNoRoot => {
+                "Averaged over nutations, φ̇ follows neither rate of regular precession.".to_owned()
+            }
+            Self::NoRoots => "The spin is too weak for regular precession at the start.".to_owned(),
+            Self::FrictionOnPrecession { friction, change } => format!(
+                "Up to the last sample, friction alone would change φ̇ by {}; φ̇ changes by {}.",
+                rate(friction),
+                quantity(*change, 3, "rad/s")
+            ),
+            Self::NoFrictionOnPrecession => {
+                "Friction does not enter the precession equation.".to_owned()
+            }
+            Self::TermsCancel { demanded, mean } => format!(
+                "The gyroscopic and Coriolis terms, proportional to θ̇, cancel friction's at a mean θ̇ of {}; the mean is {}.",
+                rate(demanded),
+                rate(mean)
+            ),
+            Self::ModelPart {
+                dissipation,
+                drops_term: true,
+            } => format!(
+                "The model drops a term of the equations, which is not a torque (friction.dissipation = {dissipation})."
+            ),
+            Self::ModelPart {
+                dissipation,
+                drops_term: false,
+            } => format!(
+                "The model leaves out a part of the friction torque (friction.dissipation = {dissipation})."
+            ),
+            Self::Energy { first, last, time } => {
+                let verb = if last < first { "falls" } else { "grows" };
+                let change = joule(&(last - first).abs());
+                let until = moment(*time);
+                format!("Energy {verb} by {change} up to the last sample, at {until}.")
+            }
+            Self::EnergyConstant { energy, deviation } => format!(
+                "Energy is {} in all samples (± {}).",
+                quantity(*energy, 6, "J"),
+                quantity(*deviation, 2, "J")
+            ),
+            Self::Balance {
+                within,
+                has_impacts,
+            } => format!(
+                "The work of friction{} accounts for the change within {}.",
+                if *has_impacts { " and impacts" } else { "" },
+                quantity(*within, 2, "J")
+            ),
+            Self::Sliding { sliding, losses } if *losses > 0.0 => format!(
+                "Up to then, sliding takes {}; rolling resistance, drilling and air take {}.",
+                joule(sliding),
+                joule(losses)
+            ),
+            Self::Sliding { sliding, .. } => {
+                format!("Up to then, sliding takes {}.", joule(sliding))
+            }
+            Self::SlipPath { length } => format!(
+                "Up to the last sample, the contact point slips {}.",
+                quantity(*length, 3, "m")
+            ),
+            Self::VerticalMomentum {
+                deviation,
+                is_constant: true,
+            } => format!(
+                "Angular momentum about the vertical is constant to {} (relative): no torque acts about it.",
+                significant(*deviation, 2)
+            ),
+            Self::VerticalMomentum { deviation, .. } => format!(
+                "Angular momentum about the vertical changes by up to {} %.",
+                significant(100.0 * deviation, 3)
+            ),
+            Self::Jellett {
+                deviation,
+                is_constant: true,
+            } => format!(
+                "Jellett's integral l L_n + R L_z′ is constant to {} (relative): contact forces do not change it.",
+                significant(*deviation, 2)
+            ),
+            Self::Jellett { deviation, .. } => format!(
+                "Jellett's integral changes by up to {} % of its terms: other torques act.",
+                significant(100.0 * deviation, 3)
+            ),
+        }
+    }
+}
+
+/// How often.
+fn times(count: u64) -> String {
+    match count {
+        1 => "once".to_owned(),
+        2 => "twice".to_owned(),
+        count => format!("{count} times"),
+    }
+}

@@ -1,0 +1,77 @@
+//! The explanation of a top whose peg is free.
+
+use super::evidence::Evidence;
+use super::fact::Fact;
+use super::held;
+use crate::run::simulation::EventKind;
+
+/// What happened.
+pub(super) fn course(evidence: &Evidence) -> Vec<Fact> {
+    let history = &evidence.history;
+    let end = history.stop_time().unwrap_or(0.0);
+    let mut facts = vec![held::start(evidence)];
+    facts.extend(held::mean_theta(evidence));
+    if history.is_of_tippe_top() {
+        facts.push(match history.inverted {
+            Some(time) => Fact::Inverted { time },
+            None => Fact::NotInverted { time: end },
+        });
+    } else {
+        facts.extend(held::loops(evidence));
+        let first = |kind| history.first(kind);
+        facts.extend(first(EventKind::Risen).map(|event| Fact::Risen {
+            theta: event.theta,
+            time: event.time,
+        }));
+        facts.extend(first(EventKind::Fallen).map(|event| Fact::Fallen {
+            theta: event.theta,
+            time: event.time,
+        }));
+    }
+    let Some(peg) = &evidence.summary.peg else {
+        return facts;
+    };
+    if let (Some(count @ 1..), Some(first)) = (peg.hops, peg.first_flight) {
+        facts.push(Fact::Hops { count, first });
+    }
+    match (peg.rolls_to_end_from, peg.first_roll, peg.time_rolling) {
+        (Some(from), ..) => facts.push(Fact::Rolls {
+            from,
+            theta: peg.rolls_to_end_at.unwrap_or(f64::NAN),
+        }),
+        (None, Some(first), Some(duration)) => {
+            facts.push(Fact::RollsAtTimes { first, duration });
+        }
+        _ => {}
+    }
+    facts
+}
+
+/// Why the axis moved.
+pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
+    let peg = evidence.summary.peg.as_ref();
+    let deviation = peg.and_then(|peg| peg.jellett_deviation);
+    let jellett = deviation.filter(|deviation| deviation.is_finite());
+    let jellett = jellett.map(|deviation| Fact::Jellett {
+        deviation,
+        is_constant: deviation <= evidence.floor(1.0).max(16.0 * f64::EPSILON),
+    });
+    jellett.into_iter().collect()
+}
+
+/// Where the energy went.
+pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
+    let mut facts = held::balance(evidence);
+    let peg = evidence.summary.peg.as_ref();
+    if let Some([sliding, losses, ..]) = peg.and_then(|peg| peg.lost)
+        && sliding > 0.0
+    {
+        facts.push(Fact::Sliding { sliding, losses });
+    }
+    if let Some((count @ 1.., lost)) = peg.and_then(|peg| peg.impacts.zip(peg.impact_loss)) {
+        facts.push(Fact::Impacts { count, lost });
+    }
+    let path = evidence.summary.slip_path.filter(|path| *path > 0.0);
+    facts.extend(path.map(|length| Fact::SlipPath { length }));
+    facts
+}

@@ -1,0 +1,124 @@
+//! The explanation of a top whose peg is held.
+
+use super::evidence::Evidence;
+use super::fact::Fact;
+use super::precession;
+use crate::physics::friction::Dissipation;
+use crate::run::simulation::EventKind;
+
+/// What happened.
+pub(super) fn course(evidence: &Evidence) -> Vec<Fact> {
+    let mut facts = vec![start(evidence)];
+    facts.extend(mean_theta(evidence));
+    facts.extend(loops(evidence));
+    let first = |kind| evidence.history.first(kind);
+    facts.extend(first(EventKind::Risen).map(|event| Fact::Risen {
+        theta: event.theta,
+        time: event.time,
+    }));
+    facts.extend(first(EventKind::Fallen).map(|event| Fact::Fallen {
+        theta: event.theta,
+        time: event.time,
+    }));
+    let sticks = first(EventKind::Stick).or(first(EventKind::SlipStops));
+    facts.extend(sticks.map(|event| Fact::Sticks { time: event.time }));
+    facts
+}
+
+/// The start of the run.
+pub(super) fn start(evidence: &Evidence) -> Fact {
+    Fact::Start {
+        theta: evidence.scenario.angles.theta,
+        psi_dot: evidence.scenario.rates.psi,
+    }
+}
+
+/// The inclination in the first and the last nutation.
+pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
+    let cycles = &evidence.history.cycles;
+    let (first, last) = (cycles.first()?.means[0], cycles.last()?.means[0]);
+    let is_constant = (last - first).abs() <= evidence.floor(first.abs().max(last.abs()));
+    Some(match is_constant {
+        true => Fact::ThetaConstant { theta: last },
+        false => Fact::MeanTheta { first, last },
+    })
+}
+
+/// The loops of the axis, but for cusps that are loops by rounding alone.
+pub(super) fn loops(evidence: &Evidence) -> Option<Fact> {
+    let history = &evidence.history;
+    let is_cusp = |time: f64| {
+        let later = history.cycles.partition_point(|cycle| cycle.start <= time);
+        let cycle = later.checked_sub(1).map(|index| &history.cycles[index]);
+        cycle.is_some_and(|cycle| {
+            let [least, greatest] = cycle.ranges[2];
+            let [small, large] = [
+                least.abs().min(greatest.abs()),
+                least.abs().max(greatest.abs()),
+            ];
+            small <= evidence.floor(large)
+        })
+    };
+    let loops = history.events_of(EventKind::LoopingBegins);
+    let mut loops = loops.filter(|event| !is_cusp(event.time));
+    let first = loops.next()?.time;
+    Some(Fact::Loops {
+        count: 1 + loops.count() as u64,
+        first,
+    })
+}
+
+/// Why the axis moved.
+pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
+    let friction = &evidence.scenario.model.friction;
+    let mut facts: Vec<Fact> = precession::regular(evidence).into_iter().collect();
+    facts.extend(precession::friction(evidence));
+    facts.extend(precession::cancelling(evidence));
+    let is_part = friction.dissipation != Dissipation::Full && !evidence.scenario.is_frictionless();
+    if is_part {
+        facts.push(Fact::ModelPart {
+            dissipation: evidence.scenario.word("friction.dissipation").to_owned(),
+            drops_term: friction.dissipation.drops_euler_terms(),
+        });
+    }
+    facts
+}
+
+/// Where the energy went.
+pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
+    let mut facts = balance(evidence);
+    let path = evidence.summary.slip_path.filter(|path| *path > 0.0);
+    facts.extend(path.map(|length| Fact::SlipPath { length }));
+    let deviation = evidence.summary.vertical_momentum_deviation;
+    facts.extend(deviation.map(|deviation| Fact::VerticalMomentum {
+        deviation,
+        // Of a relative deviation the size is 1.
+        is_constant: deviation <= evidence.floor(1.0).max(4.0 * f64::EPSILON),
+    }));
+    facts
+}
+
+/// The change of energy, and how well the work of friction accounts for it.
+pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
+    let summary = &evidence.summary;
+    let energies = &evidence.history.energies;
+    let known = (energies.first(), energies.last(), energies.until());
+    let (Some(first), Some(last), Some(time)) = known else {
+        return Vec::new();
+    };
+    let within = summary.energy_imbalance.unwrap_or(0.0);
+    let change = (last - first).abs();
+    if evidence.scenario.is_frictionless() || change <= evidence.floor(first) {
+        return vec![Fact::EnergyConstant {
+            energy: first,
+            deviation: change.max(within),
+        }];
+    }
+    let impacts = summary.peg.as_ref().and_then(|peg| peg.impacts);
+    let has_impacts = impacts.is_some_and(|count| count > 0);
+    let balance = Fact::Balance {
+        within,
+        has_impacts,
+    };
+    vec![Fact::Energy { first, last, time }, balance]
+}

@@ -1,0 +1,180 @@
+//! The averaged precession beside the rates of regular precession.
+
+use super::evidence::Evidence;
+use super::fact::Fact;
+use crate::analysis::history::Cycle;
+use crate::physics::kinematics::{Euler, Tilt};
+use crate::physics::top::Top;
+use crate::run::simulation::UPRIGHT;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// Number of stages.
+const STAGES: usize = 6;
+/// φ̇ keeps to a rate if it is always within this part of it.
+const NEAR: f64 = 0.05;
+/// The averaged precession is steady if φ̇ changes by no more than this part of what friction would change it by.
+const STEADY: f64 = 0.05;
+
+/// The averaged motion in several nutations.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Stage {
+    /// When it begins, s.
+    pub from: f64,
+    /// When it ends, s.
+    pub to: f64,
+    /// Number of nutations.
+    pub nutations: u64,
+    /// Mean inclination, rad.
+    pub theta: f64,
+    /// Mean nutation rate, rad/s.
+    pub theta_dot: f64,
+    /// Mean precession rate, rad/s.
+    pub phi_dot: f64,
+    /// Slow rate of regular precession, mean over the nutations, rad/s; absent where it is not real.
+    pub slow_root: Option<f64>,
+    /// Mean spin rate, rad/s.
+    pub psi_dot: f64,
+}
+
+/// The averaged motion in stages of equally many nutations.
+pub(super) fn stages(evidence: &Evidence) -> Vec<Stage> {
+    let cycles = &evidence.history.cycles;
+    let top = evidence.scenario.model.nutating_top();
+    let size = cycles.len().div_ceil(STAGES).max(1);
+    cycles.chunks(size).map(|part| stage(&top, part)).collect()
+}
+
+fn stage(top: &Top, part: &[Cycle]) -> Stage {
+    let duration: f64 = part.iter().map(|cycle| cycle.period).sum();
+    let mean = |at: usize| {
+        let sum: f64 = part
+            .iter()
+            .map(|cycle| cycle.period * cycle.means[at])
+            .sum();
+        sum / duration
+    };
+    let roots: Option<Vec<f64>> = part
+        .iter()
+        .map(|cycle| Some(roots(top, cycle)?[0]))
+        .collect();
+    Stage {
+        from: part[0].start,
+        to: part[part.len() - 1].end(),
+        nutations: part.len() as u64,
+        theta: mean(0),
+        theta_dot: mean(1),
+        phi_dot: mean(2),
+        slow_root: roots.map(|roots| roots.iter().sum::<f64>() / part.len() as f64),
+        psi_dot: mean(3),
+    }
+}
+
+/// The mean motion of a cycle; none near the vertical, where precession and spin can hardly be told apart.
+fn mean_motion(cycle: &Cycle) -> Option<Tilt> {
+    let [theta, theta_dot, phi_dot, psi_dot] = cycle.means;
+    let is_vertical = theta < UPRIGHT || PI - theta < UPRIGHT;
+    let rates = Euler {
+        phi: phi_dot,
+        theta: theta_dot,
+        psi: psi_dot,
+    };
+    (!is_vertical).then(|| Tilt::from_rates(theta, rates))
+}
+
+/// The slow and the fast rate of regular precession at the mean motion of a cycle, rad/s.
+fn roots(top: &Top, cycle: &Cycle) -> Option<[f64; 2]> {
+    let roots = top.precession_roots(&mean_motion(cycle)?)?;
+    Some([roots.slow, roots.fast])
+}
+
+/// How the averaged precession compares with regular precession.
+pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
+    let top = evidence.scenario.model.nutating_top();
+    let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
+    let cycles = &evidence.history.cycles;
+    let known = cycles
+        .iter()
+        .filter_map(|cycle| Some((cycle.means[2], roots(&top, cycle)?)));
+    let known: Vec<(f64, [f64; 2])> = known.collect();
+    if !known.is_empty() && known.len() < cycles.len() {
+        // Of a part of the run nothing is said that reads as if it held for all.
+        return None;
+    }
+    if known.is_empty() {
+        let spin = top.axial_moment * start.rates.psi;
+        let quadratic = (top.transverse_moment - top.axial_moment) * start.cos;
+        let is_weak = spin * spin < 4.0 * quadratic * top.gravity_moment();
+        return (cycles.is_empty() && is_weak).then_some(Fact::NoRoots);
+    }
+    let follows = |at: usize| {
+        let near = |(rate, roots): &(f64, [f64; 2])| {
+            let difference = (rate - roots[at]).abs();
+            (difference <= NEAR * roots[at].abs()).then_some(difference)
+        };
+        let differences: Option<Vec<f64>> = known.iter().map(near).collect();
+        differences.map(|all| all.into_iter().fold(0.0, f64::max))
+    };
+    Some(match (follows(0), follows(1)) {
+        (Some(within), _) => Fact::FollowsRoot {
+            root: "slow",
+            within,
+        },
+        (None, Some(within)) => Fact::FollowsRoot {
+            root: "fast",
+            within,
+        },
+        (None, None) => Fact::FollowsNoRoot,
+    })
+}
+
+/// Friction's part in the change of φ̇ between the first and the last sample; none where that isn't known.
+pub(super) fn friction(evidence: &Evidence) -> Option<Fact> {
+    let [first, last] = evidence.history.states?;
+    let changes = [0, 1, 2].map(|term| last.terms[term] - first.terms[term]);
+    let change = last.rates.phi - first.rates.phi;
+    let [gyroscopic, coriolis, friction] = changes;
+    let size = changes
+        .iter()
+        .fold(change.abs(), |most, c| most.max(c.abs()));
+    let missed = (gyroscopic + coriolis + friction - change).abs();
+    // Near the vertical the terms are too large to add up.
+    let adds_up = missed <= 5e-4 * size + evidence.floor(size);
+    let is_real = |theta: f64| theta >= UPRIGHT && PI - theta >= UPRIGHT;
+    if !adds_up || !is_real(first.theta) || !is_real(last.theta) {
+        return None;
+    }
+    Some(match friction.abs() <= evidence.floor(size) {
+        true => Fact::NoFrictionOnPrecession,
+        false => Fact::FrictionOnPrecession { friction, change },
+    })
+}
+
+/// The mean θ̇ at which the gyroscopic and Coriolis terms cancel friction's, and the mean θ̇, if φ̇ hardly changes.
+pub(super) fn cancelling(evidence: &Evidence) -> Option<Fact> {
+    let top = evidence.scenario.model.nutating_top();
+    let cycles = &evidence.history.cycles;
+    let (first, last) = (cycles.first()?, cycles.last()?);
+    let duration = last.end() - first.start;
+    let demanded = |cycle: &Cycle| {
+        let tilt = mean_motion(cycle)?;
+        let gyroscopic = top.axial_moment / top.transverse_moment * tilt.axial_rate();
+        let answer = (gyroscopic - 2.0 * tilt.rates.phi * tilt.cos) / tilt.sin;
+        Some(-cycle.period * cycle.frictional / answer)
+    };
+    let known = cycles.iter().filter(|cycle| mean_motion(cycle).is_some());
+    let known: Vec<&Cycle> = known.collect();
+    let time: f64 = known.iter().map(|cycle| cycle.period).sum();
+    let demanded = known
+        .iter()
+        .filter_map(|cycle| demanded(cycle))
+        .sum::<f64>()
+        / time;
+    let mean = known.iter().map(|c| c.period * c.means[1]).sum::<f64>() / time;
+    let friction: f64 = cycles.iter().map(|c| c.period * c.frictional).sum();
+    let change = (last.means[2] - first.means[2]).abs();
+    let is_steady = change < STEADY * friction.abs() && friction.abs() > evidence.floor(change);
+    let is_known = demanded.is_finite() && duration > 0.0 && demanded != 0.0;
+    (is_steady && is_known).then_some(Fact::TermsCancel { demanded, mean })
+}

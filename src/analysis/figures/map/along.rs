@@ -1,0 +1,156 @@
+//! Values along an axis.
+
+use crate::analysis::plot::range::extremes;
+use crate::analysis::plot::ticks::Scale;
+use crate::physics::math::log10;
+
+/// Values that differ at least so many times are drawn over their logarithms, if their spacing says nothing else.
+const LOGARITHMIC: f64 = 30.0;
+
+/// Colours show logarithms from here on: evenly spread over the values, all below a tenth of the greatest would share a
+/// tenth of the shades.
+const LOGARITHMIC_COLOURS: f64 = 10.0;
+
+/// Spacings that differ by less than this part are equal.
+const EVEN: f64 = 1e-6;
+
+/// Values along an axis, as they are drawn: logarithms if `is_log`.
+pub(super) struct Along {
+    is_log: bool,
+    /// Each different value once, in order.
+    values: Vec<f64>,
+    /// Where these are drawn: neighbours that differ too little may be drawn at one place.
+    pub(super) levels: Vec<f64>,
+}
+
+impl Along {
+    /// Values along an axis of a plot: logarithms of those of a grid if these are spaced evenly, of others if they differ
+    /// widely.
+    pub(super) fn new(values: Vec<f64>) -> Self {
+        Self::of(values, |values| {
+            if is_even(values) {
+                return false;
+            }
+            is_spread(values, LOGARITHMIC)
+                || values[0] > 0.0 && is_even(&values.iter().map(|v| log10(*v)).collect::<Vec<_>>())
+        })
+    }
+
+    /// Values as colours show them.
+    pub(super) fn of_colours(values: Vec<f64>) -> Self {
+        Self::of(values, |values| is_spread(values, LOGARITHMIC_COLOURS))
+    }
+
+    fn of(mut values: Vec<f64>, is_log: impl Fn(&[f64]) -> bool) -> Self {
+        values.retain(|value| value.is_finite());
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let mut along = Self {
+            is_log: !values.is_empty() && is_log(&values),
+            levels: Vec::new(),
+            values,
+        };
+        along.levels = along.values.iter().map(|v| along.place(*v)).collect();
+        along
+    }
+
+    /// Where a value is drawn.
+    pub(super) fn place(&self, value: f64) -> f64 {
+        if self.is_log { log10(value) } else { value }
+    }
+
+    /// The range of what is drawn.
+    pub(super) fn range(&self) -> (f64, f64) {
+        extremes(self.levels.iter().copied())
+    }
+
+    /// The ends of the cell around each level: halfway to its neighbours; a level without any has a tenth of its value on
+    /// both sides.
+    pub(super) fn edges(&self) -> Vec<f64> {
+        let (Some(first), Some(last)) = (self.levels.first(), self.levels.last()) else {
+            return Vec::new();
+        };
+        let pairs = self.levels.windows(2);
+        let mut edges: Vec<_> = pairs.map(|pair| f64::midpoint(pair[0], pair[1])).collect();
+        let alone = if *first == 0.0 {
+            1.0
+        } else {
+            0.1 * first.abs()
+        };
+        let low = first - edges.first().map_or(alone, |edge| edge - first);
+        let high = last + edges.last().map_or(alone, |edge| last - edge);
+        edges.insert(0, low);
+        edges.push(high);
+        edges
+    }
+
+    /// Which of the different values this is.
+    pub(super) fn level(&self, value: f64) -> Option<usize> {
+        let level = self.values.partition_point(|other| *other < value);
+        (self.values.get(level) == Some(&value)).then_some(level)
+    }
+
+    /// A scale with at most `most` numbers.
+    pub(super) fn scale(&self, (low, high): (f64, f64), most: usize) -> Scale {
+        if self.is_log {
+            Scale::of_logarithms(low, high, most)
+        } else {
+            Scale::new(low, high, most)
+        }
+    }
+}
+
+/// Whether the last of ordered values is this many times the first.
+fn is_spread(values: &[f64], times: f64) -> bool {
+    values[0] > 0.0 && values[values.len() - 1] / values[0] >= times
+}
+
+/// Whether ordered values are those of a grid.
+fn is_even(values: &[f64]) -> bool {
+    let (least, greatest) = extremes(values.windows(2).map(|pair| pair[1] - pair[0]));
+    values.len() > 2 && least > 0.0 && greatest - least <= EVEN * greatest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widely_spread_values_are_drawn_over_their_logarithms() {
+        let is_log = |values: Vec<f64>| {
+            [Along::new(values.clone()), Along::of_colours(values)].map(|along| along.is_log)
+        };
+        // From thirtyfold on along axes, from tenfold on in colours, and never with zeros or negative numbers.
+        for (values, expected) in [
+            (vec![1.0, 4.0, 9.0], [false, false]),
+            (vec![1.0, 4.0, f64::NAN, 10.0], [false, true]),
+            (vec![1.0, 4.0, 30.0], [true, true]),
+            (vec![0.0, 4.0, 100.0], [false, false]),
+            (vec![-1.0, 4.0, 100.0], [false, false]),
+            // A grid says how it is spaced.
+            (vec![1.0, 2.0, 4.0], [true, false]),
+            (vec![1.0, 20.5, 40.0], [false, true]),
+            (vec![f64::NAN], [false, false]),
+        ] {
+            assert_eq!(is_log(values.clone()), expected, "{values:?}");
+        }
+    }
+
+    #[test]
+    fn a_single_value_is_in_the_middle_of_an_axis_of_its_size() {
+        let edges = |values: &[f64]| Along::new(values.to_vec()).edges();
+        assert_eq!(edges(&[0.5]), [0.45, 0.55]);
+        assert_eq!(edges(&[-20.0]), [-22.0, -18.0]);
+        assert_eq!(edges(&[0.0]), [-1.0, 1.0]);
+        assert_eq!(edges(&[1.0, 2.0]), [0.5, 1.5, 2.5]);
+    }
+
+    #[test]
+    fn values_that_hardly_differ_are_different_levels() {
+        let near = [1e15, 1.0000000000000002e15, 1.0000000000000004e15];
+        assert!(!Along::new(near.to_vec()).is_log);
+        let wide = Along::new(vec![near[0], near[1], 1e20]);
+        assert!(wide.is_log);
+        assert_eq!(wide.level(near[1]), Some(1));
+    }
+}

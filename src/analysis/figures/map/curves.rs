@@ -1,0 +1,118 @@
+//! Curves over one key: one for each scenario.
+
+use super::along::Along;
+use super::chart::{self, aired, dot};
+use super::runs::{Map, MapRun};
+use crate::analysis::plot::drawing::Drawing;
+use crate::analysis::plot::frame::{self, Frame};
+use crate::analysis::plot::legend::{self, Entry};
+use crate::analysis::plot::range::{NONE, union};
+use crate::analysis::plot::shape::{Bounds, Point, Shape, Stroke};
+use crate::analysis::plot::style::{self, COLOURS, DASHES, MEDIUM};
+use crate::analysis::plot::text::Text;
+
+/// The height of the marks of runs without a value, and the distance between those of two scenarios, mm.
+const STRIP: f64 = 1.2;
+const STRIP_GAP: f64 = 0.5;
+
+/// Half the width of these marks, mm.
+const HALF_MARK: f64 = 0.6;
+
+/// The most of the frame's height that these marks take.
+const STRIPS: f64 = 0.25;
+
+/// Draws a curve for each scenario, and marks below them where runs have no value.
+pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, String> {
+    let across = Along::new(map.values(|run| run.x));
+    let upward = Along::new(map.values(|run| run.color));
+    let curves = curves(map)?;
+    let mut drawing = Drawing::new(width);
+    let mut key = Vec::new();
+    if curves.len() > 1 {
+        let entry = |curve: &Curve<'_>| Entry::of(curve.stroke, Text::name(curve.name));
+        key.extend(curves.iter().map(entry));
+    }
+    let outcomes = map.outcome_legend();
+    // What has no value is marked below the curves: a strip for each.
+    let strips = if outcomes.is_empty() { 0 } else { curves.len() };
+    key.extend(outcomes);
+    let top = legend::draw_at_top(&mut drawing, &key) + 0.6;
+
+    let height = chart::height(width);
+    let pitch = (STRIP + STRIP_GAP).min(STRIPS * height / strips.max(1) as f64);
+    let strip = pitch * STRIP / (STRIP + STRIP_GAP);
+    let (low, high) = aired(union(NONE, upward.range()));
+    let part = (strips as f64 * pitch) / height;
+    let low = low - (high - low) * part / (1.0 - part);
+    let ranges = [aired(across.range()), (low, high)];
+    let room = (top, frame::ROOM_RIGHT);
+    let frame = chart::frame(width, room, [&across, &upward], ranges, &map.color);
+    for (index, curve) in curves.iter().enumerate() {
+        let place = |run: &&MapRun| (across.place(run.x), upward.place(run.color));
+        let points: Vec<Point> = curve.runs.iter().map(place).collect();
+        drawing.group(curve.name, curve.shapes(&frame, &points));
+        let top = frame.bounds.bottom - (strips - index.min(strips)) as f64 * pitch;
+        let valueless = curve.runs.iter().filter(|run| !run.color.is_finite());
+        let marks = valueless.map(|run| {
+            let x = frame.place((across.place(run.x), low)).0;
+            let mark = Bounds::between((x - HALF_MARK, top), (x + HALF_MARK, top + strip));
+            mark.area(run.outcome_colour())
+        });
+        let marks: Vec<_> = marks.collect();
+        if !marks.is_empty() {
+            drawing.group(&format!("{}: no value", curve.name), marks);
+        }
+    }
+    chart::finish(&mut drawing, &frame, [&map.x, &map.color]);
+    Ok(drawing)
+}
+
+/// The runs of a scenario, in the order of x.
+struct Curve<'a> {
+    name: &'a str,
+    stroke: Stroke,
+    runs: Vec<&'a MapRun>,
+}
+
+impl Curve<'_> {
+    fn shapes(&self, frame: &Frame, points: &[Point]) -> Vec<Shape> {
+        let there = points.iter().filter(|point| point.1.is_finite());
+        let dots = there.map(|point| dot(frame.place(*point), self.stroke.colour));
+        let mut shapes = frame.line(points, self.stroke);
+        shapes.extend(dots);
+        shapes
+    }
+}
+
+/// The curves of all scenarios, in the order of their names.
+fn curves(map: &Map) -> Result<Vec<Curve<'_>>, String> {
+    let mut runs: Vec<&MapRun> = map.runs.iter().collect();
+    runs.sort_by(|a, b| a.scenario.cmp(&b.scenario).then(a.x.total_cmp(&b.x)));
+    let parts: Vec<_> = runs.chunk_by(|a, b| a.scenario == b.scenario).collect();
+    let most = COLOURS.len() * DASHES.len();
+    if parts.len() > most {
+        return Err(format!(
+            "{} scenarios are more than the {most} curves that can be told apart: choose with --where scenario=NAME",
+            parts.len()
+        ));
+    }
+    let mut curves = Vec::new();
+    for (index, runs) in parts.into_iter().enumerate() {
+        let name = &runs[0].scenario;
+        if let Some(pair) = runs.windows(2).find(|pair| pair[0].x == pair[1].x) {
+            return Err(format!(
+                "several runs of {name} have {} = {:?}: choose among them with --where",
+                map.x.name, pair[0].x
+            ));
+        }
+        curves.push(Curve {
+            name,
+            stroke: Stroke {
+                dash: DASHES[index / COLOURS.len()],
+                ..style::line(COLOURS[index % COLOURS.len()], MEDIUM)
+            },
+            runs: runs.to_vec(),
+        });
+    }
+    Ok(curves)
+}

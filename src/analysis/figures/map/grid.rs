@@ -1,0 +1,125 @@
+//! Runs on a grid of values, and the edge of those that loop.
+
+use super::along::Along;
+use super::bar::OVERLAP;
+use super::runs::{Map, MapAxis, MapRun};
+use crate::analysis::plot::frame::Frame;
+use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape};
+use crate::analysis::plot::style::{self, MEDIUM};
+
+/// The length of the ticks at the edge of what loops, mm.
+const EDGE_TICK: f64 = 0.9;
+
+/// The runs in the cells of a grid.
+pub(super) struct Grid<'a> {
+    /// The run in each cell, row by row upward.
+    cells: Vec<Option<&'a MapRun>>,
+    columns: usize,
+    /// The ends of the columns and of the rows.
+    edges: [Vec<f64>; 2],
+}
+
+/// A border between two cells of which only one loops.
+struct Border {
+    ends: [Point; 2],
+    /// The direction of the cell that loops: to the right and upward.
+    toward: Point,
+}
+
+impl<'a> Grid<'a> {
+    /// The grid of the runs of a map; none if they make no grid.
+    pub(super) fn of(map: &'a Map, y: &MapAxis, axes: [&Along; 2]) -> Result<Option<Self>, String> {
+        let [columns, rows] = axes.map(|axis| axis.levels.len());
+        // A grid with holes is one still; a sample has about as many values as runs.
+        if columns * rows > 2 * map.runs.len() {
+            return Ok(None);
+        }
+        let mut cells = vec![None; columns * rows];
+        for run in &map.runs {
+            let [Some(column), Some(row)] = [axes[0].level(run.x), axes[1].level(run.y)] else {
+                continue;
+            };
+            if cells[row * columns + column].replace(run).is_some() {
+                return Err(format!(
+                    "several runs have {} = {:?} and {} = {:?}: choose among them with --where",
+                    map.x.name, run.x, y.name, run.y
+                ));
+            }
+        }
+        let edges = axes.map(Along::edges);
+        Ok(Some(Self {
+            cells,
+            columns,
+            edges,
+        }))
+    }
+
+    /// The areas of the cells: neighbours of one colour are one area, which makes smaller files.
+    pub(super) fn areas(&self, frame: &Frame, colour: impl Fn(&MapRun) -> Colour) -> Vec<Shape> {
+        let [xs, ys] = &self.edges;
+        let mut areas = Vec::new();
+        for (row, cells) in self.cells.chunks(self.columns).enumerate() {
+            let colours: Vec<_> = cells.iter().map(|run| run.map(&colour)).collect();
+            let mut start = 0;
+            for part in colours.chunk_by(|one, other| one == other) {
+                let end = start + part.len();
+                let (left, bottom) = frame.place((xs[start], ys[row]));
+                let (right, top) = frame.place((xs[end], ys[row + 1]));
+                let top = (top - OVERLAP).max(frame.bounds.top);
+                let right = (right + OVERLAP).min(frame.bounds.right);
+                let bounds = Bounds::between((left, top), (right, bottom));
+                areas.extend(part[0].map(|fill| bounds.area(fill)));
+                start = end;
+            }
+        }
+        areas
+    }
+
+    /// The lines between cells of which only one loops, with a tick in the middle of each toward that cell.
+    pub(super) fn contour(&self, frame: &Frame) -> Vec<Shape> {
+        let mut lines = Vec::new();
+        for Border { ends, toward } in self.borders() {
+            let [from, to] = ends.map(|end| frame.place(end));
+            let (x, y) = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
+            let tip = (x + toward.0 * EDGE_TICK, y - toward.1 * EDGE_TICK);
+            let stroke = style::line(style::BLACK, MEDIUM);
+            let parts = [vec![from, to], vec![(x, y), tip]];
+            lines.extend(parts.map(|points| Shape::Line { points, stroke }));
+        }
+        lines
+    }
+
+    /// Whether runs that loop have neighbours that don't.
+    pub(super) fn has_contour(&self) -> bool {
+        !self.borders().is_empty()
+    }
+
+    /// The borders between cells of which only one loops, where both are known.
+    fn borders(&self) -> Vec<Border> {
+        let [xs, ys] = &self.edges;
+        let loops = |column: usize, row: usize| {
+            let is_there = column < self.columns;
+            let cell = self.cells.get(row * self.columns + column);
+            cell.copied().flatten().filter(|_| is_there)?.loops
+        };
+        let mut borders = Vec::new();
+        for cell in 0..self.cells.len() {
+            let (column, row) = (cell % self.columns, cell / self.columns);
+            let corner = (xs[column + 1], ys[row + 1]);
+            let beside = (loops(column + 1, row), (corner.0, ys[row]), (1.0, 0.0));
+            let above = (loops(column, row + 1), (xs[column], corner.1), (0.0, 1.0));
+            for (other, from, (right, up)) in [beside, above] {
+                if let Some((here, there)) = loops(column, row).zip(other)
+                    && here != there
+                {
+                    let sign = if there { 1.0 } else { -1.0 };
+                    borders.push(Border {
+                        ends: [from, corner],
+                        toward: (sign * right, sign * up),
+                    });
+                }
+            }
+        }
+        borders
+    }
+}

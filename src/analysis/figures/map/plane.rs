@@ -1,0 +1,60 @@
+//! Maps: colours over two keys.
+
+use super::along::Along;
+use super::bar::Bar;
+use super::chart::{self, aired, dot};
+use super::grid::Grid;
+use super::runs::{Map, MapAxis, MapRun};
+use crate::analysis::plot::drawing::Drawing;
+use crate::analysis::plot::legend::{self, Entry};
+use crate::analysis::plot::range::extremes;
+use crate::analysis::plot::style::{self, LINE, MEDIUM};
+
+/// Draws the runs of a map as cells of a grid, or as dots if they make none.
+pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String> {
+    let across = Along::new(map.values(|run| run.x));
+    let upward = Along::new(map.values(|run| run.y));
+    let axes = [&across, &upward];
+    let grid = Grid::of(map, y, axes)?;
+    let bar = Bar::new(map.values(|run| run.color), width);
+    let colour = |run: &MapRun| {
+        if run.color.is_finite() {
+            bar.colour(run.color)
+        } else {
+            run.outcome_colour()
+        }
+    };
+
+    let mut drawing = Drawing::new(width);
+    let mut key = map.outcome_legend();
+    let has_contour = grid.as_ref().is_some_and(Grid::has_contour);
+    if has_contour {
+        let stroke = style::line(style::BLACK, MEDIUM);
+        let words = "edge of the runs that loop; ticks point to them";
+        key.push(Entry::line(stroke, words));
+    }
+    let bar_label = if bar.is_empty() { 0.0 } else { LINE };
+    let top = legend::draw_at_top(&mut drawing, &key) + bar_label + 0.6;
+
+    let ranges = axes.map(|axis| match &grid {
+        Some(_) => extremes(axis.edges().into_iter()),
+        None => aired(axis.range()),
+    });
+    let frame = chart::frame(width, (top, bar.room()), axes, ranges, y);
+    match &grid {
+        Some(grid) => drawing.group("runs", grid.areas(&frame, colour)),
+        None => {
+            let place = |run: &MapRun| frame.place((across.place(run.x), upward.place(run.y)));
+            let dots = map.runs.iter().map(|run| dot(place(run), colour(run)));
+            drawing.group("runs", dots.collect());
+        }
+    }
+    if let Some(grid) = grid.filter(|_| has_contour) {
+        drawing.group("where looping begins", grid.contour(&frame));
+    }
+    chart::finish(&mut drawing, &frame, [&map.x, y]);
+    if !bar.is_empty() {
+        bar.draw(&mut drawing, frame.bounds, &map.color);
+    }
+    Ok(drawing)
+}

@@ -1,0 +1,167 @@
+//! The runs of a sweep that a map shows, and their outcomes.
+
+use crate::analysis::plot::legend::Entry;
+use crate::analysis::plot::shape::Colour;
+use crate::analysis::plot::text::Text;
+use crate::run::simulation::StopReason;
+
+/// A quantity of a map.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapAxis {
+    /// The name of its column.
+    pub name: String,
+    /// The unit; empty where there is none.
+    pub unit: String,
+}
+
+/// A run of a map. Values that are absent are NaN.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapRun {
+    /// The value across.
+    pub x: f64,
+    /// The value upward; ignored by a map without such an axis.
+    pub y: f64,
+    /// The value that colours or curves show.
+    pub color: f64,
+    /// The reason why the run stopped; none where it has no outcome.
+    pub stop: Option<String>,
+    /// Whether the axis looped; none where that is not known.
+    pub loops: Option<bool>,
+    /// The scenario: each has a curve of its own.
+    pub scenario: String,
+}
+
+/// A map of a sweep: its quantities and its runs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Map {
+    /// The quantity across.
+    pub x: MapAxis,
+    /// The quantity upward; none draws curves.
+    pub y: Option<MapAxis>,
+    /// The quantity that colours or curves show.
+    pub color: MapAxis,
+    /// The runs.
+    pub runs: Vec<MapRun>,
+}
+
+const NO_OUTCOME: &str = "no outcome";
+
+/// The columns of times of what every top may do sooner or later, so that none says "not yet". What a fixed peg never does is
+/// not among them.
+const AWAITED: [&str; 3] = ["rise_time", "weak_time", "loop_time"];
+
+impl MapAxis {
+    /// The label of an axis whose numbers are to be multiplied by a power of ten.
+    pub(super) fn label(&self, exponent: i32) -> Text {
+        let name = Text::plain(&self.name);
+        let factor = match exponent {
+            0 => String::new(),
+            _ => format!("×1e{exponent}").replace('-', "−"),
+        };
+        match format!("{factor} {}", self.unit).trim() {
+            "" => name,
+            unit => name.followed_by(&format!(" ({unit})")),
+        }
+    }
+}
+
+impl MapRun {
+    /// The outcome, which stands for a value that is absent.
+    fn outcome(&self) -> &str {
+        self.stop.as_deref().unwrap_or(NO_OUTCOME)
+    }
+
+    pub(super) fn outcome_colour(&self) -> Colour {
+        outcome_colour(self.outcome())
+    }
+}
+
+impl Map {
+    /// The values of all runs.
+    pub(super) fn values(&self, value: impl Fn(&MapRun) -> f64) -> Vec<f64> {
+        self.runs.iter().map(value).collect()
+    }
+
+    /// The outcomes of runs that have no value to show, in the order of their names.
+    fn outcomes(&self) -> Vec<&str> {
+        let valueless = self.runs.iter().filter(|run| !run.color.is_finite());
+        let mut outcomes: Vec<_> = valueless.map(MapRun::outcome).collect();
+        outcomes.sort_unstable();
+        outcomes.dedup();
+        outcomes
+    }
+
+    /// The legend of the outcomes of runs that have no value to show.
+    pub(super) fn outcome_legend(&self) -> Vec<Entry> {
+        let entry = |outcome: &str| {
+            let words = outcome_words(outcome, &self.color.name);
+            Entry::area(outcome_colour(outcome), &words)
+        };
+        self.outcomes().into_iter().map(entry).collect()
+    }
+}
+
+/// The colour of runs that have this outcome and no value to show: the same in every figure, and none of the ramp.
+fn outcome_colour(outcome: &str) -> Colour {
+    let stop = StopReason::ALL.iter().find(|stop| stop.name() == outcome);
+    match stop {
+        Some(StopReason::Fallen) => Colour(0xd5, 0x5e, 0x00),
+        Some(StopReason::Duration) => Colour(0xdd, 0xdd, 0xdd),
+        Some(StopReason::Risen) => Colour(0xcc, 0x79, 0xa7),
+        Some(StopReason::SlipStopped) => Colour(0x99, 0x99, 0x99),
+        Some(StopReason::Rest) => Colour(0xa6, 0xce, 0xe3),
+        Some(StopReason::Singular) => Colour(0x8c, 0x56, 0x4b),
+        Some(StopReason::Jam) => Colour(0x80, 0x00, 0x20),
+        Some(StopReason::Pivot) => Colour(0xff, 0xb6, 0xc1),
+        Some(StopReason::Interrupted | StopReason::Failed) => Colour(0x30, 0x30, 0x30),
+        None if outcome == NO_OUTCOME => Colour(0x30, 0x30, 0x30),
+        // A reason to stop of a newer version.
+        None => Colour(0xf0, 0xc8, 0xa0),
+    }
+}
+
+/// A human-readable outcome, where a run has no value in a column.
+fn outcome_words(outcome: &str, column: &str) -> String {
+    match outcome {
+        "duration" if AWAITED.contains(&column) => "not by the end of the run".to_owned(),
+        "duration" => "none in the whole run".to_owned(),
+        other => other.replace('_', " "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_column_can_never_have_is_not_called_late() {
+        let words = |column| outcome_words("duration", column);
+        assert_eq!(words("rise_time"), "not by the end of the run");
+        assert_eq!(words("hops"), "none in the whole run");
+    }
+
+    #[test]
+    fn labels_have_power_and_unit_where_there_are_any() {
+        let label = |unit: &str, exponent| {
+            let (name, unit) = ("k".to_owned(), unit.to_owned());
+            MapAxis { name, unit }.label(exponent).spoken
+        };
+        assert_eq!(label("", 0), "k");
+        assert_eq!(label("s", 0), "k (s)");
+        assert_eq!(label("", -3), "k (×1e−3)");
+        assert_eq!(label("s", 3), "k (×1e3 s)");
+    }
+
+    #[test]
+    fn a_reason_to_stop_has_a_colour_of_its_own() {
+        let all = StopReason::ALL.iter().map(|stop| stop.name());
+        let mut all: Vec<_> = all
+            .chain([NO_OUTCOME, "of a newer version"])
+            .map(|outcome| format!("{:?}", outcome_colour(outcome)))
+            .collect();
+        all.sort();
+        all.dedup();
+        // Those that leave no outcome share a colour.
+        assert_eq!(all.len(), StopReason::ALL.len());
+    }
+}

@@ -1,0 +1,274 @@
+//! The history of a run, collected in one pass over its messages: events, nutation cycles, energy, momentum, phases of a
+//! free peg. Comparing, explaining and drawing all start from it.
+
+pub(crate) mod curve;
+mod cycle;
+pub(crate) mod energy;
+mod event;
+pub(crate) mod level;
+mod peg;
+mod summary;
+
+pub(crate) use self::cycle::Cycle;
+pub(crate) use self::event::{Constancy, Event};
+pub(crate) use self::peg::PegHistory;
+pub use self::peg::{PegPhase, PegSummary};
+pub use self::summary::RunSummary;
+
+use self::curve::Curve;
+use self::energy::Energies;
+use self::level::FirstCrossing;
+use crate::archive::format::{Entries, STOP_REASON, STOP_TIME};
+use crate::physics::dynamics::Model;
+use crate::physics::kinematics::Euler;
+use crate::run::simulation::{EventKind, StopReason};
+use crate::telemetry::Message;
+use crate::telemetry::fields::{
+    ACCELERATION, CONTACT, ENERGY, EVENTS, MOMENTUM, NUTATION, STATE, acceleration, contact,
+    events, momentum, state,
+};
+
+use std::f64::consts::FRAC_PI_2;
+
+/// Where the next cycle begins later than this part of a period after the last one, nutations were interrupted.
+const BROKEN: f64 = 1e-6;
+
+/// A sample of the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct State {
+    /// When, s.
+    pub(crate) time: f64,
+    /// Inclination θ, rad.
+    pub(crate) theta: f64,
+    /// Euler rates, rad/s.
+    pub(crate) rates: Euler,
+    /// Integrals of the terms of φ̈ since the start, rad/s: gyroscopic, Coriolis, frictional; NaN where not recorded.
+    pub(crate) terms: [f64; 3],
+}
+
+/// The history of a run.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RunHistory {
+    /// Events, in the order of time.
+    pub(crate) events: Vec<Event>,
+    /// Nutation cycles, in the order of time.
+    pub(crate) cycles: Vec<Cycle>,
+    /// The first and the last sample.
+    pub(crate) states: Option<[State; 2]>,
+    pub(crate) energies: Energies,
+    /// The angular momentum about the vertical, kg m²/s.
+    pub(crate) vertical_momentum: Option<Constancy>,
+    /// When θ first passed π/2 from below, s, between two samples.
+    pub(crate) inverted: Option<f64>,
+    /// Length of the path slipped, m.
+    pub(crate) slip_path: Option<f64>,
+    /// When θ first fell to the level that was asked for.
+    pub(crate) rise: FirstCrossing,
+    /// The phases of a free peg.
+    pub(crate) peg: Option<PegHistory>,
+    /// The end record; none if the run did not reach its end.
+    pub(crate) end: Option<Entries>,
+    /// Number of messages.
+    pub(crate) messages: u64,
+    /// Time of the last message, ns.
+    pub(crate) last_ns: Option<u64>,
+}
+
+impl RunHistory {
+    /// For the run of a model, if that is known. `level` is that of θ whose first crossing is
+    /// wanted, rad.
+    pub(crate) fn new(model: Option<Model>, level: Option<f64>) -> Self {
+        let free = model.filter(|model| model.support.is_free());
+        Self {
+            peg: free.map(PegHistory::new),
+            rise: FirstCrossing::of(level),
+            ..Self::default()
+        }
+    }
+
+    /// Takes a message of the run.
+    pub(crate) fn take(&mut self, message: &Message<'_>) {
+        self.messages += 1;
+        self.last_ns = self.last_ns.max(Some(message.time_ns));
+        self.rise.take(message);
+        if let Some(peg) = &mut self.peg {
+            peg.take(message);
+        }
+        match message.topic() {
+            STATE => self.state(message),
+            ACCELERATION => self.terms(message),
+            ENERGY => self.energies.take(message),
+            MOMENTUM => {
+                let vertical = momentum::VERTICAL.of(message);
+                Constancy::take(&mut self.vertical_momentum, vertical);
+            }
+            CONTACT => {
+                self.slip_path = Some(contact::SLIP_PATH.of(message)).filter(|p| !p.is_nan());
+            }
+            NUTATION => self.cycles.push(Cycle::of(message)),
+            EVENTS => self.event(message),
+            _ => {}
+        }
+    }
+
+    fn state(&mut self, message: &Message<'_>) {
+        let rates = Euler {
+            phi: state::PHI_DOT.of(message),
+            theta: state::THETA_DOT.of(message),
+            psi: state::PSI_DOT.of(message),
+        };
+        let now = State {
+            time: message.time_ns as f64 / 1e9,
+            theta: state::THETA.of(message),
+            rates,
+            terms: [f64::NAN; 3],
+        };
+        if let Some([_, last]) = self.states
+            && self.inverted.is_none()
+            && last.theta < FRAC_PI_2
+            && now.theta >= FRAC_PI_2
+        {
+            let part = (FRAC_PI_2 - last.theta) / (now.theta - last.theta);
+            self.inverted = Some(last.time + part * (now.time - last.time));
+        }
+        let first = self.states.map_or(now, |[first, _]| first);
+        self.states = Some([first, now]);
+    }
+
+    /// The integrals of the terms of φ̈ belong to the state at the same time.
+    fn terms(&mut self, message: &Message<'_>) {
+        let terms = [
+            acceleration::PHI_DOT_GYROSCOPIC,
+            acceleration::PHI_DOT_CORIOLIS,
+            acceleration::PHI_DOT_FRICTIONAL,
+        ];
+        let terms = terms.map(|term| term.of(message));
+        let time = message.time_ns as f64 / 1e9;
+        for state in self.states.iter_mut().flatten() {
+            if state.time == time {
+                state.terms = terms;
+            }
+        }
+    }
+
+    fn event(&mut self, message: &Message<'_>) {
+        let event = Event {
+            kind: EventKind::find(events::NAME.of(message)),
+            description: events::DESCRIPTION.of(message).to_owned(),
+            time: events::TIME.of(message),
+            theta: events::THETA.of(message),
+        };
+        if let Some(peg) = &mut self.peg {
+            peg.event(&event);
+        }
+        self.events.push(event);
+    }
+
+    /// Notes the end of the run.
+    pub(crate) fn finish(&mut self, end: Option<Entries>) {
+        self.end = end;
+        if self.peg.is_none() {
+            self.end_with_nutation();
+        }
+    }
+
+    /// Leaves out what follows the nutation of a top whose peg is held: where something else was in between, the next cycle
+    /// doesn't begin where the last one ended, or lasts much longer.
+    fn end_with_nutation(&mut self) {
+        const LONGEST: f64 = 2.0;
+        let is_broken = |pair: &[Cycle]| {
+            let ratio = pair[1].period / pair[0].period;
+            let gap = pair[1].start - pair[0].end();
+            !(1.0 / LONGEST..=LONGEST).contains(&ratio) || gap.abs() > 0.5 * pair[0].period
+        };
+        if let Some(last) = self.cycles.windows(2).position(is_broken) {
+            self.cycles.truncate(last + 1);
+        }
+    }
+
+    /// An entry of the end record.
+    pub(crate) fn end_entry(&self, key: &str) -> Option<&str> {
+        self.end.as_ref()?.get(key).map(String::as_str)
+    }
+
+    /// When the run ended, s: as the end record has it, or else at the last message.
+    pub(crate) fn stop_time(&self) -> Option<f64> {
+        let known = self.end_entry(STOP_TIME).and_then(|time| time.parse().ok());
+        known.or_else(|| Some(self.last_ns? as f64 / 1e9))
+    }
+
+    /// The first event of a kind.
+    pub(crate) fn first(&self, kind: EventKind) -> Option<&Event> {
+        self.events_of(kind).next()
+    }
+
+    /// The events of a kind.
+    pub(crate) fn events_of(&self, kind: EventKind) -> impl Iterator<Item = &Event> {
+        self.events
+            .iter()
+            .filter(move |event| event.kind == Some(kind))
+    }
+
+    /// The number of nutations over time: a curve through the beginnings of the cycles. Where nutations are interrupted
+    /// nothing counts in between.
+    pub(crate) fn phase(&self) -> Curve {
+        let cycles = self.cycles.iter().enumerate();
+        let broken_off = cycles.filter(|(index, _)| !self.goes_on_after(*index));
+        let ends = broken_off.map(|(_, cycle)| (cycle.end(), cycle.number + 1.0));
+        let starts = self.cycles.iter().map(|cycle| (cycle.start, cycle.number));
+        let mut points: Vec<_> = starts.chain(ends).collect();
+        points.sort_by(|one, other| one.0.total_cmp(&other.0));
+        Curve::new(points)
+    }
+
+    fn goes_on_after(&self, index: usize) -> bool {
+        let cycle = &self.cycles[index];
+        let next = self.cycles.get(index + 1);
+        next.is_some_and(|next| (next.start - cycle.end()).abs() < BROKEN * cycle.period)
+    }
+
+    /// Until when nutations follow each other without interruption, s.
+    pub(crate) fn unbroken_until(&self) -> Option<f64> {
+        let last = (0..self.cycles.len()).find(|index| !self.goes_on_after(*index))?;
+        Some(self.cycles[last].end())
+    }
+
+    /// A quantity of the cycles: a curve through their middles.
+    pub(crate) fn of_cycles(&self, quantity: impl Fn(&Cycle) -> f64) -> Curve {
+        let points = self.cycles.iter();
+        let points = points.map(|cycle| (cycle.middle(), quantity(cycle)));
+        Curve::new(points.filter(|(_, value)| !value.is_nan()))
+    }
+
+    /// Whether it is a run of a tippe top.
+    pub(crate) fn is_of_tippe_top(&self) -> bool {
+        self.peg.as_ref().is_some_and(PegHistory::is_tippe)
+    }
+
+    /// A summary.
+    pub(crate) fn summary(&self) -> RunSummary {
+        let end_time = self.end_entry(STOP_TIME).and_then(|time| time.parse().ok());
+        let reason = self.end_entry(STOP_REASON).map(str::to_owned);
+        let is_rise = reason.as_deref() == Some(StopReason::Risen.name());
+        let risen = self.first(EventKind::Risen).map(|event| event.time);
+        let momentum = self.vertical_momentum.filter(|_| self.peg.is_none());
+        RunSummary {
+            rise_time: risen.or(end_time.filter(|_| is_rise)),
+            stop_reason: reason,
+            stop_time: end_time,
+            nutations: (!self.cycles.is_empty()).then_some(self.cycles.len() as u64),
+            energy_first: self.energies.first(),
+            energy_last: self.energies.last(),
+            friction_work: self.energies.work(),
+            energy_imbalance: self.energies.imbalance(),
+            slip_path: self.slip_path,
+            vertical_momentum_deviation: momentum
+                .map(|m| m.deviation / m.first.abs())
+                .filter(|deviation| deviation.is_finite()),
+            peg: self
+                .peg
+                .as_ref()
+                .map(|peg| peg.summary(self.stop_time().unwrap_or(0.0))),
+        }
+    }
+}

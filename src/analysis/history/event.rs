@@ -1,0 +1,37 @@
+//! Events, and what should stay constant between them.
+
+use crate::run::simulation::EventKind;
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Event {
+    /// Its kind; none for a name of another version.
+    pub(crate) kind: Option<EventKind>,
+    /// When, s.
+    pub(crate) time: f64,
+    /// Inclination θ then, rad.
+    pub(crate) theta: f64,
+    /// The sentence that was recorded with it.
+    pub(crate) description: String,
+}
+
+/// A quantity that should be constant: its first value, and the largest deviation from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Constancy {
+    pub(crate) first: f64,
+    pub(crate) deviation: f64,
+}
+
+impl Constancy {
+    /// Takes the next value; NaN is not recorded.
+    pub(super) fn take(constancy: &mut Option<Self>, value: f64) {
+        if value.is_nan() {
+            return;
+        }
+        let known = constancy.get_or_insert(Self {
+            first: value,
+            deviation: 0.0,
+        });
+        known.deviation = known.deviation.max((value - known.first).abs());
+    }
+}

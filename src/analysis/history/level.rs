@@ -1,0 +1,115 @@
+//! When θ first falls to a level, found from the samples of a run.
+//!
+//! Of two runs with different `stop.theta_risen` one has no event at a level that both reach: there the crossing is found
+//! between the samples.
+
+use super::curve::{extreme, hermite5};
+use crate::physics::integrate::zero;
+use crate::run::simulation::EventKind;
+use crate::telemetry::Message;
+use crate::telemetry::fields::{EVENTS, STATE, events, state};
+
+/// The event of a rise is at `stop.theta_risen` within rounding, rad: it is refined to the resolution of a step, some
+/// 1e-16 s, in which θ changes by far less than this.
+const SAME_LEVEL: f64 = 1e-9;
+
+/// The first crossing of a level.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FirstCrossing {
+    /// The level, rad; none if none is looked for.
+    level: Option<f64>,
+    time: Option<f64>,
+    /// The last sample: its time (s), θ, θ̇ and θ̈.
+    last: Option<(f64, [f64; 3])>,
+}
+
+impl FirstCrossing {
+    /// Looks for the first time at which θ falls to a level, rad.
+    pub(crate) fn of(level: Option<f64>) -> Self {
+        Self {
+            level,
+            ..Self::default()
+        }
+    }
+
+    /// The time of the crossing, s.
+    pub(crate) fn time(&self) -> Option<f64> {
+        self.time
+    }
+
+    /// Takes a message: a state, or the end of the run at the level, which lies behind the last sample.
+    pub(super) fn take(&mut self, message: &Message<'_>) {
+        let Some(level) = self.level.filter(|_| self.time.is_none()) else {
+            return;
+        };
+        match message.topic() {
+            STATE => self.state(message, level),
+            EVENTS => {
+                let is_rise = events::NAME.of(message) == EventKind::Risen.name();
+                let distance = (events::THETA.of(message) - level).abs();
+                if is_rise && distance <= SAME_LEVEL {
+                    self.time = Some(events::TIME.of(message));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn state(&mut self, message: &Message<'_>, level: f64) {
+        let now = [state::THETA, state::THETA_DOT, state::THETA_DDOT].map(|f| f.of(message));
+        if now.iter().any(|value| !value.is_finite()) {
+            return;
+        }
+        let time = message.time_ns as f64 / 1e9;
+        if let Some((before, last)) = self.last.replace((time, now)) {
+            let [from, to] = [last, now].map(|[theta, rate, acc]| [theta - level, rate, acc]);
+            let part = first_zero(from, to, time - before);
+            self.time = part.map(|part| before + part * (time - before));
+        }
+    }
+}
+
+/// The part of the way between two samples, `h` apart, at which a positive quantity with its first two derivatives
+/// first is 0, if it is.
+fn first_zero(from: [f64; 3], to: [f64; 3], h: f64) -> Option<f64> {
+    if from[0] <= 0.0 {
+        return None;
+    }
+    let at = |s: f64| hermite5(from, to, h, s);
+    let end = if to[0] <= 0.0 {
+        1.0
+    } else {
+        // Both are above the level: it may dip below in between.
+        let lowest = extreme([from[0], from[1]], [to[0], to[1]], h)?;
+        if lowest > 0.0 || from[1] >= 0.0 {
+            return None;
+        }
+        // The slope turns from falling to rising there.
+        let slope = |s: f64| (at((s + 1e-6).min(1.0)) - at((s - 1e-6).max(0.0))) * 1e6;
+        zero(from[1], to[1], slope)
+    };
+    let bottom = at(end);
+    if bottom > 0.0 {
+        return None;
+    }
+    Some(end * zero(from[0], bottom, |s| at(s * end)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn val_dips_between_samples_are_found() {
+        // (t − 0.4)² − 0.01 between 0 and 1: above 0 at both, 0 at 0.3.
+        let of = |t: f64| [(t - 0.4) * (t - 0.4) - 0.01, 2.0 * (t - 0.4), 2.0];
+        let found = first_zero(of(0.0), of(1.0), 1.0).unwrap();
+        assert!((found - 0.3).abs() < 1e-12, "{found}");
+        let found = first_zero(of(0.0), of(0.45), 0.45).unwrap();
+        assert!((0.45 * found - 0.3).abs() < 1e-12, "{found}");
+        // What was below has been there before, and what only comes near is not there.
+        assert_eq!(first_zero(of(0.35), of(1.0), 0.65), None);
+        let above = |t: f64| [of(t)[0] + 0.02, of(t)[1], of(t)[2]];
+        assert_eq!(first_zero(above(0.0), above(1.0), 1.0), None);
+    }
+}

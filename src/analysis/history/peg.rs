@@ -1,0 +1,252 @@
+//! The phases of a free peg: sliding, rolling and flight, impacts, and the energy that each took.
+
+use super::event::{Constancy, Event};
+use crate::physics::dynamics::Model;
+use crate::run::simulation::EventKind;
+use crate::telemetry::Message;
+use crate::telemetry::fields::{
+    CENTER_OF_MASS, CONTACT, FREE_PEG, IMPACTS, MOMENTUM, center_of_mass, contact, free_peg,
+    impacts, momentum,
+};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// A phase of the peg's motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PegPhase {
+    /// It slides over the table.
+    Sliding,
+    /// It rolls on it: the contact point does not slip.
+    Rolling,
+    /// It is in the air, or touches the table in impacts only.
+    Flying,
+}
+
+/// An interval in which the peg is in one phase.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Interval {
+    pub(crate) phase: PegPhase,
+    /// When it begins and ends, s.
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// Inclination θ when it begins, rad; NaN at the start of the run.
+    pub(crate) theta: f64,
+}
+
+impl Interval {
+    pub(crate) fn duration(&self) -> f64 {
+        self.to - self.from
+    }
+}
+
+/// The regime of a peg in the air, as `/top/contact` has it.
+const FLYING: f64 = 2.0;
+
+/// The history of a free peg.
+#[derive(Clone, Debug)]
+pub(crate) struct PegHistory {
+    model: Model,
+    /// Changes of phase: the new one, when (s), and θ then (rad).
+    changes: Vec<(PegPhase, f64, f64)>,
+    flies_at_first: bool,
+    has_begun: bool,
+    /// Whether there are events: without them the phases are not known.
+    has_events: bool,
+    impacts: u64,
+    /// The energy that these took, J.
+    impact_loss: f64,
+    /// Height above the table in the highest sample, m; NaN if no sample is in the air.
+    highest: f64,
+    axial: f64,
+    /// Jellett's integral, kg m³/s.
+    jellett: Option<Constancy>,
+    /// The largest sum of the magnitudes of its terms, |l L_n| + |R L_z′|, kg m³/s, which may cancel.
+    jellett_terms: f64,
+    /// Energy taken by sliding, other losses, restitution and friction in impacts, J.
+    lost: Option<[f64; 4]>,
+    /// The contact point in the first sample, and the largest distance from there, m.
+    travelled: Option<([f64; 2], f64)>,
+}
+
+impl PegHistory {
+    pub(super) fn new(model: Model) -> Self {
+        Self {
+            model,
+            changes: Vec::new(),
+            flies_at_first: false,
+            has_begun: false,
+            has_events: false,
+            impacts: 0,
+            impact_loss: 0.0,
+            highest: f64::NAN,
+            axial: f64::NAN,
+            jellett: None,
+            jellett_terms: 0.0,
+            lost: None,
+            travelled: None,
+        }
+    }
+
+    /// Whether the centre of mass is below the centre of the sphere when the axis is upright.
+    pub(crate) fn is_tippe(&self) -> bool {
+        self.model.top.center_distance < 0.0
+    }
+
+    pub(super) fn take(&mut self, message: &Message<'_>) {
+        match message.topic() {
+            CONTACT => self.contact(message),
+            MOMENTUM => self.axial = momentum::AXIAL.of(message),
+            CENTER_OF_MASS => {
+                let vertical = center_of_mass::ANGULAR_MOMENTUM.of(message).z;
+                let top = &self.model.top;
+                let terms = [top.center_distance * self.axial, top.peg_radius * vertical];
+                let size = terms.iter().map(|term| term.abs()).sum();
+                self.jellett_terms = self.jellett_terms.max(size);
+            }
+            FREE_PEG => self.free_peg(message),
+            IMPACTS => {
+                self.impacts += 1;
+                self.impact_loss +=
+                    impacts::LOST_RESTITUTION.of(message) + impacts::LOST_FRICTION.of(message);
+            }
+            _ => {}
+        }
+    }
+
+    pub(super) fn event(&mut self, event: &Event) {
+        self.has_events = true;
+        let phase = match event.kind {
+            Some(EventKind::LiftOff) => PegPhase::Flying,
+            Some(EventKind::Landing | EventKind::RollEnds) => PegPhase::Sliding,
+            Some(EventKind::RollBegins) => PegPhase::Rolling,
+            _ => return,
+        };
+        if self.changes.is_empty() {
+            self.flies_at_first |= event.kind == Some(EventKind::Landing);
+        }
+        self.changes.push((phase, event.time, event.theta));
+    }
+
+    fn contact(&mut self, message: &Message<'_>) {
+        // A peg that is thrown up begins at the table, but in the air.
+        self.flies_at_first |= self.travelled.is_none() && contact::REGIME.of(message) == FLYING;
+        let point = contact::CONTACT_POINT.of(message);
+        let (first, farthest) = self.travelled.get_or_insert(([point.x, point.y], 0.0));
+        let away = crate::physics::math::hypot(point.x - first[0], point.y - first[1]);
+        *farthest = farthest.max(away);
+    }
+
+    fn free_peg(&mut self, message: &Message<'_>) {
+        let gap = free_peg::GAP.of(message);
+        if !self.has_begun {
+            self.has_begun = true;
+            self.flies_at_first |= gap > 0.0;
+        }
+        if gap > 0.0 {
+            self.highest = self.highest.max(gap);
+        }
+        Constancy::take(&mut self.jellett, free_peg::JELLETT.of(message));
+        let lost = [
+            free_peg::LOST_SLIDING,
+            free_peg::LOST_LOSSES,
+            free_peg::LOST_RESTITUTION,
+            free_peg::LOST_IMPACT_FRICTION,
+        ];
+        self.lost = Some(lost.map(|field| field.of(message)));
+    }
+
+    /// The intervals of the phases, to the end of the run (s); none if there are no events.
+    pub(crate) fn intervals(&self, end: f64) -> Vec<Interval> {
+        if !self.has_events {
+            return Vec::new();
+        }
+        let first = match self.flies_at_first {
+            true => PegPhase::Flying,
+            false => PegPhase::Sliding,
+        };
+        let starts = [(first, 0.0, f64::NAN)].into_iter();
+        let starts: Vec<_> = starts.chain(self.changes.iter().copied()).collect();
+        let mut intervals: Vec<Interval> = Vec::new();
+        for (at, (phase, from, theta)) in starts.iter().copied().enumerate() {
+            let to = starts.get(at + 1).map_or(end, |next| next.1);
+            // What begins and ends at one moment was a name for it only.
+            if to <= from {
+                continue;
+            }
+            match intervals.last_mut() {
+                Some(last) if last.phase == phase => last.to = to,
+                _ => intervals.push(Interval {
+                    phase,
+                    from,
+                    to,
+                    theta,
+                }),
+            }
+        }
+        intervals
+    }
+
+    pub(super) fn summary(&self, end: f64) -> PegSummary {
+        let intervals = self.intervals(end);
+        let of = |phase: PegPhase| intervals.iter().filter(move |i| i.phase == phase);
+        let time_in = |phase: PegPhase| of(phase).map(Interval::duration).fold(0.0, |a, b| a + b);
+        let is_known = self.has_events;
+        let last = intervals
+            .last()
+            .filter(|last| last.phase == PegPhase::Rolling);
+        PegSummary {
+            hops: is_known.then(|| of(PegPhase::Flying).count() as u64),
+            impacts: is_known.then_some(self.impacts),
+            impact_loss: is_known
+                .then_some(self.impact_loss)
+                .filter(|lost| lost.is_finite()),
+            first_flight: of(PegPhase::Flying).next().map(|i| i.from),
+            time_in_air: is_known.then(|| time_in(PegPhase::Flying)),
+            highest: Some(self.highest).filter(|height| !height.is_nan()),
+            first_roll: of(PegPhase::Rolling).next().map(|i| i.from),
+            time_rolling: is_known.then(|| time_in(PegPhase::Rolling)),
+            rolls_to_end_from: last.map(|i| i.from),
+            rolls_to_end_at: last.map(|i| i.theta),
+            lost: self.lost,
+            jellett: self.jellett.map(|jellett| jellett.first),
+            jellett_deviation: self
+                .jellett
+                .map(|jellett| jellett.deviation / self.jellett_terms.max(jellett.first.abs())),
+            farthest: self.travelled.map(|(_, farthest)| farthest),
+        }
+    }
+}
+
+/// A summary of what a free peg did. What follows from events is absent in recordings without them.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct PegSummary {
+    /// Number of flights, from lift-off to landing; bounces in between don't count.
+    pub hops: Option<u64>,
+    /// Number of impacts.
+    pub impacts: Option<u64>,
+    /// The energy that these took, J.
+    pub impact_loss: Option<f64>,
+    /// When the peg was first in the air, s; 0 if the run begins so.
+    pub first_flight: Option<f64>,
+    /// Time in the air, impacts between bounces included, s.
+    pub time_in_air: Option<f64>,
+    /// Height above the table of the highest sample, m.
+    pub highest: Option<f64>,
+    /// When the peg first rolled, s.
+    pub first_roll: Option<f64>,
+    /// Time in which the peg rolled, s.
+    pub time_rolling: Option<f64>,
+    /// From when on the peg rolled to the end of the run, s; absent if it did something else then.
+    pub rolls_to_end_from: Option<f64>,
+    /// Inclination θ at that moment, rad.
+    pub rolls_to_end_at: Option<f64>,
+    /// Energy that sliding, other losses, restitution and friction in impacts took, J.
+    pub lost: Option<[f64; 4]>,
+    /// Jellett's integral at first, kg m³/s.
+    pub jellett: Option<f64>,
+    /// The largest deviation of Jellett's integral, relative to the sum of its terms.
+    pub jellett_deviation: Option<f64>,
+    /// The largest distance of the contact point from where it began, in samples, m.
+    pub farthest: Option<f64>,
+}

@@ -1,0 +1,33 @@
+//! A summary of a run's history.
+
+use super::peg::PegSummary;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// A summary of a run. Numbers that were not recorded are absent.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct RunSummary {
+    /// Why the run ended.
+    pub stop_reason: Option<String>,
+    /// When the run ended, s.
+    pub stop_time: Option<f64>,
+    /// When the top had risen, s.
+    pub rise_time: Option<f64>,
+    /// Number of nutation cycles.
+    pub nutations: Option<u64>,
+    /// Energy at the start, J.
+    pub energy_first: Option<f64>,
+    /// Energy in the last sample, J.
+    pub energy_last: Option<f64>,
+    /// Work of friction up to the last sample, J.
+    pub friction_work: Option<f64>,
+    /// The largest deviation of the energy from that at the start and the work of friction, J.
+    pub energy_imbalance: Option<f64>,
+    /// Length of the path slipped up to the last sample, m.
+    pub slip_path: Option<f64>,
+    /// The largest deviation of the angular momentum about the vertical, relative; absent for free pegs, which friction
+    /// turns about the vertical.
+    pub vertical_momentum_deviation: Option<f64>,
+    /// What a free peg did.
+    pub peg: Option<PegSummary>,
+}

@@ -1,0 +1,92 @@
+//! A run that is simulated again: its messages as they stand in a recording, one after the other.
+
+use crate::archive::format::{Entries, end_entries};
+use crate::archive::writer::{Batch, Form, Opening, RunEncoder};
+use crate::run::scenario::Scenario;
+use crate::run::simulation::{RunEnd, Simulation, StopReason};
+use crate::telemetry::digest::ContentDigest;
+use crate::telemetry::{Telemetry, TelemetryError};
+
+/// A message that the run gives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Expected {
+    /// Where its channel stands in the opening.
+    pub(super) channel: usize,
+    pub(super) sequence: u32,
+    pub(super) time_ns: u64,
+    pub(super) data: Vec<u8>,
+}
+
+/// A run that is simulated again.
+pub(super) struct Again {
+    pub(super) opening: Opening,
+    simulation: Simulation,
+    telemetry: Telemetry,
+    encoder: RunEncoder,
+    digest: ContentDigest,
+    batch: Batch,
+    has_failed: bool,
+}
+
+impl Again {
+    /// # Errors
+    /// Why the scenario can't be simulated.
+    pub(super) fn start(
+        scenario: &Scenario,
+        telemetry: Telemetry,
+        form: Form,
+    ) -> Result<Self, String> {
+        let opening = || Opening::new(scenario, &telemetry, form);
+        let ids: Vec<u16> = (0..opening().channels.len() as u16).collect();
+        Ok(Self {
+            encoder: RunEncoder::new(opening(), &ids),
+            opening: opening(),
+            simulation: Simulation::new(scenario).map_err(|error| error.to_string())?,
+            telemetry,
+            digest: ContentDigest::default(),
+            batch: Batch::default(),
+            has_failed: false,
+        })
+    }
+
+    /// Simulates one record and passes its messages to `take`; returns its time in ns, and none at the end.
+    pub(super) fn next(&mut self, mut take: impl FnMut(Expected)) -> Option<u64> {
+        if self.has_failed {
+            return None;
+        }
+        let Ok(record) = self.simulation.next()? else {
+            self.has_failed = true;
+            return None;
+        };
+        let (encoder, batch, digest) = (&mut self.encoder, &mut self.batch, &mut self.digest);
+        batch.clear();
+        let logged = self.telemetry.messages(&record, |message| {
+            encoder.encode(message, batch);
+            digest.update(message);
+            Ok::<(), TelemetryError>(())
+        });
+        for (header, data) in batch.messages() {
+            take(Expected {
+                channel: usize::from(header.channel_id),
+                sequence: header.sequence,
+                time_ns: header.log_time,
+                data: data.to_vec(),
+            });
+        }
+        // What can't be recorded ended the recorded run, too.
+        self.has_failed = logged.is_err();
+        logged.is_ok().then(|| record.time_ns())
+    }
+
+    /// The entries of the end record, once the run has ended.
+    pub(super) fn end(self) -> (Opening, Entries, String) {
+        let mut end = self.simulation.end();
+        if self.has_failed {
+            end = RunEnd {
+                stop: StopReason::Failed,
+                ..end
+            };
+        }
+        (self.opening, end_entries(&end), self.digest.finish())
+    }
+}

@@ -1,0 +1,61 @@
+//! A difference that verification finds.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::fmt;
+
+/// A difference between a recording and its scenario, run again.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct Difference {
+    /// Topic, metadata record or attachment.
+    pub place: String,
+    /// Simulation time, s; absent outside of messages.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<String>,
+    /// Field or property; absent if all of it differs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field: Option<String>,
+    /// The value in the file; absent if it isn't there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recorded: Option<String>,
+    /// The value that the scenario gives; absent if it gives none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub simulated: Option<String>,
+}
+
+impl Difference {
+    /// A difference outside of messages.
+    pub(super) fn of(
+        place: &str,
+        field: &str,
+        recorded: Option<String>,
+        simulated: Option<String>,
+    ) -> Self {
+        Self {
+            place: place.to_owned(),
+            field: (!field.is_empty()).then(|| field.to_owned()),
+            recorded,
+            simulated,
+            time: None,
+        }
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.place)?;
+        if let Some(time) = &self.time {
+            write!(f, " at t = {time} s")?;
+        }
+        if let Some(field) = &self.field {
+            write!(f, ", {field}")?;
+        }
+        let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "none".to_owned());
+        write!(
+            f,
+            ": recorded {}, simulated {}",
+            value(&self.recorded),
+            value(&self.simulated)
+        )
+    }
+}

@@ -1,0 +1,284 @@
+//! Comparing the messages of a file, in its order, with those of its scenario, run again.
+
+use super::again::{Again, Expected};
+use super::difference::Difference;
+use crate::archive::format::{CONTENT_DIGEST, Entries};
+use crate::archive::recording::{FileChannel, Recording, Selection, Undecoded};
+use crate::archive::writer::{Declared, Opening};
+use crate::telemetry::encoding::{Decoder, Row};
+use crate::telemetry::{ChannelInfo, Topic};
+use std::collections::VecDeque;
+
+/// The result of comparing messages.
+pub(super) struct Compared {
+    pub(super) equal: u64,
+    /// Messages of the run that the file lacks.
+    pub(super) missing: u64,
+    /// Parts of the file that can't be read.
+    pub(super) losses: usize,
+    pub(super) difference: Option<Difference>,
+    /// The first message that stands before others of its time that the run gives earlier.
+    pub(super) out_of_order: Option<Difference>,
+    pub(super) opening: Opening,
+    /// The end record that the run gives.
+    pub(super) end: Entries,
+}
+
+/// A file and its run, side by side.
+pub(super) struct Comparison<'r> {
+    recording: &'r Recording,
+    again: Again,
+    /// Whether values count and their encoding doesn't.
+    is_by_value: bool,
+    /// For each channel of the file its place among those of the run; none if the run has no such channel.
+    places: Vec<Option<usize>>,
+    decoders: Vec<Option<[Decoder; 2]>>,
+    /// Messages that have been simulated and not been met.
+    ahead: VecDeque<Expected>,
+    /// The time up to which everything has been simulated, ns.
+    reached_ns: Option<u64>,
+    equal: u64,
+    missing: u64,
+    difference: Option<Difference>,
+    out_of_order: Option<Difference>,
+}
+
+impl<'r> Comparison<'r> {
+    pub(super) fn new(recording: &'r Recording, again: Again, is_by_value: bool) -> Self {
+        let declared = &again.opening.channels;
+        let place = |channel: &FileChannel| declared.iter().position(|d| d.topic == channel.topic);
+        let places: Vec<_> = recording.channels().iter().map(place).collect();
+        let decoders = recording.channels().iter().zip(&places);
+        let decoders = decoders.map(|(channel, place)| decoders_of(channel, &declared[(*place)?]));
+        Self {
+            decoders: decoders.collect(),
+            recording,
+            again,
+            is_by_value,
+            places,
+            ahead: VecDeque::new(),
+            reached_ns: None,
+            equal: 0,
+            missing: 0,
+            difference: None,
+            out_of_order: None,
+        }
+    }
+
+    /// Compares until the first difference.
+    pub(super) fn run(mut self, progress: &dyn Fn(u64)) -> Compared {
+        let mut reader = self.recording.reader(Selection::default()).bounded();
+        while let Some(recorded) = reader.next_undecoded() {
+            self.take(&recorded);
+            if self.difference.is_some() {
+                break;
+            }
+            progress(reader.progress());
+        }
+        let losses = reader.losses().len();
+        if !self.recording.is_interrupted() {
+            self.finish_run();
+        }
+        let (opening, mut end, digest) = self.again.end();
+        end.insert(CONTENT_DIGEST.to_owned(), digest);
+        Compared {
+            equal: self.equal,
+            missing: self.missing,
+            losses,
+            difference: self.difference,
+            out_of_order: self.out_of_order,
+            opening,
+            end,
+        }
+    }
+
+    /// Compares a recorded message with that of the run.
+    fn take(&mut self, recorded: &Undecoded<'_>) {
+        let Some(channel) = self.places[recorded.position] else {
+            // Fields and views of another version are compared as far as both have them.
+            if !self.is_by_value {
+                self.difference = Some(self.stray(recorded));
+            }
+            return;
+        };
+        if self.is_by_value && recorded.channel.is_view() {
+            return;
+        }
+        let found = self.find(channel, recorded);
+        let Some(expected) = found.and_then(|at| self.ahead.remove(at)) else {
+            self.difference = Some(self.stray(recorded));
+            return;
+        };
+        if found.is_some_and(|at| at > 0) && self.out_of_order.is_none() {
+            let field = Some("order among messages of the same time".to_owned());
+            self.out_of_order = Some(Difference {
+                field,
+                ..self.stray(recorded)
+            });
+        }
+        self.difference = self.compare(recorded, &expected);
+        self.equal += u64::from(self.difference.is_none());
+    }
+
+    /// A message that the run doesn't give, or not there.
+    fn stray(&self, recorded: &Undecoded<'_>) -> Difference {
+        Difference {
+            time: Some(seconds(recorded.log_time)),
+            ..Difference::of(
+                &recorded.channel.topic,
+                "",
+                Some(format!("message {}", recorded.sequence)),
+                None,
+            )
+        }
+    }
+
+    fn compare(&self, recorded: &Undecoded<'_>, expected: &Expected) -> Option<Difference> {
+        let difference = |field: &str, recorded_value, simulated| Difference {
+            time: Some(seconds(recorded.log_time)),
+            ..Difference::of(
+                &recorded.channel.topic,
+                field,
+                Some(recorded_value),
+                Some(simulated),
+            )
+        };
+        let times = [
+            ("log time (ns)", recorded.log_time),
+            ("publish time (ns)", recorded.publish_time),
+        ];
+        for (name, time) in times {
+            if time != expected.time_ns {
+                let (recorded, simulated) = (time.to_string(), expected.time_ns.to_string());
+                return Some(difference(name, recorded, simulated));
+            }
+        }
+        if recorded.data == expected.data {
+            return None;
+        }
+        let decoders = self.decoders[recorded.position].as_ref();
+        match decoders.map(|decoders| first_field(decoders, recorded, expected)) {
+            Some(Ok(Some((field, [recorded, simulated])))) => {
+                Some(difference(&field, recorded, simulated))
+            }
+            Some(Ok(None)) if self.is_by_value => None,
+            Some(Err(reason)) => Some(difference("", reason, "a message".to_owned())),
+            Some(Ok(None)) | None => {
+                let bytes = |data: &[u8]| {
+                    format!("{} bytes, crc32 {:08x}", data.len(), crc32fast::hash(data))
+                };
+                Some(difference(
+                    "encoded message",
+                    bytes(recorded.data),
+                    bytes(&expected.data),
+                ))
+            }
+        }
+    }
+
+    /// Finds the message of the run that a recorded one should be, and simulates no further than it takes: the rest of an
+    /// interrupted run may be long.
+    fn find(&mut self, channel: usize, recorded: &Undecoded<'_>) -> Option<usize> {
+        loop {
+            self.leave_behind(recorded.log_time);
+            let found = self.ahead.iter().position(|expected| {
+                expected.channel == channel && expected.sequence == recorded.sequence
+            });
+            let is_past = self
+                .reached_ns
+                .is_some_and(|reached| reached > recorded.log_time);
+            if found.is_some() || is_past {
+                return found;
+            }
+            self.advance();
+        }
+    }
+
+    /// Simulates one record more.
+    fn advance(&mut self) {
+        let ahead = &mut self.ahead;
+        let time = self.again.next(|expected| ahead.push_back(expected));
+        self.reached_ns = Some(time.unwrap_or(u64::MAX));
+    }
+
+    /// Counts as missing what is earlier than what is recorded next.
+    fn leave_behind(&mut self, time_ns: u64) {
+        while self.ahead.front().is_some_and(|m| m.time_ns < time_ns) {
+            let passed = self.ahead.pop_front();
+            self.missing += u64::from(passed.is_some_and(|passed| self.counts(&passed)));
+        }
+    }
+
+    /// Whether a message of the run is looked for in the file.
+    fn counts(&self, expected: &Expected) -> bool {
+        let topic = self.again.opening.channels[expected.channel].topic;
+        let is_common = || Topic::find(topic).is_some_and(|topic| self.recording.has(topic));
+        !self.is_by_value || is_common()
+    }
+
+    /// Simulates to the end and counts what the file lacks.
+    fn finish_run(&mut self) {
+        loop {
+            let is_over = self.reached_ns == Some(u64::MAX);
+            while let Some(left) = self.ahead.pop_front() {
+                self.missing += u64::from(self.counts(&left));
+            }
+            if is_over || self.difference.is_some() {
+                return;
+            }
+            self.advance();
+        }
+    }
+}
+
+/// What decodes the messages of a channel of the table: those of the file, and those of the run.
+fn decoders_of(channel: &FileChannel, declared: &Declared) -> Option<[Decoder; 2]> {
+    let info: &'static ChannelInfo = channel.info()?;
+    let file = channel.decoder()?.ok()?;
+    let (name, schema) = (declared.schema_name, &declared.schema);
+    let run = Decoder::new(info, declared.encoding, name, schema).ok()?;
+    Some([file, run])
+}
+
+/// The first field that differs, with the values in the file and of the run; fields that the file's schema lacks don't
+/// count.
+fn first_field(
+    [of_file, of_run]: &[Decoder; 2],
+    recorded: &Undecoded<'_>,
+    expected: &Expected,
+) -> Result<Option<(String, [String; 2])>, String> {
+    let (mut a, mut b) = (Row::default(), Row::default());
+    of_file
+        .decode(recorded.data, &mut a)
+        .map_err(|error| error.to_string())?;
+    of_run
+        .decode(&expected.data, &mut b)
+        .map_err(|error| error.to_string())?;
+    let missing = &of_file.differences().missing;
+    let Some(info) = recorded.channel.info() else {
+        return Ok(None);
+    };
+    let numbers = info.numbers.iter().zip(a.numbers.iter().zip(&b.numbers));
+    for (leaf, (recorded, simulated)) in numbers {
+        if recorded.to_bits() != simulated.to_bits() && !missing.contains(&leaf.path) {
+            let values = [recorded, simulated].map(|value| format!("{value:?}"));
+            return Ok(Some((leaf.path.clone(), values)));
+        }
+    }
+    let texts = info.texts.iter().zip(a.texts.iter().zip(&b.texts));
+    for (leaf, (recorded, simulated)) in texts {
+        if recorded != simulated && !missing.contains(&leaf.path) {
+            let values = [recorded, simulated].map(|value| format!("{value:?}"));
+            return Ok(Some((leaf.path.clone(), values)));
+        }
+    }
+    if a.time_ns != b.time_ns {
+        let values = [a.time_ns, b.time_ns].map(seconds);
+        return Ok(Some(("timestamp (s)".to_owned(), values)));
+    }
+    Ok(None)
+}
+
+fn seconds(time_ns: u64) -> String {
+    format!("{}", time_ns as f64 / 1e9)
+}

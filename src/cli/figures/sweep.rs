@@ -1,0 +1,135 @@
+//! Figures of sweeps: which columns of which runs they show.
+
+use crate::analysis::figures::{Map, MapAxis, MapRun};
+use crate::cli::arguments::{Override, parse_override};
+use crate::sweep::Columns;
+use anyhow::{Error, bail};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Arguments for a figure of a sweep.
+#[derive(Args, Debug, PartialEq)]
+pub(super) struct SweepFigure {
+    /// Draw what came of a sweep instead, a table of `toprise sweep`: a map over --x and --y, or curves over --x.
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["runs", "only"], requires = "x")]
+    sweep: Option<PathBuf>,
+
+    /// The key that varies across, as in `friction_k`.
+    #[arg(long, value_name = "COLUMN", requires = "sweep")]
+    x: Option<String>,
+
+    /// The key that varies upward.
+    #[arg(long, value_name = "COLUMN", requires = "sweep")]
+    y: Option<String>,
+
+    /// What colours or curves show.
+    #[arg(
+        long,
+        value_name = "COLUMN",
+        default_value = "rise_time",
+        requires = "sweep"
+    )]
+    show: String,
+
+    /// Draw only runs with this value in a column, as in scenario=paper.
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where, requires = "sweep")]
+    chosen: Vec<Override>,
+}
+
+/// Reads the value of `--where`.
+fn parse_where(text: &str) -> Result<Override, String> {
+    parse_override(text).map_err(|_| "must be COLUMN=VALUE, as in scenario=paper".to_owned())
+}
+
+impl SweepFigure {
+    /// The table of the sweep; none if a figure of runs is wanted.
+    pub(super) fn table(&self) -> Option<&PathBuf> {
+        self.sweep.as_ref()
+    }
+
+    /// Reads what the figure shows.
+    pub(super) fn read(&self, table: &Path) -> Result<Map, Error> {
+        let (x, y) = (self.x.as_deref().unwrap_or_default(), self.y.as_deref());
+        let column = |name: &str| name.replace('.', "_");
+        if y.is_some_and(|y| column(y) == column(x)) {
+            bail!("--x and --y are both {x}: choose two columns");
+        }
+        let mut names = vec!["scenario", "stop_reason", "loops", x, &self.show];
+        names.extend(y);
+        names.extend(self.chosen.iter().map(|(name, _)| name.as_str()));
+        let columns = Columns::read(table, &names)?;
+        let chosen = self.chosen(&columns, table)?;
+        let (scenarios, stops) = (columns.texts("scenario")?, columns.texts("stop_reason")?);
+        let (loops, colors) = (columns.numbers("loops")?, columns.numbers(&self.show)?);
+        let xs = columns.numbers(x)?;
+        let ys = y.map(|y| columns.numbers(y)).transpose()?;
+        let run = |row: usize| MapRun {
+            x: xs[row],
+            y: ys.as_ref().map_or(f64::NAN, |ys| ys[row]),
+            color: colors[row],
+            stop: stops[row].clone(),
+            loops: (!loops[row].is_nan()).then_some(loops[row] > 0.0),
+            scenario: scenarios[row].clone().unwrap_or_default(),
+        };
+        let axis = |name: &str| MapAxis {
+            name: name.to_owned(),
+            unit: columns.unit(name).to_owned(),
+        };
+        Ok(Map {
+            x: axis(x),
+            y: y.map(axis),
+            color: axis(&self.show),
+            runs: chosen.into_iter().map(run).collect(),
+        })
+    }
+
+    /// The rows of the runs that --where chooses.
+    fn chosen(&self, columns: &Columns, table: &Path) -> Result<Vec<usize>, Error> {
+        let mut rows: Vec<usize> = (0..columns.texts("scenario")?.len()).collect();
+        for (name, value) in &self.chosen {
+            let cells = columns.texts(name)?;
+            let is_met = |row: &usize| is_value(cells[*row].as_deref(), value);
+            let (met, left): (Vec<_>, Vec<_>) = rows.into_iter().partition(is_met);
+            if met.is_empty() && !left.is_empty() {
+                let left = left.into_iter().filter_map(|row| cells[row].clone());
+                bail!(
+                    "{}: no run has {name} = {value}; {}",
+                    table.display(),
+                    what_is_there(left.collect(), value)
+                );
+            }
+            rows = met;
+        }
+        Ok(rows)
+    }
+}
+
+/// Whether a cell has the value that --where asks for, however a number is written.
+fn is_value(cell: Option<&str>, value: &str) -> bool {
+    cell.is_some_and(|cell| {
+        let numbers = cell.parse::<f64>().ok().zip(value.parse::<f64>().ok());
+        cell == value || numbers.is_some_and(|(one, other)| one == other)
+    })
+}
+
+/// What the runs have where none has the value that --where asks for.
+fn what_is_there(mut cells: Vec<String>, value: &str) -> String {
+    /// Enough to see how the values are spaced, or what the words are.
+    const SHOWN: usize = 4;
+    cells.sort_unstable();
+    cells.dedup();
+    let number = |text: &str| text.parse::<f64>().ok().filter(|number| number.is_finite());
+    let distance = |cell: &String| Some((number(cell)? - number(value)?).abs());
+    let is_near = cells.len() > SHOWN && cells.iter().all(|cell| distance(cell).is_some());
+    if is_near {
+        let far = |cell: &String| distance(cell).unwrap_or(f64::INFINITY);
+        cells.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    }
+    let rest = if cells.len() > SHOWN { ", …" } else { "" };
+    cells.truncate(SHOWN);
+    match (cells.len(), is_near) {
+        (0, _) => "none has a value".to_owned(),
+        (_, true) => format!("the nearest are {}", cells.join(", ")),
+        (_, false) => format!("there are {}{rest}", cells.join(", ")),
+    }
+}

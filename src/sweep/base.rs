@@ -1,0 +1,75 @@
+//! Scenarios that a sweep starts from.
+
+use super::axis::find_key;
+use super::error::SweepError;
+use crate::archive::given;
+use crate::run::scenario::{KEYS, Value, Values};
+use serde_json::{Value as Json, json};
+use std::path::{Path, PathBuf};
+
+/// A scenario that runs of a sweep start from. Only with what a row changes need it be complete.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Base {
+    /// Its name in the table.
+    pub name: String,
+    /// Its keys and values.
+    pub values: Values,
+    /// The keys that were set beside the scenario.
+    pub(super) set: Vec<&'static str>,
+    /// The file that it was read from.
+    pub(super) file: Option<PathBuf>,
+}
+
+impl Base {
+    /// A scenario as it is.
+    #[must_use]
+    pub fn new(name: String, values: Values) -> Self {
+        Self {
+            name,
+            values,
+            set: Vec::new(),
+            file: None,
+        }
+    }
+
+    /// The preset of this name, or the scenario of the file or recording at this path, with some keys set otherwise.
+    ///
+    /// # Errors
+    /// [`SweepError::Given`] if there is none, [`SweepError::Base`] if a key can't be set.
+    pub fn open(word: &str, folder: &Path, set: &[(String, String)]) -> Result<Self, SweepError> {
+        let wrong = |reason| SweepError::Base {
+            name: word.to_owned(),
+            reason,
+        };
+        let path = folder.join(word);
+        let path: PathBuf = if path.is_file() { path } else { word.into() };
+        let mut values = given::values(&path)?;
+        let mut keys = Vec::new();
+        for (key, value) in set {
+            let key = find_key(key)?;
+            values.set(key.path, value).map_err(wrong)?;
+            if values.get(key.path).is_some() {
+                keys.push(key.path);
+            }
+        }
+        let name = match values.get("name") {
+            Some(Value::Text(name)) => name.clone(),
+            _ => word.to_owned(),
+        };
+        Ok(Self {
+            name,
+            values,
+            set: keys,
+            file: path.is_file().then_some(path),
+        })
+    }
+
+    /// Its keys and values as JSON.
+    pub(super) fn to_json(&self) -> Json {
+        let keys = KEYS.iter().filter_map(|key| {
+            let value = self.values.get(key.path)?;
+            Some((key.path.to_owned(), json!(value)))
+        });
+        Json::Object(keys.collect())
+    }
+}

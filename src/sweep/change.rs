@@ -1,0 +1,91 @@
+//! What differs between the specs of two sweeps.
+
+use serde_json::{Map, Value as Json};
+
+/// What differs first between the specs of two sweeps, as words; none if they are equal.
+pub(super) fn change(before: &Json, now: &Json) -> Option<String> {
+    changed("", before, now)
+}
+
+fn changed(path: &str, before: &Json, now: &Json) -> Option<String> {
+    let inner = |name: &str| {
+        if path.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{path}.{name}")
+        }
+    };
+    match (before, now) {
+        (Json::Object(old), Json::Object(new)) => {
+            let names = new.keys().chain(old.keys());
+            // The number of runs follows from the rest, which says more.
+            let (last, first): (Vec<_>, Vec<_>) = names.partition(|name| *name == "runs");
+            let mut all = first.into_iter().chain(last);
+            let differing = all.find_map(|name| {
+                let of = |map: &Map<String, Json>| map.get(name).cloned().unwrap_or_default();
+                changed(&inner(name), &of(old), &of(new))
+            });
+            let order = || {
+                let same = old.keys().eq(new.keys());
+                (!same).then(|| format!("the order of {path}"))
+            };
+            differing.or_else(order)
+        }
+        (Json::Array(old), Json::Array(new)) if old.len() == new.len() => {
+            let pairs = old.iter().zip(new).enumerate();
+            pairs
+                .into_iter()
+                .find_map(|(i, (old, new))| changed(&format!("{path}[{i}]"), old, new))
+        }
+        (Json::Array(old), Json::Array(new)) => Some(format!(
+            "{path} had {} entries there, and {} here",
+            old.len(),
+            new.len()
+        )),
+        (old, new) if old == new => None,
+        (Json::Null, new) => Some(format!("{path} = {new} is new")),
+        (old, Json::Null) => Some(format!("{path} = {old} is gone")),
+        (old, new) => Some(format!("{path} = {old} there, and {new} here")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::axis::Axis;
+    use crate::sweep::base::Base;
+    use crate::sweep::design::Design;
+    use crate::sweep::spec::Spec;
+    use std::path::Path;
+
+    fn paper() -> Vec<Base> {
+        vec![Base::open("paper", Path::new("."), &[]).unwrap()]
+    }
+
+    fn grid(axes: &[(&str, &str)]) -> Spec {
+        let axes = axes
+            .iter()
+            .map(|(key, text)| Axis::parse(key, text).unwrap());
+        Spec::new(paper(), Design::Grid(axes.collect()), None).unwrap()
+    }
+
+    #[test]
+    fn what_changed_is_named() {
+        let before = grid(&[("friction.k", "0.1,0.2")]).to_json();
+        let told = |axes: &[(&str, &str)]| change(&before, &grid(axes).to_json());
+        assert_eq!(told(&[("friction.k", "0.1,0.2")]), None);
+        assert_eq!(
+            told(&[("friction.k", "0.1,0.3")]).unwrap(),
+            "over.friction.k = \"0.1,0.2\" there, and \"0.1,0.3\" here"
+        );
+        assert_eq!(told(&[]).unwrap(), "over.friction.k = \"0.1,0.2\" is gone");
+        let set = [("top.mass".to_owned(), "0.2".to_owned())];
+        let bases = vec![Base::open("paper", Path::new("."), &set).unwrap()];
+        let axes = vec![Axis::parse("friction.k", "0.1,0.2").unwrap()];
+        let heavier = Spec::new(bases, Design::Grid(axes), None).unwrap();
+        assert_eq!(
+            change(&before, &heavier.to_json()).unwrap(),
+            "bases[0].scenario.top.mass = 0.11 there, and 0.2 here"
+        );
+    }
+}

@@ -1,0 +1,179 @@
+//! The spec of a sweep as a TOML file has it.
+
+use super::axis::Axis;
+use super::base::Base;
+use super::design::Design;
+use super::error::SweepError;
+use super::sample::Sample;
+use super::spec::Spec;
+use super::table::Table;
+use super::words::{section, some_count, texts};
+use serde::Deserialize;
+use std::path::Path;
+
+/// What a spec has that a scenario has not.
+const SECTIONS: [&str; 6] = ["bases", "set", "over", "sample", "table", "max_steps"];
+
+/// A spec as a file has it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default, deserialize_with = "texts")]
+    bases: Vec<String>,
+    #[serde(default, deserialize_with = "section")]
+    set: toml::Table,
+    #[serde(default, deserialize_with = "section")]
+    over: toml::Table,
+    sample: Option<Sample>,
+    table: Option<String>,
+    #[serde(default, deserialize_with = "some_count")]
+    max_steps: Option<u64>,
+}
+
+impl Spec {
+    /// Reads a spec from TOML. Files that it names are looked for in `folder`; keys are set in all its bases.
+    ///
+    /// # Errors
+    /// As [`Spec::new`], [`Axis::parse`] and [`Base::open`]; [`SweepError::Spec`] for a text that is no spec.
+    pub fn from_toml(
+        text: &str,
+        folder: &Path,
+        set: &[(String, String)],
+    ) -> Result<Self, SweepError> {
+        let file: File = toml::from_str(text)
+            .map_err(|error| SweepError::Spec(format!("not the spec of a sweep: {error}")))?;
+        check_quotes("set", &file.set)?;
+        check_quotes("over", &file.over)?;
+        let own = file
+            .set
+            .iter()
+            .map(|(key, value)| (key.clone(), plain(value)));
+        let set: Vec<_> = own.chain(set.iter().cloned()).collect();
+        let words = match file.bases.is_empty() {
+            true => vec!["paper".to_owned()],
+            false => file.bases,
+        };
+        let bases = words.iter().map(|word| Base::open(word, folder, &set));
+        let axes = file.over.iter().map(|(key, value)| match value {
+            toml::Value::Array(values) => {
+                let values: Vec<String> = values.iter().map(plain).collect();
+                Axis::of_list(key, &values)
+            }
+            value => Axis::parse(key, &plain(value)),
+        });
+        let axes = axes.collect::<Result<Vec<_>, _>>()?;
+        let table = file.table.map(|path| Table::read(&folder.join(path)));
+        let design = Design::of(axes, file.sample, table.transpose()?)?;
+        Self::new(bases.collect::<Result<_, _>>()?, design, file.max_steps)
+    }
+
+    /// Whether a TOML text is a spec rather than a scenario.
+    #[must_use]
+    pub fn is_spec(text: &str) -> bool {
+        let table: Option<toml::Table> = text.parse().ok();
+        table.is_some_and(|table| SECTIONS.iter().any(|name| table.contains_key(*name)))
+    }
+}
+
+/// Refuses keys that were written without quotes: their dots make tables of them.
+fn check_quotes(section: &str, entries: &toml::Table) -> Result<(), SweepError> {
+    let inner = entries.iter().find_map(|(name, value)| {
+        let (inner, _) = value.as_table()?.iter().next()?;
+        Some(format!("{name}.{inner}"))
+    });
+    match inner {
+        Some(key) => Err(SweepError::Spec(format!(
+            "[{section}] {key}: a key with a dot needs quotes, as in \"{key}\" = …"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// A value as it would stand on the command line.
+fn plain(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(text) => text.clone(),
+        // TOML's own text of it may have rows of zeros.
+        toml::Value::Float(number) => format!("{number:?}"),
+        value => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::change::change;
+
+    #[test]
+    fn a_file_says_what_the_command_line_does() {
+        let text = r#"
+            bases = ["paper"]
+            max_steps = 1000
+            [set]
+            "stop.duration" = 2.5
+            [over]
+            "friction.k" = "0.01..0.1/4log"
+            "initial.psi_dot" = [100, 150.5]
+        "#;
+        assert!(Spec::is_spec(text));
+        assert!(!Spec::is_spec("name = \"a\"\n[top]\nmass = 1"));
+        let read = Spec::from_toml(text, Path::new("."), &[]).unwrap();
+        let set = [("stop.duration".to_owned(), "2.5".to_owned())];
+        let bases = vec![Base::open("paper", Path::new("."), &set).unwrap()];
+        let axes = [
+            ("friction.k", "0.01..0.1/4log"),
+            ("initial.psi_dot", "100,150.5"),
+        ];
+        let axes = axes.map(|(key, text)| Axis::parse(key, text).unwrap());
+        let built = Spec::new(bases, Design::Grid(axes.to_vec()), Some(1000)).unwrap();
+        assert_eq!(change(&read.to_json(), &built.to_json()), None);
+        let told = |text: &str| {
+            let error = Spec::from_toml(text, Path::new("."), &[]).unwrap_err();
+            error.to_string()
+        };
+        let names = SECTIONS.map(|name| format!("`{name}`")).join(", ");
+        let all = format!("unknown field `ovr`, expected one of {names}");
+        assert!(told("ovr = 1").contains(&all), "{}", told("ovr = 1"));
+        assert_eq!(
+            told("[over]\nfriction.k = [0.1]"),
+            "[over] friction.k: a key with a dot needs quotes, as in \"friction.k\" = …"
+        );
+        assert!(told("[set]\nstop.duration = 2").contains("\"stop.duration\" = …"));
+    }
+
+    #[test]
+    fn what_is_wrong_in_a_file_is_told_in_plain_words() {
+        for (text, part) in [
+            ("max_steps = 0", "must be a whole number from 1 on"),
+            ("max_steps = 1e3", "must be a whole number from 1 on"),
+            ("max_steps = -1", "must be a whole number from 1 on"),
+            ("bases = [1]", "must be a list of texts"),
+            ("bases = \"paper\"", "must be a list of texts"),
+            ("set = 1", "must be a section"),
+            ("over = []", "must be a section"),
+            ("sample = 10", "expected a section with count"),
+            ("sample.count = 0", "must be a whole number from 1 on"),
+            (
+                "sample = { count = 9, seed = -1 }",
+                "must be a whole number from 0 on",
+            ),
+            (
+                "sample = { count = 9, method = \"x\" }",
+                "must be \"sobol\" or \"random\"",
+            ),
+            ("sample.count = 9", "at least one axis, as in friction.k"),
+        ] {
+            let told = Spec::from_toml(text, Path::new(""), &[]).unwrap_err();
+            let told = told.to_string();
+            assert!(told.contains(part), "{text}: {told}");
+            for word in [
+                "u64", "nonzero", "sequence", "map", "struct", "variant", "--",
+            ] {
+                assert!(!told.contains(word), "{text}: {told}");
+            }
+        }
+        let text = "set.\"friction.k\" = 0.2\n[over]\n\"friction.k\" = [0.1, 1]";
+        let told = Spec::from_toml(text, Path::new("."), &[]).unwrap_err();
+        assert!(told.to_string().contains("varies too"), "{told}");
+    }
+}

@@ -1,0 +1,47 @@
+//! Values of a TOML file; what is wrong with them is told in words that are not Rust's.
+
+use serde::de::{Deserialize, Deserializer, Error as _};
+use std::num::NonZeroU64;
+
+/// Reads a value.
+fn read<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+    what: &str,
+) -> Result<T, D::Error> {
+    T::deserialize(deserializer).map_err(|_| D::Error::custom(format!("must be {what}")))
+}
+
+/// A number from 1 on.
+pub(super) fn count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+    read(deserializer, "a whole number from 1 on").map(NonZeroU64::get)
+}
+
+/// As [`count`], where it may be left out.
+pub(super) fn some_count<'de, D: Deserializer<'de>>(source: D) -> Result<Option<u64>, D::Error> {
+    count(source).map(Some)
+}
+
+/// A number from 0 on.
+pub(super) fn seed<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+    read(deserializer, "a whole number from 0 on")
+}
+
+/// How the points of a sample are chosen.
+pub(super) fn method<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<T, D::Error> {
+    read(deserializer, "\"sobol\" or \"random\"")
+}
+
+/// A list of texts.
+pub(super) fn texts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    read(
+        deserializer,
+        "a list of texts in quotes, as in [\"…\", \"…\"]",
+    )
+}
+
+/// A section of keys and values.
+pub(super) fn section<'de, D: Deserializer<'de>>(deserializer: D) -> Result<toml::Table, D::Error> {
+    read(deserializer, "a section of keys and values")
+}

@@ -1,0 +1,235 @@
+//! Findings that could be false.
+
+use super::*;
+
+/// The mean θ of the cycles at a time, by straight lines between the middles.
+fn mean_theta(run: &Run, time: f64) -> Option<f64> {
+    let points: Vec<(f64, f64)> = run
+        .cycles
+        .iter()
+        .map(|cycle| (0.5 * (cycle.start + cycle.end), cycle.theta_mean))
+        .collect();
+    let pair = points
+        .windows(2)
+        .find(|p| p[0].0 <= time && time <= p[1].0)?;
+    let part = (time - pair[0].0) / (pair[1].0 - pair[0].0);
+    Some(pair[0].1 + part * (pair[1].1 - pair[0].1))
+}
+
+/// More friction lifts a free top faster: the crossing is earlier, at a level that both means really cross, and which is
+/// not the one at which they stay when they roll.
+#[test]
+fn val_means_cross_levels_that_both_runs_cross() {
+    let runs = ["0.03", "0.0301"].map(|k| scenario("free-paper", &[("friction.k", k)]));
+    let report = compare(&runs[0], &runs[1], &quick()).unwrap();
+    let crossing = finding(&report, "mean θ crosses").unwrap();
+    let (shift, within) = (crossing.difference.unwrap(), crossing.uncertainty.unwrap());
+    assert!(shift + within < 0.0, "{crossing:?}");
+    let level: f64 = crossing.what.split(' ').nth(3).unwrap().parse().unwrap();
+    let rolling = values(&report, "rolls to the end, from θ").map(Option::unwrap);
+    for (at, scenario) in runs.iter().enumerate() {
+        assert!(level > 1.05 * rolling[at], "{level} {rolling:?}");
+        let run = Run::of(scenario);
+        let time = values(&report, "mean θ crosses")[at].unwrap();
+        let [before, here, after] = [-0.3, 0.0, 0.3].map(|d| mean_theta(&run, time + d).unwrap());
+        assert!(before > here && here > after, "{before} {here} {after}");
+        // Three digits of the level are shown.
+        assert_near("level", here, level, 6e-4);
+    }
+}
+
+/// Both tippe tops invert, the faster one first; near the vertical nothing is found of φ̇ and ψ̇ alone.
+#[test]
+fn val_tippe_tops_invert_when_the_axis_passes_the_horizontal() {
+    let runs = ["80", "70"].map(|spin| scenario("tippe-top", &[("initial.psi_dot", spin)]));
+    let report = compare(&runs[0], &runs[1], &quick()).unwrap();
+    let found = values(&report, "inverts").map(Option::unwrap);
+    for (scenario, time) in runs.iter().zip(found) {
+        let run = Run::of(scenario);
+        let is_over = |s: &&Sample| s.angles.theta >= std::f64::consts::FRAC_PI_2;
+        let first = run.samples.iter().find(is_over).unwrap().time_ns as f64 / 1e9;
+        let period = scenario.sample_period_ns as f64 / 1e9;
+        assert!((first - period..=first).contains(&time), "{time} {first}");
+    }
+    assert!(found[0] < found[1]);
+    assert!(finding(&report, "mean φ̇").is_none() && finding(&report, "loops").is_none());
+}
+
+/// Where only one run does something, nothing stands for the other.
+#[test]
+fn what_only_one_run_did_is_absent_in_the_other() {
+    let (paper, free) = (scenario("paper", &[]), scenario("free-paper", &[]));
+    let report = compare(&paper, &free, &quick()).unwrap();
+    for what in [
+        "first lifts off",
+        "flights",
+        "first rolls",
+        "rolls to the end",
+    ] {
+        let found = finding(&report, what).unwrap();
+        assert!(found.a.is_none() && found.b.is_some(), "{found:?}");
+        assert_eq!((found.difference, found.uncertainty), (None, None));
+    }
+    let rise = finding(&report, "θ first reaches").unwrap();
+    assert!(rise.a.is_some() && rise.b.is_none() && rise.difference.is_none());
+    let mut command = Command::cargo_bin("toprise").unwrap();
+    let command = command.args(["diff", "paper", "free-paper", "--no-floor"]);
+    let page = command.args(["--color", "never"]).assert().code(1);
+    let page = String::from_utf8(page.get_output().stdout.clone()).unwrap();
+    let row = page.lines().find(|line| line.contains("first lifts off"));
+    let words: Vec<_> = row.unwrap().split_whitespace().rev().take(2).collect();
+    assert_eq!(words, ["3.2410", "–"], "{page}");
+    let row = page
+        .lines()
+        .find(|line| line.trim_start().starts_with("flights"));
+    assert!(row.unwrap().ends_with("  50"), "{page}");
+}
+
+/// A regularised law: the top sleeps rather than rolls, and the friction changes without bound near rest.
+#[test]
+fn a_regularised_law_is_compared_after_the_rise() {
+    let smooth = [
+        ("friction.law", "coulomb-sqrt"),
+        ("friction.smoothing_speed", "0.001"),
+        ("stop.duration", "20"),
+    ];
+    let (a, b) = (
+        scenario("paper", &[("stop.duration", "20")]),
+        scenario("paper", &smooth),
+    );
+    let report = compare(&a, &b, &quick()).unwrap();
+    let [x, y] = [&a, &b].map(Run::of);
+    let found = finding(&report, "mean θ at").unwrap();
+    let deviations = &report.averaged.as_ref().unwrap().deviations;
+    let theta = deviations
+        .iter()
+        .find(|d| d.quantity == "theta_mean")
+        .unwrap();
+    let expected = mean_theta(&y, theta.at).unwrap() - mean_theta(&x, theta.at).unwrap();
+    // A straight line is off by h²/8 of the curvature: 0.05² / 8 · 1e-3 rad/s².
+    assert_near("mean θ", found.difference.unwrap(), expected, 1e-6);
+    // Less friction: the top with the smooth law is behind.
+    assert!(
+        finding(&report, "mean θ crosses")
+            .unwrap()
+            .difference
+            .unwrap()
+            > 0.0
+    );
+    let lost = [&x, &y].map(|run| {
+        let [first, last] = [run.samples.first(), run.samples.last()].map(Option::unwrap);
+        let energy = |s: &Sample| s.kinetic_energy + s.potential_energy;
+        energy(first) - energy(last)
+    });
+    for (found, lost) in values(&report, "energy lost by 20").into_iter().zip(lost) {
+        assert_near("energy", found.unwrap(), lost, 1e-12);
+    }
+}
+
+/// Counts agree with the events and impacts of the simulation.
+#[test]
+fn val_counts_are_those_of_the_events() {
+    let mut counted = 0.0;
+    for scenario in free_tops(Random(17)).take(12) {
+        let report = compare(&scenario, &scenario, &quick()).unwrap();
+        let run = Run::of(&scenario);
+        let summary = report.a.summary.as_ref().unwrap();
+        let peg = summary.peg.as_ref().unwrap();
+        let of = |kind| run.events_of(kind).count() as u64;
+        assert_eq!(peg.impacts, Some(run.impacts.len() as u64));
+        assert_eq!(summary.nutations.unwrap_or(0), run.cycles.len() as u64);
+        // Each flight begins with a lift-off, unless the run does.
+        let values = Values::from_toml(&scenario.to_toml()).unwrap();
+        let is_set = |key: &str| values.get(key).is_some();
+        let starts_in_air = is_set("initial.height") || is_set("initial.peg_z_dot");
+        assert_eq!(
+            peg.hops,
+            Some(of(EventKind::LiftOff) + u64::from(starts_in_air))
+        );
+        if let Some(loops) = finding(&report, "loops") {
+            assert_eq!(loops.a, Some(of(EventKind::LoopingBegins) as f64));
+        }
+        counted += peg.hops.unwrap() as f64 + peg.impacts.unwrap() as f64;
+    }
+    assert!(counted > 20.0, "{counted}");
+}
+
+/// The differences of the means that an observer sees.
+#[derive(Default)]
+struct MeanDifferences(Vec<(f64, f64)>);
+
+impl Observer for MeanDifferences {
+    fn difference(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        if message.topic() == NUTATION {
+            let difference = nutation::THETA_MEAN.of(message);
+            self.0.push((message.time_ns as f64 / 1e9, difference));
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn val_means_are_compared_at_equal_times() {
+    let (paper, free) = (scenario("paper", &[]), scenario("free-paper", &[]));
+    let mut seen = MeanDifferences::default();
+    compare_observed(&paper, &free, &quick(), &mut seen).unwrap();
+    let (a, b) = (Run::of(&paper), Run::of(&free));
+    for (time, difference) in &seen.0 {
+        let expected = mean_theta(&b, *time).unwrap() - mean_theta(&a, *time).unwrap();
+        // Hops interrupt the nutation for up to three of its periods.
+        assert_near("mean θ", *difference, expected, 2e-3);
+    }
+    let at = |wanted: f64| seen.0.iter().find(|(time, _)| (time - wanted).abs() < 0.03);
+    assert_near("at 6.84 s", at(6.84).unwrap().1, -0.235, 5e-4);
+    assert!((9.9..10.0).contains(&seen.0.last().unwrap().0));
+}
+
+/// Energies are those of the last sample that both runs have, however far that is from the end.
+#[test]
+fn val_energies_are_compared_at_samples() {
+    let end = [("stop.duration", "7.9"), ("sampling.period", "4.0")];
+    let runs =
+        ["0.03", "0.04"].map(|k| scenario("free-paper", &[end[0], end[1], ("friction.k", k)]));
+    let report = compare(&runs[0], &runs[1], &quick()).unwrap();
+    let found = values(&report, "energy lost by 4.0000 s");
+    for (scenario, found) in runs.iter().zip(found) {
+        let run = Run::of(scenario);
+        let energy = |s: &Sample| s.kinetic_energy + s.potential_energy;
+        let [first, last] = [run.samples.first(), run.samples.last()].map(Option::unwrap);
+        assert_near(
+            "energy",
+            found.unwrap(),
+            energy(first) - energy(last),
+            1e-12,
+        );
+    }
+}
+
+/// The same motion, cut short: no finding but the end differs.
+#[test]
+fn a_shorter_run_of_the_same_motion_has_the_same_findings() {
+    for end in ["0.06", "0.12", "1.0"] {
+        let short = scenario("paper", &[("stop.duration", end)]);
+        let report = compare(&scenario("paper", &[]), &short, &quick()).unwrap();
+        let differing = report.findings.iter().filter(|found| found.differs());
+        let differing: Vec<_> = differing.map(|found| found.what.as_str()).collect();
+        let of_ends = |what: &&str| {
+            ["ends", "θ first reaches", "first loops", "loops"]
+                .iter()
+                .any(|known| what.starts_with(known))
+        };
+        assert!(differing.iter().all(of_ends), "{end}: {differing:?}");
+    }
+}
+
+/// Where the events of two runs are of two kinds, their numbers are not compared.
+#[test]
+fn events_of_two_kinds_have_no_differences() {
+    let runs = ["paper", "full-coulomb"].map(|name| scenario(name, &[]));
+    let report = compare(&runs[0], &runs[1], &quick()).unwrap();
+    let events = report.channels.iter().find(|c| c.topic == "/events");
+    let events = events.unwrap();
+    assert!(events.identical < events.pairs && events.first.is_some());
+    let field = |name: &str| events.fields.iter().find(|f| f.field == name).unwrap();
+    assert!(field("psi").largest.abs() < 10.0, "{:?}", field("psi"));
+}

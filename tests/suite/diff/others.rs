@@ -1,0 +1,173 @@
+//! Comparing files that somebody else wrote or changed.
+
+use super::*;
+
+/// A message: its topic, time (ms) and text.
+type Text<'t> = (&'t str, u64, &'t str);
+
+/// A file that somebody else wrote, with a schema for all topics.
+fn foreign(directory: &TempDir, name: &str, schema: &str, messages: &[Text<'_>]) -> Recording {
+    let path = directory.path().join(name);
+    let file = BufWriter::new(File::create(&path).unwrap());
+    let options = mcap::WriteOptions::new().library("test");
+    let mut writer = options.create(file).unwrap();
+    let schema = writer
+        .add_schema("x", "jsonschema", schema.as_bytes())
+        .unwrap();
+    for (sequence, (topic, milliseconds, text)) in messages.iter().enumerate() {
+        let channel = writer.add_channel(schema, topic, "json", &BTreeMap::new());
+        let header = mcap::records::MessageHeader {
+            channel_id: channel.unwrap(),
+            sequence: sequence as u32,
+            log_time: milliseconds * 1_000_000,
+            publish_time: 0,
+        };
+        writer
+            .write_to_known_channel(&header, text.as_bytes())
+            .unwrap();
+    }
+    writer.finish().unwrap();
+    Recording::open(&path).unwrap()
+}
+
+#[test]
+fn files_of_others_are_compared_byte_by_byte() {
+    const WHOLE: [Text<'_>; 4] = [
+        ("/x", 0, "1"),
+        ("/x", 10, "2"),
+        ("/x", 10, "3"),
+        ("/y", 20, "4"),
+    ];
+    let directory = tempdir().unwrap();
+    let a = foreign(&directory, "a.mcap", "{}", &WHOLE);
+    let against = |name: &str, schema: &str, messages: &[Text<'_>]| {
+        let b = foreign(&directory, name, schema, messages);
+        let report = compare(&a, &b, &quick()).unwrap();
+        let x = report
+            .others
+            .iter()
+            .find(|topic| topic.topic == "/x")
+            .cloned();
+        (report, x.unwrap())
+    };
+    let (report, x) = against("same.mcap", "{}", &WHOLE);
+    assert_eq!(
+        (report.verdict, x.equal, x.first),
+        (Verdict::Identical, 3, None)
+    );
+    assert!(report.findings.is_empty() && report.a.summary.is_none());
+    let (report, x) = against(
+        "bytes.mcap",
+        "{}",
+        &[WHOLE[0], WHOLE[1], ("/x", 10, "3 "), WHOLE[3]],
+    );
+    assert_eq!(
+        (report.verdict, x.equal, x.different),
+        (Verdict::Different, 2, 1)
+    );
+    assert_eq!(x.first, Some(0.01));
+    let (report, x) = against("less.mcap", "{}", &[WHOLE[0], WHOLE[2], WHOLE[3]]);
+    assert_eq!((report.verdict, x.unmatched), (Verdict::Different, [1, 0]));
+    let (report, x) = against(
+        "more.mcap",
+        "{}",
+        &[&WHOLE[..], &[("/x", 30, "1")]].concat(),
+    );
+    assert_eq!((report.verdict, x.unmatched), (Verdict::Different, [0, 1]));
+    let (report, x) = against("alone.mcap", "{}", &WHOLE[..3]);
+    assert_eq!((report.verdict, x.is_equal()), (Verdict::Different, true));
+    assert_eq!(report.setup.topics_only_in, [vec!["/y".to_owned()], vec![]]);
+    let (report, x) = against("schema.mcap", "{ }", &WHOLE);
+    assert_eq!((report.verdict, x.equal), (Verdict::Different, 3));
+    assert!(x.is_described_differently);
+    // Only what is wanted counts.
+    let b = foreign(
+        &directory,
+        "b.mcap",
+        "{}",
+        &[WHOLE[0], ("/z", 0, "1"), ("/y", 20, "5")],
+    );
+    let report = compare(&b, &b, &ignoring("/y")).unwrap();
+    assert_eq!(report.others.len(), 2);
+    let error = compare(&b, &b, &ignoring("/yy")).unwrap_err();
+    assert!(matches!(error, DiffError::UnknownField { .. }), "{error}");
+    let error = compare(&a, &b, &only("/z")).unwrap_err();
+    assert!(matches!(error, DiffError::UnknownTopic { .. }), "{error}");
+    let alone = foreign(&directory, "z.mcap", "{}", &[("/z", 0, "1")]);
+    let error = compare(&a, &alone, &quick()).unwrap_err();
+    assert!(matches!(error, DiffError::NoCommonTopics { .. }), "{error}");
+}
+
+#[test]
+fn recordings_of_other_software_are_compared() {
+    let [a, b] = ["json_a", "json_b"].map(|name| data(&format!("foreign/{name}.mcap")));
+    let [a, b] = [a, b].map(|path| Recording::open(&path).unwrap());
+    assert_eq!(
+        compare(&a, &a, &quick()).unwrap().verdict,
+        Verdict::Identical
+    );
+    let report = compare(&a, &b, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
+    assert!(report.others.iter().any(|topic| topic.different > 0));
+    let scenario = short(&[]);
+    for error in [
+        compare(&a, &scenario, &quick()),
+        compare(&scenario, &a, &quick()),
+    ] {
+        let error = error.unwrap_err();
+        assert!(matches!(error, DiffError::Mixed { .. }), "{error}");
+    }
+}
+
+/// The messages of a file, written by somebody else who changes some.
+fn copied(
+    directory: &TempDir,
+    name: &str,
+    from: &Recording,
+    change: impl Fn(&mut mcap::Message<'_>),
+) -> Recording {
+    let path = directory.path().join(name);
+    let file = BufWriter::new(File::create(&path).unwrap());
+    let options = mcap::WriteOptions::new().library(from.library());
+    let mut writer = options.create(file).unwrap();
+    for (name, entries) in from.all_metadata() {
+        let (name, metadata) = (name.to_owned(), entries.clone());
+        let metadata = mcap::records::Metadata { name, metadata };
+        writer.write_metadata(&metadata).unwrap();
+    }
+    let bytes = fs::read(from.path()).unwrap();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let mut message = message.unwrap();
+        change(&mut message);
+        writer.write(&message).unwrap();
+    }
+    writer.finish().unwrap();
+    Recording::open(&path).unwrap()
+}
+
+/// What others left of a recording, or changed in it, is never passed over.
+#[test]
+fn what_differs_in_any_message_is_not_identical() {
+    let directory = tempdir().unwrap();
+    let scenario = short(&[("stop.duration", "0.1")]);
+    let ours = recorded(&directory, "a.mcap", &scenario, Encoding::Json);
+    // The attached scenario is missing.
+    let copy = copied(&directory, "copy.mcap", &ours, |_| {});
+    assert_eq!(
+        compare(&ours, &copy, &quick()).unwrap().verdict,
+        Verdict::SameValues
+    );
+    let view = copied(&directory, "view.mcap", &ours, |message| {
+        if message.channel.topic == "/tf" && message.log_time == 50_000_000 {
+            message.data.to_mut()[1] ^= 1;
+        }
+    });
+    let report = compare(&ours, &view, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
+    let tf = report
+        .others
+        .iter()
+        .find(|topic| topic.topic == "/tf")
+        .unwrap();
+    assert_eq!((tf.different, tf.first), (1, Some(0.05)));
+}
