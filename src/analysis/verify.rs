@@ -141,8 +141,9 @@ fn conclude(recording: &Recording, report: Report, compared: messages::Compared)
     if difference.is_none() && !is_by_value && !is_part {
         difference = compared.out_of_order;
     }
-    // Whatever made the file, and however much of the run it has: its data and its index must agree.
-    if difference.is_none() && compared.losses == 0 && index::is_there(recording) {
+    // Whatever made the file, and however much of the run it has: its data and its index must agree, unless it is damaged.
+    let is_readable = report.state != Condition::Damaged && compared.losses == 0;
+    if difference.is_none() && is_readable && index::is_there(recording) {
         difference = index::index_difference(recording);
     }
     let verdict = match (&difference, &report.recorded_by) {
