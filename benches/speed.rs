@@ -109,6 +109,7 @@ fn integrator(criterion: &mut Criterion) {
     group.finish();
 }
 
+#[allow(clippy::unnecessary_wraps, reason = "the type of a callback")]
 fn carry_on(
     _: &toprise::run::simulation::Record,
     _: &mut [&mut dyn Sink],

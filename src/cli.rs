@@ -36,8 +36,9 @@ mod viewer;
 
 use crate::analysis;
 use anyhow::Error;
+use arguments::Format;
 use clap::error::{ContextKind, ContextValue};
-use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum as _};
+use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use done::Done;
 use schemars::{JsonSchema, schema_for};
 use std::ffi::OsString;
@@ -58,7 +59,11 @@ struct Arguments {
     #[command(subcommand)]
     command: Command,
 
-    /// Show neither progress nor notes; results, warnings and errors stay.
+    /// Output format.
+    #[arg(long, global = true, value_enum, default_value_t, display_order = 899)]
+    format: Format,
+
+    /// Print nothing but errors; JSON and Markdown are printed if they are asked for.
     #[arg(short, long, global = true, display_order = 900)]
     quiet: bool,
 
@@ -186,7 +191,7 @@ enum Command {
     /// List the presets, or print one as a scenario file.
     Presets(presets::PresetsArguments),
     /// List the laws of friction: formulas, parameters, typical values and sources.
-    Laws(laws::LawsArguments),
+    Laws,
     /// List the channels of a recording, print the schema of one, or write all schemas.
     Schema(schema::SchemaArguments),
     /// Print a completion script for a shell.
@@ -200,15 +205,17 @@ pub fn main() -> ExitCode {
     let arguments = match parse(&words) {
         Ok(arguments) => arguments,
         Err(answer) => {
-            output::set_up(false, wanted_color(&words));
+            output::set_up(false, wanted(&words, "--color"), wanted(&words, "--format"));
             return told_usage(&with_tip(answer));
         }
     };
-    output::set_up(arguments.quiet, arguments.color);
+    output::set_up(arguments.quiet, arguments.color, arguments.format);
     match dispatch(arguments.command) {
         Ok(done) => done.into(),
         Err(error) => {
-            output::error(&output::with_causes(&error));
+            let error = output::with_causes(&error);
+            output::error(&error);
+            report::print_error(&error);
             Done::Unreadable.into()
         }
     }
@@ -220,19 +227,19 @@ fn parse(words: &[OsString]) -> Result<Arguments, clap::Error> {
     Arguments::try_parse_from(words).map_err(|answer| {
         let harmless = words.iter().map(|word| word.to_string_lossy());
         let harmless = harmless.map(|word| text::harmless(&word).into_owned());
-        let command = Arguments::command().color(wanted_color(words));
+        let command = Arguments::command().color(wanted(words, "--color"));
         let shown = command.try_get_matches_from(harmless);
         shown.err().unwrap_or(answer)
     })
 }
 
-/// The value of `--color` in arguments that may be wrong.
-fn wanted_color(words: &[OsString]) -> ColorChoice {
+/// The value of an option in arguments that may be wrong; its default where it is not set or wrong.
+fn wanted<V: ValueEnum + Default>(words: &[OsString], option: &str) -> V {
     let mut words = words.iter().filter_map(|word| word.to_str());
-    let value = words.find_map(|word| word.strip_prefix("--color"));
+    let value = words.find_map(|word| word.strip_prefix(option));
     let value = value.and_then(|value| value.strip_prefix('=').or_else(|| words.next()));
-    let color = value.and_then(|value| ColorChoice::from_str(value, false).ok());
-    color.unwrap_or_default()
+    let value = value.and_then(|value| V::from_str(value, false).ok());
+    value.unwrap_or_default()
 }
 
 /// Points to `--kinds` where `--format` is asked for a kind of figure.
@@ -247,7 +254,7 @@ fn with_tip(mut error: clap::Error) -> clap::Error {
             .iter()
             .any(|kind| says(ContextKind::InvalidValue, kind))
     {
-        let tip = "--format is the form of the answer; 'toprise figures --kinds svg' chooses the kinds of figures";
+        let tip = "--format is the output format of the report; 'toprise figures --kinds svg' chooses the kinds of figures";
         let tips = ContextValue::StyledStrs(vec![tip.into()]);
         error.insert(ContextKind::Suggested, tips);
     }
@@ -259,6 +266,8 @@ fn told_usage(answer: &clap::Error) -> ExitCode {
     if answer.use_stderr() {
         // Where standard error is gone there is nobody to tell.
         let _ = answer.print();
+        let text = answer.render().to_string();
+        report::print_error(text.trim_start_matches("error: ").trim_end());
         return Done::Unreadable.into();
     }
     match output::print_styled(&answer.render().ansi().to_string()) {
@@ -284,7 +293,7 @@ fn dispatch(command: Command) -> Result<Done, Error> {
         Command::Info(arguments) => info::info(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Presets(arguments) => presets::presets(&arguments),
-        Command::Laws(arguments) => laws::laws(&arguments),
+        Command::Laws => laws::laws(),
         Command::Schema(arguments) => schema::schema(&arguments, schemas()),
         Command::Completions(arguments) => {
             completions::completions(&arguments, Arguments::command())
@@ -371,7 +380,7 @@ mod tests {
         ] {
             let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
             assert!(parse(&words).is_err(), "{line}");
-            assert_eq!(wanted_color(&words), color, "{line}");
+            assert_eq!(wanted::<ColorChoice>(&words, "--color"), color, "{line}");
         }
     }
 
@@ -384,18 +393,5 @@ mod tests {
         assert!(told("toprise figures paper --format svg").contains("--kinds svg"));
         assert!(!told("toprise figures paper --format xml").contains("--kinds"));
         assert!(!told("toprise figures paper --kinds pdf").contains("--format"));
-    }
-
-    #[test]
-    fn every_command_but_completions_answers_in_json() {
-        for command in Arguments::command().get_subcommands() {
-            let has_format = command.get_arguments().any(|a| a.get_id() == "format");
-            assert_eq!(
-                has_format,
-                command.get_name() != "completions",
-                "{}",
-                command.get_name()
-            );
-        }
     }
 }

@@ -1,6 +1,11 @@
 //! Runs: the scenario that defines one, the simulation that turns it into samples, events and nutation cycles, and the
 //! outcome that is left of it in a table of many.
 
+#![deny(
+    clippy::wildcard_enum_match_arm,
+    clippy::match_wildcard_for_single_variants
+)]
+
 pub(crate) mod listed;
 pub mod outcome;
 pub mod scenario;

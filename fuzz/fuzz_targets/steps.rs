@@ -30,7 +30,10 @@ pub fn recording(data: &[u8], scratch: &Path) {
     for loss in &overview.losses {
         told(&loss.to_string());
     }
-    let rates = overview.channels.iter().filter_map(|c| c.rate());
+    let rates = overview
+        .channels
+        .iter()
+        .filter_map(toprise::archive::recording::ChannelOverview::rate);
     told(&format!("{overview:?} {:?}", rates.collect::<Vec<_>>()));
     let mut reader = recording.reader(Selection::default());
     while let Some(message) = reader.next_of_any() {

@@ -242,5 +242,5 @@ fn compare_files(
         only_in = Default::default();
     }
     let (others, losses) = others::compare([a, b], &common, &mut |bytes| observer.progress(bytes));
-    Ok(Report::of_files(runs, others, only_in, losses))
+    Ok(Report::of_files(runs, others, only_in, &losses))
 }

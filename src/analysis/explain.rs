@@ -127,23 +127,26 @@ pub fn explain_while<'a>(
     let chapters = [
         (
             "What happened",
-            match is_free {
-                true => free::course(&evidence),
-                false => held::course(&evidence),
+            if is_free {
+                free::course(&evidence)
+            } else {
+                held::course(&evidence)
             },
         ),
         (
             "Why the axis moves",
-            match is_free {
-                true => free::cause(&evidence),
-                false => held::cause(&evidence),
+            if is_free {
+                free::cause(&evidence)
+            } else {
+                held::cause(&evidence)
             },
         ),
         (
             "Where the energy goes",
-            match is_free {
-                true => free::energy(&evidence),
-                false => held::energy(&evidence),
+            if is_free {
+                free::energy(&evidence)
+            } else {
+                held::energy(&evidence)
             },
         ),
     ];
@@ -180,9 +183,10 @@ fn gather(
     let mut history = RunHistory::new(Some(scenario.model), scenario.stop.theta_risen);
     let ended = subject.read(&Topics::All, &mut |message, _| {
         history.take(message);
-        match carry_on() {
-            true => ControlFlow::Continue(()),
-            false => ControlFlow::Break(()),
+        if carry_on() {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
         }
     });
     if !carry_on() {

@@ -155,7 +155,7 @@ fn read_any(
                     break;
                 }
             }
-            Some(Err(error)) => undecodable.add(error),
+            Some(Err(error)) => undecodable.add(&error),
             None => break,
         }
     }
@@ -170,7 +170,7 @@ fn read_any(
 pub(crate) struct Undecodable(Option<(String, u64)>);
 
 impl Undecodable {
-    pub(crate) fn add(&mut self, error: impl ToString) {
+    pub(crate) fn add(&mut self, error: &impl ToString) {
         match &mut self.0 {
             Some((_, count)) => *count += 1,
             none => *none = Some((error.to_string(), 1)),

@@ -1,41 +1,18 @@
 //! Arguments that several commands have.
 
 use crate::telemetry::encoding::Encoding;
+use clap::ValueEnum;
 use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
 
-/// The form of an answer, as its options choose it.
-#[derive(Args, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct FormArguments {
-    /// Form of the answer.
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
-
-    /// Short for --format markdown.
-    #[arg(long, conflicts_with = "format")]
-    markdown: bool,
-}
-
-impl FormArguments {
-    /// The form that was chosen.
-    pub(super) fn format(self) -> Format {
-        if self.markdown {
-            Format::Markdown
-        } else {
-            self.format
-        }
-    }
-}
-
-/// The form of an answer.
+/// Output format.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
-    /// For people, at a terminal.
+    /// Human-readable.
     #[default]
     Text,
-    /// For programs; schemas/toprise.*Report.json describe it.
+    /// Machine-readable; schemas/toprise.*Report.json describe it.
     Json,
-    /// For documents.
+    /// A page in Markdown.
     Markdown,
 }
 
@@ -62,11 +39,11 @@ pub(super) fn parse_override(text: &str) -> Result<Override, String> {
 
 /// Parses a line of arguments, without the program and the command.
 #[cfg(test)]
-pub(super) fn parse<A: Args>(line: &str) -> Result<A, clap::Error> {
+pub(super) fn parse<A: clap::Args>(line: &str) -> Result<A, clap::Error> {
     use clap::Parser;
 
     #[derive(Parser)]
-    struct Command<A: Args> {
+    struct Command<A: clap::Args> {
         #[command(flatten)]
         arguments: A,
     }
@@ -78,16 +55,6 @@ pub(super) fn parse<A: Args>(line: &str) -> Result<A, clap::Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_form_is_chosen_once() {
-        let format = |line: &str| parse::<FormArguments>(line).map(FormArguments::format);
-        assert_eq!(format("").unwrap(), Format::Text);
-        assert_eq!(format("--format json").unwrap(), Format::Json);
-        assert_eq!(format("--markdown").unwrap(), Format::Markdown);
-        assert!(format("--markdown --format json").is_err());
-        assert!(format("--format xml").is_err());
-    }
 
     #[test]
     fn keys_are_set_to_values() {

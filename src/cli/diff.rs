@@ -4,7 +4,7 @@ mod content;
 #[cfg(feature = "rerun")]
 mod viewer;
 
-use super::arguments::{FormArguments, Override, parse_override};
+use super::arguments::{Override, parse_override};
 use super::done::Done;
 use super::given::{Given, open};
 #[cfg(feature = "rerun")]
@@ -94,9 +94,6 @@ pub(super) struct DiffArguments {
     #[cfg(feature = "rerun")]
     #[arg(long)]
     force: bool,
-
-    #[command(flatten)]
-    form: FormArguments,
 }
 
 impl DiffArguments {
@@ -151,9 +148,7 @@ pub(super) fn diff(arguments: &DiffArguments) -> Result<Done, Error> {
     let compared = compare_observed(subjects[0], subjects[1], &options, &mut watching);
     progress.finish();
     let report = compared?;
-    report::print(&report, arguments.form.format(), || {
-        content::page(&report, arguments.all)
-    })?;
+    report::print(&report, || content::page(&report, arguments.all))?;
     #[cfg(feature = "rerun")]
     watching.finish(&report)?;
     Ok(match report.verdict {

@@ -1,6 +1,6 @@
 //! `toprise explain`.
 
-use super::arguments::{FormArguments, Override, parse_override};
+use super::arguments::{Override, parse_override};
 use super::done::Done;
 use super::given::open;
 use super::page::{Page, Part, Section};
@@ -28,9 +28,6 @@ pub(super) struct ExplainArguments {
     /// Show everything: all kinds of events and the averaged motion in stages.
     #[arg(long)]
     all: bool,
-
-    #[command(flatten)]
-    form: FormArguments,
 }
 
 /// Most kinds of events on the first page.
@@ -41,9 +38,7 @@ pub(super) fn explain(arguments: &ExplainArguments) -> Result<Done, Error> {
     let given = open(&arguments.run, &[], &arguments.overrides)?;
     let context = || arguments.run.display().to_string();
     let explanation = explained(given.subject()).with_context(context)?;
-    report::print(&explanation, arguments.form.format(), || {
-        page(&explanation, arguments.all)
-    })?;
+    report::print(&explanation, || page(&explanation, arguments.all))?;
     Ok(if explanation.losses.is_empty() {
         Done::Well
     } else {

@@ -5,7 +5,6 @@ mod sweep;
 
 #[cfg(feature = "sweep")]
 use self::sweep::SweepFigure;
-use super::arguments::FormArguments;
 use super::done::Done;
 use super::given::{Given, open};
 use super::output;
@@ -64,9 +63,6 @@ pub(super) struct FiguresArguments {
     /// Replace files that exist.
     #[arg(long)]
     force: bool,
-
-    #[command(flatten)]
-    form: FormArguments,
 }
 
 /// The kind of a file.
@@ -242,7 +238,7 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
         let files = write(arguments, (figure.name, figure.title), &names, &drawing)?;
         report.files.extend(files);
     }
-    report::print(&report, arguments.form.format(), || page(&report))?;
+    report::print(&report, || page(&report))?;
     Ok(if report.losses.is_empty() && report.lacking.is_empty() {
         Done::Well
     } else {
@@ -365,7 +361,7 @@ fn sweep_figure(arguments: &FiguresArguments, table: &Path) -> Result<Done, Erro
         files: write(arguments, SWEEP, &[name], &drawing)?,
         ..FiguresReport::default()
     };
-    report::print(&report, arguments.form.format(), || page(&report))?;
+    report::print(&report, || page(&report))?;
     Ok(Done::Well)
 }
 

@@ -1,6 +1,5 @@
 //! `toprise info`.
 
-use super::arguments::FormArguments;
 use super::done::Done;
 use super::numbers::{bytes, count};
 use super::page::{Page, Section};
@@ -24,9 +23,6 @@ const RARE: u64 = 20;
 pub(super) struct InfoArguments {
     /// An MCAP file.
     file: PathBuf,
-
-    #[command(flatten)]
-    form: FormArguments,
 }
 
 /// What is in a file.
@@ -101,7 +97,7 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Done, Error> {
     let size = fs::metadata(path).with_context(context)?.len();
     let is_whole = matches!(overview.condition, Condition::Whole | Condition::Foreign);
     let report = InfoReport::of(path, size, overview);
-    report::print(&report, arguments.form.format(), || report.page())?;
+    report::print(&report, || report.page())?;
     Ok(if is_whole && report.losses.is_empty() {
         Done::Well
     } else {
@@ -267,7 +263,6 @@ mod tests {
     fn one_file_is_named() {
         let expected = InfoArguments {
             file: "a.mcap".into(),
-            ..InfoArguments::default()
         };
         assert_eq!(parse::<InfoArguments>("a.mcap").unwrap(), expected);
         assert!(parse::<InfoArguments>("").is_err());

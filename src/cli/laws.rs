@@ -1,22 +1,13 @@
 //! `toprise laws`.
 
-use super::arguments::FormArguments;
 use super::done::Done;
 use super::page::{Page, Section};
 use super::report;
 use super::table::Table;
 use crate::run::scenario::{Key, LAWS, Law};
 use anyhow::Error;
-use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
-
-/// Arguments of `toprise laws`.
-#[derive(Args, Debug, Default, PartialEq)]
-pub(super) struct LawsArguments {
-    #[command(flatten)]
-    form: FormArguments,
-}
 
 /// All laws of friction.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -53,9 +44,9 @@ struct Parameter {
 }
 
 /// Lists the laws of friction.
-pub(super) fn laws(arguments: &LawsArguments) -> Result<Done, Error> {
+pub(super) fn laws() -> Result<Done, Error> {
     let report = LawsReport(LAWS.iter().map(LawReport::of).collect());
-    report::print(&report, arguments.form.format(), || report.page())?;
+    report::print(&report, || report.page())?;
     Ok(Done::Well)
 }
 

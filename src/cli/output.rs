@@ -5,11 +5,12 @@
 //! an answer of which nothing at all could be written is failed output. (Rust's runtime puts the null device in the place
 //! of a standard output that is closed, which can't be told from one that the user chose.)
 
+use super::arguments::Format;
 use super::text;
 use anstyle::{AnsiColor, Effects, Style};
 use clap::ColorChoice;
 use std::io::{self, IsTerminal as _, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::OnceLock;
 
 /// The fewest columns that a report takes: narrower terminals break the lines themselves.
 const NARROWEST: usize = 60;
@@ -17,12 +18,12 @@ const NARROWEST: usize = 60;
 const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
 
-/// Whether `--quiet` was given.
-static QUIET: AtomicBool = AtomicBool::new(false);
+/// The values of `--quiet` and `--format`.
+static OPTIONS: OnceLock<(bool, Format)> = OnceLock::new();
 
-/// Takes in `--quiet` and `--color`, which hold for all that is printed from here on.
-pub(super) fn set_up(quiet: bool, color: ColorChoice) {
-    QUIET.store(quiet, Ordering::Relaxed);
+/// Takes in the options that hold for all that is printed from here on.
+pub(super) fn set_up(quiet: bool, color: ColorChoice, format: Format) {
+    let _ = OPTIONS.set((quiet, format));
     match color {
         ColorChoice::Auto => anstream::ColorChoice::Auto,
         ColorChoice::Always => anstream::ColorChoice::Always,
@@ -31,9 +32,14 @@ pub(super) fn set_up(quiet: bool, color: ColorChoice) {
     .write_global();
 }
 
-/// Whether only results, warnings and errors are wanted.
+/// Whether only errors are wanted.
 pub(super) fn is_quiet() -> bool {
-    QUIET.load(Ordering::Relaxed)
+    OPTIONS.get().is_some_and(|(quiet, _)| *quiet)
+}
+
+/// The output format.
+pub(super) fn format() -> Format {
+    OPTIONS.get().map_or(Format::Text, |(_, format)| *format)
 }
 
 /// The number of columns of the terminal that shows the answer; none if it goes to a file or to another program.
@@ -83,9 +89,11 @@ pub(super) fn error(what: &str) {
     tell(&format!("{ERROR}error:{ERROR:#} "), what);
 }
 
-/// Warns of something.
+/// Warns of something, unless with `--quiet`.
 pub(super) fn warn(what: &str) {
-    tell(&format!("{WARNING}warning:{WARNING:#} "), what);
+    if !is_quiet() {
+        tell(&format!("{WARNING}warning:{WARNING:#} "), what);
+    }
 }
 
 /// Warns of several things.

@@ -1,6 +1,5 @@
 //! `toprise presets`.
 
-use super::arguments::FormArguments;
 use super::done::Done;
 use super::page::{Page, Part, Section};
 use super::report;
@@ -16,9 +15,6 @@ use serde::Serialize;
 pub(super) struct PresetsArguments {
     /// Preset to print as a scenario file.
     name: Option<String>,
-
-    #[command(flatten)]
-    form: FormArguments,
 }
 
 /// The presets that were asked for.
@@ -51,7 +47,7 @@ pub(super) fn presets(arguments: &PresetsArguments) -> Result<Done, Error> {
     });
     let report = PresetsReport(presets.collect::<Result<_, _>>()?);
     let is_one = arguments.name.is_some();
-    report::print(&report, arguments.form.format(), || report.page(is_one))?;
+    report::print(&report, || report.page(is_one))?;
     Ok(Done::Well)
 }
 

@@ -10,18 +10,29 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
-/// Prints a report in the form that is wanted.
-pub(super) fn print(
-    report: &impl Serialize,
-    format: Format,
-    page: impl FnOnce() -> Page,
-) -> Result<(), Error> {
-    match format {
+/// Prints a report in the output format; text only without `--quiet`.
+pub(super) fn print(report: &impl Serialize, page: impl FnOnce() -> Page) -> Result<(), Error> {
+    match output::format() {
+        Format::Text if output::is_quiet() => {}
         Format::Text => output::print_styled(&page().text(output::columns()))?,
         Format::Markdown => output::print(&page().markdown())?,
         Format::Json => output::print_json(&serde_json::to_string_pretty(report)?)?,
     }
     Ok(())
+}
+
+/// A command that failed.
+#[derive(Serialize)]
+struct Failure<'a> {
+    error: &'a str,
+}
+
+/// Prints an error as a report, if reports are JSON: programs find it where they expect the answer.
+pub(super) fn print_error(error: &str) {
+    if output::format() == Format::Json {
+        // Where standard output is gone, standard error has it.
+        let _ = print(&Failure { error }, Page::default);
+    }
 }
 
 /// A file that a command wrote.

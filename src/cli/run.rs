@@ -51,9 +51,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     let finished = recorder.record(files, telemetry, &mut simulation)?;
     let same_as = earlier.identical(&finished.archived);
     let report = RunReport::of(&scenario, &finished, same_as, began.elapsed());
-    print(&report, arguments.form.format(), || {
-        report.page(arguments.note_on_rrd())
-    })?;
+    print(&report, || report.page(arguments.note_on_rrd()))?;
     #[cfg(feature = "rerun")]
     target.serve_until(&interrupt);
     Ok(match finished.end.stop {

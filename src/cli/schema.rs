@@ -1,6 +1,5 @@
 //! `toprise schema`.
 
-use super::arguments::FormArguments;
 use super::done::Done;
 use super::page::{Page, Part, Section};
 use super::report::{self, WrittenFile};
@@ -29,9 +28,6 @@ pub(super) struct SchemaArguments {
     /// Write all schemas, of channels and of reports, into this directory, replacing those there.
     #[arg(long, value_name = "DIRECTORY", conflicts_with = "topic")]
     write: Option<PathBuf>,
-
-    #[command(flatten)]
-    form: FormArguments,
 }
 
 /// The channels that were asked for.
@@ -73,7 +69,7 @@ pub(super) fn schema(
         }
     }
     let is_one = arguments.topic.is_some();
-    report::print(&report, arguments.form.format(), || report.page(is_one))?;
+    report::print(&report, || report.page(is_one))?;
     Ok(Done::Well)
 }
 

@@ -2,7 +2,7 @@
 
 mod report;
 
-use super::arguments::{FormArguments, Override, parse_override};
+use super::arguments::{Override, parse_override};
 use super::done::Done;
 use super::interrupt::Interrupt;
 use super::numbers::count;
@@ -91,9 +91,6 @@ pub(super) struct SweepArguments {
     /// Tell how many runs there are and how long they will take, and write nothing.
     #[arg(long)]
     dry_run: bool,
-
-    #[command(flatten)]
-    form: FormArguments,
 }
 
 fn parse_count(text: &str) -> Result<u64, String> {
@@ -138,9 +135,10 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
     }
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
     // Where nothing is written there is nothing to end in order.
-    let interrupt = match arguments.dry_run {
-        true => Interrupt::default(),
-        false => Interrupt::watch()?,
+    let interrupt = if arguments.dry_run {
+        Interrupt::default()
+    } else {
+        Interrupt::watch()?
     };
     let carry_on = || !interrupt.is_asked();
     let told = quietly(|| {
@@ -181,7 +179,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         estimate: estimate.filter(|_| arguments.dry_run),
         wall_time: began.elapsed().as_secs_f64(),
     };
-    reports::print(&report, arguments.form.format(), || report.page(&asked))?;
+    reports::print(&report, || report.page(&asked))?;
     let has_losses = report.errors > 0 || report.interrupted;
     Ok(if has_losses {
         Done::WithLosses
@@ -260,9 +258,10 @@ impl SweepArguments {
             done: &|_| {},
         };
         let rows = sweep.spec().rows();
-        let worth = match self.dry_run {
-            true => left,
-            false => left / RUNS_PER_TRIAL,
+        let worth = if self.dry_run {
+            left
+        } else {
+            left / RUNS_PER_TRIAL
         };
         let tried = TRIAL_RUNS.min(worth);
         let mut done = 0;

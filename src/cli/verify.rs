@@ -1,6 +1,5 @@
 //! `toprise verify`.
 
-use super::arguments::{FormArguments, Format};
 use super::done::Done;
 use super::numbers::count;
 use super::page::{Page, Section, Tone};
@@ -24,9 +23,6 @@ pub(super) struct VerifyArguments {
     /// Recordings (MCAP files).
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-
-    #[command(flatten)]
-    form: FormArguments,
 }
 
 type Answer = Result<Report, RecordingError>;
@@ -54,13 +50,10 @@ pub(super) fn verify(arguments: &VerifyArguments) -> Result<Done, Error> {
     let files = arguments.files.iter().zip(answers);
     let files = files.map(|(file, answer)| VerifiedFile::of(file, answer));
     let report = VerifyReport(files.collect());
-    let format = arguments.form.format();
-    report::print(&report, format, || report.page())?;
-    if format != Format::Json {
-        for file in &report.0 {
-            if let Some(error) = &file.error {
-                output::error(&format!("{}: {error}", file.file));
-            }
+    report::print(&report, || report.page())?;
+    for file in &report.0 {
+        if let Some(error) = &file.error {
+            output::error(&format!("{}: {error}", file.file));
         }
     }
     Ok(report.done())
@@ -199,7 +192,6 @@ mod tests {
     fn files_are_named() {
         let expected = VerifyArguments {
             files: vec!["a.mcap".into(), "b.mcap".into()],
-            ..VerifyArguments::default()
         };
         assert_eq!(parse::<VerifyArguments>("a.mcap b.mcap").unwrap(), expected);
         assert!(parse::<VerifyArguments>("").is_err());

@@ -1,6 +1,5 @@
 //! `toprise view`: recordings again in Rerun.
 
-use super::arguments::FormArguments;
 use super::done::Done;
 use super::interrupt::Interrupt;
 use super::output;
@@ -50,9 +49,6 @@ pub(super) struct ViewArguments {
     /// Show only what comes at or before this simulated time.
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     to: Option<f64>,
-
-    #[command(flatten)]
-    form: FormArguments,
 }
 
 /// What was shown.
@@ -182,7 +178,7 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
         recordings: shown,
         is_interrupted: interrupt.is_asked(),
     };
-    report::print(&report, arguments.form.format(), || report.page())?;
+    report::print(&report, || report.page())?;
     target.serve_until(&interrupt);
     Ok(if report.is_complete() {
         Done::Well
@@ -363,7 +359,7 @@ mod tests {
             "",
             "a.mcap --from -1",
             "a.mcap --spawn --serve",
-            "a.mcap --port 1",
+            "a.mcap --serve=9090",
         ] {
             assert!(parse::<ViewArguments>(line).is_err(), "{line}");
         }

@@ -8,7 +8,7 @@ use crate::archive::sink::SinkError;
 use crate::rerun::{Live, RerunError};
 use anyhow::{Context as _, Error};
 use clap::Args;
-use std::net::IpAddr;
+use std::net::SocketAddr;
 
 /// Arguments of the commands that show something in a viewer.
 #[derive(Args, Clone, Debug, PartialEq)]
@@ -23,23 +23,11 @@ pub(super) struct ViewerArguments {
     #[arg(long, conflicts_with = "serve")]
     spawn: bool,
 
-    /// Serve the web viewer and show it there, until Ctrl-C (in builds with the feature web-viewer).
-    #[arg(long)]
-    serve: bool,
-
-    /// Serve at this address of this machine; 0.0.0.0 lets everybody in.
-    #[arg(
-        long,
-        value_name = "IP",
-        default_value = "127.0.0.1",
-        requires = "serve"
-    )]
-    bind: IpAddr,
-
-    /// Serve the web viewer at this port and its stream at the next one.
-    #[arg(long, value_name = "PORT", default_value_t = 9090, requires = "serve",
-          value_parser = clap::value_parser!(u16).range(1..=65534))]
-    port: u16,
+    /// Serve the web viewer at this address, and its stream at the next port, until Ctrl-C (in builds with the
+    /// feature web-viewer); 0.0.0.0 is every address of this machine.
+    #[arg(long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true,
+          default_missing_value = "127.0.0.1:9090")]
+    serve: Option<SocketAddr>,
 
     /// Draw the height of a free peg above the table so many times as large: 1000 makes hops of micrometres visible.
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = parse_factor)]
@@ -68,8 +56,8 @@ pub(super) enum Target {
 impl ViewerArguments {
     /// Finds the viewer, or starts to serve it.
     pub(super) fn target(&self) -> Result<Target, Error> {
-        if self.serve {
-            return self.serve();
+        if let Some(address) = self.serve {
+            return serve(address);
         }
         Ok(match &self.connect {
             Some(url) => Target::Live(Live::Connect(url.clone())),
@@ -77,24 +65,23 @@ impl ViewerArguments {
             None => Target::None,
         })
     }
+}
 
-    #[cfg(feature = "web-viewer")]
-    fn serve(&self) -> Result<Target, Error> {
-        let viewer = crate::rerun::WebViewer::start(self.bind, self.port);
-        let viewer = viewer.map_err(Error::msg)?;
-        output::announce(&format!("serving at {}", viewer.url()));
-        if !self.bind.is_loopback() {
-            output::note("from another machine, put this one's name in both places of the address");
-        }
-        Ok(Target::Served(viewer))
+#[cfg(feature = "web-viewer")]
+fn serve(address: SocketAddr) -> Result<Target, Error> {
+    let viewer = crate::rerun::WebViewer::start(address).map_err(Error::msg)?;
+    output::announce(&format!("serving at {}", viewer.url()));
+    if !address.ip().is_loopback() {
+        output::note("from another machine, put this one's name in both places of the address");
     }
+    Ok(Target::Served(viewer))
+}
 
-    #[cfg(not(feature = "web-viewer"))]
-    fn serve(&self) -> Result<Target, Error> {
-        anyhow::bail!(
-            "this build has no web viewer (it adds 40 MB): build it with --features web-viewer"
-        )
-    }
+#[cfg(not(feature = "web-viewer"))]
+fn serve(_: SocketAddr) -> Result<Target, Error> {
+    anyhow::bail!(
+        "this build has no web viewer (it adds 40 MB): build it with --features web-viewer"
+    )
 }
 
 /// Completes what a Rerun stream that has `ended` was written to: tells what happened to the viewer, and publishes the

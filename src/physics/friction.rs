@@ -396,7 +396,10 @@ impl Friction {
         match self.dissipation {
             Dissipation::TiltTorqueOnly => Vector3::new(0.0, torque.y, 0.0),
             Dissipation::SpinTorqueOnly => Vector3::new(0.0, 0.0, torque.z),
-            _ => torque,
+            Dissipation::Full
+            | Dissipation::WithoutNutationPart
+            | Dissipation::PrecessionTermOnly
+            | Dissipation::SpinTermOnly => torque,
         }
     }
 
@@ -406,7 +409,10 @@ impl Friction {
         match self.dissipation {
             Dissipation::PrecessionTermOnly => kept.psi = 0.0,
             Dissipation::SpinTermOnly => kept.phi = 0.0,
-            _ => {}
+            Dissipation::Full
+            | Dissipation::WithoutNutationPart
+            | Dissipation::TiltTorqueOnly
+            | Dissipation::SpinTorqueOnly => {}
         }
         kept
     }

@@ -18,11 +18,12 @@ pub struct WebViewer {
 }
 
 impl WebViewer {
-    /// Serves the page at `port` and the stream at the next port.
+    /// Serves the page at an address and the stream at the next port.
     ///
     /// # Errors
     /// A sentence that says what went wrong.
-    pub fn start(bind: IpAddr, port: u16) -> Result<Self, String> {
+    pub fn start(address: SocketAddr) -> Result<Self, String> {
+        let (bind, port) = (address.ip(), address.port());
         let stream_port = port
             .checked_add(1)
             .ok_or("port 65535 leaves none for the stream")?;
@@ -82,7 +83,7 @@ fn check_free(address: SocketAddr) -> Result<(), String> {
     match TcpListener::bind(address) {
         Ok(_) => Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => Err(format!(
-            "port {} is in use: choose another with --port (the stream takes the one after it)",
+            "port {} is in use: choose another with --serve=IP:PORT (the stream takes the one after it)",
             address.port()
         )),
         Err(error) => Err(format!("cannot listen on {address}: {error}")),

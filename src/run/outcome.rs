@@ -285,6 +285,10 @@ fn counted(count: u64) -> Option<Cell> {
     i64::try_from(count).ok().map(Cell::Integer)
 }
 
+#[allow(
+    clippy::unnecessary_wraps,
+    reason = "the type of a cell that may be absent"
+)]
 fn real(number: f64) -> Option<Cell> {
     Some(Cell::Number(number))
 }

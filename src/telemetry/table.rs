@@ -1,6 +1,10 @@
 //! The table of channels: the one place that says what is logged.
 
-use super::quantity::Quantity::{self, *};
+use super::quantity::Quantity::{
+    self, Acceleration, Angle, Direction, Energy, Flag, Force, Impulse, Jellett, Length,
+    LinearAcceleration, Momentum, Number, Orientation, Power, Rate, ReferenceRate, Text, Time,
+    Torque, Velocity,
+};
 use crate::run::simulation::{Event, FreeSample, Landing, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -223,7 +227,7 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         fields: &[
             together("mechanical", number("kinetic", Energy, "kinetic energy", |s| s.kinetic_energy)),
             number("potential", Energy, "potential energy, zero at the height of the peg's centre", |s| s.potential_energy),
-            together("mechanical", number("total", Energy, "total energy", |s| s.energy())),
+            together("mechanical", number("total", Energy, "total energy", Sample::energy)),
             number("friction_power", Power, "power of the torque of friction", |s| s.friction_power),
             number("friction_work", Energy, "work of friction since the start", |s| s.integrals.friction_work),
             vector("friction_work_node", Energy, NODE, "work of friction about each axis since the start", |s| s.integrals.work_node),
@@ -296,7 +300,7 @@ pub const NUTATION: Channel<NutationCycle> = Channel {
     fields: &[
         number("cycle", Number, "number of the cycle, from 0", |c| f64::from(c.index)),
         number("start", Time, "when the cycle began", |c| c.start),
-        number("period", Time, "its duration", |c| c.period()),
+        number("period", Time, "its duration", NutationCycle::period),
         together("theta_range", number("theta_min", Angle, "least θ in it", |c| c.theta_min)),
         together("theta_range", number("theta_max", Angle, "greatest θ in it", |c| c.theta_max)),
         number("theta_mean", Angle, "mean of θ", |c| c.theta_mean),

@@ -29,6 +29,9 @@ use crate::run::scenario::Scenario;
 use crate::run::simulation::EventKind;
 use nalgebra::Vector3;
 
+/// The level of all messages of the log.
+const INFO: u8 = 20;
+
 /// The least time between two messages of a view, ns.
 const PERIOD_NS: u64 = 10_000_000;
 
@@ -270,7 +273,6 @@ impl Views {
                 if EventKind::find(name).is_some_and(EventKind::is_of_nutation) {
                     return false;
                 }
-                const INFO: u8 = 20;
                 cdr.time(time).u8(INFO).string(name);
                 cdr.string(events::DESCRIPTION.of(message));
                 // File, function and line of the code that logs: they mean nothing here.

@@ -213,7 +213,7 @@ fn every_command_answers_in_markdown() {
         ("schema", 0),
         ("run --set stop.duration=0.1 -o b.mcap", 0),
     ] {
-        let text = answer(&directory, &format!("{line} --markdown"), code);
+        let text = answer(&directory, &format!("{line} --format markdown"), code);
         assert!(text.contains("| :-- |"), "{line}:\n{text}");
         assert!(!text.contains('\x1b'), "{line}");
     }
@@ -385,6 +385,23 @@ fn names_of_files_need_not_be_text() {
 }
 
 #[test]
+fn errors_are_answers_too() {
+    let directory = recorded();
+    for (line, part) in [
+        ("info missing.mcap --format json", "missing.mcap"),
+        ("run papr --format json", "papr"),
+        ("run --nope --format=json", "--nope"),
+    ] {
+        let failed = toprise(&directory, line);
+        assert_eq!(failed.status.code(), Some(2), "{line}");
+        let answer: serde_json::Value = serde_json::from_slice(&failed.stdout).unwrap();
+        assert!(answer["error"].as_str().unwrap().contains(part), "{answer}");
+        assert!(String::from_utf8_lossy(&failed.stderr).contains(part));
+    }
+    assert!(toprise(&directory, "info missing.mcap").stdout.is_empty());
+}
+
+#[test]
 fn quiet_leaves_notes_out_and_color_is_chosen() {
     let directory = recorded();
     #[cfg(feature = "sweep")]
@@ -395,9 +412,15 @@ fn quiet_leaves_notes_out_and_color_is_chosen() {
         let quiet = toprise(&directory, &format!("-q {sweep} -o b.parquet"));
         assert!(quiet.stderr.is_empty());
     }
-    // Errors stay.
+    // Errors stay, and what is asked for in a format.
     let failed = toprise(&directory, "info missing.mcap --quiet");
     assert!(String::from_utf8_lossy(&failed.stderr).contains("missing.mcap"));
+    assert!(toprise(&directory, "info a.mcap -q").stdout.is_empty());
+    assert!(
+        !toprise(&directory, "info a.mcap -q --format json")
+            .stdout
+            .is_empty()
+    );
     let is_coloured = |line: &str, variable: &str| {
         let mut command = Command::cargo_bin("toprise").unwrap();
         command.current_dir(directory.path()).env_remove("NO_COLOR");

@@ -584,7 +584,6 @@ fn recordings_are_shown_again() {
             "no Rerun viewer",
         ),
         (&["view", "a.mcap", "--spawn", "--serve"], "--serve"),
-        (&["view", "a.mcap", "--port", "1"], "--serve"),
     ] {
         let failure = toprise(&directory).args(arguments).assert().code(2);
         let error = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();

@@ -436,7 +436,7 @@ fn a_pipe_is_refused_and_not_waited_for() {
                 .map_err(|e| e.to_string()),
         )
     });
-    let minute = std::time::Duration::from_secs(60);
+    let minute = std::time::Duration::from_mins(1);
     let opened = opened
         .recv_timeout(minute)
         .expect("opening a pipe takes no time");

@@ -26,7 +26,7 @@ fn serve(directory: &Path, arguments: &[&str]) -> (Child, u16, Vec<String>) {
     let mut child = Command::new(assert_cmd::cargo::cargo_bin("toprise"))
         .current_dir(directory)
         .args(arguments)
-        .args(["--serve", "--port", &port.to_string()])
+        .arg(format!("--serve=127.0.0.1:{port}"))
         .stderr(Stdio::piped())
         .stdout(Stdio::null())
         .spawn()
@@ -88,13 +88,13 @@ fn runs_and_recordings_are_served_until_ctrl_c() {
         // The port is taken now.
         let second = Command::new(assert_cmd::cargo::cargo_bin("toprise"))
             .current_dir(directory.path())
-            .args(["view", "a.mcap", "--serve", "--port", &port.to_string()])
+            .args(["view", "a.mcap", &format!("--serve=127.0.0.1:{port}")])
             .output()
             .unwrap();
         assert_eq!(second.status.code(), Some(2));
         let error = String::from_utf8_lossy(&second.stderr).into_owned();
         assert!(
-            error.contains("in use") && error.contains("--port"),
+            error.contains("in use") && error.contains("--serve="),
             "{error}"
         );
         assert_eq!(interrupt(child), Some(0));

@@ -1328,7 +1328,7 @@ fn pipes_and_devices_are_refused_at_once() {
     ] {
         let mut command = Command::new(env!("CARGO_BIN_EXE_toprise"));
         let command = command.current_dir(folder).args(line.split_whitespace());
-        let output = command.timeout(std::time::Duration::from_secs(60)).output();
+        let output = command.timeout(std::time::Duration::from_mins(1)).output();
         let output = output.unwrap();
         let told = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{line}: {told}");

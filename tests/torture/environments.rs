@@ -8,7 +8,7 @@ use std::process::Command;
 use std::time::Duration;
 use tempfile::tempdir;
 
-const LONG: Duration = Duration::from_secs(120);
+const LONG: Duration = Duration::from_mins(2);
 
 /// Something around the program, as a line of a shell in which `$T` is the program and `$R` a short run into
 /// `x.mcap`; the exit code; whether `x.mcap` must be there then.

@@ -13,7 +13,7 @@ use toprise::analysis::verify::verify;
 use toprise::archive::recording::Recording;
 
 /// Longer than anything here should take on a busy machine.
-const LONG: Duration = Duration::from_secs(120);
+const LONG: Duration = Duration::from_mins(2);
 /// In which a program that is asked to end must end on a busy machine.
 const SOON: Duration = Duration::from_secs(10);
 

@@ -17,6 +17,12 @@
 //! What fails names its case; `--seed S --case N flips` tries that one alone. The emulated CPUs need `qemu-x86_64`
 //! (Debian's `qemu-user`) and are skipped without it.
 
+#![allow(clippy::unnecessary_wraps, reason = "campaigns have one type")]
+#![allow(
+    clippy::case_sensitive_file_extension_comparisons,
+    reason = "the program wrote the names"
+)]
+
 #[cfg(unix)]
 mod bench;
 #[cfg(unix)]

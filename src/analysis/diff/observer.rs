@@ -41,10 +41,10 @@ pub(super) struct While<'a>(pub(super) &'a (dyn Fn() -> bool + Sync));
 
 impl Observer for While<'_> {
     fn message(&mut self, _: Side, _: &Message<'_>) -> Result<(), SinkError> {
-        match self.0() {
-            true => Ok(()),
-            // Nobody sees it.
-            false => Err(SinkError::Viewer("interrupted".into())),
+        if self.0() {
+            Ok(())
+        } else {
+            Err(SinkError::Viewer("interrupted".into()))
         }
     }
 }

@@ -228,9 +228,12 @@ impl<'o> Pairing<'o> {
     }
 
     fn pair_topic(&mut self, topic: Topic) -> Result<(), DiffError> {
-        let key = |message: &Owned| match topic.info().is_sampled {
-            true => message.time_ns,
-            false => u64::from(message.sequence),
+        let key = |message: &Owned| {
+            if topic.info().is_sampled {
+                message.time_ns
+            } else {
+                u64::from(message.sequence)
+            }
         };
         loop {
             let [a, b] = &self.waiting[topic.index()];

@@ -128,7 +128,7 @@ impl Report {
         runs: [Subject<'_>; 2],
         others: Vec<TopicBytes>,
         only_in: [Vec<String>; 2],
-        losses: [Vec<String>; 2],
+        losses: &[Vec<String>; 2],
     ) -> Self {
         let [a, b] = [0, 1].map(|side| {
             let messages = others

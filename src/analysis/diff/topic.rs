@@ -151,9 +151,10 @@ impl TopicTally {
             return;
         }
         self.first_unmatched.get_or_insert(time_ns);
-        let count = match is_beyond {
-            true => &mut self.beyond[side],
-            false => &mut self.unmatched[side],
+        let count = if is_beyond {
+            &mut self.beyond[side]
+        } else {
+            &mut self.unmatched[side]
         };
         *count += 1;
     }

@@ -179,6 +179,7 @@ pub enum Fact {
 impl Fact {
     /// The fact as a sentence.
     #[must_use]
+    #[allow(clippy::too_many_lines, reason = "a template for each fact")]
     pub fn sentence(&self) -> String {
         let angle = |theta: &f64| quantity(*theta, 4, "rad");
         let rate = |rate: &f64| quantity(*rate, 4, "rad/s");

@@ -38,9 +38,10 @@ pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
     let cycles = &evidence.history.cycles;
     let (first, last) = (cycles.first()?.means[0], cycles.last()?.means[0]);
     let is_constant = (last - first).abs() <= evidence.floor(first.abs().max(last.abs()));
-    Some(match is_constant {
-        true => Fact::ThetaConstant { theta: last },
-        false => Fact::MeanTheta { first, last },
+    Some(if is_constant {
+        Fact::ThetaConstant { theta: last }
+    } else {
+        Fact::MeanTheta { first, last }
     })
 }
 

@@ -145,9 +145,10 @@ pub(super) fn friction(evidence: &Evidence) -> Option<Fact> {
     if !adds_up || !is_real(first.theta) || !is_real(last.theta) {
         return None;
     }
-    Some(match friction.abs() <= evidence.floor(size) {
-        true => Fact::NoFrictionOnPrecession,
-        false => Fact::FrictionOnPrecession { friction, change },
+    Some(if friction.abs() <= evidence.floor(size) {
+        Fact::NoFrictionOnPrecession
+    } else {
+        Fact::FrictionOnPrecession { friction, change }
     })
 }
 

@@ -161,9 +161,10 @@ impl PegHistory {
         if !self.has_events {
             return Vec::new();
         }
-        let first = match self.flies_at_first {
-            true => PegPhase::Flying,
-            false => PegPhase::Sliding,
+        let first = if self.flies_at_first {
+            PegPhase::Flying
+        } else {
+            PegPhase::Sliding
         };
         let starts = [(first, 0.0, f64::NAN)].into_iter();
         let starts: Vec<_> = starts.chain(self.changes.iter().copied()).collect();

@@ -69,9 +69,10 @@ fn setup(report: &Report, all: bool) -> Section {
     let keys = setup.scenario.iter();
     let keys: Vec<_> = keys.filter(|key| all || key.changes_the_run()).collect();
     let files: Vec<_> = setup.files.iter().collect();
-    let shown = match keys.is_empty() || all {
-        true => [keys, files].concat(),
-        false => keys,
+    let shown = if keys.is_empty() || all {
+        [keys, files].concat()
+    } else {
+        keys
     };
     let rows = shown.iter().map(|key| key_row(key));
     let rows: Vec<_> = rows
@@ -150,9 +151,10 @@ fn others(topics: &[TopicBytes]) -> Section {
         let first = topic.first.map(|time| format!("{time} s"));
         vec![
             topic.topic.clone(),
-            match topic.is_described_differently {
-                true => "other schema or encoding".to_owned(),
-                false => String::new(),
+            if topic.is_described_differently {
+                "other schema or encoding".to_owned()
+            } else {
+                String::new()
             },
             count(topic.equal),
             count(topic.different),
@@ -186,9 +188,10 @@ fn fields(channel: &ChannelDifference) -> Section {
         let relative = field.largest.abs() / field.scale;
         vec![
             format!("{} [{}]", field.field, field.unit).replace(" []", ""),
-            match field.is_below_floor {
-                true => format!("≈ {}", significant(field.largest, 3)),
-                false => significant(field.largest, 3),
+            if field.is_below_floor {
+                format!("≈ {}", significant(field.largest, 3))
+            } else {
+                significant(field.largest, 3)
             },
             format!("{} s", field.at),
             significant(field.rms, 2),
@@ -252,8 +255,7 @@ fn integrators(report: &Report) -> Section {
         return Section::default();
     };
     let mut section = Section::new("Integrator errors");
-    section.note =
-        "each run against itself with tighter tolerances; ≈ marks fields below".to_owned();
+    section.note = "each run against itself with tighter tolerances; ≈ marks fields below".into();
     let rows = [("A", &floor.a), ("B", &floor.b)].map(|(letter, error)| {
         vec![
             letter.to_owned(),
@@ -284,9 +286,10 @@ fn notes(report: &Report, all: bool) -> Section {
             1 => "one more finding and ".to_owned(),
             more => format!("{more} more findings and "),
         };
-        let viewer = match cfg!(feature = "rerun") {
-            true => ", --spawn shows both tops in Rerun",
-            false => "",
+        let viewer = if cfg!(feature = "rerun") {
+            ", --spawn shows both tops in Rerun"
+        } else {
+            ""
         };
         section.line(format!("More: --all shows {more}every field{viewer}."));
     }

@@ -2,7 +2,7 @@
 
 use crate::archive::publish::Existing;
 use crate::archive::writer::Form;
-use crate::cli::arguments::{FormArguments, Override, parse_override};
+use crate::cli::arguments::{Override, parse_override};
 #[cfg(feature = "sweep")]
 use crate::cli::given::checked;
 use crate::cli::given::scenario;
@@ -72,9 +72,6 @@ pub(crate) struct RunArguments {
     /// Replace files that exist.
     #[arg(long)]
     pub(super) force: bool,
-
-    #[command(flatten)]
-    pub(super) form: FormArguments,
 }
 
 impl RunArguments {
@@ -109,6 +106,7 @@ impl RunArguments {
     }
 
     /// What the report says of a Rerun recording that is not written, and that nobody has asked to leave out.
+    #[cfg_attr(not(feature = "rerun"), allow(clippy::unused_self))]
     pub(super) fn note_on_rrd(&self) -> Option<&'static str> {
         #[cfg(feature = "rerun")]
         let is_left_out = self.output.is_some() && self.rrd.is_none() && !self.no_rrd;

@@ -81,10 +81,9 @@ impl<const N: usize> System<N> for BodyRotation {
         let integrands = if N == Self::STATE_LENGTH {
             let theta = atan2(lean.sin, lean.cos);
             let terms = self.model.accelerations(&contact, &tilt);
-            self.model
-                .integrands(&contact, &friction, &tilt, &terms, theta)
+            Model::integrands(&contact, &friction, &tilt, &terms, theta)
         } else {
-            self.model.few_integrands(&contact, &friction, &tilt)
+            Model::few_integrands(&contact, &friction, &tilt)
         };
         let first = [
             turning.i, turning.j, turning.k, turning.w, torque.x, torque.y, torque.z,

@@ -116,10 +116,9 @@ impl EulerAngles {
         }
         let torque = self.model.friction_torque(&contact, &tilt);
         let integrands = if I == INTEGRALS {
-            self.model
-                .integrands(&contact, &torque, &tilt, &terms, theta)
+            Model::integrands(&contact, &torque, &tilt, &terms, theta)
         } else {
-            self.model.few_integrands(&contact, &torque, &tilt)
+            Model::few_integrands(&contact, &torque, &tilt)
         };
         Derivatives {
             theta_dot: acceleration.theta,

@@ -67,7 +67,7 @@ pub(super) fn guard_is_positive(model: &Model, guard: Guard, bounds: &EulerBound
             model.top.peg_radius * faster > 2.0 * NO_SLIP
         }
         Guard::Regular => least_sine > 2.0 * SINGULAR,
-        _ => false,
+        Guard::Grip | Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::Rolling => false,
     }
 }
 
@@ -85,7 +85,9 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
         }
         Guard::Slip => (Passage::SlipStops, Phase::Sliding),
         Guard::Regular => (Passage::BecomesSingular, Phase::Sliding),
-        _ => (Passage::SlipResumes, Phase::Sliding),
+        Guard::Grip | Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::Rolling => {
+            (Passage::SlipResumes, Phase::Sliding)
+        }
     };
     let formulation = formulation.in_phase(phase);
     Entry {

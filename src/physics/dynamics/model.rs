@@ -248,7 +248,6 @@ impl Model {
     /// What the running integrals that are always kept grow by per second; 0 for the others.
     #[inline(always)]
     pub(super) fn few_integrands(
-        &self,
         contact: &Contact,
         friction_torque: &Vector3<f64>,
         tilt: &Tilt,
@@ -263,7 +262,6 @@ impl Model {
     /// What the running integrals grow by per second.
     #[inline(always)]
     pub(super) fn integrands(
-        &self,
         contact: &Contact,
         friction_torque: &Vector3<f64>,
         tilt: &Tilt,
@@ -276,7 +274,7 @@ impl Model {
             work_node: torque.component_mul(&tilt.omega_node()),
             slip_work: contact.force.dot(&contact.slip),
             terms: TermIntegrals::of(accelerations, tilt),
-            ..self.few_integrands(contact, friction_torque, tilt)
+            ..Self::few_integrands(contact, friction_torque, tilt)
         }
     }
 }

@@ -144,7 +144,10 @@ impl FrictionLaw {
         match *self {
             Self::Coulomb { k } => k * normal_force,
             Self::Stribeck { static_k, .. } => static_k * normal_force,
-            _ => 0.0,
+            Self::None
+            | Self::Regularised { .. }
+            | Self::Viscous { .. }
+            | Self::Contensou { .. } => 0.0,
         }
     }
 
@@ -155,7 +158,11 @@ impl FrictionLaw {
             Self::Contensou { k, patch_radius } => {
                 -drilling_torque(k, patch_radius, normal_force, 0.0, 1.0)
             }
-            _ => 0.0,
+            Self::None
+            | Self::Coulomb { .. }
+            | Self::Regularised { .. }
+            | Self::Viscous { .. }
+            | Self::Stribeck { .. } => 0.0,
         }
     }
 

@@ -251,12 +251,11 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// Costs three evaluations of the derivative, unless [`Dop853::step_densely`] has made it for its check. Before the
     /// first step it is the constant start.
     pub fn dense(&mut self) -> Dense<N> {
-        match self.dense.take() {
-            Some(dense) => dense,
-            None => {
-                self.statistics.evaluations += 3;
-                self.dense_of(&self.last)
-            }
+        if let Some(dense) = self.dense.take() {
+            dense
+        } else {
+            self.statistics.evaluations += 3;
+            self.dense_of(&self.last)
         }
     }
 

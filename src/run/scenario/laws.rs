@@ -73,7 +73,11 @@ impl Law {
     pub fn parameters(&self) -> impl Iterator<Item = &'static Key> {
         let is_own = |key: &&Key| match key.presence {
             Presence::With("friction.law", words) => words.contains(&self.name),
-            _ => key
+            Presence::Required
+            | Presence::Optional
+            | Presence::With(..)
+            | Presence::Beside(_)
+            | Presence::OptionalWith(..) => key
                 .path
                 .split_once('.')
                 .is_some_and(|(section, _)| section == self.name),

@@ -28,13 +28,12 @@ impl Values {
         let table: toml::Table = text.parse().map_err(|error| syntax(text, &error))?;
         let mut values = Self::default();
         for (name, value) in table {
-            match value {
-                toml::Value::Table(section) => {
-                    for (inner, value) in section {
-                        values.put(&format!("{name}.{inner}"), value)?;
-                    }
+            if let toml::Value::Table(section) = value {
+                for (inner, value) in section {
+                    values.put(&format!("{name}.{inner}"), value)?;
                 }
-                value => values.put(&name, value)?,
+            } else {
+                values.put(&name, value)?;
             }
         }
         Ok(values)
@@ -246,10 +245,9 @@ fn nearest<'a>(names: impl Iterator<Item = (f64, &'a str)> + Clone) -> String {
 fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
     let wrong_type = || ScenarioError::WrongType {
         key: key.path,
-        value: match value {
-            toml::Value::Float(number) => typed(*number),
-            value => excerpt(&value.to_string()),
-        },
+        value: value
+            .as_float()
+            .map_or_else(|| excerpt(&value.to_string()), typed),
         expected: key.kind.to_string(),
     };
     if key.kind.is_text() {
@@ -257,7 +255,7 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
         let allowed = match key.kind {
             Kind::Choice(words) => words.contains(&text),
             Kind::Name => is_name(text),
-            _ => true,
+            Kind::Text | Kind::Any | Kind::Between(..) | Kind::Nanoseconds => true,
         };
         return if allowed {
             Ok(Value::Text(text.to_owned()))
@@ -265,11 +263,8 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
             Err(out_of_range(key, text))
         };
     }
-    let number = match value {
-        toml::Value::Float(number) => *number,
-        toml::Value::Integer(number) => *number as f64,
-        _ => return Err(wrong_type()),
-    };
+    let integer = || value.as_integer().map(|number| number as f64);
+    let number = value.as_float().or_else(integer).ok_or_else(wrong_type)?;
     let allowed = match key.kind {
         Kind::Between(low, high) => number >= low && number <= high,
         Kind::Nanoseconds => nanoseconds(number).is_some(),
@@ -283,9 +278,10 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
 }
 
 fn out_of_range(key: &Key, value: &str) -> ScenarioError {
-    let near = match key.kind {
-        Kind::Choice(words) => near_word(&excerpt(value), words),
-        _ => String::new(),
+    let near = if let Kind::Choice(words) = key.kind {
+        near_word(&excerpt(value), words)
+    } else {
+        String::new()
     };
     ScenarioError::OutOfRange {
         key: key.path,

@@ -255,7 +255,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                     }
                     Slope::Rising if is_of_nutation => event(EventKind::NutationMinimum),
                     Slope::Falling if is_of_nutation => event(EventKind::NutationMaximum),
-                    _ => {}
+                    Slope::Rising | Slope::Falling => {}
                 }
             }
             (Meaning::NutationRate, Slope::Rising) | (Meaning::Envelope, _) => {
@@ -322,7 +322,14 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             {
                 Some(StopReason::SlipStopped)
             }
-            _ => None,
+            Passage::SlipStops
+            | Passage::Holds
+            | Passage::SlipResumes
+            | Passage::Rolls
+            | Passage::RollEnds
+            | Passage::LiftsOff
+            | Passage::Bounces(_)
+            | Passage::Lands(_) => None,
         };
         let end = match stop {
             None => End::Enter(entry),

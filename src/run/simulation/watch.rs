@@ -214,7 +214,9 @@ fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
         Guard::Slip if is_free => SignTracker::with_floor(SLIP_FLOOR),
         Guard::Slip => SignTracker::default(),
         _ if is_free => SignTracker::with_sign(true, 0.0),
-        _ => SignTracker::default(),
+        Guard::Grip | Guard::NormalForce | Guard::Mobility | Guard::Rolling | Guard::Regular => {
+            SignTracker::default()
+        }
     }
 }
 
