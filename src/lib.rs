@@ -24,6 +24,8 @@
 //! simulation; [`telemetry`], the table of what is logged; [`archive`], recordings as files; [`analysis`], what is
 //! asked of runs; `sweep`, tables of many runs (feature `sweep`); `rerun`, the stream for the Rerun viewer (feature `rerun`); [`cli`], the program.
 
+#![forbid(unsafe_code)]
+
 pub mod analysis;
 pub mod archive;
 pub mod cli;

@@ -78,7 +78,8 @@ fn commands_are_understood() {
             if cfg!(not(feature = "rerun")) && needs_rerun(line) {
                 continue;
             }
-            if cfg!(not(feature = "sweep")) && line.contains("sweep") {
+            let needs_sweep = line.contains("sweep") || line.contains("--row");
+            if cfg!(not(feature = "sweep")) && needs_sweep {
                 continue;
             }
             commands += 1;
