@@ -1,6 +1,9 @@
 //! The native half of the Python package `toprise`; `toprise/__init__.py` is the other half.
 
-#![allow(clippy::needless_pass_by_value, reason = "arguments from Python are owned")]
+#![allow(
+    clippy::needless_pass_by_value,
+    reason = "arguments from Python are owned"
+)]
 
 mod compare;
 mod errors;

@@ -3,9 +3,8 @@
 use super::key::Key;
 use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Text};
 use super::key::Presence::{self, Beside, Optional, OptionalWith, Required, With};
-use super::words::{
-    ACTING_LAWS, DISSIPATIONS, FORMULATIONS, ON_STICK, SLIDING_LAWS, SUPPORTS, SlidingLaw,
-};
+use super::laws::{ACTING_LAWS, Law, SLIDING_LAWS};
+use super::words::{DISSIPATIONS, FORMULATIONS, ON_STICK, SUPPORTS};
 use std::f64::consts::PI;
 
 const fn key(
@@ -31,14 +30,7 @@ const SCALE: Kind = Between(1e-15, 1e15);
 /// Slip speeds that set the scale of a law.
 const SPEED: Kind = Between(1e-9, 1e6);
 
-const SMOOTH_LAWS: &[&str] = &[
-    SlidingLaw::CoulombSqrt.word(),
-    SlidingLaw::CoulombTanh.word(),
-    SlidingLaw::CoulombRational.word(),
-];
-const VISCOUS: &[&str] = &[SlidingLaw::Viscous.word()];
-const STRIBECK: &[&str] = &[SlidingLaw::Stribeck.word()];
-const CONTENSOU: &[&str] = &[SlidingLaw::Contensou.word()];
+const SMOOTH_LAWS: &[&str] = &["coulomb-sqrt", "coulomb-tanh", "coulomb-rational"];
 
 /// What only a free peg has.
 const FREE: Presence = OptionalWith("support.kind", "free");
@@ -85,18 +77,18 @@ pub const KEYS: &[Key] = &[
     key("friction.law", "", Choice(SLIDING_LAWS), Required, "law of friction at the contact"),
     key("friction.k", "", Between(0.0, 100.0), With("friction.law", ACTING_LAWS),
         "coefficient of friction k"),
-    key("friction.static_k", "", Between(0.0, 100.0), With("friction.law", STRIBECK),
+    key("friction.static_k", "", Between(0.0, 100.0), With("friction.law", &["stribeck"]),
         "coefficient of static friction k_s"),
     key("friction.smoothing_speed", "m/s", SPEED,
         With("friction.law", SMOOTH_LAWS),
         "slip speed v_ε below which the force fades"),
-    key("friction.viscous_speed", "m/s", SPEED, With("friction.law", VISCOUS),
+    key("friction.viscous_speed", "m/s", SPEED, With("friction.law", &["viscous"]),
         "slip speed v_0 at which the force is k N"),
-    key("friction.stribeck_speed", "m/s", SPEED, With("friction.law", STRIBECK),
+    key("friction.stribeck_speed", "m/s", SPEED, With("friction.law", &["stribeck"]),
         "slip speed v_s over which static friction falls to kinetic"),
-    key("friction.viscous_slope", "s/m", Between(0.0, 100.0), With("friction.law", STRIBECK),
+    key("friction.viscous_slope", "s/m", Between(0.0, 100.0), With("friction.law", &["stribeck"]),
         "growth c_v of the coefficient with the slip speed"),
-    key("friction.patch_radius", "m", Between(1e-9, 1.0), With("friction.law", CONTENSOU),
+    key("friction.patch_radius", "m", Between(1e-9, 1.0), With("friction.law", &["contensou"]),
         "radius a of the patch of contact"),
     key("friction.dissipation", "",
         Choice(DISSIPATIONS),
@@ -122,3 +114,18 @@ pub const KEYS: &[Key] = &[
         "whether to stop when the contact point sticks; \"stop\" if left out"),
     key("stop.duration", "s", Between(0.0, 1e6), Optional, "stop at this time"),
 ];
+
+impl Law {
+    /// The keys of its parameters.
+    pub fn parameters(&self) -> impl Iterator<Item = &'static Key> {
+        let is_own = |key: &&Key| {
+            if let With("friction.law", words) = key.presence {
+                return words.contains(&self.name);
+            }
+            let section = key.path.split_once('.').map(|(section, _)| section);
+            section == Some(self.name)
+        };
+        let is_parameter = |key: &&Key| !key.kind.is_text();
+        KEYS.iter().filter(is_parameter).filter(is_own)
+    }
+}

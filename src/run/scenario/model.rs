@@ -2,12 +2,11 @@
 
 use super::error::ScenarioError;
 use super::key::typed;
+use super::laws::sliding_law;
 use super::values::Values;
-use super::words::{SlidingLaw, SupportKind};
+use super::words::SupportKind;
 use crate::physics::dynamics::{Model, Support};
-use crate::physics::friction::{
-    Air, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing,
-};
+use crate::physics::friction::{Air, Dissipation, Drilling, Friction, FrictionLaw, Losses};
 use crate::physics::top::Top;
 
 /// The physics that complete values describe.
@@ -62,35 +61,11 @@ fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioErr
 }
 
 fn law(values: &Values) -> Result<FrictionLaw, ScenarioError> {
-    let k = || values.number("friction.k");
-    let regularised = |shape| {
-        Ok(FrictionLaw::Regularised {
-            k: k()?,
-            speed: values.number("friction.smoothing_speed")?,
-            shape,
-        })
+    let word = values.text("friction.law").unwrap_or_default();
+    let missing = || ScenarioError::MissingKey {
+        key: "friction.law",
     };
-    match values.choice("friction.law")? {
-        SlidingLaw::None => Ok(FrictionLaw::None),
-        SlidingLaw::Coulomb => Ok(FrictionLaw::Coulomb { k: k()? }),
-        SlidingLaw::CoulombSqrt => regularised(Smoothing::SquareRoot),
-        SlidingLaw::CoulombTanh => regularised(Smoothing::Tanh),
-        SlidingLaw::CoulombRational => regularised(Smoothing::Rational),
-        SlidingLaw::Viscous => Ok(FrictionLaw::Viscous {
-            k: k()?,
-            speed: values.number("friction.viscous_speed")?,
-        }),
-        SlidingLaw::Stribeck => Ok(FrictionLaw::Stribeck {
-            k: k()?,
-            static_k: values.number("friction.static_k")?,
-            speed: values.number("friction.stribeck_speed")?,
-            slope: values.number("friction.viscous_slope")?,
-        }),
-        SlidingLaw::Contensou => Ok(FrictionLaw::Contensou {
-            k: k()?,
-            patch_radius: values.number("friction.patch_radius")?,
-        }),
-    }
+    sliding_law(word, &|key| values.number(key)).ok_or_else(missing)?
 }
 
 /// The losses of a top, which is `free` if its peg is.

@@ -63,48 +63,11 @@ impl Words for Dissipation {
     ];
 }
 
-/// Laws of sliding friction, before their parameters are known: `friction.law`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SlidingLaw {
-    None,
-    Coulomb,
-    CoulombSqrt,
-    CoulombTanh,
-    CoulombRational,
-    Viscous,
-    Stribeck,
-    Contensou,
-}
-
-impl SlidingLaw {
-    /// Its word, for the tables that name single laws.
-    pub(super) const fn word(self) -> &'static str {
-        // In the order of the enum; a test looks each law up.
-        Self::WORDS[self as usize].0
-    }
-}
-
-impl Words for SlidingLaw {
-    const WORDS: &'static [(&'static str, Self)] = &[
-        ("none", Self::None),
-        ("coulomb", Self::Coulomb),
-        ("coulomb-sqrt", Self::CoulombSqrt),
-        ("coulomb-tanh", Self::CoulombTanh),
-        ("coulomb-rational", Self::CoulombRational),
-        ("viscous", Self::Viscous),
-        ("stribeck", Self::Stribeck),
-        ("contensou", Self::Contensou),
-    ];
-}
-
 pub(super) const FORMULATIONS: &[&str] =
     &words::<FormulationKind, { FormulationKind::WORDS.len() }>();
 pub(super) const ON_STICK: &[&str] = &words::<OnStick, { OnStick::WORDS.len() }>();
 pub(super) const SUPPORTS: &[&str] = &words::<SupportKind, { SupportKind::WORDS.len() }>();
 pub(super) const DISSIPATIONS: &[&str] = &words::<Dissipation, { Dissipation::WORDS.len() }>();
-pub(super) const SLIDING_LAWS: &[&str] = &words::<SlidingLaw, { SlidingLaw::WORDS.len() }>();
-/// The laws of sliding that give a force: all but `none`.
-pub(super) const ACTING_LAWS: &[&str] = SLIDING_LAWS.split_at(1).1;
 
 /// The words of a choice, for the table of keys.
 const fn words<T: Words, const N: usize>() -> [&'static str; N] {
@@ -115,16 +78,4 @@ const fn words<T: Words, const N: usize>() -> [&'static str; N] {
         i += 1;
     }
     words
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_law_has_the_word_that_means_it() {
-        for (word, law) in SlidingLaw::WORDS {
-            assert_eq!(law.word(), *word);
-        }
-    }
 }
