@@ -79,3 +79,9 @@ def test_a_recording_is_verified(reference):
     assert is_of_schema([report], "VerifyReport")
     with pytest.raises(FileNotFoundError):
         toprise.verify("missing.mcap")
+
+
+def test_a_report_in_a_notebook_is_plain_html():
+    page = toprise.Report({"title": "<b>", "list": [1]}, ["a & b", "c"])._repr_html_()
+    assert page.startswith("<p>a &amp; b<br>c</p><table>")
+    assert "<th>title</th><td>&lt;b&gt;</td>" in page and "list" not in page

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import os
 from collections.abc import Iterable, Mapping
@@ -32,8 +33,15 @@ class Report(dict[str, Any]):
     def __str__(self) -> str:
         return self.summary
 
-    def _repr_markdown_(self) -> str:
-        return self.summary.replace("\n", "  \n")
+    def _repr_html_(self) -> str:
+        """The summary, and a table of the entries that are one value. It has no colours of its own."""
+        plain = {key: value for key, value in self.items() if isinstance(value, (str, int, float))}
+        rows = (
+            f"<tr><th>{html.escape(str(key))}</th><td>{html.escape(str(value))}</td></tr>"
+            for key, value in plain.items()
+        )
+        lines = html.escape(self.summary).replace("\n", "<br>")
+        return f"<p>{lines}</p><table><tbody>{''.join(rows)}</tbody></table>"
 
 
 class DiffReport(Report):
