@@ -47,8 +47,10 @@ def test_two_nodes_make_the_bytes_of_one(cluster, local, tmp_path):
     out = tmp_path / "map.parquet"
     answer = sweep(SPEC, out)
     assert answer["stops"] == {"duration": 6000} and out.read_bytes() == local
+    assert (answer["computed"], answer["kept"], answer["errors"]) == (6000, 0, 0)
     # It is there: nothing is left to do.
-    assert sweep(SPEC, out)["computed"] == 0
+    again = sweep(SPEC, out)
+    assert (again["computed"], again["kept"]) == (0, 6000)
 
 
 def test_a_node_may_die(cluster, local, tmp_path):

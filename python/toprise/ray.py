@@ -6,6 +6,7 @@ is there twice, whatever is killed. All nodes need one file system.
 
 from __future__ import annotations
 
+import json
 import os
 from typing import Any
 
@@ -20,7 +21,7 @@ def sweep(spec: Spec, out: str | os.PathLike[str], *, retries: int = 5) -> dict[
     """Computes a sweep with one Ray task for each part of it, and merges its table: the bytes of a local sweep.
 
     `out` lies in a folder that all nodes share. A task whose worker or node dies is tried again, `retries` times. If the program itself
-    dies, the same call goes on where it was.
+    dies, the same call goes on where it was. The answer is that of `toprise.sweep`, and `kept` counts the runs that were there before.
     """
     text, folder = read(spec)
     rows, part_rows = _toprise.rows(text, folder)
@@ -32,9 +33,13 @@ def sweep(spec: Spec, out: str | os.PathLike[str], *, retries: int = 5) -> dict[
         answer = _toprise.sweep(
             text, folder, path, threads=1, shard=(part, parts), fail_fast=False, progress=None
         )
-        return len(answer)
+        return int(json.loads(answer)["computed"])
 
+    computed = 0
     if not os.path.exists(path):
         task: Any = ray.remote(num_cpus=1, max_retries=retries)(compute)
-        ray.get([task.remote(part) for part in range(parts)])
-    return sweep_here(spec, path)
+        computed = sum(ray.get([task.remote(part) for part in range(parts)]))
+    answer = sweep_here(spec, path)
+    answer["computed"] += computed
+    answer["kept"] = answer["runs"] - answer["computed"]
+    return answer
