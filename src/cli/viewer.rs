@@ -120,7 +120,10 @@ impl Target {
     }
 
     /// Goes on serving until the user wants an end.
-    #[cfg_attr(not(feature = "web-viewer"), allow(unused_variables))]
+    #[cfg_attr(
+        not(feature = "web-viewer"),
+        allow(unused_variables, clippy::unused_self)
+    )]
     pub(super) fn serve_until(self, interrupt: &Interrupt) {
         #[cfg(feature = "web-viewer")]
         if let Self::Served(viewer) = self {

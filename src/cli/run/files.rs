@@ -58,7 +58,7 @@ impl RunFiles {
                     // Another run was faster.
                     Err(SinkError::Exists { .. }) if !arguments.force => {}
                     mcap => {
-                        let files = Self::with(mcap?, arguments, Some(rrd))?;
+                        let files = Self::with(mcap?, arguments, Some(&rrd))?;
                         return Ok((files, Earlier(earlier)));
                     }
                 }
@@ -70,12 +70,8 @@ impl RunFiles {
 
     /// The MCAP file, and the Rerun recording at `rrd` unless the arguments name another, or want none.
     #[cfg(feature = "rerun")]
-    fn with(
-        mcap: Draft,
-        arguments: &RunArguments,
-        rrd: Option<PathBuf>,
-    ) -> Result<Self, SinkError> {
-        let wanted = arguments.rrd.as_ref().or(rrd.as_ref());
+    fn with(mcap: Draft, arguments: &RunArguments, rrd: Option<&Path>) -> Result<Self, SinkError> {
+        let wanted = arguments.rrd.as_deref().or(rrd);
         let rrd = match wanted.filter(|_| !arguments.no_rrd) {
             Some(rrd) => {
                 refuse_inputs(rrd, [mcap.path()])?;
@@ -89,7 +85,7 @@ impl RunFiles {
     /// The MCAP file; without the Rerun SDK there is no other.
     #[cfg(not(feature = "rerun"))]
     #[allow(clippy::unnecessary_wraps, reason = "with the Rerun SDK it may fail")]
-    fn with(mcap: Draft, _: &RunArguments, _: Option<PathBuf>) -> Result<Self, SinkError> {
+    fn with(mcap: Draft, _: &RunArguments, _: Option<&Path>) -> Result<Self, SinkError> {
         Ok(Self { mcap })
     }
 }
