@@ -104,8 +104,7 @@ pub(super) fn complete(
             return Err(error).with_context(context);
         }
     }
-    let bytes = draft.publish().with_context(context)?;
-    Ok(Some(WrittenFile::new(&path, bytes)))
+    WrittenFile::publish(draft).map(Some).with_context(context)
 }
 
 impl Target {
