@@ -7,6 +7,7 @@
 )]
 
 pub(crate) mod listed;
+pub(crate) mod nearest;
 pub mod outcome;
 pub mod scenario;
 pub mod simulation;

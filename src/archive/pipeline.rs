@@ -231,11 +231,11 @@ impl McapSink {
         Pipeline::start(file, name, opening).map(Self)
     }
 
-    /// Ends the recording and gives the file its name.
+    /// Ends the recording, which still has to be published; returns the content digest too.
     ///
     /// # Errors
     /// [`SinkError`] if anything could not be written; the partial file is kept.
-    pub fn finish(self, end: &RunEnd) -> Result<Archived, SinkError> {
+    pub fn complete(self, end: &RunEnd) -> Result<(Draft, String), SinkError> {
         let name = self.0.worker.name.clone();
         let (file, digest) = self.0.finish(end)?;
         let draft = file.into_inner().map_err(|error| SinkError::Io {
@@ -243,6 +243,15 @@ impl McapSink {
             path: name,
             reason: error.into_error(),
         })?;
+        Ok((draft, digest))
+    }
+
+    /// Ends the recording and gives the file its name.
+    ///
+    /// # Errors
+    /// As [`Self::complete`] and [`Draft::publish`].
+    pub fn finish(self, end: &RunEnd) -> Result<Archived, SinkError> {
+        let (draft, digest) = self.complete(end)?;
         let path = draft.path().to_owned();
         let bytes = draft.publish()?;
         Ok(Archived {

@@ -17,9 +17,9 @@ use crate::analysis::figures::{
 };
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
+use crate::run::nearest::near;
 use crate::run::scenario::Preset;
 use anyhow::{Context as _, Error, bail};
-use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 #[cfg(feature = "sweep")]
 use std::path::Path;
@@ -39,7 +39,7 @@ pub(super) struct FiguresArguments {
     output: PathBuf,
 
     /// Draw only these figures, separated by commas.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = names())]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = parse_name)]
     only: Vec<String>,
 
     /// Kinds of files, separated by commas.
@@ -90,8 +90,14 @@ impl Kind {
     }
 }
 
-fn names() -> PossibleValuesParser {
-    PossibleValuesParser::new(FIGURES.iter().map(|figure| figure.name))
+fn parse_name(text: &str) -> Result<String, String> {
+    let names = || FIGURES.iter().map(|figure| figure.name);
+    if names().any(|name| name == text) {
+        return Ok(text.to_owned());
+    }
+    let all: Vec<_> = names().collect();
+    let near = near(text, names());
+    Err(format!("no such figure{near}; figures: {}", all.join(", ")))
 }
 
 fn parse_width(text: &str) -> Result<f64, String> {

@@ -4,7 +4,9 @@ use super::arguments::Format;
 use super::numbers::bytes;
 use super::output;
 use super::page::Page;
+use crate::archive::publish::Draft;
 use crate::archive::recording::Loss;
+use crate::archive::sink::SinkError;
 use anyhow::Error;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -50,6 +52,12 @@ impl WrittenFile {
             path: path.display().to_string(),
             bytes,
         }
+    }
+
+    /// Gives a draft its name.
+    pub(super) fn publish(draft: Draft) -> Result<Self, SinkError> {
+        let path = draft.path().to_owned();
+        Ok(Self::new(&path, draft.publish()?))
     }
 
     /// Its path and size, for people.

@@ -8,14 +8,14 @@ mod report;
 mod viewer;
 
 pub(super) use self::arguments::RunArguments;
-use self::files::RunFiles;
+use self::files::{Earlier, RunFiles};
 use self::pace::Pace;
 use self::report::Finished;
 pub(super) use self::report::RunReport;
 use super::done::Done;
 use super::interrupt::Interrupt;
 use super::output;
-use super::report::print;
+use super::report::{WrittenFile, print};
 use crate::archive::pipeline::McapSink;
 use crate::archive::sink::{Sink, record_to_end};
 use crate::archive::writer::Form;
@@ -48,9 +48,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     let asked = interrupt.clone();
     let mut simulation = Simulation::new(&scenario)?.while_told(move || !asked.is_asked());
     let (files, earlier) = RunFiles::start(arguments, &scenario, &telemetry, form)?;
-    let finished = recorder.record(files, telemetry, &mut simulation)?;
-    let same_as = earlier.identical(&finished.archived);
-    let report = RunReport::of(&scenario, &finished, same_as, began.elapsed());
+    let finished = recorder.record(files, &earlier, telemetry, &mut simulation)?;
+    let report = RunReport::of(&scenario, arguments.changes(), &finished, began.elapsed());
     print(&report, || report.page(arguments.note_on_rrd()))?;
     #[cfg(feature = "rerun")]
     target.serve_until(&interrupt);
@@ -76,6 +75,7 @@ impl Recorder<'_> {
     fn record(
         self,
         files: RunFiles,
+        earlier: &Earlier,
         mut telemetry: Telemetry,
         simulation: &mut Simulation,
     ) -> Result<Finished, Error> {
@@ -105,13 +105,21 @@ impl Recorder<'_> {
             output::warn(&error.to_string());
         }
         drop(sinks);
-        let archived = archive.finish(&end)?;
+        let (draft, digest) = archive.complete(&end)?;
+        let there = earlier.same_as(&draft);
+        let mcap = match &there {
+            Some(there) => {
+                draft.discard();
+                there.clone()
+            }
+            None => WrittenFile::publish(draft)?,
+        };
         #[cfg(feature = "rerun")]
         let rrd = {
             if !matches!(end.stop, StopReason::Interrupted | StopReason::Failed) {
                 viewer.tell_outcome(&Outcome::new(scenario, &end, &counts));
             }
-            viewer.finish()
+            viewer.finish(arguments.rrd_beside(there.as_ref()))
         };
         #[cfg(not(feature = "rerun"))]
         let rrd: Result<_, Error> = Ok(None);
@@ -122,7 +130,9 @@ impl Recorder<'_> {
         Ok(Finished {
             end,
             counts,
-            archived,
+            mcap,
+            is_new: there.is_none(),
+            digest,
             is_rrd_lost: rrd.is_err(),
             rrd: rrd.ok().flatten(),
         })

@@ -16,7 +16,7 @@ use crate::rerun::{Destinations, Identity, Live, MISSING_VIEWER, Playback, Rerun
 use crate::run::outcome;
 use crate::run::outcome::Outcome;
 use crate::telemetry::Topics;
-use anyhow::{Context as _, Error, anyhow, bail};
+use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -209,14 +209,14 @@ fn open(file: &Path) -> Result<Recording, Error> {
 
 /// The viewer that was asked for, or else one that can be started.
 fn target(arguments: &ViewArguments) -> Result<Target, Error> {
-    match arguments.viewer.target()? {
-        Target::None if arguments.rrd.is_some() => Ok(Target::None),
-        Target::None if viewer_is_installed() => Ok(Target::Live(Live::Spawn)),
-        Target::None => Err(anyhow!(
-            "{MISSING_VIEWER}\nor write a file for it with --rrd FILE"
-        )),
-        target => Ok(target),
+    let target = arguments.viewer.target()?;
+    if arguments.rrd.is_some() || !matches!(target, Target::None) {
+        return Ok(target);
     }
+    if !viewer_is_installed() {
+        bail!("{MISSING_VIEWER}\nor write a file for it with --rrd FILE");
+    }
+    Ok(Target::Live(Live::Spawn))
 }
 
 fn viewer_is_installed() -> bool {

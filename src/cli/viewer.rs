@@ -104,8 +104,7 @@ pub(super) fn complete(
             return Err(error).with_context(context);
         }
     }
-    let bytes = draft.publish().with_context(context)?;
-    Ok(Some(WrittenFile::new(&path, bytes)))
+    WrittenFile::publish(draft).map(Some).with_context(context)
 }
 
 impl Target {
@@ -120,7 +119,10 @@ impl Target {
     }
 
     /// Goes on serving until the user wants an end.
-    #[cfg_attr(not(feature = "web-viewer"), allow(unused_variables))]
+    #[cfg_attr(
+        not(feature = "web-viewer"),
+        allow(unused_variables, clippy::unused_self)
+    )]
     pub(super) fn serve_until(self, interrupt: &Interrupt) {
         #[cfg(feature = "web-viewer")]
         if let Self::Served(viewer) = self {

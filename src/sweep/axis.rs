@@ -87,9 +87,12 @@ impl Axis {
     /// As [`Axis::parse`].
     pub(super) fn of_list(name: &str, values: &[String]) -> Result<Self, SweepError> {
         let is_text = find_key(name)?.kind.is_text();
-        let item = |value: &String| match is_text && !is_plain(value) {
-            true => serde_json::Value::from(value.as_str()).to_string(),
-            false => value.clone(),
+        let item = |value: &String| {
+            if is_text && !is_plain(value) {
+                serde_json::Value::from(value.as_str()).to_string()
+            } else {
+                value.clone()
+            }
         };
         let items: Vec<String> = values.iter().map(item).collect();
         Self::parse(name, &items.join(","))
@@ -181,9 +184,10 @@ fn first_word(text: &str) -> Result<(String, &str), String> {
         let mut quoted = serde_json::Deserializer::from_str(text).into_iter();
         let word: Option<Result<String, _>> = quoted.next();
         let word = word.unwrap_or_else(|| Ok(String::new()));
-        let word = word.map_err(|error| match error.is_eof() {
-            true => open(),
-            false => {
+        let word = word.map_err(|error| {
+            if error.is_eof() {
+                open()
+            } else {
                 format!("{text}: within double quotes JSON's escapes hold, as in \\\" and \\n")
             }
         })?;

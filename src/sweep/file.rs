@@ -49,9 +49,10 @@ impl Spec {
             .iter()
             .map(|(key, value)| (key.clone(), plain(value)));
         let set: Vec<_> = own.chain(set.iter().cloned()).collect();
-        let words = match file.bases.is_empty() {
-            true => vec!["paper".to_owned()],
-            false => file.bases,
+        let words = if file.bases.is_empty() {
+            vec!["paper".to_owned()]
+        } else {
+            file.bases
         };
         let bases = words.iter().map(|word| Base::open(word, folder, &set));
         let axes = file.over.iter().map(|(key, value)| match value {

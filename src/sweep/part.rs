@@ -184,9 +184,10 @@ macro_rules! column {
 
 /// The values of a key.
 fn key_column(key: &Key, cells: impl Iterator<Item = Option<Value>>) -> ArrayRef {
-    match key.kind.is_text() {
-        true => column!(cells, Value::Text, StringArray),
-        false => column!(cells, Value::Number, Float64Array),
+    if key.kind.is_text() {
+        column!(cells, Value::Text, StringArray)
+    } else {
+        column!(cells, Value::Number, Float64Array)
     }
 }
 
@@ -206,9 +207,10 @@ fn fields(spec: &Spec) -> Vec<Field> {
     let scenario = text("scenario", "name of the scenario that the run starts from");
     let mut fields = vec![run.with_nullable(false), scenario.with_nullable(false)];
     fields.extend(spec.keys().iter().map(|key| {
-        let kind = match key.kind.is_text() {
-            true => ColumnKind::Text,
-            false => ColumnKind::Number,
+        let kind = if key.kind.is_text() {
+            ColumnKind::Text
+        } else {
+            ColumnKind::Number
         };
         field(&column_name(key), kind, key.unit, key.meaning)
     }));

@@ -120,9 +120,10 @@ fn complete(
     store.open()?;
     store.check_table()?;
     let mut to_do: Vec<u64> = missing(store, sweep, options.shard).collect::<Result<_, _>>()?;
-    let failed = match options.fail_fast {
-        true => first_failed(store, sweep, options.shard)?,
-        false => None,
+    let failed = if options.fail_fast {
+        first_failed(store, sweep, options.shard)?
+    } else {
+        None
     };
     if let Some((part, _)) = failed {
         to_do.retain(|missing| *missing < part);
@@ -217,9 +218,10 @@ fn compute(
     finished: &mut Finished,
 ) -> ControlFlow<Option<RowError>> {
     let mut rows = sweep.rows_of(part);
-    let refused = match options.fail_fast {
-        true => first_refused(sweep, rows.clone()),
-        false => None,
+    let refused = if options.fail_fast {
+        first_refused(sweep, rows.clone())
+    } else {
+        None
     };
     if let Some(error) = &refused {
         // Of the rows before it another one may fail; those after it don't matter.

@@ -3,6 +3,7 @@
 use super::channel::{ChannelInfo, channels};
 use super::table::{EVENTS, IMPACTS, NUTATION, SAMPLES};
 use crate::physics::dynamics::Support;
+use crate::run::nearest::near;
 use std::fmt;
 use thiserror::Error;
 
@@ -99,7 +100,7 @@ impl Topics {
 
 /// The error for a name that is not a topic of the table.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("there is no topic {name}; topics: {}", Topic::all().map(Topic::name).collect::<Vec<_>>().join(", "))]
+#[error("there is no topic {name}{}; topics: {}", near(name, Topic::all().map(Topic::name)), Topic::all().map(Topic::name).collect::<Vec<_>>().join(", "))]
 pub struct UnknownTopic {
     /// The name.
     pub name: String,

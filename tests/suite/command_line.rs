@@ -30,40 +30,92 @@ fn run_records_and_summarises() {
     let text = answer(toprise(&directory).args(SHORT));
     for part in [
         "the duration is over at t = 0.200000 s",
-        "recordings/paper.mcap",
+        "recordings/paper_duration0.2.mcap",
         "201 samples",
         "sha-256",
     ] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
     assert!(
-        Overview::read(&directory.path().join("recordings/paper.mcap"))
+        Overview::read(&directory.path().join("recordings/paper_duration0.2.mcap"))
             .unwrap()
             .is_whole()
     );
 }
 
 #[test]
-fn a_second_run_takes_the_next_name_and_says_that_it_is_identical() {
+fn a_run_that_is_recorded_is_not_written_again() {
     let directory = tempdir().unwrap();
-    toprise(&directory).args(SHORT).assert().success();
-    let text = answer(toprise(&directory).args(SHORT));
-    assert!(text.contains("recordings/paper-2.mcap"), "{text}");
+    let recordings = || {
+        let mut names: Vec<String> = fs::read_dir(directory.path().join("recordings"))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| !name.ends_with(".rrd"))
+            .collect();
+        names.sort_unstable();
+        names
+    };
+    let run = |more: &[&str]| answer(toprise(&directory).args(SHORT).args(more));
+    run(&[]);
+    let text = run(&[]);
     assert!(
-        text.contains("identical to recordings/paper.mcap"),
+        text.contains("recordings/paper_duration0.2.mcap was there already, with the same bytes"),
         "{text}"
     );
-    let read = |name: &str| fs::read(directory.path().join("recordings").join(name)).unwrap();
-    assert!(read("paper.mcap") == read("paper-2.mcap"));
-    let text = answer(
-        toprise(&directory)
-            .args(SHORT)
-            .args(["--set", "friction.k=0.02"]),
+    assert_eq!(recordings(), ["paper_duration0.2.mcap"]);
+    // The same content in another encoding, and another run under the same name.
+    run(&["--encoding", "protobuf"]);
+    assert_eq!(
+        recordings(),
+        ["paper_duration0.2-2.mcap", "paper_duration0.2.mcap"]
     );
+    let text = run(&["--encoding", "protobuf"]);
     assert!(
-        text.contains("paper-3.mcap") && !text.contains("identical"),
+        text.contains("paper_duration0.2-2.mcap was there"),
         "{text}"
     );
+    let path = directory.path().join("recordings/paper_duration0.2-3.mcap");
+    fs::write(&path, "damaged").unwrap();
+    run(&["--topics", "/top/state"]);
+    assert_eq!(fs::read(&path).unwrap(), b"damaged");
+    assert_eq!(recordings().len(), 4);
+}
+
+#[test]
+fn changed_runs_are_called_by_their_changes() {
+    let directory = tempdir().unwrap();
+    for (changes, title, file) in [
+        (
+            &["--set", "friction.k=0.02"][..],
+            "paper, friction.k = 0.02, stop.duration = 0.2: ",
+            "paper_k0.02_duration0.2.mcap",
+        ),
+        (
+            &[
+                "--set",
+                "friction.law=none",
+                "--set",
+                "friction.k=",
+                "--set",
+                "friction.dissipation=",
+            ],
+            "paper, without friction.dissipation, without friction.k, friction.law = none, ",
+            "paper_no-dissipation_no-k_law-none_duration0.2.mcap",
+        ),
+        (
+            &["--set", "name=mine", "--set", "description=../a b"],
+            "mine, stop.duration = 0.2: ",
+            "mine_duration0.2.mcap",
+        ),
+    ] {
+        let mut command = toprise(&directory);
+        command
+            .args(["run", "--set", "stop.duration=0.2"])
+            .args(changes);
+        let text = answer(&mut command);
+        assert!(text.starts_with(title), "{text}");
+        assert!(text.contains(&format!("recordings/{file}")), "{text}");
+    }
 }
 
 #[test]
@@ -210,7 +262,7 @@ fn summaries_are_json_where_a_program_reads_them() {
 fn info_tells_what_is_in_a_recording() {
     let directory = tempdir().unwrap();
     toprise(&directory).args(SHORT).assert().success();
-    let text = answer(toprise(&directory).args(["info", "recordings/paper.mcap"]));
+    let text = answer(toprise(&directory).args(["info", "recordings/paper_duration0.2.mcap"]));
     for part in [
         "complete",
         "/top/state",
@@ -238,7 +290,7 @@ fn presets_can_be_edited_and_run() {
     fs::write(directory.path().join("mine.toml"), toml).unwrap();
     let arguments = ["run", "mine.toml", "--set", "stop.duration=0.1"];
     let text = answer(toprise(&directory).args(arguments));
-    assert!(text.contains("recordings/mine.mcap"), "{text}");
+    assert!(text.contains("recordings/mine_duration0.1.mcap"), "{text}");
 }
 
 #[test]

@@ -385,15 +385,24 @@ fn start(directory: &TempDir, arguments: &[&str]) -> Child {
 #[test]
 fn runs_that_start_at_once_each_find_a_free_name() {
     let directory = tempdir().unwrap();
-    let runs: Vec<_> = (0..4).map(|_| start(&directory, &[])).collect();
+    // Other files, as one that is there already is not written again.
+    let forms: [&[&str]; 4] = [
+        &[],
+        &["--no-views"],
+        &["--encoding=protobuf"],
+        &["--encoding=protobuf", "--no-views"],
+    ];
+    let runs = forms.map(|form| start(&directory, form));
     for mut run in runs {
         assert!(run.wait().unwrap().success());
     }
     let recordings = files(&directory.path().join("recordings"));
-    let recordings = recordings.iter().filter(|name| name.ends_with(".mcap"));
+    let recordings = recordings
+        .into_iter()
+        .filter(|name| name.ends_with(".mcap"));
     assert_eq!(
         recordings.collect::<Vec<_>>(),
-        ["paper-2.mcap", "paper-3.mcap", "paper-4.mcap", "paper.mcap"]
+        ["-2.mcap", "-3.mcap", "-4.mcap", ".mcap"].map(|end| format!("paper_duration0.3{end}"))
     );
 }
 

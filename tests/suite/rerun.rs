@@ -20,13 +20,16 @@ fn one_pass_writes_both_recordings() {
         .assert()
         .success();
     let text = String::from_utf8_lossy(&text.get_output().stdout).into_owned();
-    assert!(text.contains("rerun recordings/paper.rrd"), "{text}");
-    let bytes = fs::read(directory.path().join("recordings/paper.rrd")).unwrap();
+    assert!(
+        text.contains("rerun recordings/paper_duration0.3.rrd"),
+        "{text}"
+    );
+    let bytes = fs::read(directory.path().join("recordings/paper_duration0.3.rrd")).unwrap();
     assert_eq!(&bytes[..4], b"RRF2");
     assert!(
         !directory
             .path()
-            .join("recordings/paper.rrd.partial")
+            .join("recordings/paper_duration0.3.rrd.partial")
             .exists()
     );
 }

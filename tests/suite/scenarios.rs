@@ -248,7 +248,7 @@ fn files_are_checked_like_overrides() {
     ));
     assert!(matches!(
         broken("mass = 0.11", ""),
-        ScenarioError::MissingKey { key: "top.mass" }
+        ScenarioError::MissingKeys { keys, .. } if keys == ["top.mass"]
     ));
     assert!(matches!(
         broken("toprise-1", "toprise-2"),
@@ -256,8 +256,33 @@ fn files_are_checked_like_overrides() {
     ));
     assert!(matches!(
         Scenario::from_toml(""),
-        Err(ScenarioError::MissingKey { .. })
+        Err(ScenarioError::MissingKeys { .. })
     ));
+}
+
+#[test]
+fn errors_say_what_to_do_next() {
+    for (changes, parts) in [
+        (
+            &[("friction.law", "stribeck")][..],
+            &[
+                "friction.static_k (",
+                "friction.stribeck_speed (slip speed v_s over which static friction falls to kinetic [m/s]: a number from 1e-9",
+                "typical values: k_s/k",
+            ][..],
+        ),
+        (
+            &[("support.kind", "free"), ("stop.duration", "")],
+            &["formulation = \"body\", friction.dissipation = \"full\", stop.duration"],
+        ),
+        (&[("initial.theta", "30deg")], &["(30deg is 0.5236 rad)"]),
+        (&[("initial.theta", "30 °")], &["is 0.5236 rad)"]),
+    ] {
+        let error = error("paper", changes);
+        for part in parts {
+            assert!(error.contains(part), "{error}");
+        }
+    }
 }
 
 #[test]

@@ -37,7 +37,7 @@ pub(super) fn locus(runs: &[&Run], width: f64) -> Drawing {
     let mut drawn: Vec<_> = traces.iter().collect();
     drawn.sort_by_key(|trace| trace.order);
     let mut drawing = Drawing::new(width);
-    let mut legend = looks::legend(runs, Looks::run_in_legend);
+    let mut legend = looks::legend(runs, |_, run| Looks::run_in_legend(run));
     legend.extend([Entry::dot(false, "start"), Entry::dot(true, "end")]);
     legend.extend(looks::note(runs));
     let top = legend::draw_at_top(&mut drawing, &legend) + LINE + 0.6;

@@ -26,7 +26,7 @@ pub(super) struct Looks {
 
 impl Looks {
     /// The colour of a run.
-    fn colour(self, run: usize) -> Colour {
+    fn colour(run: usize) -> Colour {
         COLOURS[run % COLOURS.len()]
     }
 
@@ -37,7 +37,7 @@ impl Looks {
         }
         Stroke {
             opacity: 0.45,
-            ..line(self.colour(run), THIN)
+            ..line(Self::colour(run), THIN)
         }
     }
 
@@ -57,7 +57,7 @@ impl Looks {
         let (colour, dash) = if self.runs == 1 {
             (BLACK, DASHED)
         } else {
-            (self.colour(run), DASHES[run % DASHES.len()])
+            (Self::colour(run), DASHES[run % DASHES.len()])
         };
         Stroke {
             dash,
@@ -67,7 +67,7 @@ impl Looks {
 
     /// The stroke of the locus of the axis, in the order in which the loci of all runs are drawn.
     pub(super) fn locus(self, run: usize, order: usize) -> Stroke {
-        line(self.colour(run), HAIRLINE + self.broader(order))
+        line(Self::colour(run), HAIRLINE + self.broader(order))
     }
 
     /// By how much the line of a run is broader than that of the last one, mm: where they coincide, that of the earlier
@@ -103,7 +103,7 @@ impl Looks {
         let colour = if self.runs == 1 {
             VERMILLION
         } else {
-            self.colour(run)
+            Self::colour(run)
         };
         line(colour, THIN)
     }
@@ -115,8 +115,8 @@ impl Looks {
     }
 
     /// The stroke of a run in a legend.
-    pub(super) fn run_in_legend(self, run: usize) -> Stroke {
-        line(self.colour(run), MEDIUM)
+    pub(super) fn run_in_legend(run: usize) -> Stroke {
+        line(Self::colour(run), MEDIUM)
     }
 }
 

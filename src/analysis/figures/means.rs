@@ -43,7 +43,7 @@ pub(super) struct Means {
     waiting: VecDeque<(f64, f64)>,
     /// Nutations that are averaged together, and how many there are.
     group: Option<(f64, f64, u32)>,
-    means: Rows,
+    finished: Rows,
     /// The shortest time between two samples, s.
     step: f64,
 }
@@ -64,7 +64,7 @@ impl Means {
             samples: VecDeque::new(),
             waiting: VecDeque::new(),
             group: None,
-            means: Rows::new(fields.len(), rows::MOST, false),
+            finished: Rows::new(fields.len(), rows::MOST, false),
             step: f64::INFINITY,
         }
     }
@@ -174,7 +174,7 @@ impl Means {
         };
         let means: Option<Vec<f64>> = (0..self.fields.len()).map(mean).collect();
         if let Some(means) = means {
-            self.means.push(f64::midpoint(from, to), means);
+            self.finished.push(f64::midpoint(from, to), means);
         }
     }
 
@@ -208,7 +208,7 @@ impl Means {
     /// The means of a number, in the middle of each nutation.
     pub(super) fn points(&self, field: NumberField) -> Vec<Point> {
         let column = self.fields.iter().position(|known| *known == field);
-        column.map_or_else(Vec::new, |column| self.means.points(column).collect())
+        column.map_or_else(Vec::new, |column| self.finished.points(column).collect())
     }
 }
 
@@ -236,7 +236,7 @@ mod tests {
         for time in (0..=48).map(|step| f64::from(step) / 16.0) {
             means.sample(time, vec![2.0 * time], vec![f64::NAN]);
             means.close(is_over);
-            assert_eq!(means.means.is_empty(), time <= 1.5);
+            assert_eq!(means.finished.is_empty(), time <= 1.5);
         }
         assert_eq!(means.points(nutation::CYCLE), [(0.75, 1.5)]);
         means.finish();

@@ -191,7 +191,7 @@ impl<'a> Terms<'a> {
 
 /// A page of panels with several quantities each.
 fn terms(runs: &[&Run], panels: Vec<Terms<'_>>) -> Page {
-    let mut legend = looks::legend(runs, Looks::run_in_legend);
+    let mut legend = looks::legend(runs, |_, run| Looks::run_in_legend(run));
     legend.extend(looks::note(runs));
     let panels = panels.into_iter().map(|terms| terms.panel);
     page(legend, panels.collect())

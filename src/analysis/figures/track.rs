@@ -28,10 +28,9 @@ const Y: Quantity = Quantity {
 
 /// Draws the tracks of the contact points from above.
 pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
-    let looks = Looks { runs: runs.len() };
     let tracks: Vec<Vec<Point>> = runs.iter().map(|run| places(run)).collect();
     let mut drawing = Drawing::new(width);
-    let mut legend = looks::legend(runs, Looks::run_in_legend);
+    let mut legend = looks::legend(runs, |_, run| Looks::run_in_legend(run));
     legend.extend([Entry::dot(false, "start"), Entry::dot(true, "end")]);
     let top = legend::draw_at_top(&mut drawing, &legend) + LINE + 0.6;
     let ranges = ranges(&tracks);
@@ -45,7 +44,7 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
     let side = side_beside(room);
     let frame = square(MARGIN + room, side);
     for (index, (run, track)) in runs.iter().zip(&tracks).enumerate() {
-        let stroke = looks.run_in_legend(index);
+        let stroke = Looks::run_in_legend(index);
         let meaning = format!("{}: track of the contact point", run.name);
         drawing.group(&meaning, frame.path(track, stroke));
         let ends = [(track.first(), false), (track.last(), true)];

@@ -136,14 +136,13 @@ impl Scale {
         let mut decades = of_digits.into_iter().chain(of_powers);
         let fitting =
             decades.find(|decades| (2..=most.max(3)).contains(&linear.decades(*decades).len()));
-        let logarithms = match fitting {
-            Some(decades) => Logarithms::Decades(decades),
-            None => {
-                let unit = easy_exponent(linear.low.floor() as i32);
-                let [low, high] = [linear.low, linear.high]
-                    .map(|logarithm| libm::exp10(logarithm - f64::from(unit)));
-                Logarithms::Numbers(Box::new(Self::new(low, high, most)), unit)
-            }
+        let logarithms = if let Some(decades) = fitting {
+            Logarithms::Decades(decades)
+        } else {
+            let unit = easy_exponent(linear.low.floor() as i32);
+            let [low, high] =
+                [linear.low, linear.high].map(|logarithm| libm::exp10(logarithm - f64::from(unit)));
+            Logarithms::Numbers(Box::new(Self::new(low, high, most)), unit)
         };
         let exponent = match &logarithms {
             Logarithms::Decades(_) => 0,

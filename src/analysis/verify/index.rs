@@ -158,7 +158,7 @@ impl<'a> Survey<'a> {
                 let times = (header.message_start_time, header.message_end_time);
                 self.take_chunk(place, times)?;
             }
-            (None, Record::MessageIndex(index)) => self.take_message_index(place, index)?,
+            (None, Record::MessageIndex(index)) => self.take_message_index(place, &index)?,
             (None, Record::DataEnd(end)) => {
                 // 0 is none, as other programs leave it: chunks have checksums of their own.
                 if end.data_section_crc != 0 {
@@ -244,7 +244,7 @@ impl<'a> Survey<'a> {
                 let (first, last) = span.unwrap_or((time, time));
                 span = Some((first.min(time), last.max(time)));
             } else {
-                self.define_in_chunk(place, read(place, inner.opcode, inner.body)?)?;
+                self.define_in_chunk(place, &read(place, inner.opcode, inner.body)?)?;
             }
             at = end;
         }
@@ -266,14 +266,14 @@ impl<'a> Survey<'a> {
         Ok(())
     }
 
-    fn define_in_chunk(&mut self, place: &RecordSpan, record: Record<'_>) -> Checked {
+    fn define_in_chunk(&mut self, place: &RecordSpan, record: &Record<'_>) -> Checked {
         match record {
-            Record::Schema { .. } | Record::Channel(_) => self.define(place, &record),
+            Record::Schema { .. } | Record::Channel(_) => self.define(place, record),
             _ => Err(fault(place, "a record that doesn't belong into a chunk")),
         }
     }
 
-    fn take_message_index(&mut self, place: &RecordSpan, index: MessageIndex) -> Checked {
+    fn take_message_index(&mut self, place: &RecordSpan, index: &MessageIndex) -> Checked {
         let entries = self.messages.remove(&index.channel_id).unwrap_or_default();
         let Some(chunk) = self.chunk.as_mut().filter(|_| !entries.is_empty()) else {
             return Err(fault(place, "an index of nothing"));

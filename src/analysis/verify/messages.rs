@@ -97,7 +97,7 @@ impl<'r> Comparison<'r> {
         let Some(channel) = self.places[recorded.position] else {
             // Fields and views of another version are compared as far as both have them.
             if !self.is_by_value {
-                self.difference = Some(self.stray(recorded));
+                self.difference = Some(stray(recorded));
             }
             return;
         };
@@ -106,31 +106,18 @@ impl<'r> Comparison<'r> {
         }
         let found = self.find(channel, recorded);
         let Some(expected) = found.and_then(|at| self.ahead.remove(at)) else {
-            self.difference = Some(self.stray(recorded));
+            self.difference = Some(stray(recorded));
             return;
         };
         if found.is_some_and(|at| at > 0) && self.out_of_order.is_none() {
             let field = Some("order among messages of the same time".to_owned());
             self.out_of_order = Some(Difference {
                 field,
-                ..self.stray(recorded)
+                ..stray(recorded)
             });
         }
         self.difference = self.compare(recorded, &expected);
         self.equal += u64::from(self.difference.is_none());
-    }
-
-    /// A message that the run doesn't give, or not there.
-    fn stray(&self, recorded: &Undecoded<'_>) -> Difference {
-        Difference {
-            time: Some(seconds(recorded.log_time)),
-            ..Difference::of(
-                &recorded.channel.topic,
-                "",
-                Some(format!("message {}", recorded.sequence)),
-                None,
-            )
-        }
     }
 
     fn compare(&self, recorded: &Undecoded<'_>, expected: &Expected) -> Option<Difference> {
@@ -228,6 +215,19 @@ impl<'r> Comparison<'r> {
             }
             self.advance();
         }
+    }
+}
+
+/// A message that the run doesn't give, or not there.
+fn stray(recorded: &Undecoded<'_>) -> Difference {
+    Difference {
+        time: Some(seconds(recorded.log_time)),
+        ..Difference::of(
+            &recorded.channel.topic,
+            "",
+            Some(format!("message {}", recorded.sequence)),
+            None,
+        )
     }
 }
 

@@ -73,15 +73,12 @@ impl<'a> Scanner<'a> {
         }
         let from = self.position;
         let found = self.search(from + 1)?;
-        Ok(Some(match found {
-            Some(next) => {
-                self.position = next;
-                Found::Damage(from..next)
-            }
-            None => {
-                self.done = true;
-                Found::Cut(from..self.source.length())
-            }
+        Ok(Some(if let Some(next) = found {
+            self.position = next;
+            Found::Damage(from..next)
+        } else {
+            self.done = true;
+            Found::Cut(from..self.source.length())
         }))
     }
 

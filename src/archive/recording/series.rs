@@ -94,7 +94,10 @@ impl Recording {
         let parts: Vec<_> = thread::scope(|scope| {
             let read = |range| scope.spawn(move || self.columns_within(topic, fields, range));
             let threads: Vec<_> = ranges.into_iter().map(read).collect();
-            threads.into_iter().map(|thread| thread.join()).collect()
+            threads
+                .into_iter()
+                .map(std::thread::ScopedJoinHandle::join)
+                .collect()
         });
         let mut columns = Columns::of(fields.len());
         for part in parts {

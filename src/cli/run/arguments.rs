@@ -7,6 +7,8 @@ use crate::cli::arguments::{Override, parse_override};
 use crate::cli::given::checked;
 use crate::cli::given::scenario;
 #[cfg(feature = "rerun")]
+use crate::cli::report::WrittenFile;
+#[cfg(feature = "rerun")]
 use crate::cli::viewer::ViewerArguments;
 use crate::run::scenario::Scenario;
 #[cfg(feature = "sweep")]
@@ -15,6 +17,9 @@ use crate::telemetry::Topics;
 use crate::telemetry::encoding::Encoding;
 use anyhow::{Error, bail};
 use clap::Args;
+use std::collections::BTreeMap;
+#[cfg(feature = "rerun")]
+use std::path::Path;
 use std::path::PathBuf;
 
 /// Arguments of `toprise run`.
@@ -113,6 +118,48 @@ impl RunArguments {
         #[cfg(not(feature = "rerun"))]
         let is_left_out = false;
         is_left_out.then_some("no Rerun recording, because of -o: --rrd FILE writes one too")
+    }
+
+    /// The keys that are set, with their values, but for free text.
+    pub(super) fn changes(&self) -> BTreeMap<String, String> {
+        let changes = self.overrides.iter().cloned();
+        changes
+            .filter(|(key, _)| !matches!(key.as_str(), "name" | "description"))
+            .collect()
+    }
+
+    /// What the files are called: as the scenario, with what is changed in it, as in `paper_k0.02`.
+    pub(super) fn stem(&self, scenario: &Scenario) -> String {
+        /// The length of names that can still be read in a list.
+        const LONGEST: usize = 60;
+        let mut stem = scenario.name().to_owned();
+        #[cfg(feature = "sweep")]
+        if let Some(row) = self.row {
+            stem += &format!("_row{row}");
+        }
+        for (key, value) in self.changes() {
+            let name = key.rsplit('.').next().unwrap_or_default();
+            stem += &match value.chars().next() {
+                None => format!("_no-{name}"),
+                Some('0'..='9' | '-' | '+' | '.') => format!("_{name}{value}"),
+                Some(_) => format!("_{name}-{value}"),
+            };
+        }
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | '+');
+        stem.retain(is_plain);
+        if stem.len() > LONGEST {
+            return scenario.name().to_owned();
+        }
+        stem
+    }
+
+    /// The Rerun recording beside a recording that is there already; none if the arguments name another.
+    #[cfg(feature = "rerun")]
+    pub(super) fn rrd_beside(&self, mcap: Option<&WrittenFile>) -> Option<WrittenFile> {
+        let mcap = mcap.filter(|_| self.rrd.is_none())?;
+        let path = Path::new(&mcap.path).with_extension("rrd");
+        let bytes = path.metadata().ok()?.len();
+        Some(WrittenFile::new(&path, bytes))
     }
 
     /// What may happen to files that exist.

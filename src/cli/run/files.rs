@@ -1,14 +1,15 @@
 //! The files that a run writes.
 
 use super::arguments::RunArguments;
-use crate::archive::format::CONTENT_DIGEST;
-use crate::archive::pipeline::{Archived, McapSink};
+use crate::archive::pipeline::McapSink;
 use crate::archive::publish::{Draft, partial_name, refuse_inputs};
-use crate::archive::recording::Recording;
 use crate::archive::sink::SinkError;
 use crate::archive::writer::Form;
+use crate::cli::report::WrittenFile;
 use crate::run::scenario::Scenario;
 use crate::telemetry::Telemetry;
+use std::fs::File;
+use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 
 /// Where recordings go if nothing else is said.
@@ -34,7 +35,7 @@ impl RunFiles {
     ) -> Result<(Self, Earlier), SinkError> {
         let preface = McapSink::preface(scenario, telemetry, form)?;
         let Some(mcap) = &arguments.output else {
-            return Self::free(arguments, scenario.name(), &preface);
+            return Self::free(arguments, &arguments.stem(scenario), &preface);
         };
         let mcap = start(arguments, mcap, &preface)?;
         Ok((Self::with(mcap, arguments, None)?, Earlier(Vec::new())))
@@ -58,7 +59,7 @@ impl RunFiles {
                     // Another run was faster.
                     Err(SinkError::Exists { .. }) if !arguments.force => {}
                     mcap => {
-                        let files = Self::with(mcap?, arguments, Some(rrd))?;
+                        let files = Self::with(mcap?, arguments, Some(&rrd))?;
                         return Ok((files, Earlier(earlier)));
                     }
                 }
@@ -70,12 +71,8 @@ impl RunFiles {
 
     /// The MCAP file, and the Rerun recording at `rrd` unless the arguments name another, or want none.
     #[cfg(feature = "rerun")]
-    fn with(
-        mcap: Draft,
-        arguments: &RunArguments,
-        rrd: Option<PathBuf>,
-    ) -> Result<Self, SinkError> {
-        let wanted = arguments.rrd.as_ref().or(rrd.as_ref());
+    fn with(mcap: Draft, arguments: &RunArguments, rrd: Option<&Path>) -> Result<Self, SinkError> {
+        let wanted = arguments.rrd.as_deref().or(rrd);
         let rrd = match wanted.filter(|_| !arguments.no_rrd) {
             Some(rrd) => {
                 refuse_inputs(rrd, [mcap.path()])?;
@@ -89,7 +86,7 @@ impl RunFiles {
     /// The MCAP file; without the Rerun SDK there is no other.
     #[cfg(not(feature = "rerun"))]
     #[allow(clippy::unnecessary_wraps, reason = "with the Rerun SDK it may fail")]
-    fn with(mcap: Draft, _: &RunArguments, _: Option<PathBuf>) -> Result<Self, SinkError> {
+    fn with(mcap: Draft, _: &RunArguments, _: Option<&Path>) -> Result<Self, SinkError> {
         Ok(Self { mcap })
     }
 }
@@ -101,13 +98,28 @@ fn start(arguments: &RunArguments, path: &Path, preface: &[u8]) -> Result<Draft,
 }
 
 impl Earlier {
-    /// The latest of them whose content is that of the new one.
-    pub(super) fn identical(&self, archive: &Archived) -> Option<&Path> {
-        let same = |path: &&PathBuf| {
-            let earlier = Recording::open(path).ok();
-            let end = earlier.as_ref().and_then(Recording::end);
-            end.is_some_and(|end| end.get(CONTENT_DIGEST) == Some(&archive.digest))
-        };
-        self.0.iter().rev().find(same).map(PathBuf::as_path)
+    /// The recording with the bytes of this draft.
+    pub(super) fn same_as(&self, draft: &Draft) -> Option<WrittenFile> {
+        let is_same = |path: &&PathBuf| are_equal(path, draft.working_name()).unwrap_or(false);
+        let path = self.0.iter().find(is_same)?;
+        Some(WrittenFile::new(path, path.metadata().ok()?.len()))
+    }
+}
+
+/// Whether two files have the same bytes.
+fn are_equal(one: &Path, other: &Path) -> io::Result<bool> {
+    let files = [File::open(one)?, File::open(other)?];
+    if files[0].metadata()?.len() != files[1].metadata()?.len() {
+        return Ok(false);
+    }
+    let [mut one, mut other] = files.map(BufReader::new);
+    loop {
+        let (a, b) = (one.fill_buf()?, other.fill_buf()?);
+        let length = a.len().min(b.len());
+        if length == 0 || a[..length] != b[..length] {
+            return Ok(a.is_empty() && b.is_empty());
+        }
+        one.consume(length);
+        other.consume(length);
     }
 }

@@ -1,6 +1,5 @@
 //! What a run says at its end.
 
-use crate::archive::pipeline::Archived;
 use crate::cli::numbers::{count, number};
 use crate::cli::page::{Page, Section, Tone};
 use crate::cli::report::WrittenFile;
@@ -10,7 +9,7 @@ use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventCount, RunEnd, StopReason, Tally};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// A run that took this many times its simulated time is not told so: one of them is next to nothing.
@@ -20,7 +19,11 @@ const SLOWEST: f64 = 1e4;
 pub(super) struct Finished {
     pub(super) end: RunEnd,
     pub(super) counts: Tally,
-    pub(super) archived: Archived,
+    pub(super) mcap: WrittenFile,
+    /// Whether the MCAP file was not there before.
+    pub(super) is_new: bool,
+    /// SHA-256 of its content.
+    pub(super) digest: String,
     pub(super) rrd: Option<WrittenFile>,
     /// Whether a Rerun recording was wanted but could not be written.
     pub(super) is_rrd_lost: bool,
@@ -31,6 +34,8 @@ pub(super) struct Finished {
 pub(crate) struct RunReport {
     /// The name of the scenario.
     scenario: String,
+    /// The keys that were set for this run, with their values; empty for a key that was removed.
+    changes: BTreeMap<String, String>,
     /// SHA-256 of the scenario.
     scenario_digest: String,
     /// What happened, and how it ended.
@@ -53,30 +58,31 @@ pub(crate) struct RunReport {
     wall_time: f64,
     /// The MCAP file.
     mcap: WrittenFile,
+    /// Whether it was written now; otherwise it was there already, with the same bytes.
+    is_new: bool,
     /// The Rerun recording; absent if there is none.
     rrd: Option<WrittenFile>,
     /// SHA-256 of the recording's content.
     content_digest: String,
-    /// An earlier recording of this name with the same content; absent if there is none.
-    identical_to: Option<String>,
 }
 
 impl RunReport {
     pub(super) fn of(
         scenario: &Scenario,
+        changes: BTreeMap<String, String>,
         finished: &Finished,
-        same_as: Option<&Path>,
         wall: Duration,
     ) -> Self {
         let Finished {
             end,
             counts,
-            archived,
+            mcap,
             rrd,
             ..
         } = finished;
         Self {
             scenario: scenario.name().to_owned(),
+            changes,
             scenario_digest: scenario.digest(),
             outcome: Outcome::new(scenario, end, counts),
             phi: end.motion.angles.phi,
@@ -87,10 +93,10 @@ impl RunReport {
             steps_rejected: end.statistics.rejected,
             evaluations: end.statistics.evaluations,
             wall_time: wall.as_secs_f64(),
-            mcap: WrittenFile::new(&archived.path, archived.bytes),
+            mcap: mcap.clone(),
+            is_new: finished.is_new,
             rrd: rrd.clone(),
-            content_digest: archived.digest.clone(),
-            identical_to: same_as.map(|path| path.display().to_string()),
+            content_digest: finished.digest.clone(),
         }
     }
 
@@ -106,11 +112,15 @@ impl RunReport {
         let files = std::iter::once(&self.mcap).chain(&self.rrd);
         let files = files.map(WrittenFile::line);
         let lines = files.chain(not_written.map(str::to_owned)).collect();
-        facts.extend(under("wrote", lines));
-        facts.push(("content", format!("sha-256 {}", self.content_digest)));
-        if let Some(path) = &self.identical_to {
-            facts.push(("", format!("identical to {path}")));
+        let label = if self.is_new { "wrote" } else { "files" };
+        facts.extend(under(label, lines));
+        if !self.is_new {
+            facts.push((
+                "",
+                format!("{} was there already, with the same bytes", self.mcap.path),
+            ));
         }
+        facts.push(("content", format!("sha-256 {}", self.content_digest)));
         if let Some(rrd) = &self.rrd {
             facts.push(("open it", format!("rerun {}", rrd.path)));
             facts.push(("", "(the viewer: pip install rerun-sdk==0.36.3)".to_owned()));
@@ -120,7 +130,7 @@ impl RunReport {
         Page {
             title: format!(
                 "{}: {} at t = {} s",
-                self.scenario,
+                self.name(),
                 self.outcome.stop_reason.sentence(),
                 number(self.outcome.stop_time, 6)
             ),
@@ -131,6 +141,18 @@ impl RunReport {
             sections: vec![section],
             ..Page::default()
         }
+    }
+
+    /// The name of the scenario with the keys that were set.
+    fn name(&self) -> String {
+        let mut name = self.scenario.clone();
+        for (key, value) in &self.changes {
+            name += &match value.as_str() {
+                "" => format!(", without {key}"),
+                value => format!(", {key} = {value}"),
+            };
+        }
+        name
     }
 
     fn angles(&self) -> String {
@@ -167,9 +189,10 @@ impl RunReport {
         )
     }
 
-    /// Each kind with its number, or its time if it happened once.
+    /// Each kind but those of nutation, with its number, or its time if it happened once.
     fn event_lines(&self) -> Vec<String> {
-        let told = self.events.iter().filter(|event| event.first_time > 0.0);
+        let is_told = |event: &&EventCount| event.first_time > 0.0 && !event.name.is_of_nutation();
+        let told = self.events.iter().filter(is_told);
         let line = |event: &EventCount| {
             let name = event.name.name().replace('_', " ");
             match event.count {
@@ -177,12 +200,7 @@ impl RunReport {
                 more => format!("{} × {name} from {:.4} s", count(more), event.first_time),
             }
         };
-        let lines: Vec<_> = told.map(line).collect();
-        if lines.is_empty() {
-            vec!["none".to_owned()]
-        } else {
-            lines
-        }
+        told.map(line).collect()
     }
 
     fn logged(&self) -> String {

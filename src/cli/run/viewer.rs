@@ -51,12 +51,17 @@ impl RunViewer {
         }
     }
 
-    /// Ends the stream; tells of the file, if there is one.
-    pub(super) fn finish(self) -> Result<Option<WrittenFile>, Error> {
-        match self.sink {
-            Some(sink) => viewer::complete(sink.finish(), self.draft),
-            None => Ok(None),
+    /// Ends the stream, and publishes the file if `there` is none; reports either.
+    pub(super) fn finish(self, there: Option<WrittenFile>) -> Result<Option<WrittenFile>, Error> {
+        let Some(sink) = self.sink else {
+            return Ok(None);
+        };
+        if there.is_none() {
+            return viewer::complete(sink.finish(), self.draft);
         }
+        self.draft.map(Draft::discard);
+        viewer::complete(sink.finish(), None)?;
+        Ok(there)
     }
 }
 

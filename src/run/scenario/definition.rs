@@ -82,11 +82,8 @@ impl Scenario {
                 relative: tolerance("integrator.relative_tolerance")?,
                 absolute: tolerance("integrator.absolute_tolerance")?,
             },
-            sample_period_ns: nanoseconds(values.number("sampling.period")?).ok_or(
-                ScenarioError::MissingKey {
-                    key: "sampling.period",
-                },
-            )?,
+            // That it is a whole number of them has been checked.
+            sample_period_ns: nanoseconds(values.number("sampling.period")?).unwrap_or(1),
             stop: Stop {
                 theta_risen: values.optional_number("stop.theta_risen"),
                 theta_fallen: values.optional_number("stop.theta_fallen"),
@@ -143,11 +140,7 @@ impl Scenario {
                 // Writing to a String cannot fail.
                 let _ = writeln!(text, "\n[{section}]");
             }
-            let unit = if key.unit.is_empty() {
-                String::new()
-            } else {
-                format!(" [{}]", key.unit)
-            };
+            let unit = key.in_unit();
             let _ = writeln!(text, "{name} = {value}  # {}{unit}", key.meaning);
         }
         text
@@ -285,17 +278,25 @@ impl Scenario {
                 "must not be 0, and above −top.peg_radius: the centre of mass of a tippe top is inside its sphere",
             );
         }
-        if self.formulation == FormulationKind::Euler {
-            return conflict(
-                "formulation",
-                "support.kind = \"free\" needs formulation = \"body\"",
-            );
-        }
-        if self.model.friction.dissipation != Dissipation::Full {
-            return conflict(
-                "friction.dissipation",
-                "support.kind = \"free\" needs \"full\": what drops a part of friction is about the fixed peg",
-            );
+        let needs = [
+            (
+                self.formulation == FormulationKind::Euler,
+                "formulation = \"body\"",
+            ),
+            (
+                self.model.friction.dissipation != Dissipation::Full,
+                "friction.dissipation = \"full\"",
+            ),
+            (
+                self.stop.duration.is_none(),
+                "stop.duration, because it may roll for ever",
+            ),
+        ];
+        let needs: Vec<_> = needs.iter().filter(|(is_unmet, _)| *is_unmet).collect();
+        if !needs.is_empty() {
+            let needs: Vec<_> = needs.iter().map(|(_, need)| *need).collect();
+            let reason = format!("a free top also needs {}", needs.join(", "));
+            return conflict("support.kind", &reason);
         }
         for (of_peg, of_center) in [
             (
@@ -314,12 +315,6 @@ impl Scenario {
                 let reason = format!("{other} is given too; give one of peg and centre of mass");
                 return conflict(key, &reason);
             }
-        }
-        if self.stop.duration.is_none() {
-            return conflict(
-                "support.kind",
-                "a free top may roll for ever; set stop.duration",
-            );
         }
         if distance < 0.0 {
             for key in ["stop.theta_risen", "stop.theta_fallen"] {

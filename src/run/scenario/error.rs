@@ -8,11 +8,13 @@ use thiserror::Error;
 pub enum ScenarioError {
     /// No preset of this name.
     #[error(
-        "there is no preset {name:?}; presets: {allowed} (a scenario file needs its path, for example ./{name}.toml)"
+        "there is no preset {name:?}{near}; presets: {allowed} (a scenario file needs its path, for example ./{name}.toml)"
     )]
     UnknownPreset {
         /// The name that was asked for.
         name: String,
+        /// A question after the name that was meant; empty if none is like it.
+        near: String,
         /// The names that exist.
         allowed: String,
     },
@@ -29,11 +31,13 @@ pub enum ScenarioError {
         /// Those of its section, or all.
         allowed: String,
     },
-    /// A key that has to be there is not.
-    #[error("key {key} is missing")]
-    MissingKey {
-        /// The key.
-        key: &'static str,
+    /// Keys that have to be there are not.
+    #[error("missing: {told}")]
+    MissingKeys {
+        /// The keys.
+        keys: Vec<&'static str>,
+        /// The keys with what they take.
+        told: String,
     },
     /// A number where a word belongs, or the reverse.
     #[error("{key} = {value}: must be {expected}")]

@@ -114,3 +114,14 @@ pub struct Key {
     /// What it means.
     pub meaning: &'static str,
 }
+
+impl Key {
+    /// Its unit in brackets, after a space; empty if it has none.
+    #[must_use]
+    pub fn in_unit(&self) -> String {
+        match self.unit {
+            "" => String::new(),
+            unit => format!(" [{unit}]"),
+        }
+    }
+}

@@ -61,11 +61,10 @@ fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioErr
 }
 
 fn law(values: &Values) -> Result<FrictionLaw, ScenarioError> {
-    let word = values.text("friction.law").unwrap_or_default();
-    let missing = || ScenarioError::MissingKey {
-        key: "friction.law",
-    };
-    sliding_law(word, &|key| values.number(key)).ok_or_else(missing)?
+    let word = values.text("friction.law")?;
+    let law = sliding_law(word, &|key| values.number(key));
+    // That the word is one of them has been checked.
+    law.unwrap_or(Ok(FrictionLaw::None))
 }
 
 /// The losses of a top, which is `free` if its peg is.

@@ -3,6 +3,7 @@
 use super::definition::Scenario;
 use super::error::ScenarioError;
 use super::values::Values;
+use crate::run::nearest::near;
 
 /// The paper's run (V. Tanrıverdi, arXiv:2204.14060, section 3): the base of all presets.
 const PAPER: &str = include_str!("paper.toml");
@@ -249,6 +250,7 @@ impl Preset {
             .find(|preset| preset.name == name)
             .ok_or_else(|| ScenarioError::UnknownPreset {
                 name: name.to_owned(),
+                near: near(name, PRESETS.iter().map(|preset| preset.name)),
                 allowed: PRESETS
                     .iter()
                     .map(|p| p.name)

@@ -3,11 +3,10 @@
 use super::error::ScenarioError;
 use super::key::{Key, Kind, Presence, Value, typed};
 use super::keys::KEYS;
+use super::laws::{LAWS, Law};
 use super::words::Words;
+use crate::run::nearest::{likeness, near, nearest};
 use std::collections::BTreeMap;
-
-/// A name is taken for a misspelt key or word if it is at least this much like it, by Jaro and Winkler.
-const LIKE: f64 = 0.8;
 
 /// Errors of syntax that are longer than this are cut, bytes.
 const LONGEST_SYNTAX: usize = 1000;
@@ -89,8 +88,7 @@ impl Values {
     }
 
     pub(super) fn number(&self, path: &'static str) -> Result<f64, ScenarioError> {
-        self.optional_number(path)
-            .ok_or(ScenarioError::MissingKey { key: path })
+        self.optional_number(path).ok_or_else(|| missing(&[path]))
     }
 
     pub(super) fn optional_number(&self, path: &str) -> Option<f64> {
@@ -103,7 +101,7 @@ impl Values {
     pub(super) fn text(&self, path: &'static str) -> Result<&str, ScenarioError> {
         match self.get(path) {
             Some(Value::Text(text)) => Ok(text),
-            _ => Err(ScenarioError::MissingKey { key: path }),
+            _ => Err(missing(&[path])),
         }
     }
 
@@ -126,17 +124,16 @@ impl Values {
 
     /// Checks that each key is there if it has to be, and only if it may be.
     pub(super) fn check_presence(&self) -> Result<(), ScenarioError> {
+        let mut absent = Vec::new();
         for key in KEYS {
             let there = self.0.contains_key(key.path);
             match key.presence {
-                Presence::Required if !there => {
-                    return Err(ScenarioError::MissingKey { key: key.path });
-                }
+                Presence::Required if !there => absent.push(key.path),
                 Presence::With(other, words) => {
-                    let value = self.text(other)?;
+                    let value = self.text(other).unwrap_or_default();
                     let wanted = words.contains(&value);
                     if wanted && !there {
-                        return Err(ScenarioError::MissingKey { key: key.path });
+                        absent.push(key.path);
                     }
                     if there && !wanted {
                         return Err(ScenarioError::Inapplicable {
@@ -147,8 +144,7 @@ impl Values {
                     }
                 }
                 Presence::Beside(other) if there != self.0.contains_key(other) => {
-                    let key = if there { other } else { key.path };
-                    return Err(ScenarioError::MissingKey { key });
+                    absent.push(if there { other } else { key.path });
                 }
                 Presence::OptionalWith(other, word) if there => {
                     let value = self.text(other)?;
@@ -166,7 +162,31 @@ impl Values {
                 | Presence::OptionalWith(..) => {}
             }
         }
-        Ok(())
+        if absent.is_empty() {
+            return Ok(());
+        }
+        Err(missing(&absent))
+    }
+}
+
+/// Keys that have to be there and are not, each with what it takes.
+fn missing(paths: &[&'static str]) -> ScenarioError {
+    let keys = || KEYS.iter().filter(|key| paths.contains(&key.path));
+    let about = |key: &Key| {
+        let (path, unit) = (key.path, key.in_unit());
+        format!("{path} ({}{unit}: {})", key.meaning, key.kind)
+    };
+    let mut told = keys().map(about).collect::<Vec<_>>().join(", ");
+    let of_one_law = |law: &&Law| {
+        let is_its_own = |key: &Key| matches!(key.presence, Presence::With("friction.law", [word]) if *word == law.name);
+        keys().any(is_its_own)
+    };
+    if let Some(law) = LAWS.iter().find(of_one_law) {
+        told += &format!("; typical values: {}", law.typical);
+    }
+    ScenarioError::MissingKeys {
+        keys: paths.to_vec(),
+        told,
     }
 }
 
@@ -212,33 +232,12 @@ fn excerpt(text: &str) -> String {
 /// A question after the key most like a wrong one, which may lack its section.
 fn near_key(wrong: &str) -> String {
     let has_section = wrong.contains('.');
-    let likeness = |key: &Key| {
+    let how_like = |key: &Key| {
         let name = key.path.rsplit_once('.').map(|(_, name)| name);
         let name = name.filter(|_| !has_section).unwrap_or(key.path);
-        like(wrong, key.path).max(like(wrong, name))
+        likeness(wrong, key.path).max(likeness(wrong, name))
     };
-    nearest(KEYS.iter().map(|key| (likeness(key), key.path)))
-}
-
-/// A question after the word most like a wrong one.
-fn near_word(wrong: &str, words: &[&str]) -> String {
-    nearest(words.iter().map(|word| (like(wrong, word), *word)))
-}
-
-fn like(wrong: &str, name: &str) -> f64 {
-    strsim::jaro_winkler(wrong, name)
-}
-
-/// A question after the names that are most like a wrong one, given how much so; empty if none is like it.
-fn nearest<'a>(names: impl Iterator<Item = (f64, &'a str)> + Clone) -> String {
-    let most = names.clone().map(|(likeness, _)| likeness);
-    let most = most.fold(LIKE, f64::max);
-    let nearest = names.filter(|(likeness, _)| *likeness >= most);
-    let nearest: Vec<_> = nearest.map(|(_, name)| name).collect();
-    match &nearest[..] {
-        [] => String::new(),
-        _ => format!(" (did you mean {}?)", nearest.join(" or ")),
-    }
+    nearest(KEYS.iter().map(|key| (how_like(key), key.path)))
 }
 
 /// A value of the type and in the range that `key` asks for.
@@ -248,7 +247,7 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
         value: value
             .as_float()
             .map_or_else(|| excerpt(&value.to_string()), typed),
-        expected: key.kind.to_string(),
+        expected: format!("{}{}", key.kind, in_radians(key, value)),
     };
     if key.kind.is_text() {
         let text = value.as_str().ok_or_else(wrong_type)?;
@@ -277,9 +276,23 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
     }
 }
 
+/// What a text in degrees is in radians; empty for anything else.
+fn in_radians(key: &Key, value: &toml::Value) -> String {
+    let text = value.as_str().unwrap_or_default();
+    let number = ["°", "deg", "degrees"]
+        .iter()
+        .find_map(|unit| text.strip_suffix(unit));
+    match number.and_then(|number| number.trim().parse::<f64>().ok()) {
+        Some(degrees) if key.unit == "rad" => {
+            format!(" ({text} is {:.4} rad)", degrees.to_radians())
+        }
+        _ => String::new(),
+    }
+}
+
 fn out_of_range(key: &Key, value: &str) -> ScenarioError {
     let near = if let Kind::Choice(words) = key.kind {
-        near_word(&excerpt(value), words)
+        near(&excerpt(value), words.iter().copied())
     } else {
         String::new()
     };

@@ -41,13 +41,12 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
         None => aired(axis.range()),
     });
     let frame = chart::frame(width, (top, bar.room()), axes, ranges, y);
-    match &grid {
-        Some(grid) => drawing.group("runs", grid.areas(&frame, colour)),
-        None => {
-            let place = |run: &MapRun| frame.place((across.place(run.x), upward.place(run.y)));
-            let dots = map.runs.iter().map(|run| dot(place(run), colour(run)));
-            drawing.group("runs", dots.collect());
-        }
+    if let Some(grid) = &grid {
+        drawing.group("runs", grid.areas(&frame, colour));
+    } else {
+        let place = |run: &MapRun| frame.place((across.place(run.x), upward.place(run.y)));
+        let dots = map.runs.iter().map(|run| dot(place(run), colour(run)));
+        drawing.group("runs", dots.collect());
     }
     if let Some(grid) = grid.filter(|_| has_contour) {
         drawing.group("where looping begins", grid.contour(&frame));

@@ -1,0 +1,60 @@
+//! Names like a wrong one.
+
+/// A name is taken for a misspelt one if it is at least this much like it, by Jaro and Winkler.
+const LIKE: f64 = 0.8;
+
+/// A question after the names that are most like a wrong one, such as ` (did you mean friction.k?)`; empty if none is
+/// like it.
+pub(crate) fn near<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    let names = names.into_iter();
+    nearest(names.map(|name| (likeness(wrong, name), name)))
+}
+
+/// How much a name is like a wrong one, from 0 to 1.
+pub(crate) fn likeness(wrong: &str, name: &str) -> f64 {
+    let mut letters = name.chars();
+    // Such as `fig2` for `figure-2`.
+    let is_half = 2 * wrong.len() >= name.len() && name.starts_with(|l| wrong.starts_with(l));
+    let is_short = is_half && wrong.chars().all(|letter| letters.any(|l| l == letter));
+    if is_short {
+        1.0
+    } else {
+        strsim::jaro_winkler(wrong, name)
+    }
+}
+
+/// As [`near`], given how much each name is like the wrong one, from 0 to 1.
+pub(crate) fn nearest<'a>(names: impl Iterator<Item = (f64, &'a str)>) -> String {
+    let mut nearest = Vec::new();
+    let mut most = LIKE;
+    for (likeness, name) in names {
+        if likeness > most {
+            most = likeness;
+            nearest.clear();
+        }
+        if likeness >= most {
+            nearest.push(name);
+        }
+    }
+    match &nearest[..] {
+        [] => String::new(),
+        _ => format!(" (did you mean {}?)", nearest.join(" or ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_names_most_like_a_wrong_one_are_asked_after() {
+        let names = ["paper", "full-coulomb", "figure-2", "figure-3"];
+        assert_eq!(near("papr", names), " (did you mean paper?)");
+        assert_eq!(
+            near("figure", names),
+            " (did you mean figure-2 or figure-3?)"
+        );
+        assert_eq!(near("fig2", names), " (did you mean figure-2?)");
+        assert_eq!(near("xyz", names), "");
+    }
+}
