@@ -4,7 +4,7 @@ use crate::errors::{self, RecordingError, RecordingWarning, SimulationError};
 use crate::guard::{Interrupt, compute};
 use crate::outcome;
 use crate::scenario::{Base, Scenario};
-use crate::table::{Columns, Table};
+use crate::table::{Columns, Table, escaped};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
@@ -370,5 +370,27 @@ impl Run {
             text += &format!("\n  {:20} {rows:>9} rows", topic.name());
         }
         Ok(text + ">")
+    }
+
+    /// The name and a table of the outcome. A recording shows its topics instead: its outcome would have to be simulated.
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+        let mut page = format!("<p>{}</p><table><tbody>", escaped(&self.name()));
+        let mut row = |name: &str, value: &str| {
+            page += &format!(
+                "<tr><th>{}</th><td>{}</td></tr>",
+                escaped(name),
+                escaped(value)
+            );
+        };
+        if let Origin::Scenario(_, outcome) = &self.origin {
+            for (name, value) in outcome::dictionary(py, outcome)? {
+                row(&name.to_string(), &value.to_string());
+            }
+        } else {
+            for (topic, table) in &self.tables {
+                row(topic.name(), &format!("{} rows", table.bind(py).len()?));
+            }
+        }
+        Ok(page + "</tbody></table>")
     }
 }

@@ -2,13 +2,14 @@
 
 use crate::errors;
 use crate::sweep::refused_sweep;
+use crate::table::escaped;
 use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyMapping, PyString};
 use std::path::PathBuf;
 use toprise::archive::given::values;
-use toprise::run::scenario::{KEYS, Scenario as Checked, Value, Values};
-use toprise::sweep::values_of_row;
+use toprise::run::scenario::{Scenario as Checked, Value, Values};
+use toprise::sweep::{find_key, values_of_row};
 
 /// A checked, complete definition of a run: keys with values, in SI units and radians.
 ///
@@ -76,12 +77,23 @@ impl Base<'_> {
 
 fn with(mut values: Values, overrides: Option<&Bound<'_, PyMapping>>) -> PyResult<Values> {
     if let Some(overrides) = overrides {
+        let mut seen = Vec::new();
         for item in overrides.items()?.iter() {
-            let (key, value): (String, Bound<'_, PyAny>) = item.extract()?;
-            set(&mut values, &key, &value)?;
+            let (name, value): (String, Bound<'_, PyAny>) = item.extract()?;
+            let key = path(&name);
+            if seen.iter().any(|earlier| earlier == key) {
+                return Err(errors::scenario(format!("{key}: set twice, remove one")));
+            }
+            set(&mut values, key, &value)?;
+            seen.push(key.to_owned());
         }
     }
     Ok(values)
+}
+
+/// The path of a key that is written `friction.k` or `friction_k`; an unknown name is returned as it is.
+fn path(name: &str) -> &str {
+    find_key(name).map_or(name, |key| key.path)
 }
 
 fn set(values: &mut Values, key: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -140,13 +152,12 @@ impl Scenario {
     /// The unit of a key's value; empty for pure numbers and texts.
     #[staticmethod]
     fn unit(key: &str) -> PyResult<&'static str> {
-        let found = KEYS.iter().find(|known| known.path == key);
-        found
-            .map(|known| known.unit)
-            .ok_or_else(|| PyKeyError::new_err(format!("unknown key {key}")))
+        let found = find_key(key).map_err(|error| PyKeyError::new_err(error.to_string()))?;
+        Ok(found.unit)
     }
 
     fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        let key = path(key);
         let found = self.0.entries().find(|(known, _)| known.path == key);
         match found {
             Some((_, Value::Number(number))) => Ok(number.into_pyobject(py)?.into_any()),
@@ -160,6 +171,7 @@ impl Scenario {
     }
 
     fn __contains__(&self, key: &str) -> bool {
+        let key = path(key);
         self.0.entries().any(|(known, _)| known.path == key)
     }
 
@@ -181,7 +193,28 @@ impl Scenario {
 
     fn __repr__(&self) -> String {
         let digest = self.0.digest();
-        format!("<toprise.Scenario {} {}…>", self.0.name(), &digest[..12])
+        let name = self.0.name().escape_debug();
+        let mut text = format!("<toprise.Scenario {name} {}…", &digest[..12]);
+        for (key, value) in self.0.entries() {
+            if key.path.starts_with("friction.") || key.path.starts_with("initial.") {
+                text += format!("\n  {:20} {value} {}", key.path, key.unit).trim_end();
+            }
+        }
+        text + ">"
+    }
+
+    /// A table of the keys, their values and units.
+    fn _repr_html_(&self) -> String {
+        let mut page = "<table><tbody>".to_owned();
+        for (key, value) in self.0.entries() {
+            let value = escaped(&value.to_string());
+            page += &format!(
+                "<tr><th>{}</th><td>{value}</td><td>{}</td></tr>",
+                key.path,
+                escaped(key.unit)
+            );
+        }
+        page + "</tbody></table>"
     }
 
     fn __str__(&self) -> String {

@@ -282,6 +282,8 @@ pub fn sweep(
     let answer = json!({
         "runs": runs,
         "computed": finished.computed,
+        // A share does not count the runs of the other shares.
+        "kept": shard.is_none().then(|| runs.saturating_sub(left)),
         "is_merged": finished.is_merged,
         "stops": finished.counts.stops,
         "errors": finished.counts.errors,

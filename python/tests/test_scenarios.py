@@ -22,6 +22,29 @@ def test_a_scenario_reads_like_a_mapping():
         scenario["stop.duration"]
 
 
+def test_keys_may_have_an_underscore_for_the_dot(brief):
+    dotted = toprise.Scenario("paper", {"stop.duration": 0.1, "top.mass": 0.1})
+    flat = toprise.Scenario("paper", {"stop_duration": 0.1, "top_mass": 0.1})
+    assert flat == dotted and flat["top_mass"] == 0.1 and "top_mass" in flat
+    assert toprise.Scenario.unit("top_mass") == "kg"
+    assert toprise.run(brief.scenario, {"top_mass": 0.1}).scenario == dotted
+    assert toprise.outcome(flat) == toprise.outcome(dotted)
+    assert toprise.diff(flat, dotted, floor=False).verdict == "identical"
+    with pytest.raises(toprise.ScenarioError, match="top.mass: set twice"):
+        toprise.Scenario("paper", {"top.mass": 0.1, "top_mass": 0.2})
+    with pytest.raises(KeyError, match="top.mass"):
+        toprise.Scenario.unit("top.mas")
+
+
+def test_a_scenario_is_shown():
+    scenario = toprise.Scenario("paper", {"name": "a<b"})
+    lines = repr(scenario).splitlines()
+    assert lines[0].startswith("<toprise.Scenario a<b ")
+    assert any(line.split() == ["friction.k", "0.03"] for line in lines)
+    page = scenario._repr_html_()
+    assert "a&lt;b" in page and "<th>top.mass</th><td>0.11</td><td>kg</td>" in page
+
+
 def test_scenarios_travel():
     scenario = toprise.Scenario("paper", {"friction.k": 0.1 + 0.2})
     for again in (

@@ -267,7 +267,7 @@ def test_a_sweep_is_written_once_whatever_computes_it(tmp_path):
     assert pa.table(inline).select(table.column_names).to_pylist() == table.to_pylist()
     # All is there already.
     again = toprise.sweep(SPEC, whole)
-    assert again == answer | {"computed": 0}
+    assert (answer["kept"], again) == (0, answer | {"computed": 0, "kept": 2400})
     with pytest.raises(toprise.SweepError, match="is of another sweep"):
         toprise.sweep(SPEC | {"set": {"stop.duration": 0.01}}, whole)
     with pytest.raises(ValueError, match="shard"):

@@ -107,3 +107,9 @@ def test_duckdb_and_pandas_read_tables(brief):
     assert found == [(101, state.numpy("theta").max())]
     frame = pandas.DataFrame.from_arrow(brief.events)
     assert frame["name"][0] == "start"
+
+
+def test_a_run_in_a_notebook_shows_its_outcome(brief, reference):
+    page = brief._repr_html_()
+    assert page.startswith("<p>paper</p><table>") and "<th>stop_reason</th><td>duration</td>" in page
+    assert "<th>/top/state</th>" in toprise.read(reference / "paper.mcap")._repr_html_()

@@ -121,8 +121,8 @@ def sweep(
 
     What is there of an earlier call that was interrupted is kept. `shard=(i, n)` computes the i-th of n shares of the parts, from
     0, and merges nothing; the call without it completes the table. `progress=True` shows a bar on standard error; a function is told
-    how many runs are done, of how many are left. The answer has the number of `runs` of the whole sweep and of those `computed` now, and
-    counts the runs by why they stopped, and those with an `error`.
+    how many runs are done, of how many are left. The answer has the number of `runs` of the whole sweep and of those `computed` now
+    and `kept` from before (None for a share), and counts the runs by why they stopped, and those with an `error`.
     `toprise.run(out, row=42)` runs a row again.
     """
     told: Callable[[int, int], object] | None = None

@@ -21,7 +21,7 @@ def sweep(spec: Spec, out: str | os.PathLike[str], *, retries: int = 5) -> dict[
     """Computes a sweep with one Ray task for each part of it, and merges its table: the bytes of a local sweep.
 
     `out` lies in a folder that all nodes share. A task whose worker or node dies is tried again, `retries` times. If the program itself
-    dies, the same call goes on where it was. The answer is that of `toprise.sweep`, and `kept` counts the runs that were there before.
+    dies, the same call goes on where it was. The answer is that of `toprise.sweep`, and its counts include the runs of all tasks.
     """
     text, folder = read(spec)
     rows, part_rows = _toprise.rows(text, folder)
