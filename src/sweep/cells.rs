@@ -47,31 +47,11 @@ pub fn cells(column: &dyn Array) -> Result<Cells, String> {
         DataType::Decimal128(..) => decimals::<Decimal128Type>(column)?,
         DataType::Decimal256(..) => decimals::<Decimal256Type>(column)?,
         other => {
-            return Err(format!("{} are neither numbers nor words", kind(other)));
+            return Err(format!(
+                "values of type {other} are neither numbers nor words"
+            ));
         }
     })
-}
-
-/// What values are that are neither numbers nor words.
-fn kind(of: &DataType) -> &'static str {
-    match of {
-        DataType::Boolean => "true and false",
-        DataType::Timestamp(..) | DataType::Date32 | DataType::Date64 => "dates",
-        DataType::Time32(_)
-        | DataType::Time64(_)
-        | DataType::Duration(_)
-        | DataType::Interval(_) => "times",
-        DataType::Binary
-        | DataType::LargeBinary
-        | DataType::BinaryView
-        | DataType::FixedSizeBinary(_) => "bytes",
-        DataType::List(_)
-        | DataType::LargeList(_)
-        | DataType::ListView(_)
-        | DataType::LargeListView(_)
-        | DataType::FixedSizeList(..) => "lists",
-        _ => "records of several values",
-    }
 }
 
 fn words<'a>(words: impl Iterator<Item = Option<&'a str>>) -> Cells {
@@ -132,11 +112,11 @@ mod tests {
         }
         assert_eq!(cells(&NullArray::new(2)).unwrap(), [None, None]);
         let told = cells(&BooleanArray::from(vec![true])).unwrap_err();
-        assert_eq!(told, "true and false are neither numbers nor words");
+        assert_eq!(told, "values of type Boolean are neither numbers nor words");
         let list = vec![Some(vec![Some(1.0)])];
         let list = ListArray::from_iter_primitive::<Float64Type, _, _>(list);
         let told = cells(&list).unwrap_err();
-        assert_eq!(told, "lists are neither numbers nor words");
+        assert!(told.ends_with("are neither numbers nor words"), "{told}");
     }
 
     #[test]
