@@ -97,9 +97,7 @@ impl MadeDirectories {
         let made = Self(missing);
         fs::create_dir_all(directory).map(|()| made)
     }
-}
 
-impl MadeDirectories {
     /// Lets them stay.
     fn keep(mut self) {
         self.0.clear();

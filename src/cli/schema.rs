@@ -5,6 +5,7 @@ use super::page::{Page, Part, Section};
 use super::report::{self, WrittenFile};
 use super::table::Table;
 use crate::archive::publish::{self, Existing};
+use crate::run::scenario;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::protobuf::{proto_file, proto_file_name};
 use crate::telemetry::schema::{file_name, json_schema};
@@ -25,7 +26,7 @@ pub(super) struct SchemaArguments {
     #[arg(long, value_enum, default_value_t = Encoding::Json, requires = "topic")]
     encoding: Encoding,
 
-    /// Write all schemas, of channels and of reports, into this directory, replacing those there.
+    /// Write all schemas, of channels, reports and scenario files, into this directory, replacing those there.
     #[arg(long, value_name = "DIRECTORY", conflicts_with = "topic")]
     write: Option<PathBuf>,
 }
@@ -122,6 +123,7 @@ fn write_all(directory: &Path, reports: Vec<(String, String)>) -> Result<Vec<Wri
         .iter()
         .flat_map(of_channel)
         .chain(reports)
+        .chain([(scenario::SCHEMA_FILE.to_owned(), scenario::schema())])
         .map(|(name, text)| {
             let path = directory.join(name);
             publish::write(&path, Existing::Replace, text.as_bytes())?;

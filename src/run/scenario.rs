@@ -11,6 +11,7 @@ mod keys;
 mod laws;
 mod model;
 mod presets;
+mod schema;
 mod values;
 mod words;
 
@@ -21,5 +22,6 @@ pub use key::{Key, Kind, Presence, Value};
 pub use keys::{FORMAT, KEYS};
 pub use laws::{LAWS, Law};
 pub use presets::{PRESETS, Preset};
+pub use schema::{SCHEMA_FILE, schema};
 pub use values::Values;
 pub use words::{FormulationKind, OnStick};

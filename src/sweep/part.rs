@@ -3,9 +3,9 @@
 use super::axis::column_name;
 use super::checksum;
 use super::counts::Counts;
-use super::row::{Row, Run, Watch, row, run_whole};
+use super::row::{Row, Run, Watch, row};
 use super::spec::Spec;
-use crate::run::outcome::{COLUMNS, Cell, Column, ColumnKind};
+use crate::run::outcome::{COLUMNS, Cell, Column, ColumnKind, outcome};
 use crate::run::scenario::{Key, Scenario, ScenarioError, Value};
 use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
@@ -45,7 +45,7 @@ impl Sweep {
             identity: spec.to_json(),
             spec,
             schema,
-            run: run_whole,
+            run: |scenario, carry_on| outcome(scenario, carry_on),
         }
     }
 

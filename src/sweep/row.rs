@@ -1,6 +1,6 @@
 //! One row of a sweep: from values to a scenario to an outcome, or to why there is none.
 
-use crate::run::outcome::{Outcome, outcome};
+use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, ScenarioError};
 use crate::run::simulation::{SimulationError, StopReason};
 use std::any::Any;
@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// What a run comes to.
 pub type RunResult = Result<Outcome, SimulationError>;
 
-/// How a scenario is run: `run_whole`, but for tests.
+/// Runs a scenario for its outcome. Tests have their own.
 pub type Run = fn(&Scenario, &mut dyn FnMut() -> bool) -> RunResult;
 
 /// Watches a sweep from outside. Both functions are called from many threads.
@@ -27,11 +27,6 @@ pub(super) struct Row {
     pub(super) digest: Option<String>,
     /// The outcome, or why there is none.
     pub(super) result: Result<Outcome, String>,
-}
-
-/// Runs a scenario for its outcome.
-pub(super) fn run_whole(scenario: &Scenario, carry_on: &mut dyn FnMut() -> bool) -> RunResult {
-    outcome(scenario, carry_on)
 }
 
 thread_local! {

@@ -119,7 +119,7 @@ fn complete(
 ) -> Result<(), SweepError> {
     store.open()?;
     store.check_table()?;
-    let mut to_do: Vec<u64> = missing(store, sweep, options.shard).collect::<Result<_, _>>()?;
+    let mut to_do = missing(store, sweep, options.shard)?;
     let failed = if options.fail_fast {
         first_failed(store, sweep, options.shard)?
     } else {
@@ -164,8 +164,7 @@ pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u
         return Ok(0);
     }
     store.check_parts()?;
-    let missing: Vec<u64> = missing(&store, sweep, shard).collect::<Result<_, _>>()?;
-    Ok(rows_in(sweep, &missing))
+    Ok(rows_in(sweep, &missing(&store, sweep, shard)?))
 }
 
 /// The number of rows of some parts.
@@ -181,16 +180,14 @@ fn parts(sweep: &Sweep, shard: Option<Shard>) -> impl Iterator<Item = u64> {
 }
 
 /// The parts that are not there, in order; an error for one that is of another sweep.
-fn missing(
-    store: &Store<'_>,
-    sweep: &Sweep,
-    shard: Option<Shard>,
-) -> impl Iterator<Item = Result<u64, SweepError>> {
-    parts(sweep, shard).filter_map(|part| match store.has(part) {
-        Ok(true) => None,
-        Ok(false) => Some(Ok(part)),
-        Err(error) => Some(Err(error)),
-    })
+fn missing(store: &Store<'_>, sweep: &Sweep, shard: Option<Shard>) -> Result<Vec<u64>, SweepError> {
+    let mut missing = Vec::new();
+    for part in parts(sweep, shard) {
+        if !store.has(part)? {
+            missing.push(part);
+        }
+    }
+    Ok(missing)
 }
 
 /// The first part that is there and has a row with an error, and that row.

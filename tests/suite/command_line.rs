@@ -74,6 +74,9 @@ fn a_run_that_is_recorded_is_not_written_again() {
         text.contains("paper_duration0.2-2.mcap was there"),
         "{text}"
     );
+    // A recording that is run again.
+    let text = answer(toprise(&directory).args(["run", "recordings/paper_duration0.2.mcap"]));
+    assert!(text.contains("paper_duration0.2.mcap was there"), "{text}");
     let path = directory.path().join("recordings/paper_duration0.2-3.mcap");
     fs::write(&path, "damaged").unwrap();
     run(&["--topics", "/top/state"]);

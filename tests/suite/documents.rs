@@ -4,6 +4,7 @@
 use assert_cmd::Command;
 use std::fs;
 use std::path::{Path, PathBuf};
+use toprise::run::scenario::{KEYS, Kind, Presence, Preset};
 
 /// What stands for any text within a line of output, and alone on a line for any lines.
 const ANYTHING: &str = "…";
@@ -173,4 +174,66 @@ fn is_line(shown: &str, printed: &str) -> bool {
             .is_some_and(|rest| rest.ends_with(after)),
         None => shown.trim_end() == printed.trim_end(),
     }
+}
+
+/// The page of all keys, which is made from their table.
+#[test]
+fn the_page_of_keys_is_that_of_the_table() {
+    let paper = Preset::find("paper").unwrap().values().unwrap();
+    let mut page = KEYS_HEAD.to_owned();
+    for key in KEYS {
+        let unit = key.in_unit();
+        let value = paper.get(key.path).map(ToString::to_string);
+        let presence = match key.presence {
+            Presence::Required => "always".to_owned(),
+            Presence::Optional => "optional".to_owned(),
+            Presence::With(other, words) if words.len() < 4 => {
+                format!("with `{other}` = {}", words.join(", "))
+            }
+            Presence::With(other, _) => format!("with any `{other}` but none"),
+            Presence::Beside(other) => format!("with `{other}`"),
+            Presence::OptionalWith(other, word) => format!("optional with `{other}` = {word}"),
+        };
+        let (path, meaning, kind) = (key.path, key.meaning, key.kind);
+        let value = value.filter(|_| path != "description").unwrap_or_default();
+        page += &format!("| `{path}` | {meaning}{unit} | {kind} | {value} | {presence} |\n");
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/keys.md");
+    if fs::read_to_string(&path).unwrap_or_default() != page {
+        let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join("keys.md");
+        fs::write(&made, page).unwrap();
+        panic!("{} is another now: {}", path.display(), made.display());
+    }
+}
+
+const KEYS_HEAD: &str = "\
+# Keys of a scenario
+
+A scenario is a TOML file: `toprise presets paper > mine.toml`. Its keys stand in sections; `friction.k` is `k` in
+`[friction]`. On the command line it is `--set friction.k=0.02`, and an empty value removes a key. Editors that know
+[`schemas/scenario.json`](../schemas/scenario.json) complete and check the keys: begin the file with
+`#:schema PATH/schemas/scenario.json`.
+
+| key | meaning | values | `paper` | when |
+|---|---|---|---|---|
+";
+
+#[test]
+fn the_schema_of_scenarios_has_every_key() {
+    let text = toprise::run::scenario::schema();
+    let schema: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for key in KEYS {
+        let mut part = &schema;
+        for name in key.path.split('.') {
+            part = &part["properties"][name];
+        }
+        let meaning = part["description"].as_str().unwrap();
+        assert!(meaning.starts_with(key.meaning), "{}", key.path);
+        assert_eq!(
+            part.get("enum").is_some(),
+            matches!(key.kind, Kind::Choice(_))
+        );
+    }
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas/scenario.json");
+    assert_eq!(fs::read_to_string(file).unwrap(), text);
 }

@@ -715,13 +715,13 @@ fn sweeps_are_drawn_as_maps_and_curves() {
     for part in [
         "not by the end of the run",
         "friction.k",
-        "initial_theta (rad)",
+        "θ_0 (rad)",
         "0.01",
         "0.1",
     ] {
         assert!(svg.contains(part), "{part} is not in the figure");
     }
-    assert!(!svg.contains("rise_time (s)"));
+    assert!(!svg.contains("rise time (s)"));
     let (code, _, told) = toprise(
         folder,
         &format!("{map} --where scenario=paper --show energy -o energy"),
@@ -733,7 +733,7 @@ fn sweeps_are_drawn_as_maps_and_curves() {
     let (code, _, told) = toprise(folder, curves);
     assert_eq!(code, 0, "{told}");
     let svg = fs::read_to_string(folder.join("c/sweep.svg")).unwrap();
-    for part in ["paper", "viscous", "slip_path ("] {
+    for part in ["paper", "viscous", "slip path ("] {
         assert!(svg.contains(part), "{part} is not in the figure");
     }
     let (code, _, told) = toprise(

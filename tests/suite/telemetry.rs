@@ -98,7 +98,11 @@ fn regress_the_committed_schemas_are_those_of_the_table() {
     // A build without Rerun has no `view`, one without sweeps no `sweep`.
     let missing =
         usize::from(cfg!(not(feature = "rerun"))) + usize::from(cfg!(not(feature = "sweep")));
-    assert_eq!(files, 2 * channels().len() + reports.len() + missing);
+    let of_scenarios = 1;
+    assert_eq!(
+        files,
+        2 * channels().len() + reports.len() + missing + of_scenarios
+    );
 }
 
 #[test]

@@ -34,7 +34,7 @@ pub(super) fn is_there(recording: &Recording) -> bool {
 
 /// The first contradiction in a whole file.
 pub(super) fn index_difference(recording: &Recording) -> Option<Difference> {
-    Survey::new(&recording.source).run().err()
+    Survey::default().run(&recording.source).err()
 }
 
 fn fault(place: &RecordSpan, found: &str) -> Difference {
@@ -59,8 +59,8 @@ impl From<io::Error> for Difference {
 }
 
 /// What is seen in going through a file.
-struct Survey<'a> {
-    source: &'a Source,
+#[derive(Default)]
+struct Survey {
     buffers: Buffers,
     /// The summary that the data demand and the one that is there, as text.
     expected: BTreeSet<String>,
@@ -79,40 +79,23 @@ struct Survey<'a> {
     offsets: u64,
 }
 
-impl<'a> Survey<'a> {
-    fn new(source: &'a Source) -> Self {
-        Self {
-            source,
-            buffers: Buffers::default(),
-            expected: BTreeSet::new(),
-            found: Vec::new(),
-            statistics: Statistics::default(),
-            defined: BTreeSet::new(),
-            chunk: None,
-            messages: BTreeMap::new(),
-            groups: Vec::new(),
-            named: Vec::new(),
-            summary: None,
-            offsets: 0,
-        }
-    }
-
-    fn run(mut self) -> Checked {
-        let mut scanner = Scanner::new(self.source);
+impl Survey {
+    fn run(mut self, source: &Source) -> Checked {
+        let mut scanner = Scanner::new(source);
         let mut bytes = Vec::new();
         while let Some(Found::Record(place)) = scanner.next()? {
-            self.source.read(place.offset, place.length, &mut bytes)?;
+            source.read(place.offset, place.length, &mut bytes)?;
             let body = bytes.get(HEAD as usize..).unwrap_or_default();
             let record = read(&place, place.opcode, body)?;
             if let Record::Footer(footer) = record {
-                return self.finish(&place, footer);
+                return self.finish(&place, footer, source);
             }
-            self.take(&place, record)?;
+            self.take(&place, record, source)?;
         }
         Err(io::Error::from(io::ErrorKind::UnexpectedEof).into())
     }
 
-    fn take(&mut self, place: &RecordSpan, record: Record<'_>) -> Checked {
+    fn take(&mut self, place: &RecordSpan, record: Record<'_>, source: &Source) -> Checked {
         if place.opcode != op::MESSAGE_INDEX {
             self.close_chunk()?;
         }
@@ -156,13 +139,13 @@ impl<'a> Survey<'a> {
                     uncompressed_size: header.uncompressed_size,
                 });
                 let times = (header.message_start_time, header.message_end_time);
-                self.take_chunk(place, times)?;
+                self.take_chunk(place, times, source)?;
             }
             (None, Record::MessageIndex(index)) => self.take_message_index(place, &index)?,
             (None, Record::DataEnd(end)) => {
                 // 0 is none, as other programs leave it: chunks have checksums of their own.
                 if end.data_section_crc != 0 {
-                    let sum = self.source.checksum(0, place.offset)?;
+                    let sum = source.checksum(0, place.offset)?;
                     equal("the checksum of the data", &end.data_section_crc, &sum)?;
                 }
                 self.summary = Some(place.end());
@@ -200,12 +183,12 @@ impl<'a> Survey<'a> {
         self.expected.insert(format!("{record:?}"));
     }
 
-    /// Takes in a schema or a channel in the data.
+    /// Takes in a schema or a channel in the data. A chunk holds no other records but messages.
     fn define(&mut self, place: &RecordSpan, record: &Record<'_>) -> Checked {
         let (id, needs) = match record {
             Record::Schema { header, .. } => (header.id, 0),
             Record::Channel(channel) => (channel.id, channel.schema_id),
-            _ => (0, 0),
+            _ => return Err(fault(place, "a record that doesn't belong into a chunk")),
         };
         let is_schema = record.opcode() == op::SCHEMA;
         let has_schema = needs == 0 || self.defined.contains(&(op::SCHEMA, needs));
@@ -221,11 +204,11 @@ impl<'a> Survey<'a> {
         Ok(())
     }
 
-    fn take_chunk(&mut self, place: &RecordSpan, times: (u64, u64)) -> Checked {
+    fn take_chunk(&mut self, place: &RecordSpan, times: (u64, u64), source: &Source) -> Checked {
         self.statistics.chunk_count += 1;
-        let section = Section::of_chunk(place, self.source)?;
+        let section = Section::of_chunk(place, source)?;
         let mut buffers = mem::take(&mut self.buffers);
-        let loaded = section.load(self.source, &mut buffers);
+        let loaded = section.load(source, &mut buffers);
         loaded.map_err(|error| fault(place, &error.to_string()))?;
         let mut at = 0;
         let mut span: Option<(u64, u64)> = None;
@@ -244,7 +227,7 @@ impl<'a> Survey<'a> {
                 let (first, last) = span.unwrap_or((time, time));
                 span = Some((first.min(time), last.max(time)));
             } else {
-                self.define_in_chunk(place, &read(place, inner.opcode, inner.body)?)?;
+                self.define(place, &read(place, inner.opcode, inner.body)?)?;
             }
             at = end;
         }
@@ -264,13 +247,6 @@ impl<'a> Survey<'a> {
             *counts.entry(*channel).or_default() += count;
         }
         Ok(())
-    }
-
-    fn define_in_chunk(&mut self, place: &RecordSpan, record: &Record<'_>) -> Checked {
-        match record {
-            Record::Schema { .. } | Record::Channel(_) => self.define(place, record),
-            _ => Err(fault(place, "a record that doesn't belong into a chunk")),
-        }
     }
 
     fn take_message_index(&mut self, place: &RecordSpan, index: &MessageIndex) -> Checked {
@@ -311,7 +287,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Compares the summary with what the data demand.
-    fn finish(mut self, place: &RecordSpan, footer: Footer) -> Checked {
+    fn finish(mut self, place: &RecordSpan, footer: Footer, source: &Source) -> Checked {
         let statistics = mem::take(&mut self.statistics);
         self.expect(&Record::Statistics(statistics));
         self.found.sort_unstable();
@@ -331,10 +307,10 @@ impl<'a> Survey<'a> {
         let expected = Footer {
             summary_start: self.summary.unwrap_or_default(),
             summary_offset_start: self.offsets,
-            summary_crc: summary_checksum(place, &footer, self.source)?,
+            summary_crc: summary_checksum(place, &footer, source)?,
         };
         equal("the footer", &footer, &expected)?;
-        let behind = self.source.length() - place.end();
+        let behind = source.length() - place.end();
         equal("bytes behind the footer", &behind, &(MAGIC.len() as u64))
     }
 }

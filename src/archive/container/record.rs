@@ -44,31 +44,8 @@ pub(crate) fn is_known(opcode: u8) -> bool {
 /// `mcap` takes memory for a text before it looks whether the text is there, up to 4 GiB of it, and panics
 /// at an attachment that ends behind its head: such records are refused before.
 pub(crate) fn parse(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
-    match behind_texts(opcode, body) {
-        Some(_) => mcap::parse_record(opcode, body),
-        None => Err(McapError::UnexpectedEof),
-    }
-}
-
-/// Whether a record ends where its last field of the specification ends.
-pub(super) fn is_exact(opcode: u8, body: &[u8]) -> bool {
-    let Some(rest) = behind_texts(opcode, body) else {
-        return false;
-    };
-    let has_length = |at: usize| u32_at(rest, at).map(|length| at as u64 + 4 + length);
-    let expected = match opcode {
-        op::HEADER | op::CHANNEL | op::METADATA | op::METADATA_INDEX | op::ATTACHMENT_INDEX => {
-            Some(0)
-        }
-        op::SCHEMA => has_length(0),
-        op::CHUNK_INDEX => Some(16),
-        op::STATISTICS => has_length(42),
-        op::SUMMARY_OFFSET => Some(17),
-        op::DATA_END => Some(4),
-        op::FOOTER => Some(20),
-        _ => None,
-    };
-    expected == Some(rest.len() as u64)
+    behind_texts(opcode, body).ok_or(McapError::UnexpectedEof)?;
+    mcap::parse_record(opcode, body)
 }
 
 /// The length of a record's body that what is read of it takes; none for kinds that are not those of the specification. A

@@ -4,7 +4,7 @@
 //! record stands that doesn't is searched byte by byte.
 
 use super::record::{
-    HEAD, RecordSpan, attachment_length, chunk_length, head, is_exact, is_known,
+    HEAD, RecordSpan, attachment_length, chunk_length, content_length, head, is_known,
     message_index_length, parse,
 };
 use super::source::Source;
@@ -127,11 +127,12 @@ impl<'a> Scanner<'a> {
         let Some(body) = self.prefix.get(HEAD as usize..place.length as usize) else {
             return Ok(false);
         };
-        if parse(place.opcode, body).is_err() {
+        let Ok(record) = parse(place.opcode, body) else {
             return Ok(false);
-        }
+        };
         // Later versions of the format may add fields; else a longer record has swallowed others.
-        Ok(is_exact(place.opcode, body) || self.may_begin_at(place.end())?)
+        let is_exact = content_length(&record) == Some(body.len());
+        Ok(is_exact || self.may_begin_at(place.end())?)
     }
 
     /// Whether a record may begin at a position, or the file ends there.

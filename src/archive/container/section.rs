@@ -1,8 +1,10 @@
 //! The parts of a file that hold messages: chunks, and records that stand outside of chunks.
 
-use super::record::{HEAD, RecordSpan, head};
+use super::record::{HEAD, RecordSpan, head, parse};
 use super::source::Source;
-use mcap::records::op;
+use mcap::McapError;
+use mcap::records::{ChunkHeader, Record, op};
+use std::borrow::Cow;
 use std::fmt;
 use std::io::{self, Read};
 use thiserror::Error;
@@ -33,6 +35,8 @@ pub(crate) enum SectionError {
     Io(#[from] io::Error),
     #[error("the file ends within it")]
     Cut,
+    #[error("its head can't be read: {0}")]
+    Head(#[from] McapError),
     #[error("it is longer than {LARGEST_CHUNK} bytes")]
     TooLarge,
     #[error("its compression {0:?} is none of zstd, lz4 and none")]
@@ -95,92 +99,72 @@ impl Section {
         source.read(self.offset, self.length, &mut buffers.raw)?;
         let Buffers { raw, records, zstd } = buffers;
         let body = raw.get(HEAD as usize..).ok_or(SectionError::Cut)?;
-        let chunk = Chunk::parse(body).ok_or(SectionError::Cut)?;
-        chunk.decompress(records, zstd)
+        match parse(op::CHUNK, body)? {
+            Record::Chunk { header, data } => Chunk { header, data }.decompress(records, zstd),
+            _ => Err(SectionError::Cut),
+        }
     }
 }
 
+/// A chunk as it is in the file.
 struct Chunk<'a> {
-    size: u64,
-    checksum: u32,
-    compression: &'a [u8],
-    data: &'a [u8],
+    header: ChunkHeader,
+    data: Cow<'a, [u8]>,
 }
 
-impl<'a> Chunk<'a> {
-    fn parse(body: &'a [u8]) -> Option<Self> {
-        let (_times, rest) = body.split_at_checked(16)?;
-        let (size, rest) = rest.split_first_chunk()?;
-        let (checksum, rest) = rest.split_first_chunk()?;
-        let (length, rest) = rest.split_first_chunk()?;
-        let length = usize::try_from(u32::from_le_bytes(*length)).ok()?;
-        let (compression, rest) = rest.split_at_checked(length)?;
-        let (length, rest) = rest.split_first_chunk()?;
-        let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
-        Some(Self {
-            size: u64::from_le_bytes(*size),
-            checksum: u32::from_le_bytes(*checksum),
-            compression,
-            data: rest.get(..length)?,
-        })
-    }
-
+impl Chunk<'_> {
     fn decompress(
         &self,
         records: &mut Vec<u8>,
         zstd: &mut Option<zstd::bulk::Decompressor<'static>>,
     ) -> Result<(), SectionError> {
-        if self.size > LARGEST_CHUNK {
+        let (size, data) = (self.header.uncompressed_size, &*self.data);
+        if size > LARGEST_CHUNK {
             return Err(SectionError::TooLarge);
         }
         records.clear();
-        match self.compression {
-            b"" if self.data.len() as u64 == self.size => records.extend_from_slice(self.data),
-            b"" => {
+        match self.header.compression.as_str() {
+            "" if data.len() as u64 == size => records.extend_from_slice(data),
+            "" => {
                 return Err(SectionError::Size {
-                    expected: self.size,
-                    found: self.data.len() as u64,
+                    expected: size,
+                    found: data.len() as u64,
                 });
             }
-            b"zstd" if self.size > PIECE => {
-                let mut decoder = zstd::stream::read::Decoder::with_buffer(self.data)?;
+            "zstd" if size > PIECE => {
+                let mut decoder = zstd::stream::read::Decoder::with_buffer(data)?;
                 decoder.window_log_max(LARGEST_CHUNK.ilog2())?;
                 self.read_pieces(decoder, records)?;
             }
-            b"zstd" => {
+            "zstd" => {
                 let decompressor = match zstd {
                     Some(decompressor) => decompressor,
                     none => none.insert(zstd::bulk::Decompressor::new()?),
                 };
                 // The system gives memory as it is written to: a size that is a lie costs nothing.
-                records.reserve(usize::try_from(self.size).map_err(io::Error::other)?);
+                records.reserve(usize::try_from(size).map_err(io::Error::other)?);
                 decompressor
-                    .decompress_to_buffer(self.data, records)
+                    .decompress_to_buffer(data, records)
                     .map_err(SectionError::Decompress)?;
             }
-            b"lz4" => {
-                let decoder = lz4_flex::frame::FrameDecoder::new(self.data);
+            "lz4" => {
+                let decoder = lz4_flex::frame::FrameDecoder::new(data);
                 self.read_pieces(decoder, records)?;
             }
-            other => {
-                let name = String::from_utf8_lossy(other).into_owned();
-                return Err(SectionError::Compression(name));
-            }
+            other => return Err(SectionError::Compression(other.to_owned())),
         }
         let found = records.len() as u64;
-        if found != self.size {
+        if found != size {
             return Err(SectionError::Size {
-                expected: self.size,
+                expected: size,
                 found,
             });
         }
         // Zero means that no checksum was computed.
         let found = crc32fast::hash(records);
-        if self.checksum != 0 && found != self.checksum {
-            return Err(SectionError::Checksum {
-                expected: self.checksum,
-                found,
-            });
+        let expected = self.header.uncompressed_crc;
+        if expected != 0 && found != expected {
+            return Err(SectionError::Checksum { expected, found });
         }
         Ok(())
     }
@@ -189,7 +173,7 @@ impl<'a> Chunk<'a> {
     /// megabytes of nothing.
     fn read_pieces(&self, decoder: impl Read, records: &mut Vec<u8>) -> Result<(), SectionError> {
         // One byte more than there should be, to notice that there is more.
-        let mut decoder = decoder.take(self.size + 1);
+        let mut decoder = decoder.take(self.header.uncompressed_size + 1);
         let mut next = 0;
         loop {
             let mut piece = decoder.by_ref().take(PIECE);

@@ -1,5 +1,6 @@
 //! The arguments of `toprise run`.
 
+use crate::archive::given::is_recording;
 use crate::archive::publish::Existing;
 use crate::archive::writer::Form;
 use crate::cli::arguments::{Override, parse_override};
@@ -18,6 +19,7 @@ use crate::telemetry::encoding::Encoding;
 use anyhow::{Error, bail};
 use clap::Args;
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 #[cfg(feature = "rerun")]
 use std::path::Path;
 use std::path::PathBuf;
@@ -128,27 +130,37 @@ impl RunArguments {
             .collect()
     }
 
-    /// What the files are called: as the scenario, with what is changed in it, as in `paper_k0.02`.
+    /// What the files are called: as the recording that is run again or the scenario, with what is changed in it, as in
+    /// `paper_k0.02`.
     pub(super) fn stem(&self, scenario: &Scenario) -> String {
         /// The length of names that can still be read in a list.
         const LONGEST: usize = 60;
-        let mut stem = scenario.name().to_owned();
+        let name = match self.scenario.file_name().and_then(OsStr::to_str) {
+            Some(file) if is_recording(&self.scenario) => {
+                file.trim_end_matches(".partial").trim_end_matches(".mcap")
+            }
+            _ => scenario.name(),
+        };
+        let mut stem = name.to_owned();
         #[cfg(feature = "sweep")]
         if let Some(row) = self.row {
             stem += &format!("_row{row}");
         }
         for (key, value) in self.changes() {
-            let name = key.rsplit('.').next().unwrap_or_default();
+            let key = key.rsplit('.').next().unwrap_or_default();
             stem += &match value.chars().next() {
-                None => format!("_no-{name}"),
-                Some('0'..='9' | '-' | '+' | '.') => format!("_{name}{value}"),
-                Some(_) => format!("_{name}-{value}"),
+                None => format!("_no-{key}"),
+                Some('0'..='9' | '-' | '+' | '.') => format!("_{key}{value}"),
+                Some(_) => format!("_{key}-{value}"),
             };
+        }
+        if stem == name {
+            return stem;
         }
         let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | '+');
         stem.retain(is_plain);
         if stem.len() > LONGEST {
-            return scenario.name().to_owned();
+            return name.to_owned();
         }
         stem
     }

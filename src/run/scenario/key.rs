@@ -116,6 +116,22 @@ pub struct Key {
 }
 
 impl Key {
+    /// The symbol that its meaning gives it, as in `v_0`; none if it has none. What ends a run has that of another quantity.
+    #[must_use]
+    pub fn symbol(&self) -> Option<&'static str> {
+        let is_symbol = |word: &&str| {
+            let mut letters = word.chars();
+            let is_letter = letters.next().is_some_and(char::is_alphabetic);
+            let rest = letters.as_str();
+            is_letter && (rest.is_empty() || rest.starts_with('_') || rest == "\u{307}")
+        };
+        let is_end = self.path.starts_with("stop.");
+        let mut words = self.meaning.split_whitespace();
+        words
+            .find(is_symbol)
+            .filter(|_| !is_end && !self.kind.is_text())
+    }
+
     /// Its unit in brackets, after a space; empty if it has none.
     #[must_use]
     pub fn in_unit(&self) -> String {

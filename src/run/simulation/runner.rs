@@ -300,7 +300,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         state: &[f64; N],
         motion: Motion,
     ) -> Result<(), SimulationError> {
-        if guard == Guard::Slip && self.settings.stop.on_stick == OnStick::Stop {
+        let stops_at_rest = self.settings.stop.on_stick == OnStick::Stop;
+        if guard == Guard::Slip && stops_at_rest {
             self.queue
                 .push(Pending::Event(EventKind::SlipStops, time, motion));
             self.end = Some((time, End::Stop(StopReason::SlipStopped, None)));
@@ -317,9 +318,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             Passage::BecomesSingular => Some(StopReason::Singular),
             Passage::Jams => Some(StopReason::Jam),
             Passage::Pivots => Some(StopReason::Pivot),
-            _ if entry.formulation.phase() == Phase::Holding
-                && self.settings.stop.on_stick == OnStick::Stop =>
-            {
+            _ if stops_at_rest && entry.formulation.phase() == Phase::Holding => {
                 Some(StopReason::SlipStopped)
             }
             Passage::SlipStops

@@ -3,6 +3,7 @@
 use crate::analysis::plot::legend::Entry;
 use crate::analysis::plot::shape::Colour;
 use crate::analysis::plot::text::Text;
+use crate::run::scenario::{KEYS, Key};
 use crate::run::simulation::StopReason;
 
 /// A quantity of a map.
@@ -53,7 +54,19 @@ const AWAITED: [&str; 3] = ["rise_time", "weak_time", "loop_time"];
 impl MapAxis {
     /// The label of an axis whose numbers are to be multiplied by a power of ten.
     pub(super) fn label(&self, exponent: i32) -> Text {
-        let name = Text::plain(&self.name);
+        let is_own = |key: &&Key| key.path.replace('.', "_") == self.name;
+        let key = KEYS.iter().find(is_own);
+        let name = match key.and_then(|key| Some((key, key.symbol()?))) {
+            Some((key, symbol)) => {
+                let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
+                let is_initial = key.path.starts_with("initial.");
+                match if is_initial { "0" } else { index } {
+                    "" => Text::markup(&format!("*{letter}*")),
+                    index => Text::markup(&format!("*{letter}*_{{{index}}}")),
+                }
+            }
+            None => Text::plain(&self.name.replace('_', " ")),
+        };
         let factor = match exponent {
             0 => String::new(),
             _ => format!("×1e{exponent}").replace('-', "−"),
@@ -150,6 +163,16 @@ mod tests {
         assert_eq!(label("s", 0), "k (s)");
         assert_eq!(label("", -3), "k (×1e−3)");
         assert_eq!(label("s", 3), "k (×1e3 s)");
+        let label = |name: &str| {
+            let (name, unit) = (name.to_owned(), String::new());
+            MapAxis { name, unit }.label(0).spoken
+        };
+        assert_eq!(label("friction_k"), "k");
+        assert_eq!(label("friction_viscous_speed"), "v_0");
+        assert_eq!(label("initial_psi_dot"), "ψ\u{307}_0");
+        assert_eq!(label("initial_height"), "initial height");
+        assert_eq!(label("stop_theta_risen"), "stop theta risen");
+        assert_eq!(label("rise_time"), "rise time");
     }
 
     #[test]

@@ -1,0 +1,241 @@
+//! The state of a top with a free peg, taken apart.
+
+#![allow(
+    clippy::inline_always,
+    reason = "with hints alone little of this is unrolled into the derivative, and runs take half as long again"
+)]
+
+use crate::physics::dynamics::accelerations::accelerations_about;
+use crate::physics::dynamics::formulation::Guard;
+use crate::physics::dynamics::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TermIntegrals};
+use crate::physics::dynamics::lean::Lean;
+use crate::physics::dynamics::model::Model;
+use crate::physics::dynamics::motion::{is_departing, slip_of_law};
+use crate::physics::dynamics::reaction::{Arm, FreeBody, Inertia, Reaction};
+use crate::physics::dynamics::support::Phase;
+use crate::physics::kinematics::Tilt;
+use crate::physics::math::{atan2, hypot};
+use nalgebra::{Quaternion, Vector3};
+
+/// A contact point that has begun to slip comes to rest, instead of beginning again, where friction could hold it with
+/// this part of its strength left: far more than rounding, far less than it is ever left with for long.
+const HELD_AGAIN: f64 = 1e-6;
+
+/// The motion as a rotation of the body about its centre of mass, which moves.
+///
+/// State: quaternion x, y, z, w (turns body components into world components), angular momentum about the centre of mass
+/// over the transverse moment of inertia about it in world components (rad/s: of the size of the rates, so that the
+/// tolerances mean the same for each), position (m) and velocity (m/s) of the centre of mass in the world; then what
+/// impacts and losses have taken (J), and the running integrals.
+///
+/// On the table the height of the centre of mass follows from the inclination, and so never drifts; where the peg rolls
+/// the velocity follows from the angular velocity. The components for them are looked at in flight and in sliding only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FreeRotation {
+    /// The physics.
+    pub model: Model,
+    /// What the contact point does.
+    pub phase: Phase,
+    /// How the contact point began to slip, if it was at rest before.
+    pub(super) departure: Option<Departure>,
+    pub(super) inertia: Inertia,
+    pub(super) sliding_guards: &'static [Guard],
+}
+
+/// How a contact point that was at rest begins to slip. Its slip is too slow at first to have a direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Departure {
+    /// In this direction, in the lean frame.
+    Toward(Vector3<f64>),
+    /// Where the friction that held it gives way. It grows too weak by ever more, from nothing, so that the direction
+    /// follows the motion from the start.
+    GivingWay,
+}
+
+pub(super) const CONTROLLED: usize = 13;
+pub(super) const DISSIPATED: usize = 3;
+
+/// A state taken apart, in the lean frame.
+pub(super) struct Parts {
+    pub(super) lean: Lean,
+    pub(super) tilt: Tilt,
+    /// Velocity of the centre of mass, m/s.
+    pub(super) velocity: Vector3<f64>,
+    pub(super) arm: Arm,
+    /// The velocity that the centre of mass would have if the peg rolled, m/s.
+    pub(super) rolling: Vector3<f64>,
+}
+
+impl Parts {
+    /// Velocity of the contact point, m/s.
+    #[inline(always)]
+    pub(super) fn contact_velocity(&self) -> Vector3<f64> {
+        self.velocity - self.rolling
+    }
+}
+
+impl FreeRotation {
+    /// How many numbers of a state describe the motion; the running integrals come behind them.
+    pub(super) const VARIABLES: usize = CONTROLLED + DISSIPATED;
+    /// The length of a state that carries all running integrals.
+    pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;
+    /// The length of a state that carries only those which an outcome needs.
+    pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
+
+    #[inline(always)]
+    pub(super) fn body(&self, tilt: Tilt) -> FreeBody<'_> {
+        FreeBody::new(&self.model.top, &self.model.friction, &self.inertia, tilt)
+    }
+
+    #[inline(always)]
+    pub(super) fn parts<const N: usize>(&self, y: &[f64; N]) -> Parts {
+        let top = &self.model.top;
+        let lean = self.lean(y);
+        let turning = lean.of_world(&vector(y, 4));
+        let axial = lean.sin * turning.x + lean.cos * turning.z;
+        let excess = axial * (self.inertia.transverse * self.inertia.per_axial - 1.0);
+        let omega = turning + excess * Vector3::new(lean.sin, 0.0, lean.cos);
+        let tilt = Tilt::from_omega(lean.sin, lean.cos, omega);
+        let arm = Arm::of(top, lean.sin, lean.cos);
+        let rolling = arm.cross(&tilt.omega_lean);
+        let velocity = match self.phase {
+            Phase::Flying => lean.of_world(&vector(y, 10)),
+            Phase::Holding => rolling,
+            Phase::Sliding => {
+                let own = lean.of_world(&vector(y, 10));
+                Vector3::new(own.x, own.y, rolling.z)
+            }
+        };
+        Parts {
+            lean,
+            tilt,
+            velocity,
+            arm,
+            rolling,
+        }
+    }
+
+    /// The lean. Friction turns a vertical axis that rests about the horizontal direction across the slip.
+    #[inline(always)]
+    pub(super) fn lean<const N: usize>(&self, y: &[f64; N]) -> Lean {
+        let top = &self.model.top;
+        Lean::of(&quaternion(y), |cos| {
+            let turning = vector(y, 4);
+            if turning.x != 0.0 || turning.y != 0.0 || self.phase == Phase::Holding {
+                turning
+            } else {
+                Arm::of(top, 0.0, cos).up * Vector3::new(y[11], -y[10], 0.0)
+            }
+        })
+    }
+
+    #[inline(always)]
+    pub(super) fn reaction(&self, parts: &Parts) -> Reaction {
+        let body = self.body(parts.tilt);
+        let velocity = parts.contact_velocity();
+        let slip = Vector3::new(velocity.x, velocity.y, 0.0);
+        let departure = self.departure_of(&parts.tilt, &slip);
+        body.reaction(self.phase, &slip_of_law(&slip, departure.as_ref()))
+    }
+
+    /// The direction in which the contact point begins to slip, in the lean frame, while it has hardly begun. None where
+    /// friction could hold it again: then it comes to rest.
+    #[inline(always)]
+    pub(super) fn departure_of(&self, tilt: &Tilt, slip: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let departure = self.departure.filter(|_| is_departing(slip))?;
+        let body = self.body(*tilt);
+        let held = body.holding();
+        let strongest = self.model.friction.law.static_bound(held.normal);
+        if self.grip(&held) > HELD_AGAIN * strongest {
+            return None;
+        }
+        Some(match departure {
+            Departure::Toward(direction) => direction,
+            Departure::GivingWay => body.giving_way(),
+        })
+    }
+
+    /// What the running integrals, all or few, grow by per second, where the losses have this power, W.
+    #[inline(always)]
+    pub(super) fn integrands(
+        &self,
+        parts: &Parts,
+        reaction: &Reaction,
+        losses: f64,
+        all: bool,
+    ) -> Integrals {
+        let Parts { lean, tilt, .. } = parts;
+        let top = &self.model.top;
+        let (mut slip_path, mut slip_work) = (0.0, 0.0);
+        if self.phase == Phase::Sliding {
+            let slip = parts.contact_velocity();
+            slip_path = hypot(slip.x, slip.y);
+            slip_work = reaction.friction.force.dot(&slip);
+        }
+        let few = Integrals {
+            friction_work: slip_work + losses,
+            slip_path,
+            ..Integrals::default()
+        };
+        if !all {
+            return few;
+        }
+        // About the peg's centre, as for a fixed peg.
+        let to_contact = Vector3::new(0.0, 0.0, -top.peg_radius);
+        let friction =
+            to_contact.cross(&reaction.friction.force) + reaction.friction.couple + reaction.air;
+        let torque = tilt.lean_to_node(&friction);
+        Integrals {
+            theta: atan2(lean.sin, lean.cos),
+            work_node: torque.component_mul(&tilt.omega_node()),
+            slip_work,
+            terms: TermIntegrals::of(&accelerations_about(top, &torque, tilt), tilt),
+            ..few
+        }
+    }
+
+    pub(super) fn in_phase(&self, phase: Phase) -> Self {
+        Self {
+            phase,
+            departure: None,
+            ..*self
+        }
+    }
+
+    /// The state with the components that don't count in this phase as they would be if they did.
+    pub(super) fn completed<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
+        let parts = self.parts(y);
+        let mut state = *y;
+        put(&mut state, 10, &parts.lean.in_world(&parts.velocity));
+        if self.phase != Phase::Flying {
+            state[9] = -parts.arm.up;
+        }
+        state
+    }
+}
+
+#[inline]
+pub(super) fn quaternion<const N: usize>(y: &[f64; N]) -> Quaternion<f64> {
+    Quaternion::new(y[3], y[0], y[1], y[2])
+}
+
+/// How fast a quaternion changes, 1/s, while the body turns with `omega` (rad/s, world): half their product.
+#[inline]
+pub(super) fn turning(q: &Quaternion<f64>, omega: &Vector3<f64>) -> Quaternion<f64> {
+    let half = 0.5 * omega;
+    Quaternion::new(
+        -(half.x * q.i + half.y * q.j + half.z * q.k),
+        half.x * q.w + half.y * q.k - half.z * q.j,
+        half.y * q.w + half.z * q.i - half.x * q.k,
+        half.z * q.w + half.x * q.j - half.y * q.i,
+    )
+}
+
+#[inline]
+pub(super) fn vector<const N: usize>(y: &[f64; N], at: usize) -> Vector3<f64> {
+    Vector3::new(y[at], y[at + 1], y[at + 2])
+}
+
+pub(super) fn put<const N: usize>(y: &mut [f64; N], at: usize, v: &Vector3<f64>) {
+    y[at..at + 3].copy_from_slice(v.as_slice());
+}

@@ -1,0 +1,170 @@
+//! How the motion of a free peg goes on: from rolling to sliding, from impact to impact, and at rest again.
+
+use super::state::{CONTROLLED, Departure, FreeRotation};
+use crate::physics::dynamics::fixed::NO_SLIP;
+use crate::physics::dynamics::formulation::Passage;
+use crate::physics::dynamics::impact::{Impact, impact};
+use crate::physics::dynamics::reaction::{FreeBody, Reaction};
+use crate::physics::dynamics::support::{Phase, Support};
+use crate::physics::integrate::{IntegrateError, System as _};
+use crate::physics::math::hypot;
+use nalgebra::Vector3;
+
+/// A peg that lifts off is followed, at first, for no longer than the top takes to turn by this, rad. In so short a step
+/// the dense output errs by rounding only, whatever the tolerances.
+const FIRST_TURN: f64 = 0.01;
+
+impl FreeRotation {
+    /// How the motion goes on from a peg that has rolled and is held no longer.
+    pub(super) fn departing<const N: usize>(&self, y: &[f64; N]) -> Self {
+        let parts = self.parts(y);
+        let reaction = self.reaction(&parts);
+        let sliding = Self {
+            departure: Some(Departure::GivingWay),
+            ..self.in_phase(Phase::Sliding)
+        };
+        if reaction.normal > 0.0 && sliding.reaction(&sliding.parts(y)).normal > 0.0 {
+            sliding
+        } else {
+            self.in_phase(Phase::Flying)
+        }
+    }
+
+    /// How the motion goes on from a peg on the table whose contact point slips, or is `at_rest`.
+    pub(super) fn on_table<const N: usize>(&self, y: &[f64; N], at_rest: bool) -> Self {
+        let mut sliding = self.in_phase(Phase::Sliding);
+        let parts = sliding.parts(y);
+        if at_rest && self.model.friction.is_set_valued_at_rest() {
+            let holding = self.in_phase(Phase::Holding);
+            if holding.is_held(y) {
+                return holding;
+            }
+            let body = self.body(parts.tilt);
+            let accelerated = |direction: &_| body.slip_acceleration(&(NO_SLIP * direction));
+            let Some(direction) = FreeBody::departure(accelerated) else {
+                // Friction is too weak by rounding only.
+                return holding.departing(y);
+            };
+            sliding.departure = Some(Departure::Toward(direction));
+        }
+        if sliding.reaction(&parts).normal > 0.0 {
+            sliding
+        } else {
+            self.in_phase(Phase::Flying)
+        }
+    }
+
+    /// Whether friction holds the contact point of a peg that rolls.
+    pub(super) fn is_held<const N: usize>(&self, y: &[f64; N]) -> bool {
+        let reaction = self.reaction(&self.parts(y));
+        reaction.normal > 0.0 && self.grip(&reaction) >= 0.0
+    }
+
+    /// How much stronger friction could be than it has to be to hold the contact point, N.
+    pub(super) fn grip(&self, reaction: &Reaction) -> f64 {
+        let force = reaction.friction.force;
+        self.model.friction.law.static_bound(reaction.normal) - hypot(force.x, force.y)
+    }
+
+    /// The state with the contact point brought to rest, and how long that takes, s.
+    pub(super) fn rested<const N: usize>(&self, y: &[f64; N]) -> ([f64; N], f64) {
+        let parts = self.parts(y);
+        let velocity = parts.contact_velocity();
+        let slip = Vector3::new(velocity.x, velocity.y, 0.0);
+        let body = self.body(parts.tilt);
+        let slowing = -body.slip_acceleration(&slip).dot(&slip);
+        let delay = slip.norm_squared() / slowing;
+        let delay = if delay > 0.0 && delay < 1e-3 {
+            delay
+        } else {
+            0.0
+        };
+        let slope = self.derivative(0.0, y);
+        let state: [f64; N] = std::array::from_fn(|i| y[i] + delay * slope[i]);
+        (self.in_phase(Phase::Holding).completed(&state), delay)
+    }
+
+    /// The state after an impact, and how the motion goes on.
+    pub(super) fn after_impact<const N: usize>(
+        &self,
+        y: &[f64; N],
+    ) -> Result<(Self, [f64; N], Passage), IntegrateError> {
+        let Support::FreePeg { restitution } = self.model.support else {
+            return Ok((*self, *y, Passage::LiftsOff));
+        };
+        let parts = self.parts(y);
+        let body = self.body(parts.tilt);
+        let before = parts.contact_velocity();
+        if before.z >= 0.0 {
+            return Ok(self.after_touch(y, before));
+        }
+        let hit = impact(&body, before, restitution)?;
+        let mut state = *y;
+        let moment = parts.arm.cross(&hit.impulse) + hit.couple;
+        let turned = parts.lean.in_world(&(moment * self.inertia.per_transverse));
+        let pushed = parts.lean.in_world(&(hit.impulse * self.inertia.per_mass));
+        for i in 0..3 {
+            state[4 + i] += turned[i];
+            state[10 + i] += pushed[i];
+        }
+        state[9] = -parts.arm.up;
+        state[Self::VARIABLES] -= hit.normal_loss + hit.friction_loss;
+        state[CONTROLLED] += hit.normal_loss;
+        state[CONTROLLED + 1] += hit.friction_loss;
+        let flying = self.in_phase(Phase::Flying);
+        if hit.after.z > 0.0 {
+            return Ok((flying, state, Passage::Bounces(hit)));
+        }
+        let next = self.on_table(&state, hit.is_held);
+        let passage = if next.phase == Phase::Flying {
+            Passage::Bounces(hit)
+        } else {
+            Passage::Lands(hit)
+        };
+        let landed = if hit.is_held {
+            Phase::Holding
+        } else {
+            Phase::Sliding
+        };
+        Ok((next, self.in_phase(landed).completed(&state), passage))
+    }
+
+    /// The state after the peg has touched the table without approaching it, and how the motion goes on. Where it flies on,
+    /// only an error of the dense output has touched the table, and nothing has happened.
+    pub(super) fn after_touch<const N: usize>(
+        &self,
+        y: &[f64; N],
+        velocity: Vector3<f64>,
+    ) -> (Self, [f64; N], Passage) {
+        let next = if velocity.z > 0.0 {
+            *self
+        } else {
+            self.on_table(y, false)
+        };
+        let passage = if next.phase == Phase::Flying {
+            Passage::LiftsOff
+        } else {
+            Passage::Lands(Impact::without_approach(velocity))
+        };
+        let mut state = next.completed(y);
+        state[9] = -self.parts(y).arm.up;
+        (next, state, passage)
+    }
+
+    /// The longest that the first step in flight may be, s: about as long as the flight, if the peg falls back at once. A
+    /// peg that lifts off has no speed at first, and hardly any height: less than a long step errs by.
+    pub(super) fn first_step<const N: usize>(&self, y: &[f64; N]) -> f64 {
+        if self.phase != Phase::Flying {
+            return f64::INFINITY;
+        }
+        let parts = self.parts(y);
+        let rise = parts.contact_velocity().z;
+        let body = self.body(parts.tilt);
+        let fall = -body.flying_acceleration().z;
+        if rise > 0.0 && fall > 0.0 {
+            4.0 * rise / fall
+        } else {
+            FIRST_TURN / parts.tilt.omega_lean.norm()
+        }
+    }
+}

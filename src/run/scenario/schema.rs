@@ -1,0 +1,57 @@
+//! The JSON Schema of scenario files, with which editors complete and check them.
+
+use super::key::{Key, Kind};
+use super::keys::KEYS;
+use serde_json::{Map, Value, json};
+
+/// The name of the schema in `schemas/`.
+pub const SCHEMA_FILE: &str = "scenario.json";
+
+/// The JSON Schema of a scenario file. It checks each key by itself; which keys need each other is checked by
+/// [`Scenario::new`](super::Scenario::new).
+#[must_use]
+pub fn schema() -> String {
+    // Keys before the first section are in one without a name.
+    let mut sections: Vec<(&str, Map<String, Value>)> = Vec::new();
+    for key in KEYS {
+        let (section, name) = key.path.split_once('.').unwrap_or(("", key.path));
+        if sections.last().is_none_or(|(last, _)| *last != section) {
+            sections.push((section, Map::new()));
+        }
+        if let Some((_, properties)) = sections.last_mut() {
+            properties.insert(name.to_owned(), of_key(key));
+        }
+    }
+    let mut properties = Map::new();
+    for (section, keys) in sections {
+        match section {
+            "" => properties.extend(keys),
+            section => {
+                properties.insert(section.to_owned(), object(&keys));
+            }
+        }
+    }
+    let mut schema = object(&properties);
+    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    schema["title"] = json!("toprise scenario");
+    format!("{schema:#}\n")
+}
+
+fn object(properties: &Map<String, Value>) -> Value {
+    json!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+fn of_key(key: &Key) -> Value {
+    let description = format!("{}{}", key.meaning, key.in_unit());
+    match key.kind {
+        Kind::Text | Kind::Name => json!({ "type": "string", "description": description }),
+        Kind::Choice(words) => json!({ "enum": words, "description": description }),
+        Kind::Any => json!({ "type": "number", "description": description }),
+        Kind::Between(low, high) => {
+            json!({ "type": "number", "minimum": low, "maximum": high, "description": description })
+        }
+        Kind::Nanoseconds => {
+            json!({ "type": "number", "minimum": 1e-9, "maximum": 3600, "description": description })
+        }
+    }
+}
