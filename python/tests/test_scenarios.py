@@ -37,12 +37,12 @@ def test_keys_may_have_an_underscore_for_the_dot(brief):
 
 
 def test_a_scenario_is_shown():
-    scenario = toprise.Scenario("paper", {"name": "a<b"})
+    scenario = toprise.Scenario("paper", {"name": "a.b", "description": "a<b"})
     lines = repr(scenario).splitlines()
-    assert lines[0].startswith("<toprise.Scenario a<b ")
+    assert lines[0].startswith("<toprise.Scenario a.b ")
     assert any(line.split() == ["friction.k", "0.03"] for line in lines)
     page = scenario._repr_html_()
-    assert "a&lt;b" in page and "<th>top.mass</th><td>0.11</td><td>kg</td>" in page
+    assert "a<b" not in page and "<th>top.mass</th><td>0.11</td><td>kg</td>" in page
 
 
 def test_scenarios_travel():
@@ -99,7 +99,7 @@ def test_wrong_overrides_say_what_is_wrong(overrides, error, text):
 
 
 def test_wrong_bases_say_what_is_wrong(tmp_path):
-    with pytest.raises(toprise.ScenarioError, match='no preset "papr"; presets: paper'):
+    with pytest.raises(toprise.ScenarioError, match=r'no preset "papr" \(did you mean paper\?\); presets: paper'):
         toprise.run("papr")
     with pytest.raises(FileNotFoundError, match="missing.toml"):
         toprise.run(tmp_path / "missing.toml")

@@ -16,11 +16,8 @@ pub(crate) fn likeness(wrong: &str, name: &str) -> f64 {
     // Such as `fig2` for `figure-2`.
     let is_half = 2 * wrong.len() >= name.len() && name.starts_with(|l| wrong.starts_with(l));
     let is_short = is_half && wrong.chars().all(|letter| letters.any(|l| l == letter));
-    if is_short {
-        1.0
-    } else {
-        strsim::jaro_winkler(wrong, name)
-    }
+    let least: f64 = if is_short { 0.9 } else { 0.0 };
+    least.max(strsim::jaro_winkler(wrong, name))
 }
 
 /// As [`near`], given how much each name is like the wrong one, from 0 to 1.
@@ -48,7 +45,8 @@ mod tests {
 
     #[test]
     fn the_names_most_like_a_wrong_one_are_asked_after() {
-        let names = ["paper", "full-coulomb", "figure-2", "figure-3"];
+        let names = ["paper", "coulomb", "coulomb-sqrt", "figure-2", "figure-3"];
+        assert_eq!(near("coulob", names), " (did you mean coulomb?)");
         assert_eq!(near("papr", names), " (did you mean paper?)");
         assert_eq!(
             near("figure", names),
