@@ -59,7 +59,9 @@ impl RunViewer {
         if there.is_none() {
             return viewer::complete(sink.finish(), self.draft);
         }
-        self.draft.map(Draft::discard);
+        if let Some(draft) = self.draft {
+            draft.discard();
+        }
         viewer::complete(sink.finish(), None)?;
         Ok(there)
     }
