@@ -135,12 +135,12 @@ impl RunArguments {
     pub(super) fn stem(&self, scenario: &Scenario) -> String {
         /// The length of names that can still be read in a list.
         const LONGEST: usize = 60;
-        let name = match self.scenario.file_name().and_then(OsStr::to_str) {
-            Some(file) if is_recording(&self.scenario) => {
-                file.trim_end_matches(".partial").trim_end_matches(".mcap")
-            }
-            _ => scenario.name(),
-        };
+        let file = self.scenario.file_name().and_then(OsStr::to_str);
+        let file = file.filter(|_| is_recording(&self.scenario));
+        let name = file.map(|file| file.trim_end_matches(".partial").trim_end_matches(".mcap"));
+        let name = name
+            .filter(|name| !name.is_empty())
+            .unwrap_or_else(|| scenario.name());
         let mut stem = name.to_owned();
         #[cfg(feature = "sweep")]
         if let Some(row) = self.row {
