@@ -7,7 +7,7 @@
     reason = "bits are meant to be equal; dpsi is to psi as dtheta to theta"
 )]
 
-use crate::support::scenario;
+use crate::support::{FAST_PRECESSION, scenario};
 use proptest::prelude::*;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
@@ -625,19 +625,7 @@ fn dense_errors<S: System<N> + Copy, const N: usize>(
 
 /// A top that exchanges little energy in a fast precession: its steps are chosen too long for the dense output.
 fn fast_precession() -> (BodyRotation, [f64; BodyRotation::STATE_LENGTH]) {
-    let scenario = scenario(
-        "rise-by-loss-of-spin",
-        &[
-            ("formulation", "body"),
-            ("top.mass", "1.6"),
-            ("top.transverse_moment", "0.053"),
-            ("top.axial_moment", "0.0076"),
-            ("top.center_distance", "0.168"),
-            ("top.peg_radius", "0.0032"),
-            ("initial.psi_dot", "73"),
-            ("initial.theta", "0.48"),
-        ],
-    );
+    let scenario = scenario("rise-by-loss-of-spin", &FAST_PRECESSION);
     let state = BodyRotation::state(scenario.angles, scenario.rates, &scenario.model);
     (BodyRotation::new(scenario.model), state)
 }

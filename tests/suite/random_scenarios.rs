@@ -318,23 +318,13 @@ pub fn count() -> Option<usize> {
 /// Tops of which a law was once called broken by a tolerance that was too small.
 #[test]
 fn regress_tops_at_the_edge_keep_the_laws() {
-    let fast = [
-        ("formulation", "body"),
-        ("top.mass", "1.6"),
-        ("top.transverse_moment", "0.053"),
-        ("top.axial_moment", "0.0076"),
-        ("top.center_distance", "0.168"),
-        ("top.peg_radius", "0.0032"),
-        ("initial.psi_dot", "73"),
-        ("initial.theta", "0.48"),
-    ];
     let cases: [(&str, &[(&str, &str)]); 6] = [
         ("full-coulomb", &[("air.transverse", "1e-3")]),
         ("full-coulomb", &[("air.axial", "1e-2")]),
         ("full-coulomb", &[("air.disc", "1e-2")]),
         ("paper", &[("top.transverse_moment", "1")]),
         ("paper", &[("top.axial_moment", "1e-9")]),
-        ("rise-by-loss-of-spin", &fast),
+        ("rise-by-loss-of-spin", &crate::support::FAST_PRECESSION),
     ];
     for (preset, changes) in cases {
         let mut changes = changes.to_vec();

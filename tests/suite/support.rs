@@ -25,6 +25,18 @@ pub fn scenario(preset: &str, overrides: &[(&str, &str)]) -> Scenario {
     Scenario::new(values).unwrap()
 }
 
+/// A top that exchanges little energy in a fast precession, as changes of `rise-by-loss-of-spin`.
+pub const FAST_PRECESSION: [(&str, &str); 8] = [
+    ("formulation", "body"),
+    ("top.mass", "1.6"),
+    ("top.transverse_moment", "0.053"),
+    ("top.axial_moment", "0.0076"),
+    ("top.center_distance", "0.168"),
+    ("top.peg_radius", "0.0032"),
+    ("initial.psi_dot", "73"),
+    ("initial.theta", "0.48"),
+];
+
 /// Everything that a run yields.
 pub struct Run {
     pub samples: Vec<Sample>,

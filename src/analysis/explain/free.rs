@@ -3,7 +3,6 @@
 use super::evidence::Evidence;
 use super::fact::Fact;
 use super::held;
-use crate::run::simulation::EventKind;
 
 /// What happened.
 pub(super) fn course(evidence: &Evidence) -> Vec<Fact> {
@@ -18,15 +17,7 @@ pub(super) fn course(evidence: &Evidence) -> Vec<Fact> {
         });
     } else {
         facts.extend(held::loops(evidence));
-        let first = |kind| history.first(kind);
-        facts.extend(first(EventKind::Risen).map(|event| Fact::Risen {
-            theta: event.theta,
-            time: event.time,
-        }));
-        facts.extend(first(EventKind::Fallen).map(|event| Fact::Fallen {
-            theta: event.theta,
-            time: event.time,
-        }));
+        facts.extend(held::limits(evidence));
     }
     let Some(peg) = &evidence.summary.peg else {
         return facts;

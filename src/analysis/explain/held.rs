@@ -11,18 +11,25 @@ pub(super) fn course(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = vec![start(evidence)];
     facts.extend(mean_theta(evidence));
     facts.extend(loops(evidence));
+    facts.extend(limits(evidence));
     let first = |kind| evidence.history.first(kind);
-    facts.extend(first(EventKind::Risen).map(|event| Fact::Risen {
-        theta: event.theta,
-        time: event.time,
-    }));
-    facts.extend(first(EventKind::Fallen).map(|event| Fact::Fallen {
-        theta: event.theta,
-        time: event.time,
-    }));
     let sticks = first(EventKind::Stick).or(first(EventKind::SlipStops));
     facts.extend(sticks.map(|event| Fact::Sticks { time: event.time }));
     facts
+}
+
+/// The inclinations at which a top has risen or fallen, if it reached them.
+pub(super) fn limits(evidence: &Evidence) -> impl Iterator<Item = Fact> {
+    let first = |kind| evidence.history.first(kind);
+    let risen = first(EventKind::Risen).map(|event| Fact::Risen {
+        theta: event.theta,
+        time: event.time,
+    });
+    let fallen = first(EventKind::Fallen).map(|event| Fact::Fallen {
+        theta: event.theta,
+        time: event.time,
+    });
+    risen.into_iter().chain(fallen)
 }
 
 /// The start of the run.
