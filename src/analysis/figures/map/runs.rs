@@ -55,8 +55,14 @@ impl MapAxis {
     /// The label of an axis whose numbers are to be multiplied by a power of ten.
     pub(super) fn label(&self, exponent: i32) -> Text {
         let is_own = |key: &&Key| key.path.replace('.', "_") == self.name;
-        let key = KEYS.iter().find(is_own);
-        let name = match key.and_then(|key| Some((key, key.symbol()?))) {
+        // Of two keys with one symbol, the first has it.
+        let first = |symbol| {
+            KEYS.iter()
+                .find(|key| key.symbol() == Some(symbol))
+                .filter(is_own)
+        };
+        let symbol = KEYS.iter().find(is_own).and_then(Key::symbol);
+        let name = match symbol.and_then(|symbol| Some((first(symbol)?, symbol))) {
             Some((key, symbol)) => {
                 let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
                 let is_initial = key.path.starts_with("initial.");
@@ -168,6 +174,7 @@ mod tests {
             MapAxis { name, unit }.label(0).spoken
         };
         assert_eq!(label("friction_k"), "k");
+        assert_eq!(label("drilling_k"), "drilling k");
         assert_eq!(label("friction_viscous_speed"), "v_0");
         assert_eq!(label("initial_psi_dot"), "ψ\u{307}_0");
         assert_eq!(label("initial_height"), "initial height");
