@@ -313,7 +313,7 @@ fn identity(recording: &Recording, name: &str) -> Result<Identity, Error> {
         name,
         &scenario,
         recording.topics(),
-        Playback::PausedAtStart,
+        Playback::FromStart,
     ))
 }
 

@@ -7,4 +7,4 @@ mod builder;
 pub(super) mod contrasts;
 pub(super) mod pair;
 pub(super) mod run;
-mod views;
+pub(crate) mod views;

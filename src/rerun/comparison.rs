@@ -1,6 +1,7 @@
 //! The entities of two runs that are compared: each run below `/a` or `/b`, their difference below `/diff`, the
 //! logarithm of its magnitude below `/diff_log10`.
 
+use nalgebra::Vector3;
 use rerun::TextDocument;
 
 use super::entities::Entities;
@@ -10,9 +11,11 @@ use super::outlet::Outlet;
 use super::pair::PairIdentity;
 use super::plots::Plots;
 use super::scene;
+use super::scene::focus::Focus;
 use super::track::{Collect, Flush};
 use crate::physics::math;
 use crate::telemetry::Message;
+use crate::telemetry::fields::POSE;
 use crate::telemetry::side::Side;
 
 /// The entities of two runs, fed with their messages.
@@ -21,6 +24,8 @@ pub struct Comparison {
     b: Entities,
     difference: Plots,
     magnitude: Plots,
+    /// Between the two, where one of them travels.
+    focus: Option<Focus>,
     /// Which run is which, in Markdown.
     key: String,
 }
@@ -28,9 +33,12 @@ pub struct Comparison {
 impl Comparison {
     /// Sends what doesn't change: what both runs share, and what [`Entities::new`] sends of each.
     pub(super) fn new(identity: &PairIdentity, outlet: &mut Outlet) -> Self {
-        if let Some(geometry) = identity.stage() {
-            scene::furnish(&geometry, outlet);
+        let stage = identity.stage();
+        if let Some(geometry) = &stage {
+            scene::furnish(geometry, outlet);
         }
+        let travels = stage.filter(|geometry| geometry.is_free);
+        let focus = travels.map(|geometry| Focus::new(&geometry, outlet));
         let mut entities = |side| {
             let run = identity.with_common_scales(side);
             Entities::new(&run, &identity.look(side), outlet)
@@ -43,6 +51,7 @@ impl Comparison {
             b,
             difference: Plots::new(difference, &Look::Difference, outlet),
             magnitude: Plots::new(magnitude, &Look::Magnitude, outlet),
+            focus,
             key: identity.key(),
         };
         // Until the comparison has ended there is only the key to the colours.
@@ -55,6 +64,15 @@ impl Comparison {
         match side {
             Side::A => self.a.write(message, outlet),
             Side::B => self.b.write(message, outlet),
+        }
+        if let Some(focus) = &mut self.focus
+            && message.topic() == POSE
+        {
+            let pegs = [self.a.peg(), self.b.peg()].into_iter().flatten();
+            let (sum, count) = pegs.fold((Vector3::zeros(), 0.0), |(sum, count), peg| {
+                (sum + peg, count + 1.0)
+            });
+            focus.write(message.time_ns, sum / count, outlet);
         }
     }
 
@@ -79,5 +97,6 @@ impl Collect for Comparison {
         self.b.flush(outlet, flush);
         self.difference.flush(outlet, flush);
         self.magnitude.flush(outlet, flush);
+        self.focus.flush(outlet, flush);
     }
 }

@@ -1,5 +1,6 @@
 //! The entities of one run: its description, its plots, its events and its scene.
 
+use nalgebra::Vector3;
 use rerun::TextDocument;
 
 use super::entity::ABOUT;
@@ -35,9 +36,16 @@ impl Entities {
         outlet.send_static(look.entity(ABOUT), &TextDocument::from_markdown(about));
         Self {
             plots: Plots::new(|plot| identity.has(plot.topic()), look, outlet),
-            events: identity.has(EVENTS).then(|| Events::new(look, outlet)),
+            events: identity
+                .has(EVENTS)
+                .then(|| Events::new(identity.geometry.top, look, outlet)),
             scene: has_scene.then(|| Scene::new(identity, look, outlet)),
         }
+    }
+
+    /// Centre of the peg as it is drawn, in the world frame, m; none without a scene.
+    pub(super) fn peg(&self) -> Option<Vector3<f64>> {
+        self.scene.as_ref().map(Scene::peg)
     }
 
     /// Adds what a message of the run says.

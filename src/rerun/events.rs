@@ -6,31 +6,48 @@ use super::entity;
 use super::look::Look;
 use super::outlet::Outlet;
 use super::track::{Collect, Flush, Texts, Track};
+use crate::physics::top::Top;
 use crate::run::simulation::EventKind;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, events};
 
-/// The logs of a run's events. Nutation extremes have a log of their own: there are hundreds, which would bury the
-/// other events.
+/// The logs of a run's events: one in which repetitions are one line, one with each event, and one of the nutation
+/// extremes, of which there are hundreds.
 pub(super) struct Events {
-    notable: Track<Texts>,
+    summary: Track<Texts>,
+    each: Track<Texts>,
     nutation: Track<Texts>,
+    repetitions: Vec<Repetition>,
+    top: Top,
+}
+
+/// The events of one kind after the first.
+struct Repetition {
+    kind: EventKind,
+    count: u32,
+    first_ns: u64,
+    last_ns: u64,
 }
 
 impl Events {
     /// Opens empty logs. Where two runs are compared, each entry's "level" is the name of its run.
-    pub(super) fn new(look: &Look, outlet: &mut Outlet) -> Self {
-        let [notable, nutation] = [entity::EVENTS, entity::NUTATION_EVENTS].map(|e| look.entity(e));
-        if let Look::Compared(_, run) = look {
-            let mark = TextLog::update_fields()
-                .with_level(run.as_str())
-                .with_color(Color::from_u32(look.color(u32::MAX, 0)));
-            outlet.send_static(notable.as_str(), &mark);
-            outlet.send_static(nutation.as_str(), &mark);
-        }
+    pub(super) fn new(top: Top, look: &Look, outlet: &mut Outlet) -> Self {
+        let mut open = |entity| {
+            let entity = look.entity(entity);
+            if let Look::Compared(_, run) = look {
+                let mark = TextLog::update_fields()
+                    .with_level(run.as_str())
+                    .with_color(Color::from_u32(look.color(u32::MAX, 0)));
+                outlet.send_static(entity.as_str(), &mark);
+            }
+            Track::new(entity, Texts::default())
+        };
         Self {
-            notable: Track::new(notable, Texts::default()),
-            nutation: Track::new(nutation, Texts::default()),
+            summary: open(entity::EVENTS),
+            each: open(entity::EACH_EVENT),
+            nutation: open(entity::NUTATION_EVENTS),
+            repetitions: Vec::new(),
+            top,
         }
     }
 
@@ -39,20 +56,69 @@ impl Events {
         if message.topic() != EVENTS {
             return;
         }
+        let time_ns = message.time_ns;
+        let text = format!(
+            "{:.6} s: {}",
+            events::TIME.of(message),
+            events::DESCRIPTION.of(message)
+        );
         let kind = EventKind::find(events::NAME.of(message));
-        let track = if kind.is_some_and(EventKind::is_of_nutation) {
-            &mut self.nutation
-        } else {
-            &mut self.notable
-        };
-        let description = events::DESCRIPTION.of(message).to_owned();
-        track.push(outlet, message.time_ns, |rows| rows.push(description));
+        if kind.is_some_and(EventKind::is_of_nutation) {
+            self.nutation.push(outlet, time_ns, |rows| rows.push(text));
+            return;
+        }
+        if kind.is_none_or(|kind| self.is_first(kind, time_ns)) {
+            let text = text.clone();
+            self.summary.push(outlet, time_ns, |rows| rows.push(text));
+        }
+        self.each.push(outlet, time_ns, |rows| rows.push(text));
+    }
+
+    /// Counts an event. Returns whether it is the first of its kind.
+    fn is_first(&mut self, kind: EventKind, time_ns: u64) -> bool {
+        let known = self.repetitions.iter_mut().find(|known| known.kind == kind);
+        match known {
+            Some(known) => {
+                if known.count == 0 {
+                    known.first_ns = time_ns;
+                }
+                known.count += 1;
+                known.last_ns = time_ns;
+                false
+            }
+            None => {
+                self.repetitions.push(Repetition {
+                    kind,
+                    count: 0,
+                    first_ns: time_ns,
+                    last_ns: time_ns,
+                });
+                true
+            }
+        }
+    }
+
+    /// Adds a line for each kind that happened more than once.
+    fn summarize(&mut self, outlet: &mut Outlet) {
+        for repeated in self.repetitions.drain(..).filter(|known| known.count > 0) {
+            if let Some(plural) = repeated.kind.plural(&self.top) {
+                let [first, last] = [repeated.first_ns, repeated.last_ns]
+                    .map(|time_ns| format!("{:.6} s", time_ns as f64 * 1e-9));
+                let text = format!("{first}: {} more {plural} until {last}", repeated.count);
+                let time_ns = repeated.first_ns;
+                self.summary.push(outlet, time_ns, |rows| rows.push(text));
+            }
+        }
     }
 }
 
 impl Collect for Events {
     fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
-        self.notable.flush(outlet, flush);
+        if let Flush::All = flush {
+            self.summarize(outlet);
+        }
+        self.summary.flush(outlet, flush);
+        self.each.flush(outlet, flush);
         self.nutation.flush(outlet, flush);
     }
 }

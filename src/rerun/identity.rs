@@ -1,5 +1,7 @@
 //! What is known of a run before its messages.
 
+use super::scene::scale::Scales;
+use crate::physics::kinematics::Tilt;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
 use crate::telemetry::Topic;
@@ -9,12 +11,10 @@ use crate::telemetry::Topic;
 pub struct Geometry {
     /// The top, whose mechanics give its proportions.
     pub top: Top,
-    /// Typical friction force (k times the normal force), N; 0 without friction.
-    pub force_scale: f64,
-    /// Typical torque of friction, N m; 0 without friction.
-    pub torque_scale: f64,
-    /// Typical slip speed: that at the start, m/s.
-    pub slip_scale: f64,
+    /// What a metre of each arrow stands for.
+    pub scales: Scales,
+    /// Angular speed at the start, rad/s.
+    pub spin: f64,
     /// Whether the peg is free to travel, and to leave the table.
     pub is_free: bool,
     /// The factor by which the height of the peg above the table is drawn larger.
@@ -24,8 +24,8 @@ pub struct Geometry {
 /// How a viewer begins to play a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Playback {
-    /// Paused at the start, for a recording that is complete.
-    PausedAtStart,
+    /// From the start, for a recording that is complete.
+    FromStart,
     /// At the newest sample, for a paced run.
     Following,
 }
@@ -37,6 +37,8 @@ pub struct Identity {
     pub recording_id: String,
     /// The name that a viewer shows.
     pub name: String,
+    /// The scenario with its changes, the support and the law of friction: the title of the scene.
+    pub title: String,
     /// Description of the run, in Markdown.
     pub description: String,
     /// The top, and the sizes that arrows are drawn to.
@@ -60,6 +62,16 @@ impl Identity {
         Self {
             recording_id: format!("{name}-{:.16}", scenario.digest()),
             name: name.to_owned(),
+            title: format!(
+                "{} · {} peg · friction: {}",
+                scenario.title(),
+                if model.support.is_free() {
+                    "free"
+                } else {
+                    "fixed"
+                },
+                scenario.word("friction.law")
+            ),
             description: format!(
                 "# {}\n\n{}\n\n```toml\n{}```\n",
                 scenario.name(),
@@ -68,9 +80,10 @@ impl Identity {
             ),
             geometry: Geometry {
                 top: model.top,
-                force_scale: scenario.force_scale(),
-                torque_scale: scenario.torque_scale(),
-                slip_scale: scenario.slip_speed_at_start(),
+                scales: Scales::new(scenario),
+                spin: Tilt::from_rates(scenario.angles.theta, scenario.rates)
+                    .omega_lean
+                    .norm(),
                 is_free: model.support.is_free(),
                 hop_scale: 1.0,
             },

@@ -49,6 +49,14 @@ impl Look {
         }
     }
 
+    /// The name of a quantity in the scene, where the title says which run is A.
+    pub(super) fn short_name(&self, own: &str) -> String {
+        match self {
+            Self::Compared(side, _) => format!("{}: {own}", side.name()),
+            Self::Alone | Self::Difference | Self::Magnitude => self.name(own),
+        }
+    }
+
     /// The colour of the `place`th number of a plot, or of an arrow, whose colour in a recording of one run is
     /// `own`.
     pub(super) fn color(&self, own: u32, place: usize) -> u32 {

@@ -75,19 +75,11 @@ impl PairIdentity {
         })
     }
 
-    /// A run whose arrows are drawn to the larger sizes of both, so that they can be compared.
+    /// A run whose arrows have the same scales as those of the other.
     pub(super) fn with_common_scales(&self, side: Side) -> Identity {
-        let run = self.run(side);
-        let (a, b) = (&self.a.geometry, &self.b.geometry);
-        Identity {
-            geometry: Geometry {
-                force_scale: a.force_scale.max(b.force_scale),
-                torque_scale: a.torque_scale.max(b.torque_scale),
-                slip_scale: a.slip_scale.max(b.slip_scale),
-                ..run.geometry
-            },
-            ..run.clone()
-        }
+        let mut run = self.run(side).clone();
+        run.geometry.scales = self.a.geometry.scales.common(&self.b.geometry.scales);
+        run
     }
 
     /// Which run is which, in Markdown.

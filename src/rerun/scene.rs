@@ -4,19 +4,20 @@
 
 pub(super) mod arrow;
 pub(super) mod contact_path;
+pub(super) mod focus;
 mod pose;
+pub(super) mod scale;
 pub(super) mod shape;
 mod strips;
 mod trail;
-mod vertical;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rerun::ViewCoordinates;
 
 use self::arrow::Arrow;
 use self::contact_path::ContactPath;
+use self::focus::Focus;
 use self::pose::Pose;
-use self::vertical::Vertical;
 use super::entity::{STAGE, VERTICAL};
 use super::identity::{Geometry, Identity};
 use super::look::Look;
@@ -30,9 +31,10 @@ use crate::telemetry::proportions::Proportions;
 pub(super) struct Scene {
     pose: Pose,
     arrows: Vec<Arrow>,
-    /// The path of the contact point, and the vertical through it, of a free peg.
+    /// The path of the contact point of a free peg.
     path: Option<ContactPath>,
-    vertical: Option<Vertical>,
+    /// What the camera follows, of the only run with a free peg.
+    focus: Option<Focus>,
     geometry: Geometry,
     /// Orientation (world from body) of the last pose.
     orientation: Option<UnitQuaternion<f64>>,
@@ -49,6 +51,10 @@ impl Scene {
         if look.is_alone() {
             furnish(geometry, outlet);
         }
+        let focus = (geometry.is_free && look.is_alone()).then(|| {
+            outlet.send_static(VERTICAL, &focus::vertical(geometry));
+            Focus::new(geometry, outlet)
+        });
         let scene = Self {
             pose: Pose::new(
                 look,
@@ -58,8 +64,7 @@ impl Scene {
             ),
             arrows: Arrow::all(identity, look),
             path: (geometry.is_free && identity.has(CONTACT)).then(|| ContactPath::new(look)),
-            vertical: (geometry.is_free && look.is_alone())
-                .then(|| Vertical::new(geometry, outlet)),
+            focus,
             geometry: *geometry,
             orientation: None,
             peg: geometry.top.peg_radius * Vector3::z(),
@@ -82,8 +87,8 @@ impl Scene {
             let radius = self.geometry.top.peg_radius;
             self.peg = self.drawn(fields::PEG_POSITION.of(message), radius);
             self.pose.write(message, orientation, self.peg, outlet);
-            if let Some(vertical) = &mut self.vertical {
-                vertical.write(message.time_ns, self.peg, outlet);
+            if let Some(focus) = &mut self.focus {
+                focus.write(message.time_ns, self.peg, outlet);
             }
         }
         if message.topic() == CONTACT {
@@ -95,6 +100,11 @@ impl Scene {
         for arrow in &mut self.arrows {
             arrow.write(message, self.orientation, [self.peg, self.contact], outlet);
         }
+    }
+
+    /// Centre of the peg as it is drawn, in the world frame, m.
+    pub(super) fn peg(&self) -> Vector3<f64> {
+        self.peg
     }
 
     /// Where a point of the peg is drawn that is at `lowest` while the peg is on the table: hops may be drawn higher than they
@@ -110,7 +120,7 @@ impl Collect for Scene {
         self.arrows.flush(outlet, flush);
         self.pose.flush(outlet, flush);
         self.path.flush(outlet, flush);
-        self.vertical.flush(outlet, flush);
+        self.focus.flush(outlet, flush);
     }
 }
 
@@ -127,6 +137,6 @@ pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) {
     outlet.send_static("scene/table", &shape::table(table));
     outlet.send_static("scene/table/marks", &shape::table_marks(table, rings));
     if !geometry.is_free {
-        outlet.send_static(VERTICAL, &vertical::line(geometry));
+        outlet.send_static(VERTICAL, &focus::vertical(geometry));
     }
 }

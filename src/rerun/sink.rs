@@ -30,8 +30,11 @@ pub type PairSink = Stream<Comparison>;
 /// Writing never fails, so that other sinks of the run go on. [`Self::take_warnings`] tells what happened to the
 /// viewer, [`Self::finish`] what happened to the file.
 pub struct Stream<E> {
+    recording_id: String,
     entities: E,
     outlet: Outlet,
+    /// Time of the latest message, ns.
+    end_ns: u64,
 }
 
 impl Stream<Entities> {
@@ -40,14 +43,19 @@ impl Stream<Entities> {
     pub fn new(identity: &Identity, destinations: Destinations) -> Self {
         // Whoever opens the file has a run before him that is complete.
         let complete = Identity {
-            playback: Playback::PausedAtStart,
+            playback: Playback::FromStart,
             ..identity.clone()
         };
         let layouts = [identity, &complete].map(blueprint::run::messages);
         let (id, name) = (&identity.recording_id, &identity.name);
         let mut outlet = open(id, name, destinations, layouts);
         let entities = Entities::new(identity, &Look::Alone, &mut outlet);
-        Self { entities, outlet }
+        Self {
+            recording_id: id.clone(),
+            entities,
+            outlet,
+            end_ns: 0,
+        }
     }
 
     /// Tells what came of the run, as properties of the recording: `outcome:rise_time` and so on.
@@ -59,6 +67,7 @@ impl Stream<Entities> {
 
 impl Sink for Stream<Entities> {
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        self.end_ns = message.time_ns;
         self.entities.write(message, &mut self.outlet);
         Ok(())
     }
@@ -77,11 +86,17 @@ impl Stream<Comparison> {
         let (id, name) = (&identity.recording_id, &identity.name);
         let mut outlet = open(id, name, destinations, layouts);
         let entities = Comparison::new(identity, &mut outlet);
-        Self { entities, outlet }
+        Self {
+            recording_id: id.clone(),
+            entities,
+            outlet,
+            end_ns: 0,
+        }
     }
 
     /// Adds a message of one run. Each run's messages come in the order of time; the runs take turns as they like.
     pub fn write(&mut self, side: Side, message: &Message<'_>) {
+        self.end_ns = self.end_ns.max(message.time_ns);
         self.entities.write(side, message, &mut self.outlet);
     }
 
@@ -119,6 +134,10 @@ impl<E: Collect> Stream<E> {
     /// The first [`RerunError`]; the file then holds what was written before.
     pub fn finish(mut self) -> Result<Vec<String>, RerunError> {
         self.entities.flush(&mut self.outlet, Flush::All);
+        let duration = self.end_ns as f64 * 1e-9;
+        for message in blueprint::views::messages_at_end(&self.recording_id, duration) {
+            self.outlet.send_to(To::File, message);
+        }
         self.outlet.finish()
     }
 }
@@ -145,29 +164,14 @@ fn open(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rerun::identity::Geometry;
     use crate::rerun::viewer::Live;
     use crate::run::scenario::Preset;
     use crate::telemetry::{Topic, channels};
     use std::fs::File;
 
     fn identity(topics: Vec<Topic>) -> Identity {
-        Identity {
-            recording_id: "test".to_owned(),
-            name: "test".to_owned(),
-            description: "# Test".to_owned(),
-            geometry: Geometry {
-                top: Preset::find("paper").unwrap().scenario().unwrap().model.top,
-                force_scale: 0.0324,
-                torque_scale: 0.0324 * 0.007,
-                slip_scale: 0.57,
-                is_free: true,
-                hop_scale: 1.0,
-            },
-            topics,
-            playback: Playback::PausedAtStart,
-            is_alone: true,
-        }
+        let scenario = Preset::find("free-paper").unwrap().scenario().unwrap();
+        Identity::of("test", &scenario, topics, Playback::FromStart)
     }
 
     fn all_topics() -> Vec<Topic> {

@@ -39,7 +39,7 @@ impl Run {
 
     fn identity(&self, topics: &[Topic]) -> Identity {
         let topics = topics.to_vec();
-        Identity::of(self.name, &self.scenario, topics, Playback::PausedAtStart)
+        Identity::of(self.name, &self.scenario, topics, Playback::FromStart)
     }
 
     /// The messages of these topics.
@@ -80,7 +80,7 @@ fn write(path: &Path, (a, topics_a): (&Run, &[Topic]), (b, topics_b): (&Run, &[T
         name: "a pair".to_owned(),
         a: a.identity(topics_a),
         b: b.identity(topics_b),
-        playback: Playback::PausedAtStart,
+        playback: Playback::FromStart,
     };
     let destinations = Destinations {
         file: Some(File::create(path).unwrap()),

@@ -69,18 +69,19 @@ impl ShowArguments {
 }
 
 fn identity([a, b]: [Subject<'_>; 2], hop_scale: f64) -> Result<PairIdentity, Error> {
+    let is_same_name = a.name() == b.name();
     let of = |subject: Subject<'_>, letter: &str| {
         let scenario = subject.scenario().with_context(|| {
             format!("{letter} can't be drawn: it has no scenario that this version reads")
         })?;
+        let name = if is_same_name {
+            scenario.title()
+        } else {
+            subject.name()
+        };
         Ok::<_, Error>(
-            Identity::of(
-                &subject.name(),
-                &scenario,
-                subject.topics(),
-                Playback::PausedAtStart,
-            )
-            .with_hops_drawn(hop_scale),
+            Identity::of(&name, &scenario, subject.topics(), Playback::FromStart)
+                .with_hops_drawn(hop_scale),
         )
     };
     let (a, b) = (of(a, "A")?, of(b, "B")?);
@@ -89,7 +90,7 @@ fn identity([a, b]: [Subject<'_>; 2], hop_scale: f64) -> Result<PairIdentity, Er
         name: format!("{} against {}", b.name, a.name),
         a,
         b,
-        playback: Playback::PausedAtStart,
+        playback: Playback::FromStart,
     })
 }
 

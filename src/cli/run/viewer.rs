@@ -79,7 +79,7 @@ pub(super) fn identity(
     let playback = if arguments.realtime.is_some() {
         Playback::Following
     } else {
-        Playback::PausedAtStart
+        Playback::FromStart
     };
     Identity::of(
         &stem.to_string_lossy(),

@@ -29,14 +29,23 @@ pub(super) struct Layout {
 impl Layout {
     /// An empty layout for a recording.
     pub(super) fn new(recording_id: &str) -> Self {
-        let store = StoreId::new(StoreKind::Blueprint, APPLICATION, recording_id);
-        let mut ids = Ids::BLUEPRINT;
-        let messages = vec![Ok(opening(&store, &mut ids))];
+        let mut layout = Self::again(recording_id, Ids::BLUEPRINT);
+        let opening = opening(&layout.store, &mut layout.ids);
+        layout.messages.push(Ok(opening));
+        layout
+    }
+
+    /// Changes to the layout of a recording, which has been sent before.
+    pub(super) fn changes(recording_id: &str) -> Self {
+        Self::again(recording_id, Ids::BLUEPRINT_AT_END)
+    }
+
+    fn again(recording_id: &str, ids: Ids) -> Self {
         Self {
-            store,
+            store: StoreId::new(StoreKind::Blueprint, APPLICATION, recording_id),
             ids,
             children: 0,
-            messages,
+            messages: Vec::new(),
         }
     }
 

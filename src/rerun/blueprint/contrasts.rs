@@ -3,7 +3,7 @@
 use rerun::blueprint::components::Corner2D;
 
 use crate::telemetry::fields::{
-    Plot, contact, energy, free_peg, nutation, precession, state, torque,
+    Plot, center_of_mass, contact, energy, free_peg, momentum, nutation, precession, state, torque,
 };
 
 /// A quantity of both runs.
@@ -49,6 +49,8 @@ const POWER: &[Plot] = &[energy::FRICTION_POWER.plot()];
 const WORK: &[Plot] = &[energy::FRICTION_WORK.plot()];
 const ENERGY: &[Plot] = &[energy::TOTAL.plot()];
 const EXCESS: &[Plot] = &[precession::EXCESS.plot()];
+const MOMENTUM: &[Plot] = &[momentum::VERTICAL.plot()];
+const CENTER: &[Plot] = &[center_of_mass::POSITION.plot()];
 const NORMAL_FORCE: &[Plot] = &[contact::NORMAL_FORCE.plot()];
 const GAP: &[Plot] = &[free_peg::GAP.plot()];
 const REGIME: &[Plot] = &[contact::REGIME.plot()];
@@ -57,6 +59,20 @@ const PERIOD: &[Plot] = &[nutation::PERIOD.plot()];
 /// Quantities that tell whether and how the motions differ; each is a row of charts.
 pub(super) const MOTION: [Contrast; 4] = [
     contrast("θ", &[state::THETA.plot()], THETA).legend(Corner2D::RightTop),
+    contrast("dθ/dt", THETA_DOT, THETA_DOT),
+    contrast("dφ/dt", PHI_DOT, PHI_DOT),
+    contrast("dψ/dt", &[state::PSI_DOT.plot()], PSI_DOT),
+];
+
+/// The same where a peg is free: Euler rates, which are infinite at upright, are on a page of their own.
+pub(super) const TRAVEL: [Contrast; 3] = [
+    contrast("θ", &[state::THETA.plot()], THETA).legend(Corner2D::RightTop),
+    contrast("Angular momentum, vertical and axial", MOMENTUM, MOMENTUM),
+    contrast("Centre of mass", CENTER, CENTER),
+];
+
+/// Euler rates where a peg is free.
+pub(super) const RATES: [Contrast; 3] = [
     contrast("dθ/dt", THETA_DOT, THETA_DOT),
     contrast("dφ/dt", PHI_DOT, PHI_DOT),
     contrast("dψ/dt", &[state::PSI_DOT.plot()], PSI_DOT),
@@ -87,6 +103,11 @@ pub(super) const TABLE: [Contrast; 3] = [
 
 /// Whether the layout shows differences of a plot.
 pub(crate) fn compares(plot: Plot) -> bool {
-    let mut shown = MOTION.iter().chain(&TABLE).chain(&MORE);
+    let mut shown = MOTION
+        .iter()
+        .chain(&TRAVEL)
+        .chain(&RATES)
+        .chain(&TABLE)
+        .chain(&MORE);
     shown.any(|contrast| contrast.differences.contains(&plot))
 }

@@ -7,9 +7,9 @@ use rerun::components::Name;
 use rerun::external::re_log_types::LogMsg;
 
 use super::builder::{Child, Layout, column, row, tabs};
-use super::contrasts::{Contrast, FRICTION, MORE, MOTION, TABLE};
+use super::contrasts::{Contrast, FRICTION, MORE, MOTION, RATES, TABLE, TRAVEL};
 use super::views::{Stage, events, panels, scene, time_series, titled};
-use crate::rerun::entity::{self, ABOUT, STAGE, SUMMARY};
+use crate::rerun::entity::{self, ABOUT, CAMERA_TARGET, STAGE, SUMMARY};
 use crate::rerun::error::RerunError;
 use crate::rerun::identity::Geometry;
 use crate::rerun::look::Look;
@@ -18,8 +18,8 @@ use crate::telemetry::Topic;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};
 use crate::telemetry::side::Side;
 
-/// How many times the usual distance the camera is away from a table on which a top travels.
-const FAR: f64 = 2.6;
+/// How many times the usual distance the camera is away from two tops of which one travels.
+const FAR: f64 = 1.2;
 
 /// The messages of the layout.
 pub(crate) fn messages(identity: &PairIdentity) -> Vec<Result<LogMsg, RerunError>> {
@@ -41,9 +41,9 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
     let mut shares = Vec::new();
     if let Some(geometry) = identity.stage() {
         let name = format!(
-            "{} (blue, solid) and {} (orange, translucent)",
+            "A: {} (blue, solid) · B: {} (orange, translucent)",
             identity.name_of(Side::A),
-            identity.name_of(Side::B)
+            identity.name_of(Side::B),
         );
         let runs = looks(identity, POSE);
         let contents = runs.iter().map(|(look, _)| look.entity("scene/**"));
@@ -53,9 +53,8 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
             contents: &contents,
             runs: &runs,
             geometry: &geometry,
-            // Two tops of which one travels are seen from afar.
             distance: if geometry.is_free { FAR } else { 1.0 },
-            followed: None,
+            followed: geometry.is_free.then(|| CAMERA_TARGET.to_owned()),
         };
         rows.push(scene(layout, &stage));
         shares.push(53.0);
@@ -69,7 +68,7 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
             .map(|(look, _)| look.entity(entity::EVENTS))
             .collect();
         let kinds = [TextLogColumnKind::LogLevel, TextLogColumnKind::Body];
-        rows.push(events(layout, &contents, &kinds));
+        rows.push(events(layout, "Events", &contents, &kinds));
         shares.push(22.0);
     }
     layout.contain(column(&shares), &rows)
@@ -95,24 +94,22 @@ fn words(layout: &mut Layout, identity: &PairIdentity) -> Child {
 
 /// Pages of charts. Those without data are left out.
 fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
-    let mut motion = rows(layout, identity, &MOTION);
+    let is_free = identity.is_any_free();
+    let motion: &[_] = if is_free { &TRAVEL } else { &MOTION };
+    let mut motion = rows(layout, identity, motion);
     let mut friction = Vec::new();
     for contrast in &FRICTION {
         friction.extend(overlay(layout, identity, contrast));
     }
     motion.extend(layout.contain_any(row(&[]), &friction));
-    let more = rows(layout, identity, &MORE);
+    let mut all = vec![("How they differ", motion)];
+    if is_free {
+        all.push(("On the table", rows(layout, identity, &TABLE)));
+        all.push(("Rates", rows(layout, identity, &RATES)));
+    }
+    all.push(("More", rows(layout, identity, &MORE)));
     let mut pages = Vec::new();
-    let table = if identity.is_any_free() {
-        rows(layout, identity, &TABLE)
-    } else {
-        Vec::new()
-    };
-    for (name, rows) in [
-        ("How they differ", motion),
-        ("On the table", table),
-        ("More", more),
-    ] {
+    for (name, rows) in all {
         let page = column(&[]).with_display_name(Name(name.into()));
         pages.extend(layout.contain_any(page, &rows));
     }

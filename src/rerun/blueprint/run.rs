@@ -7,21 +7,34 @@ use rerun::external::re_log_types::LogMsg;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{Child, Layout, column, row, tabs};
-use super::views::{Stage, events, panels, scene, time_series, titled};
-use crate::rerun::entity::{ABOUT, CAMERA_TARGET};
+use super::views::{Stage, bound, events, panels, scene, time_series, titled};
+use crate::rerun::entity::{self, ABOUT, CAMERA_TARGET, EACH_EVENT};
 use crate::rerun::error::RerunError;
 use crate::rerun::identity::Identity;
 use crate::rerun::look::Look;
 use crate::telemetry::fields::{
-    EVENTS, FREE_PEG, POSE, Plot, acceleration, center_of_mass, contact, energy, free_peg,
-    momentum, nutation, precession, state, torque,
+    EVENTS, POSE, Plot, acceleration, center_of_mass, contact, energy, free_peg, momentum,
+    nutation, precession, state, torque,
 };
+use crate::telemetry::proportions::Proportions;
 
 /// A view of some plots, with its title and the corner where the legend is out of the curves' way.
 struct Chart {
     name: &'static str,
     contents: &'static [Plot],
     legend: Corner2D,
+}
+
+impl Chart {
+    /// A bound of the values that are not peaks of singular angles: of rates and accelerations of φ and ψ.
+    fn bound(&self, identity: &Identity) -> Option<f64> {
+        let spin = identity.geometry.spin;
+        match self.contents.first()?.unit() {
+            "rad/s" => Some(2.0 * spin),
+            "rad/s²" => Some(spin * spin),
+            _ => None,
+        }
+    }
 }
 
 const fn chart(name: &'static str, contents: &'static [Plot], legend: Corner2D) -> Chart {
@@ -32,63 +45,171 @@ const fn chart(name: &'static str, contents: &'static [Plot], legend: Corner2D) 
     }
 }
 
-/// Charts of the first page: how the top rises.
-#[rustfmt::skip]
+const THETA: Chart = chart(
+    "θ, inclination",
+    &[state::THETA.plot(), nutation::THETA_MEAN.plot()],
+    Corner2D::RightTop,
+);
+const THETA_DOT: Chart = chart(
+    "dθ/dt",
+    &[state::THETA_DOT.plot(), nutation::THETA_DOT_MEAN.plot()],
+    Corner2D::LeftTop,
+);
+const PHI_DOT: Chart = chart(
+    "dφ/dt and the slow root of regular precession",
+    &[
+        state::PHI_DOT.plot(),
+        nutation::PHI_DOT_MEAN.plot(),
+        precession::SLOW_ROOT.plot(),
+    ],
+    Corner2D::LeftTop,
+);
+const PSI_DOT: Chart = chart(
+    "dψ/dt, spin",
+    &[state::PSI_DOT.plot(), nutation::PSI_DOT_MEAN.plot()],
+    Corner2D::RightTop,
+);
+const TORQUE: Chart = chart(
+    "Friction torque, node frame",
+    &[torque::FRICTION_NODE.plot()],
+    Corner2D::LeftBottom,
+);
+const THETA_DDOT: Chart = chart(
+    "d²θ/dt² term by term",
+    &[
+        acceleration::THETA_DDOT_FRICTIONAL.plot(),
+        state::THETA_DDOT.plot(),
+    ],
+    Corner2D::RightBottom,
+);
+const SLIP: Chart = chart(
+    "Slip velocity at the contact, world axes",
+    &[contact::SLIP_SPEED.plot(), contact::SLIP_WORLD.plot()],
+    Corner2D::RightTop,
+);
+const ENERGY: Chart = chart(
+    "Total and kinetic energy",
+    &[energy::TOTAL.plot()],
+    Corner2D::LeftBottom,
+);
+const MOMENTUM: Chart = chart(
+    "Angular momentum, vertical and axial",
+    &[momentum::VERTICAL.plot()],
+    Corner2D::RightTop,
+);
+const CENTER: Chart = chart(
+    "Centre of mass",
+    &[center_of_mass::POSITION.plot()],
+    Corner2D::LeftTop,
+);
+
+/// How a top with a fixed peg rises.
 const RISE: [Chart; 8] = [
-    chart("θ, inclination", &[state::THETA.plot(), nutation::THETA_MEAN.plot()], Corner2D::RightTop),
-    chart("dθ/dt", &[state::THETA_DOT.plot(), nutation::THETA_DOT_MEAN.plot()], Corner2D::LeftTop),
+    THETA, THETA_DOT, PHI_DOT, PSI_DOT, TORQUE, THETA_DDOT, SLIP, ENERGY,
+];
+
+/// How a top with a free peg travels, or a tippe top inverts. Euler rates, which are infinite at upright, stand on a page of
+/// their own.
+const TRAVEL: [Chart; 8] = [
+    THETA,
+    MOMENTUM,
+    SLIP,
+    CENTER,
     chart(
-        "dφ/dt and the slow root of regular precession",
-        &[state::PHI_DOT.plot(), nutation::PHI_DOT_MEAN.plot(), precession::SLOW_ROOT.plot()],
-        Corner2D::LeftTop,
-    ),
-    chart("dψ/dt, spin", &[state::PSI_DOT.plot(), nutation::PSI_DOT_MEAN.plot()], Corner2D::RightTop),
-    chart("Friction torque, node frame", &[torque::FRICTION_NODE.plot()], Corner2D::LeftBottom),
-    chart(
-        "d²θ/dt² term by term",
-        &[acceleration::THETA_DDOT_FRICTIONAL.plot(), state::THETA_DDOT.plot()],
+        "Regime: 1 slides, 0 rolls or sticks, 2 flies",
+        &[contact::REGIME.plot()],
         Corner2D::RightTop,
     ),
     chart(
-        "Slip velocity at the contact, world axes",
-        &[contact::SLIP_SPEED.plot(), contact::SLIP_WORLD.plot()],
-        Corner2D::RightBottom,
+        "Height of the peg above the table",
+        &[free_peg::GAP.plot()],
+        Corner2D::RightTop,
     ),
-    chart("Total and kinetic energy", &[energy::TOTAL.plot()], Corner2D::LeftBottom),
+    TORQUE,
+    ENERGY,
 ];
 
-/// Charts of the second page, for a free peg: what it does on the table and above it.
-#[rustfmt::skip]
-const TABLE: [Chart; 8] = [
-    chart("Normal force", &[contact::NORMAL_FORCE.plot()], Corner2D::RightTop),
-    chart("Height of the peg above the table", &[free_peg::GAP.plot()], Corner2D::RightTop),
-    chart("Regime: 1 slides, 0 rolls or sticks, 2 flies", &[contact::REGIME.plot()], Corner2D::RightTop),
-    chart("Energy lost since the start", &[free_peg::LOST_SLIDING.plot()], Corner2D::LeftTop),
-    chart("Centre of mass", &[center_of_mass::POSITION.plot()], Corner2D::LeftTop),
-    chart("Velocity of the peg's centre", &[free_peg::VELOCITY.plot()], Corner2D::RightTop),
-    chart("Jellett's integral", &[free_peg::JELLETT.plot()], Corner2D::RightTop),
-    chart("Routh's integral", &[free_peg::ROUTH.plot()], Corner2D::RightTop),
+/// What happens to a free peg on the table and above it.
+const TABLE: [Chart; 6] = [
+    chart(
+        "Normal force",
+        &[contact::NORMAL_FORCE.plot()],
+        Corner2D::RightTop,
+    ),
+    chart(
+        "Energy lost since the start",
+        &[free_peg::LOST_SLIDING.plot()],
+        Corner2D::LeftTop,
+    ),
+    chart(
+        "Velocity of the peg's centre",
+        &[free_peg::VELOCITY.plot()],
+        Corner2D::RightTop,
+    ),
+    chart(
+        "Velocity of the centre of mass",
+        &[center_of_mass::VELOCITY.plot()],
+        Corner2D::RightTop,
+    ),
+    chart(
+        "Jellett's integral",
+        &[free_peg::JELLETT.plot()],
+        Corner2D::RightTop,
+    ),
+    chart(
+        "Routh's integral",
+        &[free_peg::ROUTH.plot()],
+        Corner2D::RightTop,
+    ),
 ];
 
-/// Charts of the last page.
-#[rustfmt::skip]
+/// The Euler rates of a top with a free peg.
+const RATES: [Chart; 4] = [THETA_DOT, PHI_DOT, PSI_DOT, THETA_DDOT];
+
+/// Further quantities.
 const MORE: [Chart; 8] = [
     chart(
         "d²φ/dt² term by term",
-        &[acceleration::PHI_DDOT_FRICTIONAL.plot(), state::PHI_DDOT.plot()],
+        &[
+            acceleration::PHI_DDOT_FRICTIONAL.plot(),
+            state::PHI_DDOT.plot(),
+        ],
         Corner2D::LeftTop,
     ),
     chart(
         "d²ψ/dt² term by term",
-        &[acceleration::PSI_DDOT_FRICTIONAL.plot(), state::PSI_DDOT.plot()],
+        &[
+            acceleration::PSI_DDOT_FRICTIONAL.plot(),
+            state::PSI_DDOT.plot(),
+        ],
         Corner2D::LeftTop,
     ),
-    chart("dφ/dt − slow root", &[precession::EXCESS.plot()], Corner2D::LeftTop),
-    chart("Nutation period", &[nutation::PERIOD.plot()], Corner2D::LeftTop),
-    chart("Gravity torque, node frame", &[torque::GRAVITY_NODE.plot()], Corner2D::RightTop),
-    chart("Angular momentum, vertical and axial", &[momentum::VERTICAL.plot()], Corner2D::RightTop),
-    chart("Work of friction", &[energy::FRICTION_WORK.plot()], Corner2D::RightTop),
-    chart("Power of friction", &[energy::FRICTION_POWER.plot()], Corner2D::RightBottom),
+    chart(
+        "dφ/dt − slow root",
+        &[precession::EXCESS.plot()],
+        Corner2D::LeftTop,
+    ),
+    chart(
+        "Nutation period",
+        &[nutation::PERIOD.plot()],
+        Corner2D::LeftTop,
+    ),
+    chart(
+        "Gravity torque, node frame",
+        &[torque::GRAVITY_NODE.plot()],
+        Corner2D::RightTop,
+    ),
+    MOMENTUM,
+    chart(
+        "Work of friction",
+        &[energy::FRICTION_WORK.plot()],
+        Corner2D::RightTop,
+    ),
+    chart(
+        "Power of friction",
+        &[energy::FRICTION_POWER.plot()],
+        Corner2D::RightBottom,
+    ),
 ];
 
 /// The messages of the layout.
@@ -116,8 +237,13 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
     let about = layout.view("TextDocument", "About this run", ABOUT, &["$origin"]);
     let mut pages = vec![about];
     if identity.has(EVENTS) {
-        let kinds = [TextLogColumnKind::Body];
-        pages.insert(0, events(layout, &["$origin".to_owned()], &kinds));
+        for (name, entity) in [("Each event", EACH_EVENT), ("Events", entity::EVENTS)] {
+            let contents = [Look::Alone.entity(entity)];
+            pages.insert(
+                0,
+                events(layout, name, &contents, &[TextLogColumnKind::Body]),
+            );
+        }
     }
     let words = layout.contain(tabs(), &pages);
     if !identity.has(POSE) {
@@ -128,12 +254,12 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
     // Beside the list of recordings the scene is narrower, and must still hold the names of all arrows.
     let distance = if identity.is_alone { 1.0 } else { 1.2 };
     let stage = Stage {
-        name: "The top",
+        name: &identity.title,
         contents: &whole,
         runs: &[(Look::Alone, geometry)],
         geometry,
         distance,
-        followed: geometry.is_free.then(|| Look::Alone.entity(CAMERA_TARGET)),
+        followed: geometry.is_free.then(|| CAMERA_TARGET.to_owned()),
     };
     let scene = scene(layout, &stage);
     layout.contain(column(&[76.0, 24.0]), &[scene, words])
@@ -142,11 +268,26 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
 /// Pages of charts. Those without data are left out.
 fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
     let mut pages = Vec::new();
-    let table = identity.has(FREE_PEG).then_some(("On the table", &TABLE));
-    let all = [Some(("How it rises", &RISE)), table, Some(("More", &MORE))];
-    for (name, charts) in all.into_iter().flatten() {
+    let is_tippe_top = Proportions::new(&identity.geometry.top).is_ball;
+    let all: &[(&str, &[Chart])] = match identity.geometry.is_free {
+        false => &[("How it rises", &RISE), ("More", &MORE)],
+        true => &[
+            (
+                if is_tippe_top {
+                    "How it inverts"
+                } else {
+                    "How it travels"
+                },
+                &TRAVEL,
+            ),
+            ("On the table", &TABLE),
+            ("Rates", &RATES),
+            ("More", &MORE),
+        ],
+    };
+    for (name, charts) in all {
         let mut views = Vec::new();
-        for chart in charts {
+        for chart in *charts {
             if !chart.contents.iter().any(|plot| identity.has(plot.topic())) {
                 continue;
             }
@@ -154,11 +295,16 @@ fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
             let contents: Vec<_> = chart.contents.iter().map(Plot::to_string).collect();
             let legend = Some(chart.legend);
             let link = LinkAxis::Independent;
-            views.push(time_series(layout, &name, &contents, legend, link));
+            let view = time_series(layout, &name, &contents, legend, link);
+            // A tippe top passes through upright, where its Euler rates are infinite.
+            if let Some(greatest) = chart.bound(identity).filter(|_| is_tippe_top) {
+                bound(layout, &view, greatest);
+            }
+            views.push(view);
         }
         let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
             .with_grid_columns(2)
-            .with_display_name(Name(name.into()));
+            .with_display_name(Name((*name).into()));
         pages.extend(layout.contain_any(grid, &views));
     }
     layout.contain_any(tabs(), &pages)

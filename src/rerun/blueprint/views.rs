@@ -11,13 +11,16 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{Child, Layout};
 use crate::rerun::entity::{EVENTS, STAGE, paths};
+use crate::rerun::error::RerunError;
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::look::Look;
 use crate::rerun::message::TIMELINE;
+use crate::rerun::scene::scale::round;
 use crate::telemetry::proportions::Proportions;
+use rerun::external::re_log_types::LogMsg;
 
-/// The speed at which a viewer plays at first: a quarter of real time, for the spin is fast.
-const SPEED: f64 = 0.25;
+/// How long a viewer plays a run that is complete, about, in s.
+const PLAYING_TIME: f64 = 25.0;
 
 /// What a view of the scene shows.
 pub(super) struct Stage<'a> {
@@ -85,10 +88,11 @@ fn until(end: TimeRangeBoundary) -> parts::VisibleTimeRanges {
 /// A list of the events of these entities, with these columns beside the time.
 pub(super) fn events(
     layout: &mut Layout,
+    name: &str,
     contents: &[String],
     kinds: &[blueprint_data::TextLogColumnKind],
 ) -> Child {
-    let view = layout.view("TextLog", "Events", EVENTS, contents);
+    let view = layout.view("TextLog", name, EVENTS, contents);
     let column = |kind: &blueprint_data::TextLogColumnKind| {
         TextLogColumn(blueprint_data::TextLogColumn {
             visible: true.into(),
@@ -138,6 +142,12 @@ pub(super) fn time_series(
     view
 }
 
+/// Bounds the values that a chart shows at first, where peaks would hide everything else.
+pub(super) fn bound(layout: &mut Layout, view: &Child, greatest: f64) {
+    let axis = parts::ScalarAxis::new().with_range([-greatest, greatest]);
+    layout.property(view, "ScalarAxis", &axis);
+}
+
 /// Sets the panels around the views, and how a viewer begins to play.
 pub(super) fn panels(layout: &mut Layout, is_alone: bool, playback: Playback) {
     let hidden = parts::PanelBlueprint::new().with_state(PanelState::Hidden);
@@ -149,14 +159,31 @@ pub(super) fn panels(layout: &mut Layout, is_alone: bool, playback: Playback) {
     };
     layout.log("blueprint_panel", &recordings);
     layout.log("selection_panel", &hidden);
-    let time = parts::TimePanelBlueprint::new()
+    layout.log("time_panel", &time_panel(playback, 1.0));
+}
+
+fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlueprint {
+    parts::TimePanelBlueprint::new()
         .with_state(PanelState::Collapsed)
         .with_timeline(TIMELINE)
-        .with_playback_speed(SPEED)
+        .with_playback_speed(speed)
         .with_loop_mode(LoopMode::Off)
         .with_play_state(match playback {
-            Playback::PausedAtStart => PlayState::Paused,
+            Playback::FromStart => PlayState::Playing,
             Playback::Following => PlayState::Following,
-        });
-    layout.log("time_panel", &time);
+        })
+}
+
+/// Changes a layout so that a viewer plays a run of this duration, in s, from its start in about [`PLAYING_TIME`].
+pub(crate) fn messages_at_end(
+    recording_id: &str,
+    duration: f64,
+) -> Vec<Result<LogMsg, RerunError>> {
+    let speed = round(duration / PLAYING_TIME);
+    if speed <= 0.0 {
+        return Vec::new();
+    }
+    let mut layout = Layout::changes(recording_id);
+    layout.log("time_panel", &time_panel(Playback::FromStart, speed));
+    layout.finish()
 }

@@ -4,6 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rerun::archetypes::{Arrows3D, Points3D};
 use rerun::{Color, Radius, SerializedComponentColumn};
 
+use super::scale::{self, Scales};
 use crate::rerun::error::RerunError;
 use crate::rerun::identity::{Geometry, Identity};
 use crate::rerun::look::Look;
@@ -17,8 +18,7 @@ use crate::telemetry::proportions::Proportions;
 /// Time between two positions of a label, in ns.
 const LABEL_NS: u64 = 10_000_000;
 
-/// What an arrow shows, and how. The arrow is `length` times as long as the top is high when the quantity has the size
-/// `scale`; without a scale, at its first sample.
+/// What an arrow shows, and how.
 pub(super) struct ArrowKind {
     entity: &'static str,
     label: &'static str,
@@ -26,8 +26,8 @@ pub(super) struct ArrowKind {
     vector: VectorField,
     in_body_axes: bool,
     origin: Origin,
-    length: f64,
-    scale: fn(&Geometry) -> Option<f64>,
+    /// What a metre of it stands for.
+    scale: fn(&Scales) -> f64,
     /// Whether it is drawn where two runs are compared; all arrows of both would hide the tops.
     is_compared: bool,
 }
@@ -50,8 +50,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         vector: contact::SLIP_WORLD,
         in_body_axes: false,
         origin: Origin::Contact,
-        length: 1.5,
-        scale: |geometry| Some(geometry.slip_scale),
+        scale: |scales| scales.slip,
         is_compared: false,
     },
     ArrowKind {
@@ -61,8 +60,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         vector: contact::FRICTION_FORCE,
         in_body_axes: false,
         origin: Origin::Contact,
-        length: 1.4,
-        scale: |geometry| Some(geometry.force_scale),
+        scale: |scales| scales.force,
         is_compared: true,
     },
     ArrowKind {
@@ -72,8 +70,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         vector: torque::GRAVITY_BODY,
         in_body_axes: true,
         origin: Origin::Peg,
-        length: 2.6,
-        scale: |geometry| Some(geometry.top.gravity_moment().abs()),
+        scale: |scales| scales.gravity_torque,
         is_compared: false,
     },
     ArrowKind {
@@ -83,8 +80,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         vector: torque::FRICTION_BODY,
         in_body_axes: true,
         origin: Origin::Peg,
-        length: 1.5,
-        scale: |geometry| Some(geometry.torque_scale),
+        scale: |scales| scales.friction_torque,
         is_compared: false,
     },
     ArrowKind {
@@ -94,8 +90,7 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         vector: momentum::WORLD,
         in_body_axes: false,
         origin: Origin::Peg,
-        length: 1.45,
-        scale: |_| None,
+        scale: |scales| scales.momentum,
         is_compared: false,
     },
 ];
@@ -103,10 +98,14 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
 impl ArrowKind {
     /// Whether there is anything to draw: without friction its arrows have no length.
     fn exists(&self, identity: &Identity, look: &Look) -> bool {
-        let scale = (self.scale)(&identity.geometry);
         identity.has(self.vector.topic())
-            && scale.is_none_or(|scale| scale > 0.0)
+            && (self.scale)(&identity.geometry.scales) > 0.0
             && (look.is_alone() || self.is_compared)
+    }
+
+    /// What a centimetre of the arrow stands for.
+    fn legend(&self, geometry: &Geometry) -> String {
+        scale::legend((self.scale)(&geometry.scales), self.vector.x().unit())
     }
 
     /// How far the label is moved up from the tip, in m, so that labels at the peg and on the table don't meet.
@@ -120,18 +119,11 @@ impl ArrowKind {
     }
 }
 
-/// What the arrows mean and how long they are, in Markdown.
+/// What a centimetre of each arrow stands for, in Markdown.
 pub(crate) fn explanation(identity: &Identity, look: &Look) -> String {
-    let geometry = &identity.geometry;
-    let height = Proportions::new(&geometry.top).size();
-    let mut text = "\n\n## Arrows\n\n| arrow | length |\n| --- | --- |\n".to_owned();
+    let mut text = "\n\n## Arrows\n\n| arrow | scale |\n| --- | --- |\n".to_owned();
     for kind in ARROWS.iter().filter(|kind| kind.exists(identity, look)) {
-        let size = match (kind.scale)(geometry) {
-            Some(scale) => format!("{scale:.3e} {}", kind.vector.x().unit()),
-            None => "its size at first".to_owned(),
-        };
-        let millimetres = 1e3 * kind.length * height;
-        text += &format!("| {} | {millimetres:.0} mm for {size} |\n", kind.label);
+        text += &format!("| {} | {} |\n", kind.label, kind.legend(&identity.geometry));
     }
     text
 }
@@ -140,9 +132,10 @@ pub(crate) fn explanation(identity: &Identity, look: &Look) -> String {
 pub(super) struct Arrow {
     kind: &'static ArrowKind,
     look: Look,
-    length: f64,
-    /// Metres per unit of the quantity; taken from the first sample where no scale is known before.
-    scale: Option<f64>,
+    /// Metres per unit of the quantity.
+    scale: f64,
+    /// Its name and scale.
+    text: String,
     radius: f64,
     track: Track<Arrows>,
     label: Label,
@@ -159,14 +152,17 @@ impl Arrow {
 
     fn new(kind: &'static ArrowKind, geometry: &Geometry, look: &Look) -> Self {
         let proportions = Proportions::new(&geometry.top);
-        let length = kind.length * proportions.size();
         let entity = look.entity(kind.entity);
         let shortest = 0.15 * proportions.size();
         Self {
             kind,
             look: look.clone(),
-            length,
-            scale: (kind.scale)(geometry).map(|scale| length / scale),
+            scale: (kind.scale)(&geometry.scales).recip(),
+            text: format!(
+                "{} ({})",
+                look.short_name(kind.label),
+                kind.legend(geometry)
+            ),
             radius: 0.017 * proportions.size() * look.thickness(),
             track: Track::new(entity.as_str(), Arrows::default()),
             label: Label::new(&entity, shortest, kind.lift(look, &proportions)),
@@ -183,7 +179,7 @@ impl Arrow {
         let label = Points3D::update_fields()
             .with_colors([color])
             .with_radii([Radius::new_ui_points(0.0)])
-            .with_labels([self.look.name(self.kind.label)])
+            .with_labels([self.text.as_str()])
             .with_show_labels(true);
         outlet.send_static(entity.as_str(), &arrow);
         outlet.send_static(label_entity(&entity), &label);
@@ -212,10 +208,7 @@ impl Arrow {
             Origin::Peg => peg,
             Origin::Contact => contact,
         };
-        if self.scale.is_none() && vector.norm() > 0.0 {
-            self.scale = Some(self.length / vector.norm());
-        }
-        let vector = vector * self.scale.unwrap_or(0.0);
+        let vector = self.scale * vector;
         self.track.push(outlet, message.time_ns, |rows| {
             rows.origins.push(origin.cast::<f32>().into());
             rows.vectors.push(vector.cast::<f32>().into());

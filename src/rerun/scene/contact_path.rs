@@ -5,7 +5,8 @@ use rerun::archetypes::LineStrips3D;
 use rerun::{Color, Radius};
 
 use super::strips::Strips;
-use crate::rerun::entity::CONTACT_PATHS;
+use super::trail;
+use crate::rerun::entity::{CONTACT_PATH_NAME, CONTACT_PATHS};
 use crate::rerun::identity::Geometry;
 use crate::rerun::look::Look;
 use crate::rerun::outlet::Outlet;
@@ -38,6 +39,7 @@ pub(crate) fn explanation(geometry: &Geometry) -> String {
 ///
 /// As the trail of the axis, it consists of short pieces, of which the layout shows those up to the time cursor.
 pub(super) struct ContactPath {
+    look: Look,
     tracks: [Track<Strips>; 3],
     piece: Vec<[f32; 3]>,
     /// Which of the tracks the piece belongs to.
@@ -51,6 +53,7 @@ impl ContactPath {
     pub(super) fn new(look: &Look) -> Self {
         let track = |path| Track::new(look.entity(path), Strips::default());
         Self {
+            look: look.clone(),
             tracks: CONTACT_PATHS.map(track),
             piece: Vec::new(),
             kind: 0,
@@ -84,6 +87,10 @@ impl ContactPath {
         }
         self.next_point_ns = time_ns.saturating_add(POINT_NS);
         let point = point.cast::<f32>().into();
+        if self.piece.is_empty() && self.look.is_alone() {
+            let name = trail::name("path of the contact point", point, palette::GREY);
+            outlet.send_static(CONTACT_PATH_NAME, &name);
+        }
         self.piece.push(point);
         let is_due = time_ns >= self.next_piece_ns || kind != self.kind;
         if is_due && self.piece.len() > 1 {

@@ -1,11 +1,11 @@
 //! The path of the symmetry axis.
 
 use nalgebra::Vector3;
-use rerun::archetypes::LineStrips3D;
+use rerun::archetypes::{LineStrips3D, Points3D};
 use rerun::{Color, Radius};
 
 use super::strips::Strips;
-use crate::rerun::entity::{TRAIL_ABOVE, TRAIL_BELOW};
+use crate::rerun::entity::{TRAIL_ABOVE, TRAIL_BELOW, TRAIL_NAME};
 use crate::rerun::look::Look;
 use crate::rerun::outlet::Outlet;
 use crate::rerun::palette;
@@ -22,6 +22,7 @@ const POINT_NS: u64 = 1_000_000;
 /// Each row is one short piece, and the layout shows all pieces up to the time cursor. So the size of a recording grows
 /// linearly with its length, and the cursor moves along the whole path.
 pub(super) struct Trail {
+    look: Look,
     radius: f64,
     above: Track<Strips>,
     below: Option<Track<Strips>>,
@@ -35,6 +36,7 @@ impl Trail {
     pub(super) fn new(look: &Look, radius: f64, is_free: bool) -> Self {
         let track = |path| Track::new(look.entity(path), Strips::default());
         Self {
+            look: look.clone(),
             radius,
             above: track(TRAIL_ABOVE),
             below: (!is_free).then(|| track(TRAIL_BELOW)),
@@ -68,6 +70,10 @@ impl Trail {
         }
         self.next_point_ns = time_ns.saturating_add(POINT_NS);
         let point = (peg + self.radius * axis).cast::<f32>().into();
+        if self.piece.is_empty() && self.look.is_alone() {
+            let name = name("path of the symmetry axis", point, palette::PURPLE);
+            outlet.send_static(TRAIL_NAME, &name);
+        }
         self.piece.push(point);
         if time_ns < self.next_piece_ns || self.piece.len() < 2 {
             return;
@@ -87,6 +93,15 @@ impl Collect for Trail {
         self.above.flush(outlet, flush);
         self.below.flush(outlet, flush);
     }
+}
+
+/// The name of a path, in its colour at a point of it in the world frame, m.
+pub(super) fn name(text: &str, point: [f32; 3], color: u32) -> Points3D {
+    Points3D::new([point])
+        .with_colors([Color::from_u32(color)])
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_labels([text])
+        .with_show_labels(true)
 }
 
 /// The projection of a piece onto the table.

@@ -152,6 +152,11 @@ impl Scenario {
             .filter_map(|key| Some((key, self.values.get(key.path)?)))
     }
 
+    /// The value of a key, if it is set.
+    pub(super) fn value(&self, path: &str) -> Option<&Value> {
+        self.values.get(path)
+    }
+
     /// The scenario's name, after which recordings are called.
     #[must_use]
     pub fn name(&self) -> &str {

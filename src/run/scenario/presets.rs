@@ -2,6 +2,8 @@
 
 use super::definition::Scenario;
 use super::error::ScenarioError;
+use super::key::Key;
+use super::keys::KEYS;
 use super::values::Values;
 use crate::run::nearest::near;
 
@@ -238,6 +240,31 @@ const TIPPE_TOP_HANGS: &[(&str, &str)] = &[
     ("stop.on_stick", "continue"),
     ("stop.duration", "5.0"),
 ];
+
+impl Scenario {
+    /// The scenario's name and, if a preset has it, up to two keys in which they differ, as in `paper, friction.k = 0.02`.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let preset = PRESETS.iter().find(|preset| preset.name == self.name());
+        let Some(Ok(preset)) = preset.map(Preset::scenario) else {
+            return self.name().to_owned();
+        };
+        let value = |scenario: &Self, key: &Key| scenario.value(key.path).map(ToString::to_string);
+        let changes: Vec<_> = KEYS
+            .iter()
+            .filter(|key| key.path != "description" && value(self, key) != value(&preset, key))
+            .map(|key| match value(self, key) {
+                Some(value) => format!(", {} = {value}", key.path),
+                None => format!(", without {}", key.path),
+            })
+            .collect();
+        let changes = match changes.len() {
+            0..=2 => changes.concat(),
+            count => format!(", {count} keys changed"),
+        };
+        format!("{}{changes}", self.name())
+    }
+}
 
 impl Preset {
     /// The preset with this name.

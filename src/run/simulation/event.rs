@@ -90,6 +90,37 @@ impl EventKind {
         matches!(self, Self::NutationMinimum | Self::NutationMaximum)
     }
 
+    /// Several events of this kind, as in "10 loops"; none for the end of something, and for what happens once.
+    #[must_use]
+    pub fn plural(self, top: &Top) -> Option<&'static str> {
+        match self {
+            Self::LoopingBegins if top.center_distance < 0.0 => {
+                Some("backward turns of the precession")
+            }
+            Self::LoopingBegins => Some("loops"),
+            Self::UprightPassage => Some("passages through upright"),
+            Self::SlipStops => Some("stops of the slip"),
+            Self::Stick => Some("intervals of sticking"),
+            Self::LiftOff => Some("hops"),
+            Self::RollBegins => Some("intervals of rolling"),
+            Self::WeakTop => Some("losses of strength"),
+            Self::StrongTop => Some("gains of strength"),
+            Self::NutationMinimum => Some("nutation minima"),
+            Self::NutationMaximum => Some("nutation maxima"),
+            Self::Start
+            | Self::Risen
+            | Self::Fallen
+            | Self::LoopingEnds
+            | Self::SlipResumes
+            | Self::Rest
+            | Self::Singular
+            | Self::Landing
+            | Self::RollEnds
+            | Self::Jam
+            | Self::Pivot => None,
+        }
+    }
+
     /// The name in recordings.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -1,10 +1,10 @@
-//! The vertical through a peg, and what the camera looks at.
+//! The vertical through a peg, and what the camera follows.
 
 use nalgebra::Vector3;
 use rerun::archetypes::Transform3D;
 use rerun::{Color, LineStrips3D, Points3D, Radius, SerializedComponentColumn};
 
-use crate::rerun::entity::{CAMERA_TARGET, VERTICAL};
+use crate::rerun::entity::{CAMERA_TARGET, FOCUS};
 use crate::rerun::error::RerunError;
 use crate::rerun::identity::Geometry;
 use crate::rerun::outlet::Outlet;
@@ -15,11 +15,11 @@ use crate::telemetry::proportions::Proportions;
 const CAMERA_HEIGHT: f64 = 0.55;
 const CAMERA_DISTANCE: f64 = 4.0;
 
-/// Time between two places of the line, in ns.
+/// Time between two places, in ns.
 const STEP_NS: u64 = 10_000_000;
 
-/// The line, up to half a top above the top, from the table below a peg in the middle of it.
-pub(super) fn line(geometry: &Geometry) -> LineStrips3D {
+/// The vertical, up to half a top above the top, from the table below a peg in the middle of it.
+pub(super) fn vertical(geometry: &Geometry) -> LineStrips3D {
     let height = geometry.top.peg_radius + 1.5 * Proportions::new(&geometry.top).size();
     LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
         .with_colors([Color::from_u32(0x8A93_A3FF)])
@@ -35,35 +35,39 @@ fn camera_target(geometry: &Geometry) -> Points3D {
     Points3D::new(points).with_radii([Radius::new_ui_points(0.0)])
 }
 
-/// The vertical that goes along with a free peg.
-pub(super) struct Vertical {
+/// The place on the table that the camera follows: below a free peg, or between two.
+pub(in crate::rerun) struct Focus {
     track: Track<Places>,
     next_ns: u64,
 }
 
-impl Vertical {
-    /// Sends the line.
-    pub(super) fn new(geometry: &Geometry, outlet: &mut Outlet) -> Self {
-        outlet.send_static(VERTICAL, &line(geometry));
+impl Focus {
+    /// Sends what the camera looks at.
+    pub(in crate::rerun) fn new(geometry: &Geometry, outlet: &mut Outlet) -> Self {
         outlet.send_static(CAMERA_TARGET, &camera_target(geometry));
         Self {
-            track: Track::new(VERTICAL, Places::default()),
+            track: Track::new(FOCUS, Places::default()),
             next_ns: 0,
         }
     }
 
-    /// Moves it to a peg.
-    pub(super) fn write(&mut self, time_ns: u64, peg: Vector3<f64>, outlet: &mut Outlet) {
+    /// Moves it to a place at a time in ns.
+    pub(in crate::rerun) fn write(
+        &mut self,
+        time_ns: u64,
+        place: Vector3<f64>,
+        outlet: &mut Outlet,
+    ) {
         if time_ns < self.next_ns {
             return;
         }
         self.next_ns = time_ns.saturating_add(STEP_NS);
-        let place = [peg.x as f32, peg.y as f32, 0.0];
+        let place = [place.x as f32, place.y as f32, 0.0];
         self.track.push(outlet, time_ns, |rows| rows.0.push(place));
     }
 }
 
-impl Collect for Vertical {
+impl Collect for Focus {
     fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
         self.track.flush(outlet, flush);
     }
