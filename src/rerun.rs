@@ -23,6 +23,7 @@ mod palette;
 mod plots;
 mod properties;
 mod rrd;
+mod scale;
 mod scene;
 #[cfg(feature = "web-viewer")]
 mod serve;

@@ -50,7 +50,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     let (files, earlier) = RunFiles::start(arguments, &scenario, &telemetry, form)?;
     let finished = recorder.record(files, &earlier, telemetry, &mut simulation)?;
     let report = RunReport::of(&scenario, arguments.changes(), &finished, began.elapsed());
-    print(&report, || report.page(arguments.note_on_rrd()))?;
+    let top = &scenario.model.top;
+    print(&report, || report.page(top, arguments.note_on_rrd()))?;
     #[cfg(feature = "rerun")]
     target.serve_until(&interrupt);
     Ok(match finished.end.stop {

@@ -17,15 +17,15 @@ pub(super) struct Events {
     summary: Track<Texts>,
     each: Track<Texts>,
     nutation: Track<Texts>,
-    repetitions: Vec<Repetition>,
+    kinds: Vec<Repeated>,
     top: Top,
 }
 
-/// The events of one kind after the first.
-struct Repetition {
+/// How often a kind of event has happened again.
+struct Repeated {
     kind: EventKind,
-    count: u32,
-    first_ns: u64,
+    more: u32,
+    again_ns: Option<u64>,
     last_ns: u64,
 }
 
@@ -46,7 +46,7 @@ impl Events {
             summary: open(entity::EVENTS),
             each: open(entity::EACH_EVENT),
             nutation: open(entity::NUTATION_EVENTS),
-            repetitions: Vec::new(),
+            kinds: Vec::new(),
             top,
         }
     }
@@ -76,36 +76,33 @@ impl Events {
 
     /// Counts an event. Returns whether it is the first of its kind.
     fn is_first(&mut self, kind: EventKind, time_ns: u64) -> bool {
-        let known = self.repetitions.iter_mut().find(|known| known.kind == kind);
-        match known {
-            Some(known) => {
-                if known.count == 0 {
-                    known.first_ns = time_ns;
-                }
-                known.count += 1;
-                known.last_ns = time_ns;
-                false
-            }
-            None => {
-                self.repetitions.push(Repetition {
-                    kind,
-                    count: 0,
-                    first_ns: time_ns,
-                    last_ns: time_ns,
-                });
-                true
-            }
+        let known = self.kinds.iter_mut().find(|known| known.kind == kind);
+        let is_first = known.is_none();
+        if let Some(known) = known {
+            known.again_ns.get_or_insert(time_ns);
+            known.last_ns = time_ns;
+            known.more += 1;
+        } else {
+            self.kinds.push(Repeated {
+                kind,
+                more: 0,
+                again_ns: None,
+                last_ns: time_ns,
+            });
         }
+        is_first
     }
 
     /// Adds a line for each kind that happened more than once.
     fn summarize(&mut self, outlet: &mut Outlet) {
-        for repeated in self.repetitions.drain(..).filter(|known| known.count > 0) {
-            if let Some(plural) = repeated.kind.plural(&self.top) {
-                let [first, last] = [repeated.first_ns, repeated.last_ns]
-                    .map(|time_ns| format!("{:.6} s", time_ns as f64 * 1e-9));
-                let text = format!("{first}: {} more {plural} until {last}", repeated.count);
-                let time_ns = repeated.first_ns;
+        for repeated in self.kinds.drain(..) {
+            let plural = repeated.kind.plural(&self.top);
+            if let (Some(time_ns), Some(plural)) = (repeated.again_ns, plural) {
+                let [again, last] = [time_ns, repeated.last_ns].map(|ns| ns as f64 * 1e-9);
+                let text = format!(
+                    "{again:.6} s: {} more {plural} until {last:.6} s",
+                    repeated.more
+                );
                 self.summary.push(outlet, time_ns, |rows| rows.push(text));
             }
         }

@@ -1,6 +1,6 @@
 //! What is known of a run before its messages.
 
-use super::scene::scale::Scales;
+use super::scale::Scales;
 use crate::physics::kinematics::Tilt;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;

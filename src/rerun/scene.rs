@@ -6,7 +6,6 @@ pub(super) mod arrow;
 pub(super) mod contact_path;
 pub(super) mod focus;
 mod pose;
-pub(super) mod scale;
 pub(super) mod shape;
 mod strips;
 mod trail;

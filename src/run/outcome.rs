@@ -55,6 +55,8 @@ pub struct Outcome {
 pub struct FreeOutcome {
     /// When the peg first began to roll, s. None if it did not.
     pub roll_time: Option<f64>,
+    /// When a tippe top turned over, its axis passing the horizontal, s. None if it did not, and of other tops.
+    pub inversion_time: Option<f64>,
     /// How often the peg left the table.
     pub hops: u64,
     /// Number of impacts on the table.
@@ -109,6 +111,7 @@ impl Outcome {
             slip_path: motion.integrals.slip_path,
             free: is_free.then(|| FreeOutcome {
                 roll_time: tally.first(EventKind::RollBegins),
+                inversion_time: end.inversion_time,
                 hops: tally.number(EventKind::LiftOff),
                 impacts: end.impacts,
             }),
@@ -317,6 +320,8 @@ pub const COLUMNS: &[Column] = &[
     number("slip_path", "m", "path that the contact point slipped", |o| real(o.slip_path)),
     number("roll_time", "s", "when the peg first began to roll; null if it did not, and with a fixed peg",
         |o| o.free?.roll_time.map(Cell::Number)),
+    number("inversion_time", "s", "when a tippe top turned over: its axis passed the horizontal; null if it did not, and of other tops",
+        |o| o.free?.inversion_time.map(Cell::Number)),
     integer("hops", "how often the peg left the table; null with a fixed peg", |o| counted(o.free?.hops)),
     integer("impacts", "number of impacts on the table; null with a fixed peg", |o| counted(o.free?.impacts)),
     integer("steps", "steps of the integrator", |o| counted(o.steps)),

@@ -2,6 +2,7 @@
 
 use crate::support::{Run, scenario};
 use proptest::prelude::*;
+use std::f64::consts::FRAC_PI_2;
 use toprise::run::outcome;
 use toprise::run::outcome::{COLUMNS, Cell, ColumnKind, Outcome};
 use toprise::run::scenario::{PRESETS, Scenario};
@@ -44,6 +45,27 @@ fn outcomes_of_presets_are_those_of_whole_runs_to_the_last_bit() {
         let alone = outcome(&scenario, || true).unwrap();
         let told = told_by_simulation(&scenario);
         assert_eq!(bits(&alone), bits(&told), "{}", preset.name);
+    }
+}
+
+#[test]
+fn a_tippe_top_inverts_where_its_axis_passes_the_horizontal() {
+    let inverted = scenario("tippe-top", &[("stop.duration", "6.0")]);
+    let time = outcome(&inverted, || true).unwrap().free.unwrap();
+    let time = time.inversion_time.unwrap();
+    let samples = Run::of(&inverted).samples;
+    let above = samples.partition_point(|sample| sample.angles.theta < FRAC_PI_2);
+    let [before, after] = [above - 1, above].map(|index| samples[index].time_ns as f64 * 1e-9);
+    assert!(before <= time && time <= after, "{before} {time} {after}");
+
+    for (preset, duration) in [
+        ("tippe-top", "5.4"),
+        ("tippe-top-hangs", "5.0"),
+        ("drop", "0.5"),
+    ] {
+        let scenario = scenario(preset, &[("stop.duration", duration)]);
+        let outcome = outcome(&scenario, || true).unwrap();
+        assert_eq!(outcome.free.unwrap().inversion_time, None, "{preset}");
     }
 }
 

@@ -349,6 +349,53 @@ fn the_same_pair_is_the_same_bytes() {
 }
 
 #[test]
+fn events_that_repeat_are_one_line_with_their_number() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("run.rrd");
+    let scenario = scenario("free-paper", &[("stop.duration", "1.4")]);
+    let identity = Identity::of(
+        "run",
+        &scenario,
+        Topic::all().collect(),
+        Playback::FromStart,
+    );
+    let destinations = Destinations {
+        file: Some(File::create(&path).unwrap()),
+        live: None,
+    };
+    let mut sink = RerunSink::new(&identity, destinations);
+    for message in &in_memory(&scenario).0.messages {
+        sink.write(&message.as_message()).unwrap();
+    }
+    sink.finish().unwrap();
+    let content = Content::read(&path);
+    let lines = |entity: &str| {
+        let chunks = content.data.iter();
+        let chunks = chunks.filter(|chunk| chunk.entity_path().to_string() == entity);
+        let lines = chunks.flat_map(|chunk| texts(chunk, "TextLog:text"));
+        lines.collect::<Vec<_>>()
+    };
+    let each = lines("/events/each");
+    let loops = each.iter().filter(|line| line.contains("turns backward"));
+    let last = loops.clone().last().unwrap().split_once(" s:").unwrap().0;
+    let expected = format!("{} more loops until {last} s", loops.count() - 1);
+    let summary = lines("/events");
+    assert!(
+        summary.iter().any(|line| line.ends_with(&expected)),
+        "{summary:?}"
+    );
+    assert_eq!(summary.len(), 4, "{summary:?}");
+    // The blueprint says at the end how fast to play it.
+    let speeds = content.blueprint.iter().flat_map(|chunk| {
+        chunk
+            .iter_slices::<f64>("TimePanelBlueprint:playback_speed".into())
+            .map(<[f64]>::to_vec)
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(speeds.collect::<Vec<_>>(), [[1.0], [0.05]]);
+}
+
+#[test]
 fn runs_with_the_same_name_are_told_apart_by_letters() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("pair.rrd");

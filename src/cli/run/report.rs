@@ -4,6 +4,7 @@ use crate::cli::numbers::{count, number};
 use crate::cli::page::{Page, Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
+use crate::physics::top::Top;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventCount, RunEnd, StopReason, Tally};
@@ -100,14 +101,14 @@ impl RunReport {
         }
     }
 
-    /// The summary for people, with a note on what is not written.
-    pub(super) fn page(&self, not_written: Option<&str>) -> Page {
+    /// The human-readable summary of a run of a top, with a note on what is not written.
+    pub(super) fn page(&self, top: &Top, not_written: Option<&str>) -> Page {
         let mut facts = vec![
             ("state", self.angles()),
             ("rates", self.rates()),
             ("energy", self.energy_balance()),
         ];
-        facts.extend(under("events", self.event_lines()));
+        facts.extend(under("events", self.event_lines(top)));
         facts.extend([("logged", self.logged()), ("took", self.took())]);
         let files = std::iter::once(&self.mcap).chain(&self.rrd);
         let files = files.map(WrittenFile::line);
@@ -128,12 +129,7 @@ impl RunReport {
         let mut section = Section::default();
         section.table(Table::of_facts(facts));
         Page {
-            title: format!(
-                "{}: {} at t = {} s",
-                self.name(),
-                self.outcome.stop_reason.sentence(),
-                number(self.outcome.stop_time, 6)
-            ),
+            title: self.title(),
             tone: match self.outcome.stop_reason {
                 StopReason::Interrupted | StopReason::Failed => Tone::Weak,
                 _ => Tone::Good,
@@ -141,6 +137,19 @@ impl RunReport {
             sections: vec![section],
             ..Page::default()
         }
+    }
+
+    fn title(&self) -> String {
+        let inversion = self.outcome.free.and_then(|free| free.inversion_time);
+        let inversion = inversion.map_or_else(String::new, |time| {
+            format!("the top has inverted at t = {} s; ", number(time, 6))
+        });
+        format!(
+            "{}: {inversion}{} at t = {} s",
+            self.name(),
+            self.outcome.stop_reason.sentence(),
+            number(self.outcome.stop_time, 6)
+        )
     }
 
     /// The name of the scenario with the keys that were set.
@@ -189,18 +198,24 @@ impl RunReport {
         )
     }
 
-    /// Each kind but those of nutation, with its number, or its time if it happened once.
-    fn event_lines(&self) -> Vec<String> {
-        let is_told = |event: &&EventCount| event.first_time > 0.0 && !event.name.is_of_nutation();
-        let told = self.events.iter().filter(is_told);
-        let line = |event: &EventCount| {
-            let name = event.name.name().replace('_', " ");
-            match event.count {
-                1 => format!("{name} at {:.4} s", event.first_time),
-                more => format!("{} × {name} from {:.4} s", count(more), event.first_time),
+    /// The kinds of events but those of nutation. What happened several times is one line, without the end of each.
+    fn event_lines(&self, top: &Top) -> Vec<String> {
+        let is_shown = |event: &&EventCount| event.first_time > 0.0 && !event.name.is_of_nutation();
+        let shown = self.events.iter().filter(is_shown);
+        let line = |event: &EventCount| match (event.count, event.name.plural(top)) {
+            (1, _) => {
+                let name = event.name.name().replace('_', " ");
+                Some(format!("{name} at {:.4} s", event.first_time))
             }
+            (several, Some(plural)) => Some(format!(
+                "{} {plural} between {:.4} s and {:.4} s",
+                count(several),
+                event.first_time,
+                event.last_time
+            )),
+            (_, None) => None,
         };
-        told.map(line).collect()
+        shown.filter_map(line).collect()
     }
 
     fn logged(&self) -> String {

@@ -269,25 +269,19 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
 fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
     let mut pages = Vec::new();
     let is_tippe_top = Proportions::new(&identity.geometry.top).is_ball;
-    let all: &[(&str, &[Chart])] = match identity.geometry.is_free {
-        false => &[("How it rises", &RISE), ("More", &MORE)],
-        true => &[
-            (
-                if is_tippe_top {
-                    "How it inverts"
-                } else {
-                    "How it travels"
-                },
-                &TRAVEL,
-            ),
-            ("On the table", &TABLE),
-            ("Rates", &RATES),
-            ("More", &MORE),
-        ],
+    let first = match (identity.geometry.is_free, is_tippe_top) {
+        (false, _) => ("How it rises", &RISE),
+        (true, false) => ("How it travels", &TRAVEL),
+        (true, true) => ("How it inverts", &TRAVEL),
     };
+    let mut all: Vec<(&str, &[Chart])> = vec![(first.0, first.1)];
+    if identity.geometry.is_free {
+        all.extend([("On the table", &TABLE[..]), ("Rates", &RATES[..])]);
+    }
+    all.push(("More", &MORE));
     for (name, charts) in all {
         let mut views = Vec::new();
-        for chart in *charts {
+        for chart in charts {
             if !chart.contents.iter().any(|plot| identity.has(plot.topic())) {
                 continue;
             }
@@ -304,7 +298,7 @@ fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
         }
         let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
             .with_grid_columns(2)
-            .with_display_name(Name((*name).into()));
+            .with_display_name(Name(name.into()));
         pages.extend(layout.contain_any(grid, &views));
     }
     layout.contain_any(tabs(), &pages)

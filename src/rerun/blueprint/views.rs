@@ -15,7 +15,7 @@ use crate::rerun::error::RerunError;
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::look::Look;
 use crate::rerun::message::TIMELINE;
-use crate::rerun::scene::scale::round;
+use crate::rerun::scale::round;
 use crate::telemetry::proportions::Proportions;
 use rerun::external::re_log_types::LogMsg;
 

@@ -4,12 +4,12 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rerun::archetypes::{Arrows3D, Points3D};
 use rerun::{Color, Radius, SerializedComponentColumn};
 
-use super::scale::{self, Scales};
 use crate::rerun::error::RerunError;
 use crate::rerun::identity::{Geometry, Identity};
 use crate::rerun::look::Look;
 use crate::rerun::outlet::Outlet;
 use crate::rerun::palette;
+use crate::rerun::scale::{self, Scales};
 use crate::rerun::track::{Collect, Flush, Rows, Track};
 use crate::telemetry::Message;
 use crate::telemetry::fields::{VectorField, contact, momentum, torque};

@@ -36,14 +36,14 @@ fn camera_target(geometry: &Geometry) -> Points3D {
 }
 
 /// The place on the table that the camera follows: below a free peg, or between two.
-pub(in crate::rerun) struct Focus {
+pub(crate) struct Focus {
     track: Track<Places>,
     next_ns: u64,
 }
 
 impl Focus {
     /// Sends what the camera looks at.
-    pub(in crate::rerun) fn new(geometry: &Geometry, outlet: &mut Outlet) -> Self {
+    pub(crate) fn new(geometry: &Geometry, outlet: &mut Outlet) -> Self {
         outlet.send_static(CAMERA_TARGET, &camera_target(geometry));
         Self {
             track: Track::new(FOCUS, Places::default()),
@@ -52,12 +52,7 @@ impl Focus {
     }
 
     /// Moves it to a place at a time in ns.
-    pub(in crate::rerun) fn write(
-        &mut self,
-        time_ns: u64,
-        place: Vector3<f64>,
-        outlet: &mut Outlet,
-    ) {
+    pub(crate) fn write(&mut self, time_ns: u64, place: Vector3<f64>, outlet: &mut Outlet) {
         if time_ns < self.next_ns {
             return;
         }

@@ -38,6 +38,8 @@ pub(super) struct Queue {
     pub(super) cycles: u32,
     /// Impacts that have been handed out.
     pub(super) impacts: u32,
+    /// When a tippe top turned over, s.
+    pub(super) inversion: Option<f64>,
 }
 
 impl Queue {
@@ -47,6 +49,11 @@ impl Queue {
 
     pub(super) fn extend(&mut self, pending: impl IntoIterator<Item = Pending>) {
         self.pending.extend(pending);
+    }
+
+    /// Notes that a tippe top turned over at this time, s, if it had not before.
+    pub(super) fn invert(&mut self, time: f64) {
+        self.inversion.get_or_insert(time);
     }
 
     /// Forgets what would come after a time, s.

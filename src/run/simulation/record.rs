@@ -83,6 +83,8 @@ pub struct RunEnd {
     pub energy_at_start: f64,
     /// Number of samples.
     pub samples: u64,
+    /// When a tippe top turned over, its axis passing the horizontal, s.
+    pub inversion_time: Option<f64>,
     /// Number of events.
     pub events: u64,
     /// Number of whole nutation cycles.

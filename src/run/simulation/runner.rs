@@ -286,8 +286,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 event(EventKind::Rest);
                 self.end = Some((time, End::Stop(StopReason::Rest, None)));
             }
+            (Meaning::Inversion, Slope::Rising) => self.queue.invert(time),
             (Meaning::Risen(_) | Meaning::Guard(_) | Meaning::Turning, Slope::Rising)
-            | (Meaning::Fallen(_), Slope::Falling) => {}
+            | (Meaning::Fallen(_) | Meaning::Inversion, Slope::Falling) => {}
         }
         Ok(())
     }
@@ -542,6 +543,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             events: u64::from(self.queue.events),
             nutations: u64::from(self.queue.cycles),
             impacts: u64::from(self.queue.impacts),
+            inversion_time: self.queue.inversion.filter(|at| *at <= time),
             statistics: *self.integrator.statistics(),
         }
     }

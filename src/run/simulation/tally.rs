@@ -13,6 +13,8 @@ pub struct EventCount {
     pub count: u64,
     /// When it happened first, s.
     pub first_time: f64,
+    /// When it happened last, s.
+    pub last_time: f64,
 }
 
 /// How often each kind of event happened, in the order of their first times.
@@ -23,11 +25,15 @@ impl Tally {
     /// Takes in an event at this time, s.
     pub fn count(&mut self, kind: EventKind, time: f64) {
         match self.0.iter_mut().find(|known| known.name == kind) {
-            Some(known) => known.count += 1,
+            Some(known) => {
+                known.count += 1;
+                known.last_time = time;
+            }
             None => self.0.push(EventCount {
                 name: kind,
                 count: 1,
                 first_time: time,
+                last_time: time,
             }),
         }
     }

@@ -34,6 +34,8 @@ pub(super) enum Meaning {
     Risen(f64),
     /// The top has fallen to this inclination, rad.
     Fallen(f64),
+    /// A tippe top turns over: its axis passes the horizontal.
+    Inversion,
     /// What ends the phase.
     Guard(Guard),
     /// A top whose contact point sticks has come to rest.
@@ -63,6 +65,7 @@ impl Meaning {
                 each(motions, |m| top.strength_ratio(&m.tilt) - 1.0)
             }
             Self::Risen(limit) | Self::Fallen(limit) => each(motions, |m| m.angles.theta - limit),
+            Self::Inversion => each(motions, |m| m.angles.theta - FRAC_PI_2),
             Self::Guard(guard) => each(motions, |m| system.guard(guard, m)),
             Self::Turning => each(motions, |m| sense * m.tilt.omega_lean.z),
         }
@@ -93,17 +96,20 @@ impl Meaning {
                     top.strength_ratio_at(strongest) < 1.0 - STRENGTH_ROUNDING
                 }
             }
-            Self::Risen(limit) | Self::Fallen(limit) => {
-                let beyond = if positive {
-                    bounds.theta.least - limit
-                } else {
-                    limit - bounds.theta.greatest
-                };
-                beyond > 0.0
-            }
+            Self::Risen(limit) | Self::Fallen(limit) => is_beyond(limit, positive, bounds),
+            Self::Inversion => is_beyond(FRAC_PI_2, positive, bounds),
             Self::Guard(guard) => positive && system.guard_is_positive(guard, bounds),
             Self::Envelope | Self::Turning => false,
         }
+    }
+}
+
+/// Whether θ stays above a limit in rad, or below it if not `positive`.
+fn is_beyond(limit: f64, positive: bool, bounds: &EulerBounds) -> bool {
+    if positive {
+        bounds.theta.least > limit
+    } else {
+        limit > bounds.theta.greatest
     }
 }
 
@@ -251,6 +257,8 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
         let fallen = stop.theta_fallen.unwrap_or(FRAC_PI_2);
         watches.push(watch(Meaning::Strength, 0.0));
         watches.push(watch(Meaning::Fallen(fallen), 0.0));
+    } else {
+        watches.push(watch(Meaning::Inversion, 0.0));
     }
     watches.extend(
         stop.theta_risen

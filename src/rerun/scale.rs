@@ -34,7 +34,7 @@ pub struct Scales {
 
 impl Scales {
     /// The scales for the runs of a scenario.
-    pub(in crate::rerun) fn new(scenario: &Scenario) -> Self {
+    pub(super) fn new(scenario: &Scenario) -> Self {
         let top = &scenario.model.top;
         let height = Proportions::new(top).size();
         let reference = REFERENCE_LENGTH * height;
@@ -58,7 +58,7 @@ impl Scales {
     }
 
     /// The coarser scales of two runs: what fits both.
-    pub(in crate::rerun) fn common(&self, other: &Self) -> Self {
+    pub(super) fn common(&self, other: &Self) -> Self {
         Self {
             slip: self.slip.max(other.slip),
             force: self.force.max(other.force),
@@ -80,28 +80,33 @@ fn momentum(top: &Top, tilt: &Tilt) -> f64 {
 /// A scale for a quantity that is typically `share` of the reference: smaller by whole decades, so that its arrow is at
 /// least a tenth as long as the reference's.
 fn enlarged(scale: f64, share: f64) -> f64 {
-    let decades = math::log10(share).floor() + 1.0;
-    round(scale) * power_of_ten(decades)
+    round_by(scale, math::log10(share).floor() + 1.0)
 }
 
 /// The nearest of 1, 2 and 5 times a power of ten; 0 for what is neither positive nor finite.
-pub(in crate::rerun) fn round(value: f64) -> f64 {
+pub(super) fn round(value: f64) -> f64 {
+    round_by(value, 0.0)
+}
+
+/// The same, times ten to the power of `decades`.
+fn round_by(value: f64, decades: f64) -> f64 {
     let decade = math::log10(value).floor();
-    let digits = value / power_of_ten(decade);
-    let nearest = [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .min_by(|a, b| (math::ln(digits / a).abs()).total_cmp(&math::ln(digits / b).abs()));
-    let rounded = nearest.unwrap_or_default() * power_of_ten(decade);
+    let power = |exponent: f64| format!("1e{exponent}").parse().unwrap_or(0.0);
+    let digits: f64 = value / power(decade);
+    // Halfway, in logarithms, between 1, 2, 5 and 10.
+    let nearest = match digits * digits {
+        square if square < 2.0 => 1,
+        square if square < 10.0 => 2,
+        square if square < 50.0 => 5,
+        _ => 10,
+    };
+    let rounded = format!("{nearest}e{}", decade + decades);
+    let rounded: f64 = rounded.parse().unwrap_or_default();
     if rounded.is_normal() { rounded } else { 0.0 }
 }
 
-/// Ten to a whole power; 0 for infinite ones.
-fn power_of_ten(exponent: f64) -> f64 {
-    format!("1e{exponent}").parse().unwrap_or_default()
-}
-
 /// A scale for people, as in `1 cm = 20 µN m`.
-pub(in crate::rerun) fn legend(per_metre: f64, unit: &str) -> String {
+pub(super) fn legend(per_metre: f64, unit: &str) -> String {
     const PREFIXES: [(f64, &str); 5] = [
         (1.0, ""),
         (1e-3, "m"),
@@ -119,5 +124,65 @@ pub(in crate::rerun) fn legend(per_metre: f64, unit: &str) -> String {
             format!("1 cm = {:.0} {prefix}{unit}", per_centimetre / factor)
         }
         _ => format!("1 cm = {per_centimetre:.0e} {unit}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::scenario::Preset;
+
+    fn scales(preset: &str, key: &str, value: &str) -> Scales {
+        let mut values = Preset::find(preset).unwrap().values().unwrap();
+        values.set(key, value).unwrap();
+        Scales::new(&Scenario::new(values).unwrap())
+    }
+
+    #[test]
+    fn friction_is_drawn_to_one_scale_within_a_decade() {
+        let paper = scales("paper", "friction.k", "0.03");
+        assert_eq!(scales("paper", "friction.k", "0.045"), paper);
+        assert_eq!(scales("full-coulomb", "friction.k", "0.03"), paper);
+        let tenfold = scales("paper", "friction.k", "0.3");
+        assert!((tenfold.force / paper.force - 10.0).abs() < 1e-12);
+        assert_eq!(tenfold.gravity_torque, paper.gravity_torque);
+        assert_eq!(scales("frictionless", "stop.duration", "1").force, 0.0);
+    }
+
+    #[test]
+    fn every_scale_of_a_preset_is_a_round_number() {
+        for preset in crate::run::scenario::PRESETS {
+            let scenario = preset.scenario().unwrap();
+            let scales = Scales::new(&scenario);
+            let Scales {
+                slip,
+                force,
+                gravity_torque,
+                friction_torque,
+                momentum,
+            } = scales;
+            for scale in [slip, force, gravity_torque, friction_torque, momentum] {
+                let digits = format!("{scale:e}");
+                let is_round = ["1e", "2e", "5e"]
+                    .iter()
+                    .any(|start| digits.starts_with(start));
+                let is_absent = scale == 0.0 && (scenario.is_frictionless() || scale == slip);
+                assert!(is_round || is_absent, "{}: {digits}", preset.name);
+            }
+        }
+    }
+
+    #[test]
+    fn legends_have_a_prefix() {
+        for (per_metre, unit, expected) in [
+            (0.5, "N", "1 cm = 5 mN"),
+            (100.0, "m/s", "1 cm = 1 m/s"),
+            (0.002, "N m", "1 cm = 20 µN m"),
+            (0.2, "kg m²/s", "1 cm = 2 mN m s"),
+            (5e9, "N", "1 cm = 5e7 N"),
+            (1e-15, "N", "1 cm = 1e-17 N"),
+        ] {
+            assert_eq!(legend(per_metre, unit), expected);
+        }
     }
 }
