@@ -59,6 +59,8 @@ pub struct Figure {
     uses: &'static [Need],
     /// The pegs of which the figure says something.
     pegs: Pegs,
+    /// Why the figure says nothing of this run, if it doesn't.
+    says_nothing: fn(&Run) -> Option<&'static str>,
     draw: fn(&[&Run], f64) -> Drawing,
 }
 
@@ -74,6 +76,14 @@ enum Pegs {
     },
     /// Those that are free: a held one stays where it is.
     Free,
+}
+
+/// The need for means over each nutation of some fields.
+const fn means(fields: &'static [NumberField]) -> Need {
+    Need {
+        fields,
+        are_means: true,
+    }
 }
 
 /// The need for samples of some fields.
@@ -118,39 +128,35 @@ const PRECESSION_RATE: Need = samples(&[state::PHI_DOT]);
 const ROOTS: Need = samples(&[precession::SLOW_ROOT, precession::FAST_ROOT]);
 const AXIS: Need = samples(&pose::AXIS.components());
 
-const ACCELERATIONS: Need = Need {
-    fields: &[
-        acceleration::THETA_DDOT_GYROSCOPIC,
-        acceleration::THETA_DDOT_CENTRIFUGAL,
-        acceleration::THETA_DDOT_GRAVITATIONAL,
-        acceleration::THETA_DDOT_FRICTIONAL,
-        acceleration::PHI_DDOT_GYROSCOPIC,
-        acceleration::PHI_DDOT_CORIOLIS,
-        acceleration::PHI_DDOT_FRICTIONAL,
-    ],
-    are_means: true,
-};
+const ACCELERATIONS: Need = means(&[
+    acceleration::THETA_DDOT_GYROSCOPIC,
+    acceleration::THETA_DDOT_CENTRIFUGAL,
+    acceleration::THETA_DDOT_GRAVITATIONAL,
+    acceleration::THETA_DDOT_FRICTIONAL,
+    acceleration::PHI_DDOT_GYROSCOPIC,
+    acceleration::PHI_DDOT_CORIOLIS,
+    acceleration::PHI_DDOT_FRICTIONAL,
+]);
 
-const TORQUES: Need = samples(&[
+const TORQUE_FIELDS: &[NumberField] = &[
     torque::GRAVITY_NODE.x(),
     torque::FRICTION_NODE.x(),
     torque::FRICTION_NODE.y(),
     torque::FRICTION_NODE.z(),
-]);
-
-const SLIP: Need = samples(&[contact::SLIP_SPEED, contact::SLIP_PATH]);
-
-const TRACK: Need = samples(&[contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()]);
-const NORMAL_FORCE: Need = samples(&[contact::NORMAL_FORCE]);
-const GAP: Need = samples(&[free_peg::GAP]);
-
-const ENERGIES: Need = samples(&[
+];
+const SLIP_FIELDS: &[NumberField] = &[contact::SLIP_SPEED, contact::SLIP_PATH];
+const NORMAL_FORCE_FIELDS: &[NumberField] = &[contact::NORMAL_FORCE];
+const GAP_FIELDS: &[NumberField] = &[free_peg::GAP];
+const ENERGY_FIELDS: &[NumberField] = &[
     energy::KINETIC,
     energy::POTENTIAL,
     energy::TOTAL,
     energy::FRICTION_WORK,
     energy::FRICTION_POWER,
-]);
+];
+
+const TRACK: Need = samples(&[contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()]);
+const REGIME: Need = samples(&[contact::REGIME]);
 
 /// The defaults of the table below.
 const DEFAULTS: Figure = Figure {
@@ -160,6 +166,7 @@ const DEFAULTS: Figure = Figure {
     needs: &[],
     uses: &[],
     pegs: Pegs::All,
+    says_nothing: |_| None,
     draw: |_, width| Drawing::new(width),
 };
 
@@ -214,24 +221,24 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "torque",
         title: "Torques along the line of nodes (x), its perpendicular (y) and the symmetry axis (z)",
-        needs: &[TORQUES],
-        uses: &[CYCLES],
+        needs: &[samples(TORQUE_FIELDS)],
+        uses: &[CYCLES, means(TORQUE_FIELDS)],
         draw: time::torque,
         ..DEFAULTS
     },
     Figure {
         name: "slip",
         title: "Slip speed and path slipped",
-        needs: &[SLIP],
-        uses: &[CYCLES],
+        needs: &[samples(SLIP_FIELDS)],
+        uses: &[CYCLES, means(SLIP_FIELDS)],
         draw: time::slip,
         ..DEFAULTS
     },
     Figure {
         name: "energy",
         title: "Kinetic, potential and total energy, and what friction takes",
-        needs: &[ENERGIES],
-        uses: &[CYCLES],
+        needs: &[samples(ENERGY_FIELDS)],
+        uses: &[CYCLES, means(ENERGY_FIELDS)],
         draw: time::energy,
         ..DEFAULTS
     },
@@ -239,6 +246,7 @@ pub const FIGURES: &[Figure] = &[
         name: "track",
         title: "The track of the contact point of a free peg on the table, from above",
         needs: &[TRACK],
+        uses: &[REGIME],
         pegs: Pegs::Free,
         draw: track::track,
         ..DEFAULTS
@@ -246,9 +254,14 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "hops",
         title: "The normal force on a free peg, and its height above the table",
-        needs: &[NORMAL_FORCE, GAP],
-        uses: &[CYCLES],
+        needs: &[samples(NORMAL_FORCE_FIELDS), samples(GAP_FIELDS)],
+        uses: &[CYCLES, means(NORMAL_FORCE_FIELDS), means(GAP_FIELDS)],
         pegs: Pegs::Free,
+        says_nothing: |run| {
+            let gaps = run.series(free_peg::GAP);
+            let stays = !gaps.is_empty() && gaps.iter().all(|(_, gap)| gap.is_nan() || *gap <= 0.0);
+            stays.then_some("the peg never leaves the table")
+        },
         draw: time::hops,
         ..DEFAULTS
     },
@@ -289,7 +302,7 @@ impl Figure {
         match self.pegs {
             Pegs::Held { because } if run.has_free_peg => Some(because),
             Pegs::Free if !run.has_free_peg => Some("the peg is held: it stays where it is"),
-            Pegs::All | Pegs::Held { .. } | Pegs::Free => None,
+            Pegs::All | Pegs::Held { .. } | Pegs::Free => (self.says_nothing)(run),
         }
     }
 

@@ -85,6 +85,14 @@ impl Looks {
         }
     }
 
+    /// The stroke of the ripple of a quantity, whose average is drawn as [`Self::term`].
+    pub(super) fn ripple(self, run: usize, term: usize) -> Stroke {
+        Stroke {
+            opacity: 0.3,
+            ..line(self.term(run, term).colour, THIN)
+        }
+    }
+
     /// The stroke of a quantity in a legend, where it stands for all runs.
     pub(super) fn term_in_legend(self, term: usize) -> Stroke {
         let stroke = self.term(0, term);

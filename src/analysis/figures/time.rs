@@ -75,6 +75,18 @@ fn averages(panel: &mut Panel, runs: &[&Run], field: NumberField, mean: NumberFi
     }
 }
 
+/// A curve that goes up and down by more than this many times its range is a band.
+const BAND: f64 = 20.0;
+
+/// Whether a number goes up and down so often that it fills a band, and its averages are known.
+fn has_ripple(run: &Run, field: NumberField) -> bool {
+    let values: Vec<_> = run.series(field).iter().map(|point| point.1).collect();
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let path: f64 = steps.filter(|step| step.is_finite()).sum();
+    let (low, high) = extremes(values.into_iter());
+    path > BAND * (high - low) && is_line(&run.means(field))
+}
+
 /// Whether these points make a line.
 fn is_line(points: &[Point]) -> bool {
     points
@@ -144,6 +156,7 @@ struct Terms<'a> {
     panel: Panel,
     runs: &'a [&'a Run],
     count: usize,
+    has_ripples: bool,
 }
 
 impl<'a> Terms<'a> {
@@ -152,7 +165,31 @@ impl<'a> Terms<'a> {
             panel: Panel::new(symbol, unit),
             runs,
             count: 0,
+            has_ripples: false,
         }
+    }
+
+    /// Adds a number; `name` is markup. Where it ripples so fast that it fills a band, the band is pale and its average over
+    /// each nutation is the line: bands that overlap stay readable.
+    fn number(mut self, name: &str, field: NumberField) -> Self {
+        let looks = Looks {
+            runs: self.runs.len(),
+        };
+        for (index, run) in self.runs.iter().enumerate() {
+            if has_ripple(run, field) {
+                let meaning = format!("{}: {}", run.name, field.path());
+                let stroke = looks.ripple(index, self.count);
+                self.panel.curve(meaning, run.series(field), stroke);
+                self.has_ripples = true;
+            }
+        }
+        self.term(name, |run| {
+            if has_ripple(run, field) {
+                run.means(field)
+            } else {
+                run.series(field)
+            }
+        })
     }
 
     /// Adds a quantity; `name` is markup.
@@ -192,6 +229,12 @@ impl<'a> Terms<'a> {
 /// A page of panels with several quantities each.
 fn terms(runs: &[&Run], panels: Vec<Terms<'_>>) -> Page {
     let mut legend = looks::legend(runs, |_, run| Looks::run_in_legend(run));
+    if panels.iter().any(|terms| terms.has_ripples) {
+        legend.push(Entry::area(
+            PALE,
+            "simulation; lines: average over each nutation",
+        ));
+    }
     legend.extend(looks::note(runs));
     let panels = panels.into_iter().map(|terms| terms.panel);
     page(legend, panels.collect())
@@ -348,33 +391,28 @@ fn rising(run: &Run) -> Vec<Band> {
 /// A rate beyond all axes, rad/s.
 const FAR: f64 = 1e9;
 
-/// A number of a run over time.
-fn series(field: NumberField) -> impl Fn(&Run) -> Vec<Point> {
-    move |run| run.series(field)
-}
-
 /// The torques in the node frame.
 pub(super) fn torque(runs: &[&Run], width: f64) -> Drawing {
-    let gravity = Terms::new(runs, "*τ*", "N m")
-        .term("gravity, *τ*_{*x*}", series(torques::GRAVITY_NODE.x()));
+    let gravity =
+        Terms::new(runs, "*τ*", "N m").number("gravity, *τ*_{*x*}", torques::GRAVITY_NODE.x());
     let friction = Terms::new(runs, "*τ*", "N m")
-        .term("friction, *τ*_{*y*}", series(torques::FRICTION_NODE.y()))
-        .term("*τ*_{*z*}", series(torques::FRICTION_NODE.z()))
-        .term("*τ*_{*x*}", series(torques::FRICTION_NODE.x()));
+        .number("friction, *τ*_{*y*}", torques::FRICTION_NODE.y())
+        .number("*τ*_{*z*}", torques::FRICTION_NODE.z())
+        .number("*τ*_{*x*}", torques::FRICTION_NODE.x());
     terms(runs, vec![gravity, friction]).draw(width)
 }
 
 /// The slip speed and the path slipped.
 pub(super) fn slip(runs: &[&Run], width: f64) -> Drawing {
-    let speed = Terms::new(runs, "|*v*|", "m/s").term("slip speed", series(contact::SLIP_SPEED));
-    let path = Terms::new(runs, "*s*", "m").term("path slipped", series(contact::SLIP_PATH));
+    let speed = Terms::new(runs, "|*v*|", "m/s").number("slip speed", contact::SLIP_SPEED);
+    let path = Terms::new(runs, "*s*", "m").number("path slipped", contact::SLIP_PATH);
     terms(runs, vec![speed, path]).draw(width)
 }
 
 /// The normal force and the height of the peg above the table.
 pub(super) fn hops(runs: &[&Run], width: f64) -> Drawing {
-    let force = Terms::new(runs, "*N*", "N").term("normal force", series(contact::NORMAL_FORCE));
-    let gap = Terms::new(runs, "*h*", "m").term("height of the peg", series(free_peg::GAP));
+    let force = Terms::new(runs, "*N*", "N").number("normal force", contact::NORMAL_FORCE);
+    let gap = Terms::new(runs, "*h*", "m").number("height of the peg", free_peg::GAP);
     terms(runs, vec![force, gap]).draw(width)
 }
 
@@ -389,17 +427,16 @@ pub(super) fn energy(runs: &[&Run], width: f64) -> Drawing {
         total.into_iter().map(|(t, e)| (t, e - start)).collect()
     };
     let kinetic = Terms::new(runs, "*E*", "J")
-        .term("total", series(energies::TOTAL))
-        .term("kinetic", series(energies::KINETIC));
-    let potential = Terms::new(runs, "*E*", "J").term("potential", series(energies::POTENTIAL));
+        .number("total", energies::TOTAL)
+        .number("kinetic", energies::KINETIC);
+    let potential = Terms::new(runs, "*E*", "J").number("potential", energies::POTENTIAL);
     let largest = runs.iter().flat_map(|run| run.series(energies::KINETIC));
     let (_, largest) = extremes(largest.map(|point| point.1.abs()));
     let work = Terms::new(runs, "Δ*E*", "J")
         .term("change of the total", change)
-        .term("work of friction", series(energies::FRICTION_WORK))
+        .number("work of friction", energies::FRICTION_WORK)
         .rounding(CONSERVED * largest);
-    let power =
-        Terms::new(runs, "*P*", "W").term("power of friction", series(energies::FRICTION_POWER));
+    let power = Terms::new(runs, "*P*", "W").number("power of friction", energies::FRICTION_POWER);
     terms(runs, vec![kinetic, potential, work, power]).draw(width)
 }
 

@@ -6,8 +6,8 @@ use crate::analysis::plot::drawing::Drawing;
 use crate::analysis::plot::frame::{self, Frame, Quantity};
 use crate::analysis::plot::legend::{self, Entry};
 use crate::analysis::plot::range::extremes;
-use crate::analysis::plot::shape::{Bounds, Point};
-use crate::analysis::plot::style::{LINE, MARGIN};
+use crate::analysis::plot::shape::{Bounds, Colour, Point};
+use crate::analysis::plot::style::{self, BLUE, GREEN, LINE, MARGIN, MEDIUM, VERMILLION};
 use crate::telemetry::fields::contact;
 
 /// The greatest side of the square, mm.
@@ -31,6 +31,14 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
     let tracks: Vec<Vec<Point>> = runs.iter().map(|run| places(run)).collect();
     let mut drawing = Drawing::new(width);
     let mut legend = looks::legend(runs, |_, run| Looks::run_in_legend(run));
+    let parts = match runs {
+        [run] => regimes(run),
+        _ => Vec::new(),
+    };
+    let is_there = |(name, _): &&(&str, Colour)| parts.iter().any(|(part, _)| part == name);
+    for (name, colour) in REGIMES.iter().filter(is_there) {
+        legend.push(Entry::line(style::line(*colour, MEDIUM), name));
+    }
     legend.extend([Entry::dot(false, "start"), Entry::dot(true, "end")]);
     let top = legend::draw_at_top(&mut drawing, &legend) + LINE + 0.6;
     let ranges = ranges(&tracks);
@@ -46,7 +54,15 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
     for (index, (run, track)) in runs.iter().zip(&tracks).enumerate() {
         let stroke = Looks::run_in_legend(index);
         let meaning = format!("{}: track of the contact point", run.name);
-        drawing.group(&meaning, frame.path(track, stroke));
+        if parts.is_empty() {
+            drawing.group(&meaning, frame.path(track, stroke));
+        }
+        for (name, colour) in REGIMES {
+            let parts = parts.iter().filter(|(part, _)| *part == name);
+            let stroke = style::line(colour, MEDIUM);
+            let shapes = parts.flat_map(|(_, places)| frame.path(places, stroke));
+            drawing.group(&format!("{meaning}, {name}"), shapes.collect());
+        }
         let ends = [(track.first(), false), (track.last(), true)];
         let dots = ends.into_iter().filter_map(|(place, is_end)| {
             Some(legend::dot(frame.place(*place?), is_end, stroke.colour))
@@ -58,13 +74,44 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
     drawing
 }
 
+/// What a peg does, and the colours of its track.
+const REGIMES: [(&str, Colour); 3] = [("slides", BLUE), ("rolls", GREEN), ("flies", VERMILLION)];
+
+/// The parts of a run's track in which the peg does one thing, with its name; none if that is not known.
+fn regimes(run: &Run) -> Vec<(&'static str, Vec<Point>)> {
+    let mut parts: Vec<(&str, Vec<Point>)> = Vec::new();
+    let regimes = run.series(contact::REGIME).into_iter().map(|point| point.1);
+    let mut last = None;
+    for (place, regime) in all_places(run).zip(regimes) {
+        if !(place.0.is_finite() && place.1.is_finite() && regime.is_finite()) {
+            continue;
+        }
+        let (name, _) = match regime {
+            1.0 => REGIMES[0],
+            0.0 => REGIMES[1],
+            _ => REGIMES[2],
+        };
+        match parts.last_mut().filter(|part| part.0 == name) {
+            Some((_, places)) => places.push(place),
+            // A part begins where the one before it ended.
+            None => parts.push((name, last.into_iter().chain([place]).collect())),
+        }
+        last = Some(place);
+    }
+    parts
+}
+
 /// The places of a run's contact point, without those that are not known.
 fn places(run: &Run) -> Vec<Point> {
+    all_places(run)
+        .filter(|(x, y)| x.is_finite() && y.is_finite())
+        .collect()
+}
+
+fn all_places(run: &Run) -> impl Iterator<Item = Point> {
     let [x, y] =
         [contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()].map(|field| run.series(field));
-    let both = x.into_iter().zip(y).map(|((_, x), (_, y))| (x, y));
-    both.filter(|(x, y)| x.is_finite() && y.is_finite())
-        .collect()
+    x.into_iter().zip(y).map(|((_, x), (_, y))| (x, y))
 }
 
 /// The ranges of x and y, of one size, with some air around the tracks.

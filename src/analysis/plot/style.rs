@@ -9,7 +9,7 @@ pub(crate) const WHITE: Colour = Colour(255, 255, 255);
 pub(crate) const SKY: Colour = Colour(0x56, 0xb4, 0xe9);
 pub(crate) const BLUE: Colour = Colour(0x00, 0x72, 0xb2);
 pub(crate) const VERMILLION: Colour = Colour(0xd5, 0x5e, 0x00);
-const GREEN: Colour = Colour(0x00, 0x9e, 0x73);
+pub(crate) const GREEN: Colour = Colour(0x00, 0x9e, 0x73);
 const PURPLE: Colour = Colour(0xcc, 0x79, 0xa7);
 const ORANGE: Colour = Colour(0xe6, 0x9f, 0x00);
 

@@ -21,7 +21,7 @@ const HALF_MARK: f64 = 0.6;
 /// The most of the frame's height that these marks take.
 const STRIPS: f64 = 0.25;
 
-/// Draws a curve for each scenario, and marks below them where runs have no value.
+/// Draws a curve for each scenario, and marks above the frame where runs have no value.
 pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, String> {
     let across = Along::new(map.values(|run| run.x));
     let upward = Along::new(map.values(|run| run.color));
@@ -32,31 +32,31 @@ pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, String> {
         let entry = |curve: &Curve<'_>| Entry::of(curve.stroke, Text::name(curve.name));
         key.extend(curves.iter().map(entry));
     }
-    let outcomes = map.outcome_legend();
-    // What has no value is marked below the curves: a strip for each.
+    let outcomes = map.outcomes_in_words();
     let strips = if outcomes.is_empty() { 0 } else { curves.len() };
-    key.extend(outcomes);
-    let top = legend::draw_at_top(&mut drawing, &key) + 0.6;
-
-    let height = chart::height(width);
-    let pitch = (STRIP + STRIP_GAP).min(STRIPS * height / strips.max(1) as f64);
+    if strips > 0 {
+        key.push(Entry::note(&format!(
+            "above the frame: {}",
+            outcomes.join(", ")
+        )));
+    }
+    let below_legend = legend::draw_at_top(&mut drawing, &key) + 0.6;
+    let pitch = (STRIP + STRIP_GAP).min(STRIPS * chart::height(width) / strips.max(1) as f64);
     let strip = pitch * STRIP / (STRIP + STRIP_GAP);
-    let (low, high) = aired(union(NONE, upward.range()));
-    let part = (strips as f64 * pitch) / height;
-    let low = low - (high - low) * part / (1.0 - part);
-    let ranges = [aired(across.range()), (low, high)];
+    let top = below_legend + strips as f64 * pitch;
+    let ranges = [aired(across.range()), aired(union(NONE, upward.range()))];
     let room = (top, frame::ROOM_RIGHT);
     let frame = chart::frame(width, room, [&across, &upward], ranges, &map.color);
     for (index, curve) in curves.iter().enumerate() {
         let place = |run: &&MapRun| (across.place(run.x), upward.place(run.color));
         let points: Vec<Point> = curve.runs.iter().map(place).collect();
         drawing.group(curve.name, curve.shapes(&frame, &points));
-        let top = frame.bounds.bottom - (strips - index.min(strips)) as f64 * pitch;
+        let top = below_legend + index as f64 * pitch;
         let valueless = curve.runs.iter().filter(|run| !run.color.is_finite());
         let marks = valueless.map(|run| {
-            let x = frame.place((across.place(run.x), low)).0;
+            let x = frame.place((across.place(run.x), ranges[1].0)).0;
             let mark = Bounds::between((x - HALF_MARK, top), (x + HALF_MARK, top + strip));
-            mark.area(run.outcome_colour())
+            mark.area(curve.stroke.colour)
         });
         let marks: Vec<_> = marks.collect();
         if !marks.is_empty() {

@@ -110,6 +110,12 @@ impl Map {
         outcomes
     }
 
+    /// The outcomes of runs that have no value to show, in words.
+    pub(super) fn outcomes_in_words(&self) -> Vec<String> {
+        let words = |outcome| outcome_words(outcome, &self.color.name);
+        self.outcomes().into_iter().map(words).collect()
+    }
+
     /// The legend of the outcomes of runs that have no value to show.
     pub(super) fn outcome_legend(&self) -> Vec<Entry> {
         let entry = |outcome: &str| {
