@@ -10,18 +10,25 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 use std::ffi::CString;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use toprise::analysis::figures::{Figure, Run as Curves};
 use toprise::analysis::subject::Subject;
 use toprise::archive::format::CONTENT_DIGEST;
+use toprise::archive::pipeline::McapSink;
+use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Condition, Recording};
 use toprise::archive::sink::{RecordError, Sink, SinkError, record};
+use toprise::archive::writer::Form;
 use toprise::run::outcome::Outcome;
 use toprise::run::scenario::Scenario as Checked;
 use toprise::run::simulation::{Record, RunEnd, Simulation, StopReason, Tally};
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::fields::{EVENTS, NUTATION};
 use toprise::telemetry::{Message, Telemetry, Topic, Topics};
+
+/// The width of the curves in a notebook, mm.
+const CURVES_WIDTH: f64 = 130.0;
 
 /// Where a run comes from.
 pub enum Origin {
@@ -198,6 +205,20 @@ fn simulate(
     Ok((tables, Outcome::new(scenario, &end, &tally), losses))
 }
 
+/// Simulates a run and records it in a new file.
+fn save(scenario: &Checked, path: &Path, interrupt: Interrupt) -> Result<(), String> {
+    let told = |error: &dyn std::error::Error| format!("{}: {error}", path.display());
+    let mut telemetry = Telemetry::with_topics(&Topics::All);
+    let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, Form::default())
+        .map_err(|error| told(&error))?;
+    let simulation = Simulation::new(scenario).map_err(|error| told(&error))?;
+    let mut simulation = simulation.while_told(move || !interrupt.is_asked());
+    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
+    let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on)
+        .map_err(|error| told(&error))?;
+    sink.finish(&end).map(drop).map_err(|error| told(&error))
+}
+
 type End = Option<toprise::archive::format::Entries>;
 
 /// Reads a recording: its messages, its end record, and what could not be read, in sentences.
@@ -256,6 +277,34 @@ impl Run {
         };
         let text = CString::new(format!("{}: {first}{more}", self.name()).replace('\0', "�"))?;
         PyErr::warn(py, &py.get_type::<RecordingWarning>(), &text, 1)
+    }
+
+    /// θ and the Euler rates over time, as SVG.
+    fn curves(&self, py: Python<'_>) -> PyResult<String> {
+        let Some(figure) = Figure::find("figure-2") else {
+            return Ok(String::new());
+        };
+        let name = self.name();
+        let draw = move |subject: Subject<'_>| {
+            let run = Curves::read(subject, &name, &[figure], &|_| {});
+            if figure.missing(&run).is_some() {
+                return String::new();
+            }
+            let svg = figure.draw(&[&run], CURVES_WIDTH).svg();
+            // Within a page there is no XML declaration.
+            svg.split_once("?>")
+                .map_or_else(String::new, |(_, svg)| svg.to_owned())
+        };
+        match &self.origin {
+            Origin::Scenario(scenario, _) => {
+                let scenario = scenario.clone();
+                compute(py, move |_| draw(Subject::Scenario(&scenario)))
+            }
+            Origin::Recording(recording) => {
+                let recording = recording.clone();
+                compute(py, move |_| draw(Subject::Recording(&recording)))
+            }
+        }
     }
 
     fn find(&self, py: Python<'_>, name: &str) -> PyResult<Py<Table>> {
@@ -347,6 +396,22 @@ impl Run {
         self.losses.clone()
     }
 
+    /// Writes the whole run as a recording (MCAP), with the bytes that `toprise run` writes. Topics that were left out are in it:
+    /// the scenario is simulated again.
+    ///
+    /// Raises `RecordingError` if the file can't be written, or is there already.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let Scenario(scenario) = self.scenario()?;
+        let saved = compute(py, move |interrupt| save(&scenario, &path, interrupt))?;
+        saved.map_err(RecordingError::new_err)
+    }
+
+    /// Opens the run in the Rerun viewer, in a process of its own, which is returned. `pip install rerun-sdk` installs the viewer.
+    fn rerun<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let viewer = slf.py().import("toprise._viewer")?;
+        viewer.call_method1("show", (slf,))
+    }
+
     fn __getitem__(&self, py: Python<'_>, topic: &str) -> PyResult<Py<Table>> {
         self.find(py, topic)
     }
@@ -372,9 +437,14 @@ impl Run {
         Ok(text + ">")
     }
 
-    /// The name and a table of the outcome. A recording shows its topics instead: its outcome would have to be simulated.
+    /// The name, the curves of θ and the rates, and a table of the outcome. A recording shows its topics instead: its outcome
+    /// would have to be simulated.
     fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
-        let mut page = format!("<p>{}</p><table><tbody>", escaped(&self.name()));
+        let mut page = format!(
+            "<p>{}: <code>run.rerun()</code> opens it in the Rerun viewer</p>{}<table><tbody>",
+            escaped(&self.name()),
+            self.curves(py)?
+        );
         let mut row = |name: &str, value: &str| {
             page += &format!(
                 "<tr><th>{}</th><td>{}</td></tr>",

@@ -64,3 +64,31 @@ def test_a_run_is_a_mapping_of_topics(brief):
         brief["/top/state"].numpy("thet")
     with pytest.raises(ValueError, match=r"there is no topic /top/stat \(did you mean /top/state\?\);"):
         toprise.run("paper", topics=["/top/stat"])
+
+
+def test_a_run_is_saved_as_the_program_records_it(brief, tmp_path):
+    path = tmp_path / "saved.mcap"
+    brief.save(path)
+    assert toprise.verify(path).verdict == "verified"
+    assert toprise.read(path).content_digest == brief.content_digest
+    before = path.read_bytes()
+    with pytest.raises(toprise.RecordingError, match="saved.mcap"):
+        brief.save(path)
+    assert path.read_bytes() == before
+
+
+def test_a_run_opens_in_the_viewer(brief, tmp_path, monkeypatch, reference):
+    viewer = tmp_path / "rerun"
+    viewer.mkdir()
+    (viewer / "__init__.py").touch()
+    (viewer / "__main__.py").write_text("import pathlib, sys\nprint(pathlib.Path(sys.argv[1]).stat().st_size)\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.syspath_prepend(tmp_path)
+    for run in (brief, toprise.read(reference / "paper.mcap", topics=["/events"])):
+        assert run.rerun().wait(timeout=60) == 0
+
+
+def test_without_a_viewer_it_is_named(brief, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(ImportError, match="pip install rerun-sdk"):
+        brief.rerun()

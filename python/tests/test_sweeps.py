@@ -372,3 +372,17 @@ def test_val_the_bytes_are_those_of_the_program(tmp_path):
 def test_the_bar_tells_how_far_it_is(tmp_path, capsys):
     toprise.sweep({"set": SPEC["set"]}, tmp_path / "a.parquet", progress=True)
     assert "1 of 1 runs" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("spec", "told"),
+    [
+        ({"base": ["paper"]}, "unknown field `base`"),
+        ({"bases": "paper"}, "in `bases`"),
+        ({"bases": ["paper"], "sample": {"count": "many"}}, "in `sample.count`"),
+    ],
+)
+def test_errors_of_a_mapping_name_its_keys(spec, told):
+    with pytest.raises(toprise.SweepError) as error:
+        toprise.design(spec)
+    assert told in str(error.value) and "line" not in str(error.value)

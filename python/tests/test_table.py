@@ -111,5 +111,8 @@ def test_duckdb_and_pandas_read_tables(brief):
 
 def test_a_run_in_a_notebook_shows_its_outcome(brief, reference):
     page = brief._repr_html_()
-    assert page.startswith("<p>paper</p><table>") and "<th>stop_reason</th><td>duration</td>" in page
-    assert "<th>/top/state</th>" in toprise.read(reference / "paper.mcap")._repr_html_()
+    assert page.startswith("<p>paper: <code>run.rerun()</code>")
+    assert page.count("<svg ") == 1 and "<?xml" not in page
+    assert "<th>stop_reason</th><td>duration</td>" in page
+    read = toprise.read(reference / "paper.mcap", topics=["/top/state", "/top/nutation"])._repr_html_()
+    assert "<th>/top/state</th>" in read and "<svg " in read

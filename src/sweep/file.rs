@@ -40,8 +40,15 @@ impl Spec {
         folder: &Path,
         set: &[(String, String)],
     ) -> Result<Self, SweepError> {
-        let file: File = toml::from_str(text)
-            .map_err(|error| SweepError::Spec(format!("not the spec of a sweep: {error}")))?;
+        let refused = |error: toml::de::Error| {
+            SweepError::Spec(format!(
+                "not the spec of a sweep: {}",
+                error.to_string().trim()
+            ))
+        };
+        // Errors of the table name the key, also where the text was made of a mapping; those of its syntax name the line.
+        let table: toml::Table = text.parse().map_err(refused)?;
+        let file: File = table.try_into().map_err(refused)?;
         check_quotes("set", &file.set)?;
         check_quotes("over", &file.over)?;
         let own = file

@@ -377,7 +377,13 @@ fn events_that_repeat_are_one_line_with_their_number() {
     };
     let each = lines("/events/each");
     let loops = each.iter().filter(|line| line.contains("turns backward"));
-    let last = loops.clone().next_back().unwrap().split_once(" s:").unwrap().0;
+    let last = loops
+        .clone()
+        .next_back()
+        .unwrap()
+        .split_once(" s:")
+        .unwrap()
+        .0;
     let expected = format!("{} more loops until {last} s", loops.count() - 1);
     let summary = lines("/events");
     assert!(
