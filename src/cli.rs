@@ -144,7 +144,7 @@ enum Command {
     /// The story goes from what friction did to the precession over what that did to the inclination to where the
     /// energy went.
     ///
-    /// Exit codes: 0 told, 2 unreadable or nothing to tell, 3 told of what could be read.
+    /// Exit codes: 0 explained, 2 unreadable or nothing to explain, 3 explained as far as it could be read.
     Explain(explain::ExplainArguments),
     /// Say what differs between runs: in the set-up, in what happened, in the averaged motion and point by
     /// point.
@@ -221,7 +221,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Parses the arguments. What is wrong with them is told in the colours that they ask for, and without what would
+/// Parses the arguments. Errors have the colours that they ask for, and lack what would
 /// steer a terminal.
 fn parse(words: &[OsString]) -> Result<Arguments, clap::Error> {
     Arguments::try_parse_from(words).map_err(|answer| {
@@ -264,7 +264,7 @@ fn with_tip(mut error: clap::Error) -> clap::Error {
 /// Prints the help, the version, or what is wrong with the arguments.
 fn told_usage(answer: &clap::Error) -> ExitCode {
     if answer.use_stderr() {
-        // Where standard error is gone there is nobody to tell.
+        // Without standard error there is no place for it.
         let _ = answer.print();
         let text = answer.render().to_string();
         report::print_error(text.trim_start_matches("error: ").trim_end());
@@ -338,7 +338,7 @@ mod tests {
         Arguments::command().debug_assert();
     }
 
-    /// What two commands or all of them have under one name must be of one type: only parsing shows that.
+    /// Options of one name must have one type in all commands: only parsing shows that.
     #[cfg(feature = "sweep")]
     #[test]
     fn figures_of_a_sweep_are_asked_for() {

@@ -16,7 +16,7 @@ import_exception!(toprise._errors, ScenarioError);
 import_exception!(toprise._errors, SimulationError);
 import_exception!(toprise._errors, SweepError);
 
-/// What is wrong with a scenario.
+/// The reason with a scenario.
 pub fn scenario(error: impl Display) -> PyErr {
     ScenarioError::new_err(error.to_string())
 }

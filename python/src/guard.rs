@@ -11,13 +11,13 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often Python is asked for signals: a person who presses Ctrl-C doesn't notice the wait.
+/// Interval at which Python is asked for signals: a person who presses Ctrl-C doesn't notice the wait.
 const BETWEEN_SIGNALS: Duration = Duration::from_millis(50);
 
-/// How long a computation has to end once a signal has come. What has not asked by then whether to go on is left behind.
+/// Time in which a computation has to end after a signal. One that has not asked by then whether to go on is left behind.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// How long what writes files has to end in order.
+/// Time in which a computation that writes files has to end in order.
 const PATIENCE_WITH_WRITERS: Duration = Duration::from_secs(2);
 
 /// The stack that main threads have, bytes: the computation must not see a smaller one.
@@ -103,7 +103,7 @@ fn wait_for<T: Send + 'static>(
     }
 }
 
-/// What is told of a panic.
+/// Message of a panic.
 fn failure(panic: Option<&(dyn Any + Send)>) -> PyErr {
     let text = panic.and_then(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);

@@ -347,7 +347,7 @@ impl Run {
         }
     }
 
-    /// What happened, and how the run ended, by the names of a sweep's columns: `run.outcome["rise_time"]` (s). `None` stands
+    /// Outcome of the run, by the names of a sweep's columns: `run.outcome["rise_time"]` (s). `None` stands
     /// for what did not happen.
     ///
     /// For a recording it is the outcome of its scenario, which is simulated for it each time.
@@ -371,7 +371,7 @@ impl Run {
         self.topics()
     }
 
-    /// What happened, one event a row: the table of `/events`.
+    /// Events, one a row: the table of `/events`.
     #[getter]
     fn events(&self, py: Python<'_>) -> PyResult<Py<Table>> {
         self.find(py, EVENTS.name())
@@ -390,7 +390,7 @@ impl Run {
         self.content_digest.as_deref()
     }
 
-    /// What of the run is missing, in sentences; empty if it is whole.
+    /// Missing parts of the run, in sentences; empty if it is whole.
     #[getter]
     fn losses(&self) -> Vec<String> {
         self.losses.clone()

@@ -19,7 +19,7 @@ use toprise::sweep::{find_key, values_of_row};
 #[pyclass(frozen, mapping, module = "toprise")]
 pub struct Scenario(pub Checked);
 
-/// What a run is given by: a scenario, or the word that names one.
+/// Argument that names a run: a scenario, or a word for one.
 pub enum Base<'py> {
     /// A scenario.
     Scenario(Bound<'py, Scenario>),

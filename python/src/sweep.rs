@@ -24,7 +24,7 @@ const RUN: &str = "run";
 /// The column of a sweep's table with the name of a row's base.
 const SCENARIO: &str = "scenario";
 
-/// What a table of outcomes is called.
+/// Name of a table of outcomes.
 const OUTCOMES: (&str, &str) = ("outcomes", "the outcome of each run, or why there is none");
 
 /// The outcomes of runs that a table defines; see `toprise.outcomes`.
@@ -133,7 +133,7 @@ fn rows_of(sweep: &Sweep, rows: u64, interrupt: &Interrupt) -> Option<RecordBatc
     sweep.batch(0..rows, &watch).map(|(batch, _)| batch)
 }
 
-/// What is kept of a table, and beside it the columns of a sweep but for the number of the row.
+/// Columns that are kept of a table, and those of a sweep except the number of the row.
 fn beside(kept: &RecordBatch, computed: &RecordBatch) -> Result<RecordBatch, ArrowError> {
     let is_wanted = |field: &FieldRef| field.name() != RUN;
     let own = computed

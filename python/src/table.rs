@@ -27,7 +27,7 @@ const UNIT: &str = "unit";
 /// Key of the metadata of a field and of a schema.
 const MEANING: &str = "meaning";
 
-/// How many rows at either end `_repr_html_` shows.
+/// Number of rows at either end that `_repr_html_` shows.
 const SHOWN: usize = 4;
 
 /// Rows and columns, in SI units and radians: the messages of a topic, one a row, or the outcomes of many runs.
@@ -98,7 +98,7 @@ impl Table {
         &self.name
     }
 
-    /// What the table holds.
+    /// Content of the table.
     #[getter]
     fn meaning(&self) -> &str {
         &self.meaning

@@ -57,7 +57,7 @@ pub enum ExplainError {
     /// There are hardly any samples.
     #[error("it has fewer than two samples{}", .loss.as_ref().map_or_else(String::new, |loss| format!(": it lacks {loss}")))]
     Empty {
-        /// What could not be read first.
+        /// First part that could not be read.
         loss: Option<String>,
     },
     /// The caller ended it.
@@ -78,7 +78,7 @@ pub struct Explanation {
     pub stages: Vec<Stage>,
     /// A summary of the run.
     pub summary: RunSummary,
-    /// What could not be read.
+    /// Parts that could not be read.
     pub losses: Vec<String>,
 }
 
@@ -96,7 +96,7 @@ pub struct Chapter {
 pub struct Happening {
     /// The kind of event.
     pub name: String,
-    /// How often it happened.
+    /// Number of times.
     pub count: u64,
     /// When it happened first, s.
     pub first: f64,

@@ -49,7 +49,7 @@ use crate::telemetry::fields::{
 pub struct Figure {
     /// The name, which is also that of its files.
     pub name: &'static str,
-    /// What the figure shows.
+    /// Content of the figure.
     pub title: &'static str,
     /// The least number of runs that the figure can be drawn of.
     pub least_runs: usize,
@@ -270,7 +270,7 @@ pub const FIGURES: &[Figure] = &[
 impl Run {
     /// Reads what some figures need of a recording or a simulation.
     ///
-    /// `progress` is told how many more bytes have been read.
+    /// `progress` receives the number of further bytes that have been read.
     #[must_use]
     pub fn read<'a>(
         subject: impl Into<Subject<'a>>,
@@ -290,7 +290,7 @@ impl Figure {
         FIGURES.iter().find(|figure| figure.name == name)
     }
 
-    /// What the figure needs and a run lacks: a channel, its messages, or a field.
+    /// The first need of the figure that a run lacks: a channel, its messages, or a field.
     #[must_use]
     pub fn missing(&self, run: &Run) -> Option<String> {
         self.needs.iter().find_map(|need| run.missing(need))

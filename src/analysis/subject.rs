@@ -33,7 +33,7 @@ impl<'a> From<&'a Scenario> for Subject<'a> {
 pub struct Ended {
     /// The entries of its end record.
     pub end: Option<Entries>,
-    /// What could not be read, in sentences.
+    /// Parts that could not be read, in sentences.
     pub losses: Vec<String>,
 }
 
@@ -177,7 +177,7 @@ impl Undecodable {
         }
     }
 
-    /// What could not be read, in sentences: these messages and the reader's losses.
+    /// Parts that could not be read, in sentences: these messages and the reader's losses.
     pub(crate) fn losses(self, reader: &Reader<'_>) -> Vec<String> {
         let mut losses: Vec<_> = reader.losses().iter().map(ToString::to_string).collect();
         losses.extend(reader.left_out().map(ToString::to_string));

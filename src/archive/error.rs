@@ -38,7 +38,7 @@ pub struct MessageError {
     pub sequence: u32,
     /// Its time, ns.
     pub time_ns: u64,
-    /// What is wrong.
+    /// The reason.
     pub reason: DecodeError,
 }
 

@@ -24,7 +24,7 @@ pub const END_RECORD: &str = "toprise.end";
 /// Name of the attachment that holds the scenario as TOML.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
 
-/// What the library field of recordings begins with; the version follows.
+/// Prefix of the library field of recordings; the version follows.
 pub const LIBRARY_PREFIX: &str = "toprise/";
 /// The library field of the recordings that this version writes.
 pub const LIBRARY: &str = concat!("toprise/", env!("CARGO_PKG_VERSION"));
@@ -138,7 +138,7 @@ pub fn end_entries(end: &RunEnd) -> Entries {
     ])
 }
 
-/// Whether the end record of a recording tells the end of a run with this outcome.
+/// Whether the end record of a recording belongs to a run with this outcome.
 #[must_use]
 pub fn is_end_of(end: &Entries, outcome: &Outcome) -> bool {
     let is = |key: &str, value: &str| end.get(key).is_some_and(|told| told == value);

@@ -1,4 +1,4 @@
-//! What words mean where a run is named: presets, scenario files and recordings.
+//! Words that name a run: presets, scenario files and recordings.
 
 use crate::archive::recording::{NoScenario, Recording, RecordingError};
 use crate::archive::writer::Form;
@@ -44,7 +44,7 @@ pub enum GivenError {
     Scenario {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         reason: ScenarioError,
     },
 }
@@ -88,7 +88,7 @@ fn text(word: &Path) -> Result<String, GivenError> {
     }
 }
 
-/// How the recording that a word names was recorded; none if it names something else.
+/// Form of the recording that a word names; none if it names something else.
 #[must_use]
 pub fn form(word: &Path) -> Option<(Form, Topics)> {
     if is_preset(word) || !is_mcap(word) {

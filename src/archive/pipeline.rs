@@ -38,7 +38,7 @@ type Finished<W> = Option<(W, String)>;
 /// The writing thread, and the way to it.
 #[derive(Debug)]
 struct Worker<W> {
-    /// What messages call the file.
+    /// Name of the file in error messages.
     name: PathBuf,
     jobs: Option<SyncSender<Job>>,
     /// Batches come back empty, to be filled again.
@@ -197,7 +197,7 @@ impl McapSink {
         Self::create_in(draft, scenario, telemetry, form)
     }
 
-    /// What a draft of the run's recording holds before the first chunk is there: everything that comes before the
+    /// Content of a draft before its first chunk: everything that comes before the
     /// messages, with the channels outside of chunks. So a run that is killed at once can be run again.
     ///
     /// # Errors

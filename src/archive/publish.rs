@@ -16,7 +16,7 @@ use std::path::{self, Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile, PersistError, TempPath};
 
-/// What happens to a file that already has the name.
+/// Treatment of a file that already has the name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
     /// The existing file stays; publishing is refused.
@@ -74,7 +74,7 @@ pub struct Draft {
     partial: Option<PathBuf>,
     /// The length of the preface that it still holds.
     preface: usize,
-    /// What will take the place of the preface, in one write.
+    /// Replacement of the preface, in one write.
     first: Vec<u8>,
     /// The directories that were made for it; they go after the file.
     directories: MadeDirectories,
@@ -212,7 +212,7 @@ impl Draft {
         self.file.disable_cleanup(false);
     }
 
-    /// Gives the complete file its name, after it has reached the disk, and tells its size in bytes.
+    /// Gives the complete file its name, after it has reached the disk, and returns its size in bytes.
     ///
     /// # Errors
     /// [`SinkError::Exists`] if the name was taken meanwhile, [`SinkError::Io`] otherwise. What a run has
@@ -272,7 +272,7 @@ impl Draft {
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.preface == 0 {
-            // Errors of the temporary file itself would tell its hidden name.
+            // Errors of the temporary file itself would show its hidden name.
             return self.file.as_file_mut().write(bytes);
         }
         self.first.extend_from_slice(bytes);
@@ -337,10 +337,10 @@ fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
 
 /// Number of random letters and digits in the name of a hidden draft.
 const RANDOM: usize = 6;
-/// How the name of a hidden draft ends.
+/// Suffix of a hidden draft's name.
 const SUFFIX: &str = ".tmp";
 
-/// How the name of a hidden draft begins: with that of its file, as far as the file system has room for both.
+/// Prefix of a hidden draft's name: that of its file, as far as the file system has room for both.
 fn prefix(path: &Path) -> String {
     /// Most file systems allow 255 bytes, of which the rest of a draft's name takes 12.
     const LONGEST: usize = 240;
@@ -520,7 +520,7 @@ fn resolved(directory: &Path) -> PathBuf {
     resolved
 }
 
-/// What tells a file from all others: its device and its number there.
+/// Identity of a file: its device and its number there.
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<(u64, u64)> {
     use std::os::unix::fs::MetadataExt as _;
@@ -528,7 +528,7 @@ fn identity(path: &Path) -> Option<(u64, u64)> {
     Some((metadata.dev(), metadata.ino()))
 }
 
-/// What tells a file from all others, but for hard links.
+/// Identity of a file, which its hard links share.
 #[cfg(not(unix))]
 fn identity(path: &Path) -> Option<PathBuf> {
     path.canonicalize().ok()

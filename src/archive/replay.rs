@@ -4,7 +4,7 @@ use crate::archive::recording::{Loss, MessageError, Recording, Selection};
 use crate::archive::sink::{Sink, SinkError};
 use std::ops::ControlFlow;
 
-/// What a replay has passed on, and what it could not.
+/// Messages that a replay has passed on, and those that it could not.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replayed {
     /// Messages passed on.

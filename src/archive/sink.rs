@@ -28,9 +28,9 @@ pub enum SinkError {
     /// The file can't be made, because something is there that must not be lost.
     #[error("{} exists: {advice}", path.display())]
     Exists {
-        /// What is there.
+        /// The existing file.
         path: PathBuf,
-        /// What to do.
+        /// Advice.
         advice: String,
     },
     /// The file can't have this name.
@@ -50,7 +50,7 @@ pub enum SinkError {
     /// The file system refused.
     #[error("cannot {action} {}: {reason}", path.display())]
     Io {
-        /// What was tried.
+        /// The attempted operation.
         action: &'static str,
         /// On which file.
         path: PathBuf,
@@ -65,7 +65,7 @@ pub enum SinkError {
         /// Why, according to the writer.
         reason: ::mcap::McapError,
     },
-    /// What shows the messages failed.
+    /// The failed viewer or file.
     #[error(transparent)]
     Viewer(Box<dyn std::error::Error + Send + Sync>),
     /// A thread that writes died.

@@ -21,7 +21,7 @@ use std::io::{Seek, Write};
 /// Uncompressed size of a chunk, bytes: the most that is lost when the process is killed.
 const CHUNK_SIZE: u64 = 256 * 1024;
 
-/// How a run is recorded.
+/// Form of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Form {
     /// The encoding of the table's channels.
@@ -191,7 +191,7 @@ impl RunEncoder {
 pub(crate) struct Batch {
     /// Their encoded bytes, one after the other.
     data: Vec<u8>,
-    /// What the digest takes in of them, likewise.
+    /// Their part in the digest, likewise.
     content: Vec<u8>,
     messages: Vec<Entry>,
 }

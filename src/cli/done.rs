@@ -1,8 +1,8 @@
-//! How a command ended.
+//! Ends of commands.
 
 use std::process::ExitCode;
 
-/// How a command ended, if it did not fail.
+/// End of a command that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Done {
     /// Everything was done as asked: exit code 0.

@@ -170,7 +170,7 @@ impl FiguresArguments {
         }
     }
 
-    /// How many of the runs a figure is drawn of: of the paper's it is one, unless it compares.
+    /// Number of runs that a figure is drawn of: one of the paper's, unless it compares.
     fn count(&self, figure: &Figure, runs: usize) -> usize {
         if self.runs.is_empty() && figure.least_runs == 1 {
             1

@@ -25,22 +25,22 @@ pub(super) struct InfoArguments {
     file: PathBuf,
 }
 
-/// What is in a file.
+/// Content of a file.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct InfoReport {
     /// The file.
     file: String,
     /// Its size.
     bytes: u64,
-    /// What kind of file it is.
+    /// Kind of the file.
     state: Condition,
-    /// What wrote it, by its own words.
+    /// Name of the library that wrote it.
     library: String,
-    /// What can't be read.
+    /// Parts that can't be read.
     losses: Vec<LossReport>,
-    /// What toprise noted when the run began; absent in other files.
+    /// Metadata of toprise from the start of the run; absent in other files.
     run: Option<BTreeMap<String, String>>,
-    /// What toprise noted when the run ended; absent if it did not.
+    /// Metadata of toprise from the end of the run; absent if it did not.
     end: Option<BTreeMap<String, String>>,
     /// The scenario, TOML.
     scenario: Option<String>,
@@ -50,9 +50,9 @@ pub(super) struct InfoReport {
     last_ns: u64,
     /// The channels, in the order of the file.
     channels: Vec<ChannelReport>,
-    /// What happened.
+    /// The event.
     events: Vec<EventReport>,
-    /// The losses, for people.
+    /// The losses, human-readable.
     #[serde(skip)]
     told_losses: Vec<String>,
 }
@@ -85,7 +85,7 @@ struct EventReport {
     name: String,
     /// When, s.
     time: f64,
-    /// What happened, in a sentence.
+    /// The event, in a sentence.
     description: String,
 }
 
@@ -180,7 +180,7 @@ impl InfoReport {
         facts
     }
 
-    /// How often each kind of event happened.
+    /// Number of events of each kind.
     fn counts(&self) -> BTreeMap<&str, u64> {
         let mut counts = BTreeMap::new();
         for event in &self.events {

@@ -37,7 +37,7 @@ struct Parameter {
     key: &'static str,
     /// Its unit; empty for a pure number.
     unit: &'static str,
-    /// What it is.
+    /// Its nature.
     meaning: &'static str,
     /// The values that it may have.
     allowed: String,

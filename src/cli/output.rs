@@ -3,7 +3,7 @@
 //! Standard output carries the answer, standard error everything else. A stream that can't be written never ends the
 //! program in a panic. Who stops reading, as `head` does, has read enough, and the exit code says how the command ended;
 //! an answer of which nothing at all could be written is failed output. (Rust's runtime puts the null device in the place
-//! of a standard output that is closed, which can't be told from one that the user chose.)
+//! of a standard output that is closed, which can't be distinguished from one that the user chose.)
 
 use super::arguments::Format;
 use super::text;
@@ -119,11 +119,11 @@ pub(super) fn announce(what: &str) {
 }
 
 fn tell(prefix: &str, what: &str) {
-    // Where standard error is gone there is nobody to tell.
+    // Without standard error there is no place for it.
     let _ = writeln!(anstream::stderr().lock(), "{prefix}{}", text::message(what));
 }
 
-/// An error with its causes, without those that it tells itself.
+/// An error with its causes, without those that it contains itself.
 pub(super) fn with_causes(error: &anyhow::Error) -> String {
     error
         .chain()

@@ -21,11 +21,11 @@ pub(super) const CROSS: char = '✗';
 /// A report for people.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Page {
-    /// What it is about, above the title.
+    /// The subject, above the title.
     pub(super) subjects: Table,
     /// The verdict in a word or two; empty if the sections speak for themselves.
     pub(super) title: String,
-    /// What kind of news the title is.
+    /// Tone of the title.
     pub(super) tone: Tone,
     /// The findings in a few sentences.
     pub(super) summary: Vec<String>,
@@ -33,7 +33,7 @@ pub(super) struct Page {
     pub(super) sections: Vec<Section>,
 }
 
-/// What kind of news something is.
+/// Tone of a message.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Tone {
     /// Neither good nor bad.
@@ -63,11 +63,11 @@ impl Tone {
 pub(super) struct Section {
     /// Its heading; empty for none.
     pub(super) title: String,
-    /// What kind of news the heading is.
+    /// Tone of the heading.
     pub(super) tone: Tone,
-    /// What there is to know beside the heading.
+    /// Remark next to the heading.
     pub(super) note: String,
-    /// What stands in it.
+    /// Its content.
     pub(super) parts: Vec<Part>,
 }
 

@@ -26,7 +26,7 @@ pub(super) struct PresetsReport(Vec<PresetReport>);
 struct PresetReport {
     /// Its name on the command line.
     name: &'static str,
-    /// What it shows.
+    /// Its content.
     description: &'static str,
     /// Its scenario file, TOML.
     scenario: String,

@@ -3,7 +3,7 @@
 use super::output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A line that tells how far a command has come.
+/// A line that shows the progress of a command.
 pub(super) struct Progress(ProgressBar);
 
 impl Progress {

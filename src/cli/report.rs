@@ -60,13 +60,13 @@ impl WrittenFile {
         Ok(Self::new(&path, draft.publish()?))
     }
 
-    /// Its path and size, for people.
+    /// Its path and size, human-readable.
     pub(super) fn line(&self) -> String {
         file_line(&self.path, self.bytes)
     }
 }
 
-/// The path and the size of a file, for people.
+/// The path and the size of a file, human-readable.
 pub(super) fn file_line(path: &str, size: u64) -> String {
     format!("{path}  {}", bytes(size))
 }
@@ -76,7 +76,7 @@ pub(super) fn file_line(path: &str, size: u64) -> String {
 pub(super) struct LossReport {
     /// Where it starts in the file, bytes.
     pub(super) offset: u64,
-    /// How long it is, bytes.
+    /// Length, bytes.
     pub(super) length: u64,
     /// Messages are lost from this time on, ns; absent if none are.
     pub(super) from_ns: Option<u64>,

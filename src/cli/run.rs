@@ -61,7 +61,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     })
 }
 
-/// What a run is recorded with.
+/// Parts of a recorded run.
 struct Recorder<'a> {
     arguments: &'a RunArguments,
     scenario: &'a Scenario,

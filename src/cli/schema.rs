@@ -47,7 +47,7 @@ struct ChannelSchema {
     topic: &'static str,
     /// The name of its message type.
     schema: &'static str,
-    /// What it carries.
+    /// Its content.
     meaning: &'static str,
     /// The language of the definition: JSON Schema for JSON, a .proto file for protobuf.
     encoding: Encoding,

@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The time spent on runs that tell how long the others will take.
+/// The time spent on runs from which that of the others is estimated.
 const TRIAL: Duration = Duration::from_millis(500);
 /// The most of such runs.
 const TRIAL_RUNS: u64 = 16;
@@ -51,7 +51,7 @@ pub(super) struct SweepArguments {
     #[arg(long, value_name = "N", value_parser = parse_count, allow_negative_numbers = true, conflicts_with = "table")]
     sample: Option<u64>,
 
-    /// How the points of a sample are chosen.
+    /// Method by which the points of a sample are chosen.
     #[arg(long, value_enum, default_value_t, requires = "sample")]
     method: Method,
 
@@ -130,7 +130,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
     let sweep = Sweep::new(arguments.spec()?);
     if let Some(name) = sweep.spec().shared_name() {
         output::warn(&format!(
-            "several scenarios are called {name}, and the table doesn't tell their runs apart: give them other names"
+            "several scenarios are called {name}, and the table can't distinguish their runs: give them other names"
         ));
     }
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
@@ -243,7 +243,7 @@ impl SweepArguments {
         threads(self.options().threads, runs)
     }
 
-    /// How long the rows that are left will take, s, judged by some of them; none if there are none or few, or the user
+    /// Estimated time for the remaining rows, s, from some of them; none if there are none or few, or the user
     /// asked for an end.
     fn estimate(
         &self,
@@ -281,7 +281,7 @@ impl SweepArguments {
     }
 }
 
-/// Does something during which panics of rows, which stand in the table, are not told on standard error too.
+/// Does something during which panics of rows, which are recorded in the table, are not printed on standard error too.
 fn quietly<T>(task: impl FnOnce() -> T) -> T {
     let before = panic::take_hook();
     panic::set_hook(Box::new(|told| {

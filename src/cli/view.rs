@@ -51,7 +51,7 @@ pub(super) struct ViewArguments {
     to: Option<f64>,
 }
 
-/// What was shown.
+/// The recordings that were shown.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct ViewReport {
     /// The recordings, in the order in which they were named, up to the one that was interrupted.
@@ -65,9 +65,9 @@ pub(super) struct ViewReport {
 struct ShownRecording {
     /// Its file.
     file: String,
-    /// What the viewer calls it.
+    /// Its name in the viewer.
     name: String,
-    /// What kind of file it is.
+    /// Kind of the file.
     state: Condition,
     /// Number of messages that were shown.
     messages: u64,
@@ -132,7 +132,7 @@ impl ViewArguments {
         Some(path.join(format!("{name}.rrd")))
     }
 
-    /// What a viewer calls the files: by their names, told apart by numbers where they are the same.
+    /// Names of the files in a viewer, with numbers where they are the same.
     fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         for file in &self.files {
@@ -225,7 +225,7 @@ fn viewer_is_installed() -> bool {
     env::split_paths(&path).any(|directory| directory.join(&name).is_file())
 }
 
-/// How recordings are replayed.
+/// Settings of a replay.
 struct Way<'a> {
     arguments: &'a ViewArguments,
     selection: &'a Selection,
@@ -293,7 +293,7 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
     })
 }
 
-/// What came of the run, where the whole of a whole recording is shown: the outcome of its scenario, if that ends as the
+/// Outcome of the run, where the whole of a whole recording is shown: the outcome of its scenario, if that ends as the
 /// recording does.
 fn outcome_of(recording: &Recording, way: &Way<'_>) -> Option<Outcome> {
     let is_span = way.selection.from_ns.is_some() || way.selection.to_ns.is_some();

@@ -29,7 +29,7 @@ pub(super) struct ViewerArguments {
           default_missing_value = "127.0.0.1:9090")]
     serve: Option<SocketAddr>,
 
-    /// Draw the height of a free peg above the table so many times as large: 1000 makes hops of micrometres visible.
+    /// Draw the height of a free peg above the table by this factor: 1000 makes hops of micrometres visible.
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = parse_factor)]
     pub(super) hop_scale: f64,
 }
@@ -84,7 +84,7 @@ fn serve(_: SocketAddr) -> Result<Target, Error> {
     )
 }
 
-/// Completes what a Rerun stream that has `ended` was written to: tells what happened to the viewer, and publishes the
+/// Completes what a Rerun stream that has `ended` was written to: reports what happened to the viewer, and publishes the
 /// file, if there is one.
 pub(super) fn complete(
     ended: Result<Vec<String>, RerunError>,

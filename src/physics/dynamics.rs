@@ -9,7 +9,7 @@
 //! * [`FreeRotation`]: orientation, angular momentum and the motion of the centre of mass, for a free peg.
 //!
 //! A motion consists of phases ([`Phase`]). [`Formulation::guards`] are functions that are positive while one lasts;
-//! where one of them falls to zero, [`Formulation::enter`] tells what happens and how the motion goes on.
+//! where one of them falls to zero, [`Formulation::enter`] returns the transition.
 //!
 //! The function that gives the friction to the integrator, [`Friction::contact`](crate::physics::friction::Friction::contact), is the one whose
 //! numbers are logged.

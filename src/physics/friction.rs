@@ -54,7 +54,7 @@ impl Dissipation {
     }
 }
 
-/// What happens at the point of contact. Vectors are in the lean frame.
+/// State of the contact. Vectors are in the lean frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Slip velocity of the contact point over the table, m/s.
@@ -98,11 +98,11 @@ pub struct Friction {
     pub law: FrictionLaw,
     /// The parts of it that act.
     pub dissipation: Dissipation,
-    /// What acts beside it.
+    /// Torques of the losses.
     pub losses: Option<Losses>,
 }
 
-/// What it takes to keep a contact point at rest, and what friction can give.
+/// The force and torque that keep a contact point at rest, and their bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grip {
     /// The torque about the peg's centre that friction would have to have in the lean frame, N m.
@@ -118,7 +118,7 @@ impl Grip {
         self.strongest > 0.0 && self.margin() >= 0.0
     }
 
-    /// How much stronger it is than it has to be, N m; negative where it gives way.
+    /// Margin of the drilling torque, N m; negative where it yields.
     #[must_use]
     pub fn margin(&self) -> f64 {
         self.strongest - self.needed.norm()
@@ -168,7 +168,7 @@ impl Friction {
         }
     }
 
-    /// What friction does at a point of contact that slips with `slip` (m/s), per newton of normal force, while the
+    /// Action of friction at a point of contact that slips with `slip` (m/s), per newton of normal force, while the
     /// top turns with `omega` (rad/s). Both are in the lean frame. Everything at the contact is proportional to the
     /// normal force; only the air is not.
     ///
@@ -239,7 +239,7 @@ impl Friction {
         self.dissipation == Dissipation::Full && self.is_set_valued()
     }
 
-    /// What it takes to keep the contact point at rest while the top turns about the vertical as a whole.
+    /// The force and torque that keep the contact point at rest while the top turns about the vertical as a whole.
     ///
     /// Without losses it is `((I_z − I_x) Ω² cos θ − M g l) sin θ` about the line of nodes.
     #[must_use]

@@ -20,7 +20,7 @@ use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 use std::ops::Add;
 
-/// Below this sine of θ the axis counts as vertical: the precession and the spin can't be told apart in double precision,
+/// Below this sine of θ the axis counts as vertical: the precession and the spin can't be distinguished in double precision,
 /// and their rates would overflow.
 pub const UPRIGHT_SINE: f64 = 1e-60;
 
@@ -198,7 +198,7 @@ pub fn world_from_body(angles: Euler) -> UnitQuaternion<f64> {
 /// Euler angles of an orientation, φ and ψ unwrapped to lie nearest to those of `reference`.
 ///
 /// The quaternion need not be of unit length, but it must follow `reference` continuously (not jump
-/// to its negative), so that half a turn can be told from none. Where the axis is vertical, only φ + ψ exists, or φ − ψ where
+/// to its negative), so that half a turn differs from none. Where the axis is vertical, only φ + ψ exists, or φ − ψ where
 /// it points down; φ is then that of `reference`.
 #[must_use]
 pub fn euler_angles(quaternion: &Quaternion<f64>, reference: Euler) -> Euler {

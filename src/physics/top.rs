@@ -104,7 +104,7 @@ impl Top {
         (slip.x * slip.x + slip.y * slip.y).sqrt()
     }
 
-    /// What a torque about the peg's centre (node frame, N m) adds to θ̈, φ̈ and ψ̈, rad/s².
+    /// Contribution of a torque about the peg's centre (node frame, N m) to θ̈, φ̈ and ψ̈, rad/s².
     ///
     /// Upright only the sum of φ̈ and ψ̈ has a meaning: φ̈ is then taken as 0.
     #[must_use]
@@ -129,7 +129,7 @@ impl Top {
         self.transverse_moment * sin * sin + self.axial_moment * cos * cos
     }
 
-    /// What stands under the root of Routh's integral of a top that rolls, kg² m⁴, given sine and cosine of θ: see
+    /// The radicand of Routh's integral of a top that rolls, kg² m⁴, given sine and cosine of θ: see
     /// [`Model::routh`](crate::physics::dynamics::Model::routh).
     #[must_use]
     pub fn rolling_moments(&self, sin: f64, cos: f64) -> f64 {

@@ -20,7 +20,7 @@ pub(super) const STAGE: &str = "/scene";
 pub(super) const TOP: &str = "scene/top";
 /// The place on the table that the camera follows where the peg is free.
 pub(super) const FOCUS: &str = "scene/focus";
-/// What the camera looks at there.
+/// Target of the camera there.
 pub(super) const CAMERA_TARGET: &str = "/scene/focus/camera_target";
 /// The vertical through the peg.
 pub(super) const VERTICAL: &str = "scene/focus/vertical";

@@ -21,7 +21,7 @@ pub(super) struct Events {
     top: Top,
 }
 
-/// How often a kind of event has happened again.
+/// Repetitions of a kind of event.
 struct Repeated {
     kind: EventKind,
     more: u32,

@@ -1,4 +1,4 @@
-//! What is known of a run before its messages.
+//! Description of a run before its messages.
 
 use super::scale::Scales;
 use crate::physics::kinematics::Tilt;
@@ -11,7 +11,7 @@ use crate::telemetry::Topic;
 pub struct Geometry {
     /// The top, whose mechanics give its proportions.
     pub top: Top,
-    /// What a metre of each arrow stands for.
+    /// Quantity per metre of each arrow.
     pub scales: Scales,
     /// Angular speed at the start, rad/s.
     pub spin: f64,
@@ -21,7 +21,7 @@ pub struct Geometry {
     pub hop_scale: f64,
 }
 
-/// How a viewer begins to play a recording.
+/// Playback of a recording in a viewer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Playback {
     /// From the start, for a recording that is complete.
@@ -45,7 +45,7 @@ pub struct Identity {
     pub geometry: Geometry,
     /// Topics that will be written; the layout leaves out the plots of others.
     pub topics: Vec<Topic>,
-    /// How a viewer begins to play it.
+    /// Its playback in a viewer.
     pub playback: Playback,
     /// Whether it is the only recording in its viewer, so that there is none to choose.
     pub is_alone: bool,

@@ -1,15 +1,15 @@
 //! Where entities stand in a recording, and how they look.
 //!
-//! In a recording of one run, colours tell quantities apart. Where two runs are compared, colours tell the runs
-//! apart: each has one in the scene, the plots and the log of events, and their difference has a third.
+//! In a recording of one run, colours distinguish quantities. Where two runs are compared, colours distinguish the runs:
+//! each has one in the scene, the plots and the log of events, and their difference has a third.
 
 use super::palette;
 use crate::telemetry::side::Side;
 
-/// How opaque the top of run B is, of 255: the one of run A shines through.
+/// Opacity of the top of run B, of 255: the one of run A shines through.
 const GHOST: u32 = 0x88;
 
-/// What an entity belongs to, which decides its name and its looks.
+/// Owner of an entity, which decides its name and its looks.
 #[derive(Clone, Debug)]
 pub(super) enum Look {
     /// The only run of a recording.
@@ -88,7 +88,7 @@ impl Look {
         }
     }
 
-    /// How far the names of arrows are moved up, in heights of the top, so that those of two runs don't hide each
+    /// Distance by which the names of arrows are moved up, in heights of the top, so that those of two runs don't hide each
     /// other.
     pub(super) fn lift(&self) -> f64 {
         match self {

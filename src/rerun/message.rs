@@ -13,7 +13,7 @@ pub(super) const APPLICATION: &str = "toprise";
 /// The timeline of every recording: simulation time as a duration in nanoseconds.
 pub(super) const TIMELINE: &str = "sim_time";
 
-/// How many messages may wait for a worker thread; each has at most about 200 kB.
+/// Number of messages that may wait for a worker thread; each has at most about 200 kB.
 pub(super) const QUEUE: usize = 64;
 
 /// A counter of chunks, whose identifiers depend on nothing but their order.

@@ -129,7 +129,7 @@ impl Outlet {
 
     fn write_file(&mut self, message: LogMsg) {
         if let Some(file) = self.file.take_if(|file| !file.send(message)) {
-            // The queue takes no more because its thread has ended; joining the thread tells why.
+            // The queue takes no more because its thread has ended; joining the thread returns the reason.
             self.fail(file.finish().err().unwrap_or(RerunError::Worker));
         }
     }

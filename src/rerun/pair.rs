@@ -1,4 +1,4 @@
-//! What is known of two runs that are compared before their messages.
+//! Description of two compared runs before their messages.
 
 use super::blueprint::contrasts;
 use super::identity::{Geometry, Identity, Playback};
@@ -18,7 +18,7 @@ pub struct PairIdentity {
     pub a: Identity,
     /// The second run, from which the first is subtracted.
     pub b: Identity,
-    /// How a viewer begins to play it.
+    /// Its playback in a viewer.
     pub playback: Playback,
 }
 
@@ -40,7 +40,7 @@ impl PairIdentity {
         }
     }
 
-    /// How the entities of a run look.
+    /// Look of a run's entities.
     pub(super) fn look(&self, side: Side) -> Look {
         Look::Compared(side, self.name_of(side).to_owned())
     }

@@ -36,7 +36,7 @@ impl RrdFile {
         Ok(Self { queue, worker })
     }
 
-    /// Passes a message on, if the file still takes any. [`Self::finish`] tells why it doesn't.
+    /// Passes a message on, if the file still takes any. [`Self::finish`] returns the reason why it doesn't.
     pub(super) fn send(&self, message: LogMsg) -> bool {
         self.queue.send(message).is_ok()
     }
@@ -70,7 +70,7 @@ fn encode(file: File, messages: &Receiver<LogMsg>) -> Result<(), RerunError> {
 struct Encoded(Rc<RefCell<Vec<u8>>>);
 
 impl Encoded {
-    /// Writes the bytes into a file, and tells how many there were.
+    /// Writes the bytes into a file, and returns their number.
     fn pass_on(&self, file: &mut impl Write) -> io::Result<u64> {
         let mut bytes = self.0.borrow_mut();
         file.write_all(&bytes)?;

@@ -14,7 +14,7 @@ const REFERENCE_LENGTH: f64 = 2.5;
 const FRICTION_LENGTH: f64 = 3.5;
 const MOMENTUM_LENGTH: f64 = 1.5;
 
-/// What one metre of an arrow stands for, each 10^n times 1, 2 or 5; 0 where there is nothing to draw.
+/// Quantity per metre of an arrow, each 10^n times 1, 2 or 5; 0 where there is nothing to draw.
 ///
 /// They follow from the weight M g, the torques M g l and M g R, and √(2 g × height): friction that is 1.5 times as strong is
 /// drawn 1.5 times as long, also in another run of the same top. Only whole decades of a typical size count.

@@ -32,7 +32,7 @@ pub(super) struct Scene {
     arrows: Vec<Arrow>,
     /// The path of the contact point of a free peg.
     path: Option<ContactPath>,
-    /// What the camera follows, of the only run with a free peg.
+    /// Target of the camera, of the only run with a free peg.
     focus: Option<Focus>,
     geometry: Geometry,
     /// Orientation (world from body) of the last pose.

@@ -27,7 +27,7 @@ pub type PairSink = Stream<Comparison>;
 
 /// A Rerun recording that is being written: its entities, and where they go.
 ///
-/// Writing never fails, so that other sinks of the run go on. [`Self::take_warnings`] tells what happened to the
+/// Writing never fails, so that other sinks of the run go on. [`Self::take_warnings`] returns what happened to the
 /// viewer, [`Self::finish`] what happened to the file.
 pub struct Stream<E> {
     recording_id: String,
@@ -120,7 +120,7 @@ impl<E: Collect> Stream<E> {
         self.outlet.is_live()
     }
 
-    /// What went wrong with the viewer since the last call, in sentences. A viewer that isn't there is a warning too.
+    /// Failures of the viewer since the last call, in sentences. A viewer that isn't there is a warning too.
     #[must_use]
     pub fn take_warnings(&mut self) -> Vec<String> {
         self.outlet.take_warnings()

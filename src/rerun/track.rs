@@ -52,7 +52,7 @@ pub(super) trait Rows {
 pub(super) struct Track<R> {
     entity: EntityPath,
     times: Vec<i64>,
-    /// How many of the rows the viewer has.
+    /// Number of rows that the viewer has.
     shown: usize,
     rows: R,
 }

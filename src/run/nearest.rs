@@ -10,7 +10,7 @@ pub(crate) fn near<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) ->
     nearest(names.map(|name| (likeness(wrong, name), name)))
 }
 
-/// How much a name is like a wrong one, from 0 to 1.
+/// Similarity of a name to a wrong one, from 0 to 1.
 pub(crate) fn likeness(wrong: &str, name: &str) -> f64 {
     let mut letters = name.chars();
     // Such as `fig2` for `figure-2`.

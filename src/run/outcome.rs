@@ -13,7 +13,7 @@ use serde_json::Map;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-/// What happened in a run, and how it ended. SI units and radians.
+/// Outcome of a run. SI units and radians.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Why the run ended.
@@ -26,7 +26,7 @@ pub struct Outcome {
     pub weak_time: Option<f64>,
     /// When the axis first began to loop, s: the precession of a tippe top, when it first turned backward. None if it did not.
     pub loop_time: Option<f64>,
-    /// How often the axis began to loop: the precession of a tippe top, how often it turned backward.
+    /// Number of times the axis began to loop; of a tippe top: the precession turned backward.
     pub loops: u64,
     /// Number of whole nutation cycles.
     pub nutations: u64,
@@ -44,26 +44,26 @@ pub struct Outcome {
     pub friction_work: f64,
     /// Path that the contact point slipped, m.
     pub slip_path: f64,
-    /// What only a free peg does; none for a fixed one.
+    /// Outcome of a free peg; none for a fixed one.
     pub free: Option<FreeOutcome>,
     /// Steps of the integrator.
     pub steps: u64,
 }
 
-/// What only a free peg does.
+/// Outcome of a free peg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeOutcome {
     /// When the peg first began to roll, s. None if it did not.
     pub roll_time: Option<f64>,
     /// When a tippe top turned over, its axis passing the horizontal, s. None if it did not, and of other tops.
     pub inversion_time: Option<f64>,
-    /// How often the peg left the table.
+    /// Number of times the peg left the table.
     pub hops: u64,
     /// Number of impacts on the table.
     pub impacts: u64,
 }
 
-/// Runs a scenario to its end and tells the outcome: the same, to the last bit, as [`Outcome::new`] gives for a whole
+/// Runs a scenario to its end and returns the outcome: the same, to the last bit, as [`Outcome::new`] gives for a whole
 /// [`Simulation`](crate::run::simulation::Simulation).
 ///
 /// `carry_on` is asked before each step of the integrator, so that it can count steps or watch for an interruption. Once
@@ -174,7 +174,7 @@ impl JsonSchema for Outcome {
     }
 }
 
-/// What the values of a column are.
+/// Type of a column's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColumnKind {
     /// Words: Utf8.
@@ -203,9 +203,9 @@ pub struct Column {
     pub name: &'static str,
     /// The unit; empty where there is none.
     pub unit: &'static str,
-    /// What its values are.
+    /// Type of its values.
     pub kind: ColumnKind,
-    /// What it means, and when it has no value.
+    /// Its meaning, and when it has no value.
     pub meaning: &'static str,
     read: fn(&Outcome) -> Option<Cell>,
 }
@@ -296,7 +296,7 @@ fn real(number: f64) -> Option<Cell> {
     Some(Cell::Number(number))
 }
 
-/// What an outcome consists of, in the order in which tables have it.
+/// Columns of an outcome, in the order in which tables have it.
 #[rustfmt::skip]
 pub const COLUMNS: &[Column] = &[
     text("stop_reason", "why the run ended", |o| Some(Cell::Text(o.stop_reason.name()))),

@@ -61,7 +61,7 @@ impl Simulation {
         self
     }
 
-    /// What has happened up to the last record; final once the iterator has ended.
+    /// State of the run at the last record; final once the iterator has ended.
     ///
     /// Before the end, `stop` is [`StopReason::Interrupted`]: that is why a run ends that nobody
     /// carries on.

@@ -25,7 +25,7 @@ enum Points {
     Range {
         from: f64,
         to: f64,
-        /// How many values; none if a sample says where they lie.
+        /// Number of values; none if a sample says where they lie.
         count: Option<u32>,
         /// Whether logarithms are evenly spaced rather than numbers.
         is_log: bool,
@@ -98,7 +98,7 @@ impl Axis {
         Self::parse(name, &items.join(","))
     }
 
-    /// How many values a grid has along this axis; none if only a sample can say where they lie.
+    /// Number of values that a grid has along this axis; none if only a sample can say where they lie.
     #[must_use]
     pub fn count(&self) -> Option<u64> {
         match &self.points {
@@ -204,7 +204,7 @@ fn first_word(text: &str) -> Result<(String, &str), String> {
     }
 }
 
-/// What is told of a list like `1,,2`.
+/// The error for a list like `1,,2`.
 const EMPTY: &str = "a value is empty";
 
 fn number(text: &str) -> Result<f64, String> {

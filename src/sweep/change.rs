@@ -1,8 +1,8 @@
-//! What differs between the specs of two sweeps.
+//! Differences between the specs of two sweeps.
 
 use serde_json::{Map, Value as Json};
 
-/// What differs first between the specs of two sweeps, as words; none if they are equal.
+/// The first difference between the specs of two sweeps, in words; none if they are equal.
 pub(super) fn change(before: &Json, now: &Json) -> Option<String> {
     changed("", before, now)
 }

@@ -1,10 +1,10 @@
-//! How many rows came out how.
+//! Counts of rows by result.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How many rows came out how.
+/// Counts of rows by result.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Counts {
     /// Number of rows for each reason why a run stopped.

@@ -1,4 +1,4 @@
-//! How the rows of each base come about.
+//! Design of the rows of each base.
 
 use super::axis::Axis;
 use super::error::SweepError;
@@ -9,7 +9,7 @@ use crate::run::scenario::Key;
 /// The most rows of a sweep: parts are numbered with six digits.
 pub(super) const MOST_ROWS: u64 = 1_000_000_000;
 
-/// How the rows of each base come about.
+/// Design of the rows of each base.
 #[derive(Clone, Debug)]
 pub enum Design {
     /// Every combination of the values of some axes; the last axis varies fastest.

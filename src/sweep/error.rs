@@ -1,4 +1,4 @@
-//! What can go wrong with a sweep as a whole. What goes wrong with a row stands in the table.
+//! Errors of a sweep as a whole. Errors of rows are in the table.
 
 use crate::archive::given::GivenError;
 use crate::archive::sink::SinkError;
@@ -18,7 +18,7 @@ pub enum SweepError {
     Base {
         /// The preset or file.
         name: String,
-        /// What is wrong.
+        /// The reason.
         reason: ScenarioError,
     },
     /// A word names no scenario to start from.
@@ -27,7 +27,7 @@ pub enum SweepError {
     /// A key that scenarios don't have.
     #[error(transparent)]
     Key(#[from] ScenarioError),
-    /// What is there is not of this sweep, or damaged.
+    /// The files belong to another sweep, or are damaged.
     #[error("{} {reason}", path.display())]
     Unusable {
         /// The table, a part or the directory of the parts.
@@ -60,7 +60,7 @@ pub enum SweepError {
     /// The file system refused.
     #[error("cannot {action} {}: {reason}", path.display())]
     Io {
-        /// What was tried.
+        /// The attempted operation.
         action: &'static str,
         /// On what.
         path: PathBuf,
@@ -81,7 +81,7 @@ impl SweepError {
         }
     }
 
-    /// What turns a reason why a table can't be read into an error.
+    /// Returns a function that makes an error of the reason why a table can't be read.
     pub(super) fn table<E: ToString>(path: &Path) -> impl Fn(E) -> Self {
         move |reason| Self::Table {
             path: path.to_owned(),
@@ -89,7 +89,7 @@ impl SweepError {
         }
     }
 
-    /// What turns an error of the file system into one that says what was tried.
+    /// Returns a function that adds the attempted operation to an error of the file system.
     pub(super) fn io(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |reason| Self::Io {

@@ -11,7 +11,7 @@ use super::words::{section, some_count, texts};
 use serde::Deserialize;
 use std::path::Path;
 
-/// What a spec has that a scenario has not.
+/// Keys of a spec that a scenario lacks.
 const SECTIONS: [&str; 6] = ["bases", "set", "over", "sample", "table", "max_steps"];
 
 /// A spec as a file has it.

@@ -2,7 +2,7 @@
 
 use std::panic::{self, AssertUnwindSafe};
 
-/// What `read` gives. The `parquet` and `arrow-ipc` crates panic on some damaged files, where they should return an error:
+/// Result of `read`. The `parquet` and `arrow-ipc` crates panic on some damaged files, where they should return an error:
 /// that is an error here, and their message, which is about their code, is not printed.
 pub(super) fn guarded<T>(read: impl FnOnce() -> T) -> Result<T, &'static str> {
     let hook = panic::take_hook();

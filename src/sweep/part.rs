@@ -61,7 +61,7 @@ impl Sweep {
         &self.spec
     }
 
-    /// What tells this sweep from another: [`Spec::to_json`].
+    /// Identification of this sweep: [`Spec::to_json`].
     pub(super) fn identity(&self) -> &Json {
         &self.identity
     }
@@ -240,7 +240,7 @@ fn field(name: &str, kind: ColumnKind, unit: &str, meaning: &str) -> Field {
     Field::new(name, kind, true).with_metadata(metadata)
 }
 
-/// How files are written: nothing that could differ from one machine or moment to another.
+/// Settings of the writer: nothing that could differ from one machine or moment to another.
 pub(super) fn properties(entries: Vec<KeyValue>) -> WriterProperties {
     let level = ZstdLevel::try_new(1).unwrap_or_default();
     WriterProperties::builder()

@@ -114,7 +114,7 @@ impl Columns {
     }
 }
 
-/// What is read of the spec in a table's metadata.
+/// The spec in a table's metadata.
 #[derive(Deserialize)]
 struct RecordedSpec {
     bases: Vec<RecordedBase>,

@@ -7,7 +7,7 @@ use std::any::Any;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What a run comes to.
+/// Result of a run.
 pub type RunResult = Result<Outcome, SimulationError>;
 
 /// Runs a scenario for its outcome. Tests have their own.
@@ -21,9 +21,9 @@ pub struct Watch<'a> {
     pub done: &'a (dyn Fn(Option<StopReason>) + Sync),
 }
 
-/// What a row comes to.
+/// Result of a row.
 pub(super) struct Row {
-    /// What tells the scenario from others; none if there is none.
+    /// Digest of the scenario; none if it is invalid.
     pub(super) digest: Option<String>,
     /// The outcome, or why there is none.
     pub(super) result: Result<Outcome, String>,
@@ -33,7 +33,7 @@ thread_local! {
     static IN_ROW: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Whether this thread computes a row, whose panics are caught and told in the table.
+/// Whether this thread computes a row, whose panics are caught and recorded in the table.
 #[must_use]
 pub fn is_in_row() -> bool {
     IN_ROW.get()
@@ -82,7 +82,7 @@ pub(super) fn row(
     Some(Row { digest, result })
 }
 
-/// What a panic says.
+/// Message of a panic.
 fn words(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
     let string = || panic.downcast_ref::<String>().map(String::as_str);

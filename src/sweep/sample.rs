@@ -5,7 +5,7 @@ use super::words;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
-/// How points are chosen.
+/// Method by which points are chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
@@ -33,10 +33,10 @@ impl Method {
     expecting = "a section with count, method and seed"
 )]
 pub struct Sample {
-    /// How many.
+    /// Number.
     #[serde(deserialize_with = "words::count")]
     pub count: u64,
-    /// How they are chosen.
+    /// Method by which they are chosen.
     #[serde(default, deserialize_with = "words::method")]
     pub method: Method,
     /// Which of many such choices; 0 is Sobol's sequence itself.

@@ -80,7 +80,7 @@ impl Spec {
         &self.keys
     }
 
-    /// A name that several bases have, so that the table doesn't tell their runs apart.
+    /// A name that several bases have, so that their runs can't be distinguished in the table.
     #[must_use]
     pub fn shared_name(&self) -> Option<&str> {
         let mut names = self.bases.iter().map(|base| base.name.as_str()).enumerate();
@@ -104,7 +104,7 @@ impl Spec {
         &self.bases[(row / self.rows_per_base) as usize]
     }
 
-    /// What a row changes in its base: a value, or none, for each of [`Spec::keys`].
+    /// Changes of a row in its base: a value, or none, for each of [`Spec::keys`].
     pub(super) fn values(&self, row: u64) -> Vec<Option<Value>> {
         let row = row % self.rows_per_base;
         match &self.design {
@@ -129,7 +129,7 @@ impl Spec {
         }
     }
 
-    /// All that decides about the bytes of the table: what tells this sweep from another.
+    /// Everything that determines the bytes of the table, which identifies the sweep.
     #[must_use]
     pub fn to_json(&self) -> Json {
         let axes = |axes: &[Axis]| -> Json {

@@ -69,7 +69,7 @@ impl<'a> Store<'a> {
         }
     }
 
-    /// How the rows of the complete table came out; none if there is no table yet.
+    /// Counts of the complete table's results; none if there is no table yet.
     ///
     /// # Errors
     /// If a file of that name is something else.
@@ -142,7 +142,7 @@ impl<'a> Store<'a> {
         Ok(self.found(part)?.is_some())
     }
 
-    /// How the rows of a part came out; none if it is not there.
+    /// Counts of a part's results; none if it is missing.
     ///
     /// # Errors
     /// [`SweepError::Unusable`] if it is of another sweep.
@@ -174,7 +174,7 @@ impl<'a> Store<'a> {
         Ok(publish::write(&self.part(part), Existing::Replace, &bytes)?)
     }
 
-    /// What tells a part from those of other sweeps.
+    /// Identification of a part's sweep.
     fn name(&self, part: u64) -> String {
         format!("{} {part}", self.digest)
     }

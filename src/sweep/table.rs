@@ -301,7 +301,7 @@ fn csv_cell(key: &Key, cell: &str) -> Result<Option<Value>, String> {
     number.map_err(|_| format!("{} = {cell:?} is no number", key.path))
 }
 
-/// What is wrong with a CSV file, with the line in which it is.
+/// The error of a CSV file, with its line.
 fn csv_error(error: &csv::Error, text: &str) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths {
@@ -359,7 +359,7 @@ mod tests {
         Table::read(file.path()).map_err(|error| error.to_string().replace(&path, ""))
     }
 
-    /// What `DataFrame.to_csv` writes.
+    /// Output of `DataFrame.to_csv`.
     #[test]
     fn an_index_of_pandas_in_a_csv_file_is_passed_over() {
         let plain = read("friction_k,initial.phi\n0.1,1\n0.2,\n").unwrap();

@@ -1,4 +1,4 @@
-//! Values of a TOML file; what is wrong with them is told in words that are not Rust's.
+//! Values of a TOML file, with errors in words that are not Rust's.
 
 use serde::de::{Deserialize, Deserializer, Error as _};
 use std::num::NonZeroU64;
@@ -26,7 +26,7 @@ pub(super) fn seed<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D:
     read(deserializer, "a whole number from 0 on")
 }
 
-/// How the points of a sample are chosen.
+/// Method by which the points of a sample are chosen.
 pub(super) fn method<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<T, D::Error> {

@@ -27,7 +27,7 @@ impl Shard {
     }
 }
 
-/// How a sweep is computed. Nothing of this changes its bytes.
+/// Options of a computation. Nothing of this changes its bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
     /// Number of threads, as [`threads`] takes it.
@@ -48,7 +48,7 @@ pub fn threads(wanted: usize, runs: u64) -> usize {
     wanted.min(processors).min(runs).max(1)
 }
 
-/// What was done.
+/// The result of a computation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finished {
     /// Whether the table is there. It is not after a shard, nor after an interruption.
@@ -57,7 +57,7 @@ pub struct Finished {
     pub is_interrupted: bool,
     /// Number of rows that were computed now; the others were there.
     pub computed: u64,
-    /// How they came out: all rows of the table, or those computed now if it is not there.
+    /// Counts of their results: all rows of the table, or those computed now if it is not there.
     pub counts: Counts,
 }
 
@@ -154,7 +154,7 @@ fn complete(
     Ok(())
 }
 
-/// How many rows a run would have to compute; an error if what is there is of another sweep.
+/// Number of rows that are still to be computed; an error if the files belong to another sweep.
 ///
 /// # Errors
 /// As [`run`].

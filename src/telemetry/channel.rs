@@ -11,7 +11,7 @@ pub struct ChannelInfo {
     pub topic: &'static str,
     /// Name of the message type.
     pub schema: &'static str,
-    /// What the channel carries.
+    /// Content of the channel.
     pub meaning: &'static str,
     /// Its texts, in the order of [`Message::texts`](super::Message::texts); in an encoded message they come first.
     pub texts: Vec<Leaf>,
@@ -30,13 +30,13 @@ pub struct ChannelInfo {
 pub struct Leaf {
     /// Its name in the message, behind that of its object if it is in one: `theta`, `omega_body.x`.
     pub path: String,
-    /// What it measures.
+    /// The measured quantity.
     pub quantity: Quantity,
     /// Unit, empty for pure numbers and texts.
     pub unit: &'static str,
     /// Frame of a vector's components, empty for others.
     pub frame: &'static str,
-    /// What it means.
+    /// Its meaning.
     pub meaning: &'static str,
     /// Name of the plot that shows it; leaves of a channel with the same plot are shown together.
     pub plot: &'static str,
@@ -51,11 +51,11 @@ pub struct Leaf {
 pub struct Member<'a> {
     /// Name.
     pub name: &'a str,
-    /// What it holds.
+    /// Its content.
     pub content: Content<'a>,
 }
 
-/// What a member of an encoded message holds.
+/// Content of a member of an encoded message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content<'a> {
     /// The text with this index.

@@ -1,9 +1,9 @@
-//! What the decoders of all encodings share: the rows that they fill, their errors, and the shape of a message.
+//! Shared parts of all decoders: the rows that they fill, their errors, and the shape of a message.
 
 use super::channel::ChannelInfo;
 use thiserror::Error;
 
-/// What a message was decoded into; used again for the next one.
+/// A decoded message; used again for the next one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// Its timestamp, ns.
@@ -39,7 +39,7 @@ pub enum DecodeError {
     Malformed {
         /// The encoding.
         encoding: &'static str,
-        /// What is wrong.
+        /// The reason.
         reason: String,
     },
     /// The message's timestamp is not the time at which the file logs it.
@@ -70,7 +70,7 @@ pub struct FieldDifferences {
 }
 
 impl FieldDifferences {
-    /// What a file with the fields `present` lacks and has beside the table's.
+    /// Fields that a file with the fields `present` lacks, and those that the table lacks.
     pub(super) fn between(channel: &ChannelInfo, present: &[String]) -> Self {
         let known = |path: &String| channel.leaves().any(|leaf| leaf.path == *path);
         Self {

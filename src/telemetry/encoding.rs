@@ -32,7 +32,7 @@ impl Encoding {
         }
     }
 
-    /// What it is for, as the help has it.
+    /// Its purpose, as in the help.
     #[must_use]
     pub fn meaning(self) -> &'static str {
         match self {

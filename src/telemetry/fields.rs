@@ -66,7 +66,7 @@ impl NumberField {
         }
     }
 
-    /// What the table says about it.
+    /// Its row of the table.
     #[must_use]
     pub fn leaf(self) -> &'static Leaf {
         &self.topic.info().numbers[self.index]
@@ -297,12 +297,12 @@ const fn part(field: NumberField, offset: usize) -> NumberField {
     }
 }
 
-/// What a handle needs to know of a field of the table.
+/// Facts that a handle needs of a field of the table.
 #[derive(Clone, Copy)]
 struct Found {
     /// Index of its first number, or of its text.
     index: usize,
-    /// How many numbers it has; 0 for a text.
+    /// Number of its numbers; 0 for a text.
     numbers: usize,
     plot: &'static str,
 }

@@ -20,7 +20,7 @@ pub struct JsonEncoder {
     templates: Vec<Template>,
 }
 
-/// What stands between the values of a channel's messages.
+/// The bytes between the values of a channel's messages.
 #[derive(Debug)]
 struct Template {
     /// For each value, the bytes before it, and whether it is a text.
@@ -212,7 +212,7 @@ fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), DecodeE
     Ok(())
 }
 
-/// How many members a message with leaves at these paths has beside those of the table. An object that is unknown counts
+/// Number of members a message with leaves at these paths has beside those of the table. An object that is unknown counts
 /// once, with all that is in it.
 fn unknown_members(message: &Object<String>, paths: &[String]) -> usize {
     let members = paths
@@ -239,7 +239,7 @@ fn unknown_member<'a>(message: &Object<String>, path: &'a str) -> Option<&'a str
     }
 }
 
-/// What was met in a message.
+/// Content of a message so far.
 #[derive(Default)]
 struct Tally {
     found: usize,

@@ -73,7 +73,7 @@ pub fn proto_file_name(channel: &ChannelInfo) -> String {
     format!("{}.proto", channel.schema)
 }
 
-/// What there is to say about a member: one line, or one for each number of a group of terms.
+/// Comments on a member: one line, or one for each number of a group of terms.
 fn comments(channel: &ChannelInfo, member: &Member<'_>) -> Vec<String> {
     match &member.content {
         Content::Text(index) => vec![channel.texts[*index].meaning.to_owned()],
@@ -220,7 +220,7 @@ pub struct ProtobufEncoder {
     templates: Vec<Template>,
 }
 
-/// What stands before each value of a channel's messages, and whether it is a text.
+/// The bytes before each value of a channel's messages, and whether the value is a text.
 #[derive(Debug)]
 struct Template(Vec<(Vec<u8>, bool)>);
 

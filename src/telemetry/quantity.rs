@@ -1,6 +1,6 @@
 //! Kinds of quantities: what a number measures, and so its unit.
 
-/// What a field measures.
+/// The quantity of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// A force.

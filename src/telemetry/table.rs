@@ -14,7 +14,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 /// 1. The first, whose recordings don't name it.
 /// 2. Nutation cycles are only those whose period is that of a nutation, and have the ranges of the rates. Integrals of
 ///    the terms of φ̈ and ψ̈, the work about each axis of the node frame and that of the friction force are recorded.
-///    Views tell the ranges of what nutates.
+///    Views have the ranges of the nutation.
 /// 3. The ranges of the rates in a nutation hold what is before and after each impact in it, and nothing else. Where the axis
 ///    is exactly vertical, φ and the rates are those with which it goes on. Drilling that has stopped the spin of a top with a free peg holds it.
 pub const VERSION: u32 = 3;
@@ -26,7 +26,7 @@ pub struct Channel<S: 'static> {
     pub topic: &'static str,
     /// Name of the message type.
     pub schema: &'static str,
-    /// What the channel carries.
+    /// Content of the channel.
     pub meaning: &'static str,
     /// Whether only the recordings of tops with a free peg have it.
     pub is_of_free_peg: bool,
@@ -45,17 +45,17 @@ pub struct Field<S> {
     pub quantity: Quantity,
     /// Frame of a vector's components, empty for others.
     pub frame: &'static str,
-    /// Meaning, as schemas tell it.
+    /// Meaning, as in schemas.
     pub meaning: &'static str,
     /// Name of the plot that shows it.
     pub plot: &'static str,
     /// Name of the field that is its time derivative, if the channel has it.
     pub derivative: Option<&'static str>,
-    /// How to get its value.
+    /// The function that returns its value.
     pub source: Source<S>,
 }
 
-/// How to get a field's value from an `S`.
+/// The function that returns a field's value from an `S`.
 #[derive(Debug)]
 pub enum Source<S> {
     /// A number.

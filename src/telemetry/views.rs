@@ -44,7 +44,7 @@ pub struct ViewChannel {
     pub schema: &'static str,
     /// Its definition, in the language `ros2msg`.
     pub definition: &'static str,
-    /// What the channel carries.
+    /// Content of the channel.
     pub meaning: &'static str,
     /// Whether only recordings of a free peg have it.
     pub is_of_free_peg: bool,

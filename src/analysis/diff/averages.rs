@@ -27,13 +27,13 @@ pub struct Averaged {
     pub to: f64,
     /// Means, least and greatest values of θ and the rates.
     pub deviations: Vec<Deviation>,
-    /// How far B is ahead of A; absent where the count of nutations is interrupted.
+    /// Lead of B over A; absent where the count of nutations is interrupted.
     pub phase: Option<Phase>,
     /// The nutation amplitudes of A and B (half the range of θ̇) at the last time, rad/s.
     pub amplitudes: Option<[f64; 2]>,
 }
 
-/// How far B is ahead of A.
+/// Lead of B over A.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Phase {
     /// The last beginning of a nutation that both runs reach, s.
@@ -42,7 +42,7 @@ pub struct Phase {
     pub ahead: f64,
 }
 
-/// How far one averaged quantity differs at equal times.
+/// Difference of one averaged quantity at equal times.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Deviation {
     /// The field of `/top/nutation`.
@@ -84,7 +84,7 @@ pub(super) fn compare(a: &RunHistory, b: &RunHistory) -> Option<Averaged> {
     .filter(|_| from <= to)
 }
 
-/// How far B is ahead of A, where both have counted their nutations without interruption.
+/// Lead of B over A, where both have counted their nutations without interruption.
 fn phase(a: &RunHistory, b: &RunHistory) -> Option<Phase> {
     let at = a.cycles.last()?.start.min(b.cycles.last()?.start);
     let is_counted = |run: &RunHistory| run.unbroken_until().is_some_and(|end| at <= end);

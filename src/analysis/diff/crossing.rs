@@ -1,7 +1,7 @@
 //! When the averaged motions of two runs cross a level of θ, and the effect of the nutation on the first crossing.
 //!
 //! θ averaged over each nutation is a curve through the middles of the cycles. The times at which both curves cross a
-//! common level tell which run is ahead. When θ itself first reaches a level is a staircase beside that: it depends on
+//! common level show which run is ahead. When θ itself first reaches a level is a staircase, in contrast: it depends on
 //! which dip of the nutation reaches the level.
 
 use crate::analysis::history::curve::Curve;
@@ -18,7 +18,7 @@ const LEVELS: u32 = 16;
 const STEADY: f64 = 0.2;
 /// The shift must hold at levels nearby: those this part of the way before and behind.
 const NEARBY: f64 = 0.02;
-/// How much smaller the error of a cubic between four points is than where the middle one of five is left out: the
+/// Ratio by which the error of a cubic between four points is than where the middle one of five is left out: the
 /// products of the distances are 4 and at most 0.94 (between the last two points).
 const LEFT_OUT: f64 = 4.0;
 
@@ -122,7 +122,7 @@ fn interpolation_error(curve: &Curve, time: f64) -> f64 {
         .map_or(0.0, |error| error.abs() / LEFT_OUT)
 }
 
-/// What an average over a nutation keeps of it, rad: where the amplitude A changes by ΔA from one to the next, the
+/// Remainder of it in an average over a nutation, rad: where the amplitude A changes by ΔA from one to the next, the
 /// mean of A cos 2πs over a turn is up to ΔA/2π, depending on where the turn begins.
 fn averaging_error(history: &RunHistory, time: f64) -> f64 {
     let amplitude = history.of_cycles(amplitude);
@@ -142,7 +142,7 @@ fn amplitude(cycle: &Cycle) -> f64 {
     cycle.amplitude() * cycle.period / TAU
 }
 
-/// How much earlier (negative) and later θ can first touch a level than its average does, s, depending on the phase of
+/// Range of the time by which θ first reaches a level after its average (negative: before), s, depending on the phase of
 /// the nutation there; none where the nutation isn't known.
 ///
 /// Amplitude and drift are taken at the touch and over the time by which it is early, for which a large nutation
@@ -172,7 +172,7 @@ pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
     range.iter().all(|time| time.is_finite()).then_some(range)
 }
 
-/// How late θ = −x + r cos x can first be at a level, as a part of r, where r is the amplitude of θ̇ over its mean.
+/// Latest first passage of θ = −x + r cos x through a level, as a part of r, where r is the amplitude of θ̇ over its mean.
 ///
 /// Where θ falls all the time (r ≤ 1), a level is touched once, up to r later than by the average. Where it doesn't, a
 /// dip that ends just above the level leaves it to the next descent, which is early if the dips are deep.

@@ -1,4 +1,4 @@
-//! How two directions or orientations differ: angles that no single field tells.
+//! Angles between two directions or orientations, which no single field contains.
 
 use super::field::{FieldDifference, FieldTally};
 use super::tolerance::Tolerance;

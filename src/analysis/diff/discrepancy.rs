@@ -59,14 +59,14 @@ pub struct Residual {
 #[derive(Clone, Debug)]
 pub(super) struct Residuals {
     models: [Model; 2],
-    /// A's last state, as far as it has been told, with its time (ns).
+    /// A's last known state, with its time (ns).
     motion: Option<(u64, Motion)>,
     slides: bool,
     states: u64,
     tallies: [ResidualSums; QUANTITIES.len()],
 }
 
-/// What is known of the differences in a quantity.
+/// Statistics of the differences in a quantity.
 #[derive(Clone, Copy, Debug, Default)]
 struct ResidualSums {
     largest: f64,
@@ -75,7 +75,7 @@ struct ResidualSums {
     own: Moments,
 }
 
-/// What a model does in a state: the torque of friction about the peg's centre in the node frame (N m), the frictional and
+/// Action of a model in a state: the torque of friction about the peg's centre in the node frame (N m), the frictional and
 /// the whole accelerations (rad/s²).
 fn action(model: &Model, motion: &Motion) -> [f64; QUANTITIES.len() - 1] {
     let tilt = &motion.tilt;
@@ -96,7 +96,7 @@ fn action(model: &Model, motion: &Motion) -> [f64; QUANTITIES.len() - 1] {
     ]
 }
 
-/// The motion of a top whose peg is at rest in the state that a message tells.
+/// The motion of a top whose peg is at rest in the state of a message.
 fn motion(message: &Message<'_>, radius: f64) -> Option<Motion> {
     let euler = |[phi, theta, psi]: [f64; 3]| Euler { phi, theta, psi };
     let angles = [state::PHI, state::THETA, state::PSI].map(|field| field.of(message));
@@ -169,7 +169,7 @@ impl Residuals {
         }
     }
 
-    /// What was found, if any state was.
+    /// The result, if there was any state.
     pub(super) fn report(&self) -> Option<Discrepancy> {
         let residual = |((quantity, unit), tally): (&(&str, &str), &ResidualSums)| Residual {
             quantity: (*quantity).to_owned(),

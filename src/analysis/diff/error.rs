@@ -11,7 +11,7 @@ pub enum DiffError {
     Tolerance {
         /// The tolerance as it was written.
         text: String,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// A pattern matches no field.
@@ -45,7 +45,7 @@ pub enum DiffError {
     NoMessages {
         /// Which run, A or B.
         side: &'static str,
-        /// What could not be read.
+        /// Parts that could not be read.
         losses: String,
     },
     /// A run of toprise is compared with another file.

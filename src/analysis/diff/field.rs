@@ -5,7 +5,7 @@ use super::tolerance::Tolerance;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// How one field differs; B − A throughout.
+/// Difference of one field; B − A throughout.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct FieldDifference {
     /// The field, or what is derived.

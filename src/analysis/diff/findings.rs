@@ -1,4 +1,4 @@
-//! The findings of a comparison: numbers of A and of B that belong together, the most telling first.
+//! The findings of a comparison: numbers of A and of B that belong together, the most important first.
 
 use super::averages::Averaged;
 use super::crossing::{LevelCrossing, ripple};
@@ -16,7 +16,7 @@ use serde::Serialize;
 /// A number of A and one of B that belong together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Finding {
-    /// What is compared.
+    /// The compared quantity.
     pub what: String,
     /// The unit, empty for pure numbers.
     pub unit: String,
@@ -101,7 +101,7 @@ impl Finding {
 /// An uncertainty that is a smaller part of its difference is not shown.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// What happened first in a run, if it happened.
+/// First event of a kind in a run, if there is one.
 const HAPPENINGS: [(EventKind, &str); 8] = [
     (EventKind::Fallen, "falls"),
     (EventKind::UprightPassage, "first swings through upright"),
@@ -123,7 +123,7 @@ pub(super) struct Evidence<'e> {
     pub(super) floor: Option<&'e Floor>,
 }
 
-/// All findings, the most telling first.
+/// All findings, the most important first.
 pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
     let summaries = [0, 1].map(|side| evidence.paired.runs[side].history.summary());
     let mut found = vec![end(&summaries)];
@@ -185,7 +185,7 @@ fn rise(evidence: &Evidence<'_>) -> Finding {
     Finding::new(what, "s", risen).within(uncertainty.map(|(a, b)| a + b + errors))
 }
 
-/// What only one run did, and what both did at other times.
+/// Events of only one run, and those of both at different times.
 fn happenings(evidence: &Evidence<'_>) -> Vec<Finding> {
     let histories = evidence.paired.runs.each_ref().map(|run| &run.history);
     let errors = evidence.floor.map(Floor::event_time);
@@ -210,7 +210,7 @@ fn happenings(evidence: &Evidence<'_>) -> Vec<Finding> {
     found
 }
 
-/// What free pegs did.
+/// Events of free pegs.
 fn peg(summaries: &[RunSummary; 2]) -> Vec<Finding> {
     let pegs = summaries.each_ref().map(|run| run.peg.as_ref());
     if pegs == [None, None] {
@@ -232,7 +232,7 @@ fn peg(summaries: &[RunSummary; 2]) -> Vec<Finding> {
     found
 }
 
-/// How the averaged motions differ at equal times.
+/// Differences of the averaged motions at equal times.
 fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
     let Some(averaged) = evidence.averaged else {
         return Vec::new();
@@ -254,7 +254,7 @@ fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
         (nutation::PHI_DOT_MEAN, "mean φ̇"),
         (nutation::PSI_DOT_MEAN, "mean ψ̇"),
     ];
-    // A tippe top passes by the vertical, where precession and spin can't be told apart.
+    // A tippe top passes by the vertical, where precession and spin can't be distinguished.
     let means = means
         .into_iter()
         .take(if is_tippe { 1 } else { 3 })
@@ -284,7 +284,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Finding {
     Finding::new(what, "J", both(common, Energies::lost)).within(errors)
 }
 
-/// How far the models' friction torques are apart at the states that A goes through.
+/// Difference of the models' friction torques at the states of A.
 fn torque(evidence: &Evidence<'_>) -> Option<Finding> {
     let torque = evidence.discrepancy?.quantities.first()?;
     Some(Finding {

@@ -24,10 +24,10 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Is told how many more bytes of the files have been read.
+    /// Receives the number of further bytes of the files that have been read.
     fn progress(&mut self, _bytes: u64) {}
 
-    /// What tells, on other threads too, whether the comparison is still wanted.
+    /// Returns, on other threads too, whether the comparison is still wanted.
     fn carry_on(&self) -> Box<dyn Fn() -> bool + Send + Sync> {
         Box::new(|| true)
     }

@@ -1,8 +1,8 @@
-//! How to compare.
+//! Options of a comparison.
 
 use super::tolerance::Tolerances;
 
-/// How to compare two runs.
+/// Options of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The differences that count as equal.

@@ -41,11 +41,11 @@ pub(super) struct Paired {
     pub(super) residuals: Option<Residuals>,
 }
 
-/// What was read of one run.
+/// Data of one run.
 #[derive(Debug, Default)]
 pub(super) struct RunData {
     pub(super) history: RunHistory,
-    /// What could not be read.
+    /// Parts that could not be read.
     pub(super) losses: Vec<String>,
     pub(super) is_ended: bool,
 }

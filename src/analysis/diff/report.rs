@@ -33,7 +33,7 @@ pub struct Report {
     pub is_complete: bool,
     /// The differences in the set-up.
     pub setup: SetupDifferences,
-    /// The findings, the most telling first; empty for files of others.
+    /// The findings, the most important first; empty for files of others.
     pub findings: Vec<Finding>,
     /// The topics of toprise, message by message.
     pub channels: Vec<ChannelDifference>,
@@ -45,7 +45,7 @@ pub struct Report {
     pub discrepancy: Option<Discrepancy>,
     /// The integrators' errors; absent if they were not asked for or can't be computed.
     pub floor: Option<Floor>,
-    /// What else must be known to read this.
+    /// Notes on this comparison.
     pub notes: Vec<String>,
 }
 
@@ -62,7 +62,7 @@ pub struct ComparedRun {
     pub messages: u64,
     /// Time of the last message, s.
     pub last: f64,
-    /// What could not be read.
+    /// Parts that could not be read.
     pub losses: Vec<String>,
     /// A summary of the run; absent for files of others.
     pub summary: Option<RunSummary>,
@@ -232,7 +232,7 @@ fn verdict(
     }
 }
 
-/// What else must be known.
+/// Notes on the comparison.
 fn notes(runs: [Subject<'_>; 2]) -> Vec<String> {
     let mut notes = Vec::new();
     for (subject, name) in runs.into_iter().zip(["A", "B"]) {

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct SetupDifferences {
     /// Keys of the scenarios that differ.
     pub scenario: Vec<KeyDifference>,
-    /// How many keys of the scenarios are equal.
+    /// Number of equal keys of the scenarios.
     pub equal_keys: u64,
     /// Differences of the files: what wrote them, encoding, metadata, schemas, attachments. Empty unless both are recordings.
     pub files: Vec<KeyDifference>,
@@ -103,7 +103,7 @@ fn flatten(prefix: &str, table: &toml::Table, flat: &mut Flat) {
     }
 }
 
-/// What a file holds beside its messages and its scenario's keys. Schemas of different encodings can't be compared.
+/// Content of a file except its messages and its scenario's keys. Schemas of different encodings can't be compared.
 fn facts(recording: &Recording, has_schemas: bool) -> Flat {
     let mut facts = Flat::new();
     let mut add = |key: String, value: String| {

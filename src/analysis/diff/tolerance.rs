@@ -1,4 +1,4 @@
-//! How far two numbers may lie apart and still count as equal.
+//! Tolerances: differences up to which two numbers count as equal.
 
 use super::error::DiffError;
 use crate::telemetry::fields::state::THETA;

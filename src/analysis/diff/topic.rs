@@ -56,7 +56,7 @@ struct ComparedField {
     is_ignored: bool,
 }
 
-/// What is known of the pairs of a topic.
+/// Statistics of the pairs of a topic.
 #[derive(Clone, Debug)]
 pub(super) struct TopicTally {
     topic: Topic,

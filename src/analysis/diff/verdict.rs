@@ -14,7 +14,7 @@ pub enum Verdict {
     SameValues,
     /// Both have the same messages, which agree within the tolerances; or what was not ignored is the same.
     Equal,
-    /// What was compared agrees within the tolerances, but not every message was compared: parts of a run can't be read, or
+    /// The compared parts agree within the tolerances, but not every message was compared: parts of a run can't be read, or
     /// one has samples between those of the other.
     Agreeing,
     /// Something differs.

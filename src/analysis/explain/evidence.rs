@@ -15,7 +15,7 @@ pub(super) struct Evidence {
 }
 
 impl Evidence {
-    /// What the integrator may have added up to by the end of the run in a quantity of this size.
+    /// Accumulated integration error at the end of the run in a quantity of this size.
     pub(super) fn floor(&self, size: f64) -> f64 {
         let steps = self
             .history

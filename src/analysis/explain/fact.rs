@@ -53,7 +53,7 @@ pub enum Fact {
     },
     /// The axis loops.
     Loops {
-        /// How often.
+        /// Number of times.
         count: u64,
         /// When the first loop begins, s.
         first: f64,
@@ -65,14 +65,14 @@ pub enum Fact {
     },
     /// The peg hops.
     Hops {
-        /// How often, from lift-off to landing.
+        /// Number, from lift-off to landing.
         count: u64,
         /// When it first lifts off, s.
         first: f64,
     },
     /// Impacts of the peg.
     Impacts {
-        /// How many.
+        /// Number.
         count: u64,
         /// Energy that they took, J.
         lost: f64,
@@ -337,7 +337,7 @@ impl Fact {
     }
 }
 
-/// How often.
+/// Number of times.
 fn times(count: u64) -> String {
     match count {
         1 => "once".to_owned(),

@@ -4,7 +4,7 @@ use super::evidence::Evidence;
 use super::fact::Fact;
 use super::held;
 
-/// What happened.
+/// The event.
 pub(super) fn course(evidence: &Evidence) -> Vec<Fact> {
     let history = &evidence.history;
     let end = history.stop_time().unwrap_or(0.0);

@@ -6,7 +6,7 @@ use super::precession;
 use crate::physics::friction::Dissipation;
 use crate::run::simulation::EventKind;
 
-/// What happened.
+/// The event.
 pub(super) fn course(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = vec![start(evidence)];
     facts.extend(mean_theta(evidence));

@@ -71,7 +71,7 @@ fn stage(top: &Top, part: &[Cycle]) -> Stage {
     }
 }
 
-/// The mean motion of a cycle; none near the vertical, where precession and spin can hardly be told apart.
+/// The mean motion of a cycle; none near the vertical, where precession and spin can hardly be distinguished.
 fn mean_motion(cycle: &Cycle) -> Option<Tilt> {
     let [theta, theta_dot, phi_dot, psi_dot] = cycle.means;
     let is_vertical = theta < UPRIGHT || PI - theta < UPRIGHT;
@@ -89,7 +89,7 @@ fn roots(top: &Top, cycle: &Cycle) -> Option<[f64; 2]> {
     Some([roots.slow, roots.fast])
 }
 
-/// How the averaged precession compares with regular precession.
+/// Comparison of the averaged precession with regular precession.
 pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
     let top = evidence.scenario.model.nutating_top();
     let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);

@@ -1,4 +1,4 @@
-//! The looks of runs and their quantities, so that they can be told apart.
+//! The looks of runs and their quantities.
 
 use super::run::Run;
 use crate::analysis::plot::legend::Entry;
@@ -17,7 +17,7 @@ pub(super) const PALE: Colour = Colour(0xc8, 0xc8, 0xc8);
 /// The colour of the unit sphere.
 pub(super) const SURFACE: Colour = Colour(0xf6, 0xf6, 0xf6);
 
-/// The strokes that tell the runs of a figure apart.
+/// The strokes of the runs of a figure.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Looks {
     /// The number of runs.
@@ -128,7 +128,7 @@ impl Looks {
     }
 }
 
-/// What a figure says that can't show how some run nutates.
+/// Note of a figure whose samples are too few for the nutation of a run.
 pub(super) fn note(runs: &[&Run]) -> Option<Entry> {
     let fewest = runs.iter().filter_map(|run| run.coarseness());
     let fewest = fewest.reduce(f64::min)?;

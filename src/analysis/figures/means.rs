@@ -195,7 +195,7 @@ impl Means {
         Some(start.integrals[column] + part * rise + bend)
     }
 
-    /// What the run lacks, if anything.
+    /// Missing messages or fields, if any.
     pub(super) fn missing(&self) -> Option<Missing> {
         let Some(last) = self.samples.back() else {
             return Some(Missing::Messages);

@@ -12,7 +12,7 @@ pub(super) struct Need {
     pub(super) are_means: bool,
 }
 
-/// What a run lacks of a channel.
+/// Missing part of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Missing {
     /// All of its messages.

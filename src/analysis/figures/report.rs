@@ -3,16 +3,16 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// What was drawn of some runs, and what was not.
+/// Figures that were drawn of some runs, and those that were not.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct FiguresReport {
     /// The files that were written.
     pub files: Vec<FigureFile>,
-    /// What runs lack of what figures need: these figures were drawn without them, or not at all.
+    /// Needs of figures that runs lack: these figures were drawn without them, or not at all.
     pub lacking: Vec<Lacking>,
-    /// What was left out because a figure says nothing of a run.
+    /// Runs left out because a figure does not apply to them.
     pub left_out: Vec<LeftOut>,
-    /// What could not be read of the runs.
+    /// Parts of the runs that could not be read.
     pub losses: Vec<RunLoss>,
 }
 
@@ -21,7 +21,7 @@ pub struct FiguresReport {
 pub struct FigureFile {
     /// Name of the figure.
     pub figure: &'static str,
-    /// What the figure shows.
+    /// Content of the figure.
     pub title: &'static str,
     /// Names of the runs that it is drawn of.
     pub runs: Vec<String>,
@@ -31,7 +31,7 @@ pub struct FigureFile {
     pub bytes: u64,
 }
 
-/// What a run lacks of what a figure needs.
+/// A need of a figure that a run lacks.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Lacking {
     /// Name of the run.
@@ -58,6 +58,6 @@ pub struct LeftOut {
 pub struct RunLoss {
     /// Name of the run.
     pub run: String,
-    /// What is lost, in a sentence.
+    /// The loss, in a sentence.
     pub loss: String,
 }

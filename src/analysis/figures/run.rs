@@ -12,7 +12,7 @@ use crate::telemetry::fields::{NUTATION, NumberField, POSE, nutation, state};
 use crate::telemetry::{Message, Topic, Topics};
 use std::ops::ControlFlow;
 
-/// How many times longer than the one before it a nutation may be. The period changes by some hundredths from one to the
+/// Largest ratio of a nutation's period to that of the one before. The period changes by some hundredths from one to the
 /// next; in recordings of the first version a fall, which isn't a nutation, ends the last cycle.
 const LONGEST: f64 = 2.0;
 
@@ -43,7 +43,7 @@ struct Cycle {
 pub struct Run {
     /// The name in legends.
     pub name: String,
-    /// What is missing, in sentences: the run was interrupted, or parts of the file can't be read.
+    /// Missing parts, in sentences: the run was interrupted, or parts of the file can't be read.
     pub losses: Vec<String>,
     /// Whether the peg is free.
     pub(super) has_free_peg: bool,
@@ -164,7 +164,7 @@ impl Run {
         }
     }
 
-    /// What the run lacks of a need: the channel, its messages or a field.
+    /// Missing part of a need: the channel, its messages or a field.
     pub(super) fn missing(&self, need: &Need) -> Option<String> {
         let topic = need.topic();
         let absent = if need.are_means {
@@ -278,7 +278,7 @@ impl Track {
         Some(self.rows.points(column))
     }
 
-    /// What the run lacks of some fields, if anything.
+    /// First missing field or missing messages, if any.
     fn missing(&self, fields: &[NumberField]) -> Option<Missing> {
         if self.rows.is_empty() {
             return Some(Missing::Messages);

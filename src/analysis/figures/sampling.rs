@@ -1,4 +1,4 @@
-//! How finely a run is sampled in comparison with what is to be seen of it.
+//! Sampling that is fine enough for what a figure shows.
 
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{Record, Simulation};
@@ -14,7 +14,7 @@ pub(super) const ENOUGH: f64 = 0.9 * PER_NUTATION;
 /// The samples in a run that make its curves smooth.
 const PER_RUN: f64 = 500.0;
 
-/// How many times shorter than they are on average the nutations of a run may become before their samples become
+/// Ratio by which shorter than they are on average the nutations of a run may become before their samples become
 /// fewer. The time to sample is thus bounded by that to integrate, which needs about as many steps.
 const SHORTENING: f64 = 8.0;
 

@@ -74,7 +74,7 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
     drawing
 }
 
-/// What a peg does, and the colours of its track.
+/// Regimes of a peg, and the colours of its track.
 const REGIMES: [(&str, Colour); 3] = [("slides", BLUE), ("rolls", GREEN), ("flies", VERMILLION)];
 
 /// The parts of a run's track in which the peg does one thing, with its name; none if that is not known.

@@ -61,7 +61,7 @@ impl Curve {
         (self.at(x).is_some() && slope.is_finite()).then_some(slope)
     }
 
-    /// How far the cubic through its neighbours is from the point nearest to x that has two neighbours on each side.
+    /// Distance of the point nearest to x that has two neighbours on each side from the cubic through them.
     pub(crate) fn left_out(&self, x: f64) -> Option<f64> {
         let count = self.x.len();
         if count < 5 {

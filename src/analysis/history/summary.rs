@@ -28,6 +28,6 @@ pub struct RunSummary {
     /// The largest deviation of the angular momentum about the vertical, relative; absent for free pegs, which friction
     /// turns about the vertical.
     pub vertical_momentum_deviation: Option<f64>,
-    /// What a free peg did.
+    /// Motion of a free peg.
     pub peg: Option<PegSummary>,
 }

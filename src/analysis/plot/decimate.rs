@@ -1,4 +1,4 @@
-//! Leaves out points of lines that can't be told apart in print.
+//! Leaves out points of lines that can't be distinguished in print.
 
 use super::shape::Point;
 

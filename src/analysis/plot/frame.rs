@@ -19,7 +19,7 @@ const GAP: f64 = 1.0;
 const TICK_ROOM_ACROSS: f64 = 11.0;
 const TICK_ROOM_UP: f64 = 6.5;
 
-/// What an axis shows: a quantity and its unit.
+/// Quantity of an axis, with its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Quantity {
     /// The symbol, as markup (see [`Text::markup`]).

@@ -50,7 +50,7 @@ impl Entry {
         }
     }
 
-    /// What the marks mean at places where curves go beyond their axis.
+    /// Meaning of the marks where curves exceed their axis.
     pub(crate) fn beyond() -> Self {
         Self {
             sample: Sample::Marks,

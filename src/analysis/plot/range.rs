@@ -14,7 +14,7 @@ const BRIEF: f64 = 0.1;
 /// A spike leaves less than this share of the axis to the rest of the curve.
 const FLAT: f64 = 0.1;
 
-/// How far an axis goes beyond the rest of the curve where it cuts a spike off, as a share of the rest.
+/// Distance by which an axis exceeds the rest of the curve where it cuts off a spike, as a share of the rest.
 const BEYOND: f64 = 0.5;
 
 /// The least and the greatest of the numbers that are finite.

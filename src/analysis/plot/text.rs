@@ -64,7 +64,7 @@ pub(crate) struct Glyph {
 pub(crate) struct Text {
     pub(crate) glyphs: Vec<Glyph>,
     pub(crate) width: f64,
-    /// How far the ink reaches above the baseline, and below.
+    /// Extent of the ink above the baseline, and below.
     pub(crate) above: f64,
     pub(crate) below: f64,
     /// The text without markup, for screen readers.

@@ -62,7 +62,7 @@ fn run(
 #[derive(Debug)]
 struct Comparer {
     source: Source,
-    /// How many bytes are equal.
+    /// Number of equal bytes.
     position: Arc<AtomicU64>,
     bytes: Vec<u8>,
 }

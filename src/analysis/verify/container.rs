@@ -1,4 +1,4 @@
-//! What a recording holds beside its messages: records of the run, attachments, channels.
+//! Content of a recording except its messages: records of the run, attachments, channels.
 
 use super::difference::Difference;
 use crate::archive::format::{

@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
 use std::{io, mem};
 
-/// What a frame of each compression begins with.
+/// First bytes of a frame of each compression.
 const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 const LZ4_MAGIC: [u8; 4] = [0x04, 0x22, 0x4d, 0x18];
 
@@ -42,7 +42,7 @@ fn fault(place: &RecordSpan, found: &str) -> Difference {
     Difference::of(&place, "", Some(found.to_owned()), None)
 }
 
-/// What the data demand and what is found.
+/// Expected and found index entries.
 fn equal<T: Debug + PartialEq>(place: &str, found: &T, expected: &T) -> Checked {
     if found == expected {
         return Ok(());
@@ -58,7 +58,7 @@ impl From<io::Error> for Difference {
     }
 }
 
-/// What is seen in going through a file.
+/// State of a pass through a file.
 #[derive(Default)]
 struct Survey {
     buffers: Buffers,

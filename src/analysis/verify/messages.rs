@@ -231,7 +231,7 @@ fn stray(recorded: &Undecoded<'_>) -> Difference {
     }
 }
 
-/// What decodes the messages of a channel of the table: those of the file, and those of the run.
+/// Decoders of a channel of the table: for the file, and for the run.
 fn decoders_of(channel: &FileChannel, declared: &Declared) -> Option<[Decoder; 2]> {
     let info: &'static ChannelInfo = channel.info()?;
     let file = channel.decoder()?.ok()?;

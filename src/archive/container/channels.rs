@@ -19,7 +19,7 @@ pub struct FileChannel {
     pub encoding: String,
     /// Its message type; none for messages that describe themselves.
     pub schema: Option<Arc<FileSchema>>,
-    /// What the file says about it beside that.
+    /// Its further metadata in the file.
     pub metadata: BTreeMap<String, String>,
     /// Its topic in the table of channels, if it is one of them.
     pub table: Option<Topic>,
@@ -55,7 +55,7 @@ impl FileChannel {
         view_channels().iter().any(|view| view.topic == self.topic)
     }
 
-    /// What decodes its messages, if it is a channel of the table.
+    /// Decoder of its messages, if it is a channel of the table.
     ///
     /// # Errors
     /// [`DecodeError`] if its encoding or schema can't be read.

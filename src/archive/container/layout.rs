@@ -28,7 +28,7 @@ pub(crate) struct AttachmentSpan {
 /// Where everything is in a file.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
-    /// What wrote the file, by its own words.
+    /// Name of the library that wrote the file.
     pub(crate) library: String,
     /// Which conventions it keeps, by its own words.
     pub(crate) profile: String,
@@ -36,7 +36,7 @@ pub(crate) struct Layout {
     pub(crate) metadata: Vec<Metadata>,
     pub(crate) attachments: Vec<AttachmentSpan>,
     pub(crate) channels: Channels,
-    /// What is damaged between the records.
+    /// Damage between the records.
     pub(crate) losses: Vec<Loss>,
     /// Where the data end, if the file says so.
     pub(crate) data_end: Option<u64>,
@@ -230,7 +230,7 @@ impl Layout {
     }
 }
 
-/// What a footer says, if it can be read.
+/// Content of a footer, if it can be read.
 pub(crate) fn read_footer(place: &RecordSpan, source: &Source) -> io::Result<Option<Footer>> {
     let mut bytes = Vec::new();
     source.read(place.offset, place.length, &mut bytes)?;

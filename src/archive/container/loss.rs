@@ -1,4 +1,4 @@
-//! What of a file can't be read, or is left unread.
+//! Parts of a file that can't be read, or are left unread.
 
 use std::fmt;
 
@@ -26,7 +26,7 @@ impl fmt::Display for Span {
 pub struct Loss {
     /// Where it starts in the file, bytes.
     pub offset: u64,
-    /// How long it is, bytes.
+    /// Length, bytes.
     pub length: u64,
     /// The times between which messages are lost; none if none are.
     pub span: Option<Span>,

@@ -12,7 +12,7 @@ pub(crate) const HEAD: u64 = 9;
 /// Where a top-level record stands in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct RecordSpan {
-    /// What kind of record it is.
+    /// Kind of the record.
     pub(crate) opcode: u8,
     /// Where it starts.
     pub(crate) offset: u64,
@@ -94,7 +94,7 @@ enum Part {
     Positions,
 }
 
-/// What stands behind the last text of a record; none if a text or what must follow is not there.
+/// Content after the last text of a record; none if a text or what must follow is not there.
 fn behind_texts(opcode: u8, body: &[u8]) -> Option<&[u8]> {
     use Part::{Bytes, Positions, Text, Texts};
     let parts: &[Part] = match opcode {

@@ -13,16 +13,16 @@ use mcap::records::op;
 use std::io;
 use std::ops::Range;
 
-/// What is read of each record at first.
+/// Number of bytes that are read of each record at first.
 const PREFIX: u64 = 256;
 /// A record that must be read as a whole to be understood is not longer than this.
 const LONGEST: u64 = 256 << 20;
 /// Bytes that are searched at a time for the next record.
 const SEARCH_WINDOW: u64 = 1 << 20;
-/// What is read beside that to look at what might be records; what is damaged beyond that is not searched.
+/// Number of further bytes that are read to search for records; damage beyond that is not searched.
 const SEARCH_LIMIT: u64 = 1 << 28;
 
-/// What is found on the way.
+/// Records that are found on the way.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
     /// A record.
@@ -157,7 +157,7 @@ impl<'a> Scanner<'a> {
                 let room = self.source.length() - position;
                 let plausible = head(&window[at..])
                     .is_some_and(|(opcode, length)| is_known(opcode) && length + HEAD <= room);
-                // A lone message can't be told from chance, nor a short unknown record.
+                // A lone message can't be distinguished from chance, nor a short unknown record.
                 let telling = window[at] != op::MESSAGE && window[at] < 0x80;
                 if plausible && telling && self.searched < SEARCH_LIMIT {
                     self.searched += self.cost_at(position, &window[at..]);
@@ -175,7 +175,7 @@ impl<'a> Scanner<'a> {
         Ok(None)
     }
 
-    /// How much must be read to tell whether a record stands at a position.
+    /// Number of bytes that decide whether a record stands at a position.
     fn cost_at(&self, position: u64, bytes: &[u8]) -> u64 {
         let telling_by_head = matches!(bytes[0], op::CHUNK | op::MESSAGE_INDEX | op::ATTACHMENT);
         match head(bytes) {

@@ -9,7 +9,7 @@ use std::fmt;
 use std::io::{self, Read};
 use thiserror::Error;
 
-/// What a chunk may grow to; more is damage. Writers make chunks of one to a few megabytes.
+/// Largest size of a chunk; more is damage. Writers make chunks of one to a few megabytes.
 const LARGEST_CHUNK: u64 = 1 << 28;
 
 /// Larger chunks are decompressed in pieces of this size.
@@ -20,7 +20,7 @@ const PIECE: u64 = 1 << 22;
 pub(crate) struct Section {
     /// Where it starts.
     pub(crate) offset: u64,
-    /// How long it is.
+    /// Length, bytes.
     pub(crate) length: u64,
     /// Whether it is a chunk; else it is a row of records outside of chunks.
     pub(crate) is_chunk: bool,

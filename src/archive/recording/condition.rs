@@ -1,9 +1,9 @@
-//! What kind of file a recording is.
+//! Kinds of files.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// What kind of file it is, as far as opening it tells: damage inside of chunks is found in reading.
+/// Kind of the file, as far as opening it shows: damage inside of chunks is found in reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {

@@ -24,7 +24,7 @@ const LONGEST_SCENARIO: u64 = 1 << 20;
 
 /// An MCAP file, opened for reading.
 ///
-/// What is kept of a file is where things are, not what they are: memory doesn't grow with the messages.
+/// Only positions in a file are kept, not its content: memory doesn't grow with the messages.
 #[derive(Debug)]
 pub struct Recording {
     pub(crate) source: Source,
@@ -83,7 +83,7 @@ impl Recording {
         &self.layout.profile
     }
 
-    /// What kind of file it is.
+    /// Kind of the file.
     #[must_use]
     pub fn condition(&self) -> Condition {
         if self.run().is_none() && !self.layout.is_ours() {
@@ -131,7 +131,7 @@ impl Recording {
         records.find(|r| r.name == name).map(|r| &r.metadata)
     }
 
-    /// How it was recorded, as `toprise.run` says, or else its channels: the encoding, whether with views, and the topics.
+    /// Form of the recording, as `toprise.run` says, or else its channels: the encoding, whether with views, and the topics.
     /// None if both are lost.
     #[must_use]
     pub fn form(&self) -> Option<(Encoding, bool, Topics)> {

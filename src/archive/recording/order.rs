@@ -22,7 +22,7 @@ struct Channel {
     last: Option<(u64, u32)>,
 }
 
-/// What each message of a channel must have.
+/// Expectations of a channel's messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rule {
     /// A later time than the last one.
@@ -36,7 +36,7 @@ enum Rule {
 /// Messages that repeat others or go back in time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Misplaced {
-    /// How many there are.
+    /// Number of messages.
     pub messages: u64,
     /// The topic of the first.
     pub topic: String,

@@ -1,4 +1,4 @@
-//! What is in a file.
+//! Content of a file.
 
 use super::condition::Condition;
 use super::file::Recording;
@@ -12,12 +12,12 @@ use crate::telemetry::encoding::{Decoder, Row};
 use crate::telemetry::fields::{EVENTS, events};
 use std::path::Path;
 
-/// What is in an MCAP file, after reading all of it.
+/// Content of an MCAP file, after reading all of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overview {
-    /// What kind of file it is.
+    /// Kind of the file.
     pub condition: Condition,
-    /// What wrote it, by its own words.
+    /// Name of the library that wrote it.
     pub library: String,
     /// The entries of the `toprise.run` record; `None` if the file is not a recording of toprise.
     pub run: Option<Entries>,
@@ -29,7 +29,7 @@ pub struct Overview {
     pub channels: Vec<ChannelOverview>,
     /// The events.
     pub events: Vec<EventOverview>,
-    /// What can't be read.
+    /// Parts that can't be read.
     pub losses: Vec<Loss>,
 }
 
@@ -87,7 +87,7 @@ impl Overview {
     /// Opens a file and reads it as far as it can be read.
     ///
     /// # Errors
-    /// [`RecordingError`] if it can't be opened or is not MCAP. Damage is no error: it is told in
+    /// [`RecordingError`] if it can't be opened or is not MCAP. Damage is no error: it is listed in
     /// `losses`.
     pub fn read(path: &Path) -> Result<Self, RecordingError> {
         Ok(Self::of(&Recording::open(path)?))

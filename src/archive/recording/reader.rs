@@ -61,7 +61,7 @@ pub enum Any<'a> {
 /// Sections that overlap in time are put in order together as long as they take no more bytes than this.
 const LARGEST_BATCH: usize = 1 << 26;
 
-/// What is analysed of a file is not longer than this, bytes, and so many times the file's size: real messages are
+/// Bound of the analysed content, bytes, and as a multiple of the file's size: real messages are
 /// compressed to a tenth or, if nothing changes in them, a hundredth.
 const LARGEST_CONTENT: u64 = 1 << 26;
 const LARGEST_GROWTH: u64 = 1000;
@@ -69,7 +69,7 @@ const LARGEST_GROWTH: u64 = 1000;
 /// Reads the messages of a recording from start to end.
 ///
 /// One chunk at a time is held in memory, or several where chunks overlap in time and the order matters. Parts of
-/// the file that can't be read are left out and told by [`Reader::losses`].
+/// the file that can't be read are left out and listed by [`Reader::losses`].
 #[derive(Debug)]
 pub struct Reader<'r> {
     recording: &'r Recording,
@@ -83,19 +83,19 @@ pub struct Reader<'r> {
     /// Where the wanted messages start in them, and how many of these have been given.
     starts: Vec<u32>,
     given: usize,
-    /// What to do with the messages of each of the file's channels.
+    /// Treatment of each of the file's channels.
     plans: Vec<Plan>,
     row: Row,
     losses: Vec<Loss>,
     order: Option<Order>,
-    /// How many bytes of content may still be read; none if there is no bound.
+    /// Number of bytes of content that may still be read; none if there is no bound.
     left: Option<u64>,
-    /// How many bytes of the file have been looked at, and how many of them have been told.
+    /// Number of bytes that have been read, and of those that have been reported.
     seen: u64,
     told: u64,
 }
 
-/// What to do with the messages of a channel.
+/// Treatment of the messages of a channel.
 #[derive(Debug)]
 enum Plan {
     Leave,
@@ -161,7 +161,7 @@ impl<'r> Reader<'r> {
     /// Gives the messages in the order of their times, wherever they stand.
     ///
     /// Chunks are sorted, and messages within them. A message that comes too late even so, or a second time, is
-    /// left out and told by [`Reader::left_out`]: the times of a channel never go back.
+    /// left out and counted by [`Reader::left_out`]: the times of a channel never go back.
     pub(crate) fn in_order_of_time(mut self) -> Self {
         self = self.bounded();
         if !self.are_sections_in_order() {
@@ -171,7 +171,7 @@ impl<'r> Reader<'r> {
         self
     }
 
-    /// Reads no more of what is compressed than a thousand times the size of the file, and tells what is left as a loss: a
+    /// Reads no more of what is compressed than a thousand times the size of the file, and reports the rest as a loss: a
     /// few kilobytes can become gigabytes of nothing.
     pub(crate) fn bounded(mut self) -> Self {
         let size = self.recording.size();
@@ -251,7 +251,7 @@ impl<'r> Reader<'r> {
         self
     }
 
-    /// What could not be read so far; complete once the reader has come to its end.
+    /// Parts that could not be read so far; complete once the reader has come to its end.
     #[must_use]
     pub fn losses(&self) -> &[Loss] {
         &self.losses
@@ -286,7 +286,7 @@ impl<'r> Reader<'r> {
         Some(filled.map(|channel| self.message(at, channel)))
     }
 
-    /// Decodes a message into the row, and tells its channel of the table, if it has one.
+    /// Decodes a message into the row, and returns its channel of the table, if it has one.
     fn fill_row(&mut self, at: &At) -> Option<Result<usize, MessageError>> {
         let Plan::Decode {
             channel,
@@ -336,7 +336,7 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// How many bytes of the file have been looked at since this was asked last.
+    /// Number of bytes that have been read since the last call.
     pub fn progress(&mut self) -> u64 {
         let more = self.seen - self.told;
         self.told = self.seen;

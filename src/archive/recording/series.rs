@@ -19,7 +19,7 @@ pub struct Series {
     pub times_ns: Vec<u64>,
     /// Values.
     pub values: Vec<f64>,
-    /// What could not be read.
+    /// Parts that could not be read.
     pub losses: Vec<Loss>,
 }
 
@@ -46,7 +46,7 @@ pub struct Columns {
     pub times_ns: Vec<u64>,
     /// For each field that was asked for, its values.
     pub values: Vec<Vec<f64>>,
-    /// What could not be read.
+    /// Parts that could not be read.
     pub losses: Vec<Loss>,
 }
 

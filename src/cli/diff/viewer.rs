@@ -95,7 +95,7 @@ fn identity([a, b]: [Subject<'_>; 2], hop_scale: f64) -> Result<PairIdentity, Er
 }
 
 impl Viewer {
-    /// Shows the report too, and completes the file; tells of it.
+    /// Shows the report too, completes the file and reports it.
     pub(super) fn finish(mut self, markdown: &str) -> Result<(Target, Option<WrittenFile>), Error> {
         self.sink.summarize(markdown);
         let written = viewer::complete(self.sink.finish(), self.draft)?;

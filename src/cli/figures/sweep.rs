@@ -22,7 +22,7 @@ pub(super) struct SweepFigure {
     #[arg(long, value_name = "COLUMN", requires = "sweep")]
     y: Option<String>,
 
-    /// What colours or curves show.
+    /// Column that colours or curves show.
     #[arg(
         long,
         value_name = "COLUMN",
@@ -112,7 +112,7 @@ fn is_value(cell: Option<&str>, value: &str) -> bool {
     })
 }
 
-/// What the runs have where none has the value that --where asks for.
+/// Values of the runs where none has that of --where.
 fn what_is_there(mut cells: Vec<String>, value: &str) -> String {
     /// Enough to see how the values are spaced, or what the words are.
     const SHOWN: usize = 4;

@@ -112,7 +112,7 @@ impl RunArguments {
         }
     }
 
-    /// What the report says of a Rerun recording that is not written, and that nobody has asked to leave out.
+    /// Note on a Rerun recording that is not written, though --no-rrd was not given.
     #[cfg_attr(not(feature = "rerun"), allow(clippy::unused_self))]
     pub(super) fn note_on_rrd(&self) -> Option<&'static str> {
         #[cfg(feature = "rerun")]
@@ -130,7 +130,7 @@ impl RunArguments {
             .collect()
     }
 
-    /// What the files are called: as the recording that is run again or the scenario, with what is changed in it, as in
+    /// Name of the files: that of the recording that is run again or of the scenario, with its changes, as in
     /// `paper_k0.02`.
     pub(super) fn stem(&self, scenario: &Scenario) -> String {
         /// The length of names that can still be read in a list.
@@ -174,7 +174,7 @@ impl RunArguments {
         Some(WrittenFile::new(&path, bytes))
     }
 
-    /// What may happen to files that exist.
+    /// Treatment of existing files.
     pub(super) fn existing(&self) -> Existing {
         Existing::forced(self.force)
     }

@@ -1,4 +1,4 @@
-//! What happens between records: real time, flushes, progress, an orderly end.
+//! Work between records: real time, flushes, progress, an orderly end.
 
 use crate::archive::sink::{Sink, SinkError};
 use crate::cli::interrupt::Interrupt;

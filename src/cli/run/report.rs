@@ -1,4 +1,4 @@
-//! What a run says at its end.
+//! The report of a run.
 
 use crate::cli::numbers::{count, number};
 use crate::cli::page::{Page, Section, Tone};
@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// A run that took this many times its simulated time is not told so: one of them is next to nothing.
+/// A ratio to the simulated time above this is not reported: the simulated time is close to zero.
 const SLOWEST: f64 = 1e4;
 
 /// A run that is recorded.
@@ -30,7 +30,7 @@ pub(super) struct Finished {
     pub(super) is_rrd_lost: bool,
 }
 
-/// What happened in a run, and where it is recorded.
+/// Outcome of a run, and its recordings.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct RunReport {
     /// The name of the scenario.
@@ -39,7 +39,7 @@ pub(crate) struct RunReport {
     changes: BTreeMap<String, String>,
     /// SHA-256 of the scenario.
     scenario_digest: String,
-    /// What happened, and how it ended.
+    /// Outcome of the run.
     outcome: Outcome,
     /// Angle of precession at the end, rad.
     phi: f64,
@@ -49,13 +49,13 @@ pub(crate) struct RunReport {
     samples: u64,
     /// Time from one sample to the next, s.
     sample_period: f64,
-    /// How often each kind of event happened, in the order of their first times.
+    /// Number of events of each kind, in the order of their first times.
     events: Vec<EventCount>,
     /// Steps that the integrator tried and found too long.
     steps_rejected: u64,
     /// Evaluations of the equations of motion.
     evaluations: u64,
-    /// How long it took, s.
+    /// Duration, s.
     wall_time: f64,
     /// The MCAP file.
     mcap: WrittenFile,

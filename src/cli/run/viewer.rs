@@ -67,7 +67,7 @@ impl RunViewer {
     }
 }
 
-/// What a viewer knows of the run before it begins.
+/// Description of the run for a viewer before it begins.
 pub(super) fn identity(
     arguments: &RunArguments,
     mcap: &Path,

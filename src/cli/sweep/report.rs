@@ -1,4 +1,4 @@
-//! What `toprise sweep` reports.
+//! The report of `toprise sweep`.
 
 use crate::cli::numbers::{count, number};
 use crate::cli::page::{Page, Section, Tone};
@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// What a sweep came to.
+/// Result of a sweep.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct SweepReport {
     /// Number of runs of the whole sweep.
@@ -29,13 +29,13 @@ pub(crate) struct SweepReport {
     pub(super) first_error: Option<RowError>,
     /// Whether the sweep was interrupted.
     pub(super) interrupted: bool,
-    /// How long the runs that are left are expected to take, s, estimated from a few of them; absent unless asked for.
+    /// Estimated time for the remaining runs, s, from a few of them; absent unless asked for.
     pub(super) estimate: Option<f64>,
-    /// How long it took, s.
+    /// Duration, s.
     pub(super) wall_time: f64,
 }
 
-/// What the page of a report shows beside it.
+/// Further content of a report's page.
 pub(super) struct Asked {
     /// Whether nothing was to be computed.
     pub(super) dry_run: bool,
@@ -45,11 +45,11 @@ pub(super) struct Asked {
     pub(super) threads: usize,
     /// Number of runs that were left to compute.
     pub(super) left: u64,
-    /// How long computing took.
+    /// Time of the computation.
     pub(super) computing: Duration,
 }
 
-/// How rows came out, in a few words.
+/// Counts of results, in a few words.
 pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
     let mut all: Vec<_> = stops.iter().collect();
     all.sort_by_key(|(_, number)| std::cmp::Reverse(**number));

@@ -26,13 +26,13 @@ use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 pub struct BodyRotation {
     /// The physics.
     pub model: Model,
-    /// What the contact point does. Where it sticks, only the vertical component of the angular momentum
+    /// Phase of the contact point. Where it sticks, only the vertical component of the angular momentum
     /// is looked at: the others follow from it.
     pub phase: Phase,
 }
 
 impl BodyRotation {
-    /// How many numbers of a state describe the motion; the running integrals come behind them.
+    /// Number of a state's numbers that describe the motion; the running integrals come behind them.
     const VARIABLES: usize = 7;
     /// The length of a state that carries all running integrals.
     pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;

@@ -1,4 +1,4 @@
-//! What the inclination and the Euler rates can be within a step.
+//! Bounds of the inclination and the Euler rates within a step.
 
 use crate::physics::integrate::{Bounds, Dense};
 use std::f64::consts::{FRAC_2_PI, PI};

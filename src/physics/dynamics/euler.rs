@@ -23,12 +23,12 @@ use nalgebra::UnitQuaternion;
 pub struct EulerAngles {
     /// The physics.
     pub model: Model,
-    /// What the contact point does. Where it sticks, θ and ψ stay as they are.
+    /// Phase of the contact point. Where it sticks, θ and ψ stay as they are.
     pub phase: Phase,
 }
 
 impl EulerAngles {
-    /// How many numbers of a state describe the motion; the running integrals come behind them.
+    /// Number of a state's numbers that describe the motion; the running integrals come behind them.
     const VARIABLES: usize = 6;
     /// The length of a state that carries all running integrals.
     pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;

@@ -22,7 +22,7 @@ pub(super) trait FixedPeg<const N: usize>: Formulation<N> {
     fn rested(&self, state: &[f64; N]) -> [f64; N];
 }
 
-/// How the motion starts: see [`Formulation::start`].
+/// Start of the motion: see [`Formulation::start`].
 pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     formulation: F,
     state: [f64; N],
@@ -71,7 +71,7 @@ pub(super) fn guard_is_positive(model: &Model, guard: Guard, bounds: &EulerBound
     }
 }
 
-/// What follows where a guard has fallen to zero: see [`Formulation::enter`].
+/// The transition where a guard has fallen to zero: see [`Formulation::enter`].
 pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
     formulation: &F,
     guard: Guard,

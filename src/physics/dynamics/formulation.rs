@@ -1,4 +1,4 @@
-//! What a choice of variables has to offer: equations, phases, and what happens between them.
+//! The interface of a choice of variables: equations, phases, and transitions between them.
 
 use super::bounds::EulerBounds;
 use super::impact::Impact;
@@ -28,7 +28,7 @@ pub enum Guard {
     Regular,
 }
 
-/// What happens where a phase ends.
+/// Transition at the end of a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Passage {
     /// The contact point stops slipping, but nothing holds it.
@@ -62,9 +62,9 @@ pub struct Entry<F, const N: usize> {
     pub formulation: F,
     /// The state at its beginning.
     pub state: [f64; N],
-    /// How long after the end of the phase before, s: what little time is left until the contact point rests.
+    /// Time after the end of the phase before, s: the short time until the contact point rests.
     pub delay: f64,
-    /// What happens.
+    /// The transition.
     pub passage: Passage,
     /// The motion that goes with that.
     pub motion: Motion,
@@ -112,21 +112,21 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     /// The physics.
     fn model(&self) -> &Model;
 
-    /// What the contact point does.
+    /// Phase of the contact point.
     fn phase(&self) -> Phase;
 
-    /// What ends the phase.
+    /// The guard that ends the phase.
     fn guards(&self) -> &'static [Guard];
 
     /// The value of a guard.
     fn guard(&self, guard: Guard, motion: &Motion) -> f64;
 
-    /// Whether bounds show that a guard is positive throughout; false if they don't tell.
+    /// Whether bounds show that a guard is positive throughout; false if they are too wide.
     fn guard_is_positive(&self, _guard: Guard, _bounds: &EulerBounds) -> bool {
         false
     }
 
-    /// What follows where a guard has fallen to zero. `reference` as for [`Formulation::motion`].
+    /// The transition where a guard has fallen to zero. `reference` as for [`Formulation::motion`].
     ///
     /// # Errors
     /// If an impact can't be computed.

@@ -281,7 +281,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
     }
 }
 
-/// What ends a phase of sliding.
+/// Guards that end a phase of sliding.
 fn sliding_guards(model: &Model) -> &'static [Guard] {
     use Guard::{Mobility, NormalForce, Rolling, Slip};
     let Model { top, friction, .. } = model;

@@ -49,7 +49,7 @@ const SLIP_STOPPED: f64 = 1e-12;
 /// An impact that takes more steps has a law of friction that is too steep for its speed.
 const MOST_STEPS: u32 = 20_000;
 
-/// What happened in an impact. Vectors are in the lean frame.
+/// Result of an impact. Vectors are in the lean frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// Impulse of the table, N s.
@@ -89,7 +89,7 @@ impl Impact {
 /// Impulses, moments, work of the normal force and energy lost by friction, as multiples of what the impact's
 /// velocity makes of them.
 const SIZE: usize = 8;
-/// What is looked for depends on so many of them: on all but the energy lost by friction.
+/// Number of them that guards depend on: on all but the energy lost by friction.
 const NEEDED: usize = 7;
 type State = [f64; SIZE];
 
@@ -112,7 +112,7 @@ struct Process<'a> {
     stage: Stage,
 }
 
-/// What the impact has come to.
+/// State of the impact.
 struct Progress {
     impulse: Vector3<f64>,
     couple: Vector3<f64>,
@@ -140,7 +140,7 @@ impl Process<'_> {
         }
     }
 
-    /// What friction does per newton second of normal impulse while the contact point slips (m/s) and the top turns (rad/s).
+    /// Action of friction per newton second of normal impulse while the contact point slips (m/s) and the top turns (rad/s).
     #[inline]
     fn per_newton(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
         let mut wrench = self.body.friction.per_newton(slip, omega);
@@ -211,7 +211,7 @@ impl Process<'_> {
         }
     }
 
-    /// What follows where the contact point has stopped slipping.
+    /// The phase after the contact point has stopped slipping.
     fn stopped(&self, y: &State) -> Stage {
         let now = self.progress(y);
         let bound = self.body.friction.law.static_bound(1.0);
@@ -252,7 +252,7 @@ impl System<SIZE> for Process<'_> {
     }
 }
 
-/// What is looked for in an impact.
+/// Guards of an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mark {
     Compressed,

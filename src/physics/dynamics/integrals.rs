@@ -9,10 +9,10 @@ use super::accelerations::Accelerations;
 use crate::physics::kinematics::Tilt;
 use nalgebra::Vector3;
 
-/// How many running integrals travel with the motion, if all do: see [`Integrals`].
+/// Number of running integrals, if all do: see [`Integrals`].
 pub const INTEGRALS: usize = 11;
 
-/// How many of them an outcome needs, the first: the work of friction and the path slipped. They influence nothing, so a
+/// Number of them that an outcome needs, the first: the work of friction and the path slipped. They influence nothing, so a
 /// state that carries no more has the same motion, to the last bit, and costs less.
 pub const FEW_INTEGRALS: usize = 2;
 
@@ -49,7 +49,7 @@ pub struct TermIntegrals {
 }
 
 impl TermIntegrals {
-    /// What they grow by per second.
+    /// Their rates of change, per second.
     #[inline(always)]
     pub(super) fn of(accelerations: &Accelerations, tilt: &Tilt) -> Self {
         if tilt.sin > TERMS_SINE {

@@ -22,7 +22,7 @@ pub struct Model {
     pub top: Top,
     /// The friction at its contact.
     pub friction: Friction,
-    /// How the table holds the peg.
+    /// Support of the peg.
     pub support: Support,
 }
 
@@ -217,7 +217,7 @@ impl Model {
         self.friction.contact(&self.top, self.top.weight(), tilt)
     }
 
-    /// What it takes to keep the contact point at rest in the state `tilt`.
+    /// The force and torque that keep the contact point at rest in the state `tilt`.
     #[must_use]
     #[inline(never)]
     pub fn grip(&self, tilt: &Tilt) -> Grip {
@@ -245,7 +245,7 @@ impl Model {
         }
     }
 
-    /// What the running integrals that are always kept grow by per second; 0 for the others.
+    /// Rates of change of the running integrals that are always kept; 0 for the others.
     #[inline(always)]
     pub(super) fn few_integrands(
         contact: &Contact,
@@ -259,7 +259,7 @@ impl Model {
         }
     }
 
-    /// What the running integrals grow by per second.
+    /// Rates of change of the running integrals.
     #[inline(always)]
     pub(super) fn integrands(
         contact: &Contact,

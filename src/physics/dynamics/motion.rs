@@ -15,7 +15,7 @@ pub struct Motion {
     pub tilt: Tilt,
     /// Where the peg is and how it moves.
     pub peg: Peg,
-    /// What the contact point does.
+    /// Phase of the contact point.
     pub phase: Phase,
     /// Integrals since the start.
     pub integrals: Integrals,
@@ -75,7 +75,7 @@ pub struct Peg {
     pub velocity_lean: Vector3<f64>,
     /// The direction, in the lean frame, in which a contact point begins to slip that is still too slow to have one.
     pub departure: Option<Vector3<f64>>,
-    /// What impacts and losses have taken.
+    /// Energy lost in impacts and losses.
     pub dissipated: Dissipated,
 }
 
@@ -104,7 +104,7 @@ impl Peg {
     }
 }
 
-/// What a motion starts from.
+/// Start of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// Euler angles, rad.

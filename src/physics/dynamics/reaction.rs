@@ -1,4 +1,4 @@
-//! What the table does to a top whose peg is free: the normal force, and friction in proportion to it.
+//! Action of the table on a top with a free peg: the normal force, and friction in proportion to it.
 //!
 //! All vectors are in the lean frame (x where the axis leans, y line of nodes, z up), torques and moments of inertia are
 //! about the centre of mass. `ρ` leads from the centre of mass to the point of contact.
@@ -18,7 +18,7 @@ use crate::physics::top::Top;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// How many directions are tried where a contact point begins to slip.
+/// Number of directions that are tried where a contact point begins to slip.
 const DIRECTIONS: u32 = 48;
 
 /// The direction in which a contact point gives way is found by the secant method, in few steps.
@@ -116,7 +116,7 @@ impl Response {
     }
 }
 
-/// What acts on the top beside its weight.
+/// Forces on the top except its weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reaction {
     /// Normal force, N. Negative where the table would have to pull.
@@ -213,13 +213,13 @@ impl<'a> FreeBody<'a> {
         acceleration
     }
 
-    /// How the contact point answers a couple there, m/s² per N m.
+    /// Acceleration of the contact point per couple there, m/s² per N m.
     #[inline(always)]
     pub(super) fn answer_to_couple(&self, couple: &Vector3<f64>) -> Vector3<f64> {
         -self.arm.cross(&self.turned_by(couple))
     }
 
-    /// What the table does in a phase, while the contact point slips with `slip` (m/s).
+    /// Action of the table in a phase, while the contact point slips with `slip` (m/s).
     #[inline(always)]
     pub(super) fn reaction(&self, phase: Phase, slip: &Vector3<f64>) -> Reaction {
         match phase {
@@ -263,7 +263,7 @@ impl<'a> FreeBody<'a> {
         }
     }
 
-    /// How much upward acceleration a newton of normal force gives the contact point with the friction that it brings,
+    /// Upward acceleration that a newton of normal force gives the contact point with the friction that it brings,
     /// as a fraction of what it gives without. Where it is not positive no normal force keeps the peg out of the
     /// table: the peg jams (P. Painlevé, C. R. Acad. Sci. 121 (1895) 112).
     #[inline(always)]

@@ -1,6 +1,6 @@
-//! How the table holds the peg, and what the contact point does.
+//! Support of the peg, and what the contact point does.
 
-/// How the table holds the peg.
+/// Support of the peg.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Support {
     /// The centre of the peg stays in place, as if in a socket: the table carries the weight whatever the top does.
@@ -29,7 +29,7 @@ impl Support {
     }
 }
 
-/// What the contact point does.
+/// Phase of the contact point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Phase {
     /// Slips, or would: no friction holds it.

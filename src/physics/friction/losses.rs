@@ -1,4 +1,4 @@
-//! What takes energy beside the sliding: torques that belong to no slip.
+//! Losses other than sliding: torques that belong to no slip.
 
 use super::law::drilling_torque;
 use crate::physics::top::Top;

@@ -21,10 +21,10 @@
 /// Nonzero coefficients of a linear combination of stages: (stage, coefficient).
 pub(super) type Row<const M: usize> = [(usize, f64); M];
 
-/// How many stages a step has whose derivatives enter its solution.
+/// Number of stages of a step whose derivatives enter its solution.
 pub(super) const STAGES: usize = 12;
 
-/// How many stages there are with those of the dense output.
+/// Number of stages with those of the dense output.
 pub(super) const ALL_STAGES: usize = 16;
 
 /// Nodes c: the fraction of the step at which each stage evaluates the derivative.

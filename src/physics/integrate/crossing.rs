@@ -240,7 +240,7 @@ impl Turn {
     }
 }
 
-/// The polynomial through the knots, which tells where the function may turn near zero.
+/// The polynomial through the knots, which shows where the function may turn near zero.
 struct Shape<'a, const K: usize> {
     knots: &'a [f64; K],
     /// Divided differences: the coefficients of Newton's form.
@@ -268,7 +268,7 @@ impl<'a, const K: usize> Shape<'a, K> {
         (!shape.is_monotonic()).then_some(shape)
     }
 
-    /// Whether the slopes at the knots tell that there is no turning point: they have one sign, and are farther from zero
+    /// Whether the slopes at the knots exclude a turning point: they have one sign, and are farther from zero
     /// than from one another. (The slope is a polynomial too, and leaves their range by no more than 0.61 of it.)
     fn is_monotonic(&self) -> bool {
         let slopes = self.knots.map(|knot| self.value_and_slope(knot).1);

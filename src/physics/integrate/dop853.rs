@@ -35,7 +35,7 @@ const DENSE_ALLOWANCE: f64 = 10.0;
 const CHECKED_AT: f64 = 0.8;
 
 /// The defect at [`CHECKED_AT`] is about this multiple of the largest error of the dense output: 2.3 to 3.7 times for
-/// oscillations and tops, 0.7 to 9 times elsewhere (a test holds it to that). Of a mere quadrature it tells too little.
+/// oscillations and tops, 0.7 to 9 times elsewhere (a test holds it to that). For a mere quadrature it is too small.
 const DEFECT_PER_ERROR: f64 = 2.64;
 
 /// The shortest step that can still advance t well, as a multiple of |t|.
@@ -44,7 +44,7 @@ const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
 /// The explicit Runge–Kutta method of order 8(5,3) of Dormand and Prince, advanced one accepted step at a
 /// time.
 ///
-/// Nothing tells it where the integration ends: a shorter run is an exact prefix of a longer one. Values
+/// It does not depend on where the integration ends: a shorter run is an exact prefix of a longer one. Values
 /// between the steps come from [`Dop853::dense`]; steps by [`Dop853::step_densely`] see to it that they err little. Reading
 /// them never alters the steps.
 ///

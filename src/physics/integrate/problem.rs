@@ -1,4 +1,4 @@
-//! What is integrated, how exactly, and what an integration tells: the types that the integrator shares.
+//! Types that the integrator shares: equations, tolerances, statistics, errors.
 
 use thiserror::Error;
 
@@ -31,7 +31,7 @@ pub enum Direction {
     Backward,
 }
 
-/// What an integration has cost so far.
+/// Cost of an integration so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// Steps taken.
@@ -47,7 +47,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// What this and an integration before have cost together.
+    /// Cost of this and an earlier integration together.
     #[must_use]
     pub(super) fn after(self, before: Self) -> Self {
         let smallest = match (before.smallest_step, self.smallest_step) {

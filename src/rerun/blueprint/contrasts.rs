@@ -1,4 +1,4 @@
-//! What a comparison of two runs shows.
+//! Quantities in the layout of a comparison.
 
 use rerun::blueprint::components::Corner2D;
 
@@ -56,7 +56,7 @@ const GAP: &[Plot] = &[free_peg::GAP.plot()];
 const REGIME: &[Plot] = &[contact::REGIME.plot()];
 const PERIOD: &[Plot] = &[nutation::PERIOD.plot()];
 
-/// Quantities that tell whether and how the motions differ; each is a row of charts.
+/// Quantities that show the difference of the motions; each is a row of charts.
 pub(super) const MOTION: [Contrast; 4] = [
     contrast("θ", &[state::THETA.plot()], THETA).legend(Corner2D::RightTop),
     contrast("dθ/dt", THETA_DOT, THETA_DOT),
@@ -94,7 +94,7 @@ pub(super) const MORE: [Contrast; 5] = [
     contrast("Nutation period", PERIOD, PERIOD),
 ];
 
-/// What a free peg does, on a page of its own; each is a row of charts.
+/// Motion of a free peg, on a page of its own; each is a row of charts.
 pub(super) const TABLE: [Contrast; 3] = [
     contrast("Normal force", NORMAL_FORCE, NORMAL_FORCE),
     contrast("Height of the peg above the table", GAP, GAP),

@@ -1,4 +1,4 @@
-//! The layout for one run: the scene at the left with the events below, the charts that tell the story at the right.
+//! The layout for one run: the scene at the left with the events below, the main charts at the right.
 
 use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
 use rerun::blueprint::datatypes::TextLogColumnKind;
@@ -103,12 +103,12 @@ const CENTER: Chart = chart(
     Corner2D::LeftTop,
 );
 
-/// How a top with a fixed peg rises.
+/// The rise of a top with a fixed peg.
 const RISE: [Chart; 8] = [
     THETA, THETA_DOT, PHI_DOT, PSI_DOT, TORQUE, THETA_DDOT, SLIP, ENERGY,
 ];
 
-/// How a top with a free peg travels, or a tippe top inverts. Euler rates, which are infinite at upright, stand on a page of
+/// The travel of a top with a free peg, or the inversion of a tippe top. Euler rates, which are infinite at upright, stand on a page of
 /// their own.
 const TRAVEL: [Chart; 8] = [
     THETA,
@@ -129,7 +129,7 @@ const TRAVEL: [Chart; 8] = [
     ENERGY,
 ];
 
-/// What happens to a free peg on the table and above it.
+/// Events of a free peg on the table and above it.
 const TABLE: [Chart; 6] = [
     chart(
         "Normal force",

@@ -19,10 +19,10 @@ use crate::rerun::scale::round;
 use crate::telemetry::proportions::Proportions;
 use rerun::external::re_log_types::LogMsg;
 
-/// How long a viewer plays a run that is complete, about, in s.
+/// Approximate time in which a viewer plays a complete run, s.
 const PLAYING_TIME: f64 = 25.0;
 
-/// What a view of the scene shows.
+/// Content of a view of the scene.
 pub(super) struct Stage<'a> {
     /// Its title.
     pub(super) name: &'a str,
@@ -30,9 +30,9 @@ pub(super) struct Stage<'a> {
     pub(super) contents: &'a [String],
     /// Runs, of whose paths it shows what is past.
     pub(super) runs: &'a [(Look, &'a Geometry)],
-    /// The top that the camera's place is told in.
+    /// The top whose height is the unit of the camera's place.
     pub(super) geometry: &'a Geometry,
-    /// How many times the usual distance the camera is away.
+    /// Distance of the camera, in usual distances.
     pub(super) distance: f64,
     /// The entity that the camera goes along with.
     pub(super) followed: Option<String>,

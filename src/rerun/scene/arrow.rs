@@ -18,7 +18,7 @@ use crate::telemetry::proportions::Proportions;
 /// Time between two positions of a label, in ns.
 const LABEL_NS: u64 = 10_000_000;
 
-/// What an arrow shows, and how.
+/// Quantity and look of an arrow.
 pub(super) struct ArrowKind {
     entity: &'static str,
     label: &'static str,
@@ -26,7 +26,7 @@ pub(super) struct ArrowKind {
     vector: VectorField,
     in_body_axes: bool,
     origin: Origin,
-    /// What a metre of it stands for.
+    /// Quantity per metre of it.
     scale: fn(&Scales) -> f64,
     /// Whether it is drawn where two runs are compared; all arrows of both would hide the tops.
     is_compared: bool,
@@ -103,12 +103,12 @@ impl ArrowKind {
             && (look.is_alone() || self.is_compared)
     }
 
-    /// What a centimetre of the arrow stands for.
+    /// Quantity per centimetre of the arrow.
     fn legend(&self, geometry: &Geometry) -> String {
         scale::legend((self.scale)(&geometry.scales), self.vector.x().unit())
     }
 
-    /// How far the label is moved up from the tip, in m, so that labels at the peg and on the table don't meet.
+    /// Distance by which the label is moved up from the tip, in m, so that labels at the peg and on the table don't meet.
     fn lift(&self, look: &Look, proportions: &Proportions) -> f64 {
         let lift = if self.origin == Origin::Peg {
             0.13
@@ -119,7 +119,7 @@ impl ArrowKind {
     }
 }
 
-/// What a centimetre of each arrow stands for, in Markdown.
+/// Quantity per centimetre of each arrow, in Markdown.
 pub(crate) fn explanation(identity: &Identity, look: &Look) -> String {
     let mut text = "\n\n## Arrows\n\n| arrow | scale |\n| --- | --- |\n".to_owned();
     for kind in ARROWS.iter().filter(|kind| kind.exists(identity, look)) {
@@ -201,7 +201,7 @@ impl Arrow {
         let vector = match orientation {
             _ if !self.kind.in_body_axes => own,
             Some(orientation) => orientation * own,
-            // Without a pose there is no telling where body axes point.
+            // Without a pose the directions of the body axes are unknown.
             None => return,
         };
         let origin = match self.kind.origin {

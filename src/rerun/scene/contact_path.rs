@@ -20,7 +20,7 @@ const PIECE_NS: u64 = 10_000_000;
 /// Time between two points of a piece, in ns.
 const POINT_NS: u64 = 1_000_000;
 
-/// What the paths show, and whether hops are drawn higher than they are, in Markdown.
+/// Colours of the paths, and the scale of hops, in Markdown.
 pub(crate) fn explanation(geometry: &Geometry) -> String {
     let mut text = "\n\n## Path of the contact point\n\nBlue where it slides, green where it rolls or sticks, vermillion \
                     where the peg is in the air.\n"

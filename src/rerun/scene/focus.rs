@@ -11,7 +11,7 @@ use crate::rerun::outlet::Outlet;
 use crate::rerun::track::{Collect, Flush, Rows, Track};
 use crate::telemetry::proportions::Proportions;
 
-/// What the camera looks at, and how far away it is, in sizes of the top: as where the peg is fixed.
+/// Height of the camera's target and its distance, in sizes of the top: as where the peg is fixed.
 const CAMERA_HEIGHT: f64 = 0.55;
 const CAMERA_DISTANCE: f64 = 4.0;
 

@@ -209,7 +209,7 @@ impl Scenario {
         self.force_scale() * self.model.top.peg_radius + losses.norm()
     }
 
-    /// What the motion starts from.
+    /// Start of the motion.
     #[must_use]
     pub fn start(&self) -> Start {
         let number = |path: &str| self.values.optional_number(path);
@@ -253,7 +253,7 @@ impl Scenario {
         hypot(slip.x, slip.y)
     }
 
-    /// What only one kind of support allows.
+    /// Checks of keys that only one kind of support allows.
     fn check_support(&self) -> Result<(), ScenarioError> {
         let distance = self.model.top.center_distance;
         let conflict = |key: &'static str, reason: &str| {

@@ -1,4 +1,4 @@
-//! What can be wrong with a scenario.
+//! Errors of a scenario.
 
 use thiserror::Error;
 
@@ -44,9 +44,9 @@ pub enum ScenarioError {
     WrongType {
         /// The key.
         key: &'static str,
-        /// What it was set to.
+        /// The rejected value.
         value: String,
-        /// What it takes.
+        /// The allowed values.
         expected: String,
     },
     /// A value that is not allowed.
@@ -54,9 +54,9 @@ pub enum ScenarioError {
     OutOfRange {
         /// The key.
         key: &'static str,
-        /// What it was set to.
+        /// The rejected value.
         value: String,
-        /// What it takes.
+        /// The allowed values.
         allowed: String,
     },
     /// A key that means nothing beside the value of another.
@@ -78,7 +78,7 @@ pub enum ScenarioError {
         key: &'static str,
         /// Its value.
         value: String,
-        /// What it contradicts.
+        /// The contradicted key.
         reason: String,
     },
     /// Nothing would end the run.

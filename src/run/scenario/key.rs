@@ -1,9 +1,9 @@
-//! What a key of a scenario is: its name, its unit, and the values that it takes.
+//! Keys of a scenario: name, its unit, and the values that it takes.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What a scenario says under one key.
+/// Value of a key of a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Value {
@@ -111,7 +111,7 @@ pub struct Key {
     pub kind: Kind,
     /// When it is there.
     pub presence: Presence,
-    /// What it means.
+    /// Its meaning.
     pub meaning: &'static str,
 }
 

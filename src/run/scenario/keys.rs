@@ -32,7 +32,7 @@ const SPEED: Kind = Between(1e-9, 1e6);
 
 const SMOOTH_LAWS: &[&str] = &["coulomb-sqrt", "coulomb-tanh", "coulomb-rational"];
 
-/// What only a free peg has.
+/// Presence of keys of a free peg only.
 const FREE: Presence = OptionalWith("support.kind", "free");
 
 /// The scenario format that this version writes and reads.

@@ -209,7 +209,7 @@ fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
     })
 }
 
-/// What is wrong with a text that is not TOML.
+/// The error of a text that is not TOML.
 fn syntax(text: &str, error: &toml::de::Error) -> ScenarioError {
     let told = error.to_string();
     if told.len() <= LONGEST_SYNTAX {
@@ -276,7 +276,7 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
     }
 }
 
-/// What a text in degrees is in radians; empty for anything else.
+/// A text in degrees in radians; empty for anything else.
 fn in_radians(key: &Key, value: &toml::Value) -> String {
     let text = value.as_str().unwrap_or_default();
     let number = ["°", "deg", "degrees"]

@@ -4,7 +4,7 @@ use crate::physics::friction::Dissipation;
 
 /// A choice that a scenario makes with a word.
 pub(super) trait Words: Copy + 'static {
-    /// Every word with its meaning, in the order in which people are told of them.
+    /// Every word with its meaning, in the order in which they are listed.
     const WORDS: &'static [(&'static str, Self)];
 
     /// The meaning of a word.
@@ -27,7 +27,7 @@ impl Words for FormulationKind {
     const WORDS: &'static [(&'static str, Self)] = &[("euler", Self::Euler), ("body", Self::Body)];
 }
 
-/// What a run does when the contact point stops slipping: `stop.on_stick`.
+/// Action when the contact point stops slipping: `stop.on_stick`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnStick {
     /// Ends there.
@@ -41,7 +41,7 @@ impl Words for OnStick {
         &[("stop", Self::Stop), ("continue", Self::Continue)];
 }
 
-/// How the table holds the peg: `support.kind`.
+/// Support of the peg: `support.kind`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SupportKind {
     Fixed,

@@ -1,4 +1,4 @@
-//! What can happen to a top, and why a run ends.
+//! Events of a top, and reasons why a run ends.
 
 use crate::physics::dynamics::Motion;
 use crate::physics::top::Top;
@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Something that happened at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// What happened.
+    /// The event.
     pub kind: EventKind,
     /// When, s; exact to the integrator's tolerance.
     pub time: f64,
@@ -19,7 +19,7 @@ pub struct Event {
     pub index: u32,
     /// The motion at that moment.
     pub motion: Motion,
-    /// What happened, as a sentence.
+    /// The event, as a sentence.
     pub description: String,
 }
 
@@ -149,7 +149,7 @@ impl EventKind {
         }
     }
 
-    /// What happened to a top, for people.
+    /// The event of a top, human-readable.
     #[must_use]
     pub(super) fn describe(self, top: &Top, motion: &Motion) -> String {
         let theta = motion.angles.theta;

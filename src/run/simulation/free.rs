@@ -1,4 +1,4 @@
-//! What there is to know of a top whose peg is free, beside what all tops have.
+//! Quantities of a top with a free peg, in addition to those of all tops.
 
 use crate::physics::dynamics::{Dissipated, Impact, Model, Motion, Phase};
 use crate::physics::friction::Contact;
@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 /// The motion of the peg and the centre of mass at one instant. SI units and radians; vectors in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeSample {
-    /// What the contact point does.
+    /// Phase of the contact point.
     pub phase: Phase,
     /// Height of the peg above the table, m.
     pub gap: f64,
@@ -28,7 +28,7 @@ pub struct FreeSample {
     pub routh: f64,
     /// Kinetic energy of the centre of mass, J.
     pub translational_energy: f64,
-    /// What the acceleration of the peg adds to the Euler accelerations, rad/s².
+    /// Contribution of the peg's acceleration to the Euler accelerations, rad/s².
     pub driven: Euler,
     /// Energy lost since the start beside the sliding.
     pub dissipated: Dissipated,

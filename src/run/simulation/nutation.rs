@@ -3,9 +3,9 @@
 use crate::physics::dynamics::{Model, Motion};
 use crate::physics::kinematics::Euler;
 
-/// How many times longer or shorter a cycle may be than a nutation without friction.
+/// Largest ratio of a cycle's duration to that of a nutation without friction, or its inverse.
 ///
-/// What friction does to the period within one cycle is slight: in the presets cycles take 0.94 to 1.05 times the
+/// Friction changes the period within one cycle slightly: in the presets cycles take 0.94 to 1.05 times the
 /// period. A fall takes 9 to 100 times as long, because its pace is that of the friction that undermines the spin.
 /// Twice lies far from either.
 const PERIOD_FACTOR: f64 = 2.0;
@@ -131,7 +131,7 @@ impl NutationTracker {
         self.has_begun = false;
     }
 
-    /// Notes an extreme of θ, and tells whether it is one of nutation: it is not if more time has gone by since the
+    /// Notes an extreme of θ, and returns whether it is one of nutation: it is not if more time has gone by since the
     /// last maximum of θ̇ than a nutation takes.
     pub(super) fn extreme(&mut self, time: f64, motion: &Motion) -> bool {
         self.widen(time, motion);

@@ -13,7 +13,7 @@ const CHATTER_PHASES: u32 = 1000;
 /// The time that a run which has not stalled takes at least for [`CHATTER_PHASES`], s.
 const CHATTER_TIME: f64 = 1e-9;
 
-/// What tells a run that gets on from one that would never end.
+/// Distinguishes a run that makes progress from one that would never end.
 #[derive(Default)]
 pub(super) struct Progress {
     /// Steps since it was last checked that the run advances, and the time of that check, s.
@@ -37,7 +37,7 @@ impl Progress {
         Ok(())
     }
 
-    /// Notes that a phase begins at a time, s, and tells how many have begun within [`CHATTER_TIME`]; gives up where
+    /// Notes that a phase begins at a time, s, and counts those that have begun within [`CHATTER_TIME`]; gives up where
     /// phases have become too short.
     pub(super) fn enter_phase(&mut self, time: f64) -> Result<u32, SimulationError> {
         let (phases, since) = &mut self.phases;

@@ -1,4 +1,4 @@
-//! What has happened within a step, until it is handed out as records in the order of time.
+//! Events within a step, until they are handed out as records in the order of time.
 
 use super::event::{Event, EventKind};
 use super::free::Landing;
@@ -28,7 +28,7 @@ impl Pending {
     }
 }
 
-/// What is to be handed out, in the order of time, and how much has been.
+/// Records to be handed out, in the order of time, and counts of those that have been.
 #[derive(Default)]
 pub(super) struct Queue {
     pending: VecDeque<Pending>,

@@ -1,4 +1,4 @@
-//! What a simulation hands out: records, the error that ends it, and how it ended.
+//! Output of a simulation: records, the error that ends it, and how it ended.
 
 use super::event::{Event, StopReason};
 use super::free::Landing;
@@ -8,7 +8,7 @@ use crate::physics::dynamics::Motion;
 use crate::physics::integrate::{IntegrateError, Statistics};
 use thiserror::Error;
 
-/// One thing that a run has to tell.
+/// One record of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Record {
     /// Everything at one of the equally spaced sample times.
@@ -60,7 +60,7 @@ pub enum SimulationError {
     /// The phases have become so short that the run would never end.
     #[error(
         "the motion has stalled at t = {time:?} s: the peg leaves the table and touches it again without end there \
-             (smaller integrator.absolute_tolerance and integrator.relative_tolerance, below 1e-9, tell the one from the other)"
+             (smaller integrator.absolute_tolerance and integrator.relative_tolerance, below 1e-9, distinguish them)"
     )]
     Chatters {
         /// When, s.
@@ -68,7 +68,7 @@ pub enum SimulationError {
     },
 }
 
-/// How a run ended, and what it consisted of.
+/// End of a run, and its counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunEnd {
     /// Why it ended.
@@ -91,6 +91,6 @@ pub struct RunEnd {
     pub nutations: u64,
     /// Number of impacts of a free peg.
     pub impacts: u64,
-    /// What the integration cost.
+    /// Cost of the integration.
     pub statistics: Statistics,
 }

@@ -26,16 +26,16 @@ pub(super) trait RecordStream {
         carry_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<Record>, SimulationError>;
 
-    /// What has happened so far.
+    /// State of the run so far.
     fn end(&self) -> RunEnd;
 }
 
-/// How much of a run is looked at. It never changes the steps, nor what happens.
+/// Detail of a run. It never changes the steps, nor what happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Detail {
     /// Everything that is recorded.
     All,
-    /// What an outcome counts: events and nutations.
+    /// Events and nutations, which an outcome counts.
     Outcome,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Runner<F, const N: usize> {
     dense: Option<Dense<N>>,
     /// Euler angles at the start of that step.
     reference: Euler,
-    /// What has happened within that step and has not been handed out.
+    /// Events within that step that have not been handed out.
     queue: Queue,
     next_sample: u32,
     /// Impacts since the peg was last on the table.
@@ -65,7 +65,7 @@ pub(super) struct Runner<F, const N: usize> {
     stopped: Option<StopReason>,
 }
 
-/// What the loop needs of a scenario.
+/// Settings of the loop from a scenario.
 struct LoopSettings {
     period_ns: u64,
     stop: Stop,
@@ -480,7 +480,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(true)
     }
 
-    /// Runs to the end, and tells how it ended and what happened.
+    /// Runs to the end, and returns it with the counts of events.
     pub(super) fn tallied(
         mut self,
         carry_on: &mut dyn FnMut() -> bool,
@@ -554,7 +554,7 @@ fn after_impact<F, const N: usize>(entry: &Entry<F, N>) -> Option<Motion> {
     matches!(entry.passage, Passage::Bounces(_) | Passage::Lands(_)).then_some(entry.motion)
 }
 
-/// The event that a passage is; none where the phases tell it.
+/// The event of a passage; none where the phases imply it.
 fn kind_of(passage: &Passage) -> Option<EventKind> {
     match passage {
         Passage::Holds => Some(EventKind::Stick),

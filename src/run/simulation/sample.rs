@@ -47,7 +47,7 @@ pub struct Sample {
     pub friction_torque: Frames,
     /// Their sum, N m.
     pub total_torque: Frames,
-    /// What happens at the contact, in the lean frame.
+    /// State of the contact, in the lean frame.
     pub contact: Contact,
     /// Slip velocity in body axes, m/s.
     pub slip_body: Vector3<f64>,
@@ -75,7 +75,7 @@ pub struct Sample {
     pub precession_roots: Option<PrecessionRoots>,
     /// Above 1 a strong top, below 1 a weak one: see [`crate::physics::top::Top::strength_ratio`].
     pub strength_ratio: f64,
-    /// What there is to know of a free peg.
+    /// Quantities of a free peg.
     pub free: Option<FreeSample>,
 }
 
@@ -143,7 +143,7 @@ impl Sample {
         }
     }
 
-    /// What the contact point does: 1 slips, 0 does not, 2 is in the air.
+    /// Phase of the contact point: 1 slips, 0 does not, 2 is in the air.
     #[must_use]
     pub fn regime(&self) -> f64 {
         match self.free.map(|free| free.phase) {

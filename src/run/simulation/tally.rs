@@ -1,15 +1,15 @@
-//! How often what happened in a run.
+//! Counts of a run's events.
 
 use super::event::EventKind;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// How often a kind of event happened.
+/// Number of events of a kind.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct EventCount {
     /// The kind.
     pub name: EventKind,
-    /// How often it happened.
+    /// Number of times.
     pub count: u64,
     /// When it happened first, s.
     pub first_time: f64,
@@ -17,7 +17,7 @@ pub struct EventCount {
     pub last_time: f64,
 }
 
-/// How often each kind of event happened, in the order of their first times.
+/// Number of events of each kind, in the order of their first times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally(Vec<EventCount>);
 
@@ -44,7 +44,7 @@ impl Tally {
         &self.0
     }
 
-    /// How often this kind happened.
+    /// Number of events of this kind.
     #[must_use]
     pub fn number(&self, kind: EventKind) -> u64 {
         self.find(kind).map_or(0, |known| known.count)

@@ -1,4 +1,4 @@
-//! What is watched in a run: functions of the motion whose zeros mean something.
+//! Watched functions of the motion, whose zeros mean something.
 
 use crate::physics::dynamics::{EulerBounds, Formulation, Guard, Model, Motion, Phase};
 use crate::physics::integrate::{Bounds, KNOTS, SignTracker, Slope, zero};
@@ -11,13 +11,13 @@ const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
 
 /// A function of the motion whose zeros mean something.
 pub(super) struct Watch {
-    /// What its zeros mean.
+    /// Meaning of its zeros.
     pub meaning: Meaning,
     /// Its sign so far.
     pub tracker: SignTracker,
 }
 
-/// What a zero of a watched function means.
+/// Meaning of a watched function's zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Meaning {
     /// An extreme of θ.
@@ -36,7 +36,7 @@ pub(super) enum Meaning {
     Fallen(f64),
     /// A tippe top turns over: its axis passes the horizontal.
     Inversion,
-    /// What ends the phase.
+    /// The guard that ends the phase.
     Guard(Guard),
     /// A top whose contact point sticks has come to rest.
     Turning,
@@ -71,7 +71,7 @@ impl Meaning {
         }
     }
 
-    /// Whether bounds show that the watched function keeps this sign throughout a step; false if they don't tell.
+    /// Whether bounds show that the watched function keeps this sign throughout a step; false if they are too wide.
     #[inline]
     pub fn keeps_sign<F: Formulation<N>, const N: usize>(
         self,
@@ -116,7 +116,7 @@ fn is_beyond(limit: f64, positive: bool, bounds: &EulerBounds) -> bool {
 /// Far more than the strength ratio is rounded by.
 const STRENGTH_ROUNDING: f64 = 1e-9;
 
-/// Whether θ̈ keeps this sign in a step, as far as the slope of θ̇ can tell: its bounds have the sign, are farther from zero than
+/// Whether θ̈ keeps this sign in a step, as far as the slope of θ̇ shows: its bounds have the sign, are farther from zero than
 /// a quarter of what they are from one another, and far beyond noise and rounding. So are most steps, as a nutation takes
 /// twenty; their accelerations need not be computed.
 #[inline]
@@ -208,11 +208,11 @@ pub(super) fn keep_signs(before: &[Watch], now: &mut [Watch]) {
     }
 }
 
-/// How far the slip speed of a free peg must be from that at which it counts as none, m/s, to be told from it: half of
+/// Least difference of a free peg's slip speed from that which counts as zero, m/s: half of
 /// it. Slip that begins passes it within steps of which each adds no more than they err by.
 const SLIP_FLOOR: f64 = 5e-10;
 
-/// What follows the sign of a guard. Those of a free peg are positive when their phase begins, but the slip may begin
+/// The tracker of a guard's sign. Those of a free peg are positive when their phase begins, but the slip may begin
 /// anywhere. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
 fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
     match guard {
@@ -226,7 +226,7 @@ fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
     }
 }
 
-/// What to look for in a run, as long as it stays in its phase.
+/// Functions to watch in a phase.
 pub(super) fn watches<F: Formulation<N>, const N: usize>(
     stop: &Stop,
     formulation: &F,

@@ -28,7 +28,7 @@ impl Scales {
     }
 }
 
-/// Rounds to two digits, for people.
+/// Rounds to two digits, human-readable.
 fn two_digits(value: f64) -> f64 {
     format!("{value:.1e}").parse().unwrap_or(value)
 }

@@ -201,7 +201,7 @@ impl Sphere {
         );
     }
 
-    /// The caption, which tells the θ of the circles.
+    /// The caption, with the θ of the circles.
     fn caption(&self) -> Text {
         let mut labels: Vec<_> = self
             .circles

@@ -92,7 +92,7 @@ fn curves(map: &Map) -> Result<Vec<Curve<'_>>, String> {
     let most = COLOURS.len() * DASHES.len();
     if parts.len() > most {
         return Err(format!(
-            "{} scenarios are more than the {most} curves that can be told apart: choose with --where scenario=NAME",
+            "{} scenarios are more than the {most} curves that can be distinguished: choose with --where scenario=NAME",
             parts.len()
         ));
     }

@@ -34,15 +34,15 @@ const HELD_AGAIN: f64 = 1e-6;
 pub struct FreeRotation {
     /// The physics.
     pub model: Model,
-    /// What the contact point does.
+    /// Phase of the contact point.
     pub phase: Phase,
-    /// How the contact point began to slip, if it was at rest before.
+    /// Beginning of the slip, if it was at rest before.
     pub(super) departure: Option<Departure>,
     pub(super) inertia: Inertia,
     pub(super) sliding_guards: &'static [Guard],
 }
 
-/// How a contact point that was at rest begins to slip. Its slip is too slow at first to have a direction.
+/// Beginning of the slip of a contact point that was at rest. Its slip is too slow at first to have a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Departure {
     /// In this direction, in the lean frame.
@@ -75,7 +75,7 @@ impl Parts {
 }
 
 impl FreeRotation {
-    /// How many numbers of a state describe the motion; the running integrals come behind them.
+    /// Number of a state's numbers that describe the motion; the running integrals come behind them.
     pub(super) const VARIABLES: usize = CONTROLLED + DISSIPATED;
     /// The length of a state that carries all running integrals.
     pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;
@@ -155,7 +155,7 @@ impl FreeRotation {
         })
     }
 
-    /// What the running integrals, all or few, grow by per second, where the losses have this power, W.
+    /// Rates of change of the running integrals, all or few, where the losses have this power, W.
     #[inline(always)]
     pub(super) fn integrands(
         &self,
@@ -219,7 +219,7 @@ pub(super) fn quaternion<const N: usize>(y: &[f64; N]) -> Quaternion<f64> {
     Quaternion::new(y[3], y[0], y[1], y[2])
 }
 
-/// How fast a quaternion changes, 1/s, while the body turns with `omega` (rad/s, world): half their product.
+/// Rate of change of a quaternion, 1/s, while the body turns with `omega` (rad/s, world): half their product.
 #[inline]
 pub(super) fn turning(q: &Quaternion<f64>, omega: &Vector3<f64>) -> Quaternion<f64> {
     let half = 0.5 * omega;

@@ -1,4 +1,4 @@
-//! How the motion of a free peg goes on: from rolling to sliding, from impact to impact, and at rest again.
+//! Transitions of a free peg: from rolling to sliding, from impact to impact, and at rest again.
 
 use super::state::{CONTROLLED, Departure, FreeRotation};
 use crate::physics::dynamics::fixed::NO_SLIP;
@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 const FIRST_TURN: f64 = 0.01;
 
 impl FreeRotation {
-    /// How the motion goes on from a peg that has rolled and is held no longer.
+    /// Continuation of the motion from a peg that has rolled and is held no longer.
     pub(super) fn departing<const N: usize>(&self, y: &[f64; N]) -> Self {
         let parts = self.parts(y);
         let reaction = self.reaction(&parts);
@@ -30,7 +30,7 @@ impl FreeRotation {
         }
     }
 
-    /// How the motion goes on from a peg on the table whose contact point slips, or is `at_rest`.
+    /// Continuation of the motion from a peg on the table whose contact point slips, or is `at_rest`.
     pub(super) fn on_table<const N: usize>(&self, y: &[f64; N], at_rest: bool) -> Self {
         let mut sliding = self.in_phase(Phase::Sliding);
         let parts = sliding.parts(y);
@@ -60,7 +60,7 @@ impl FreeRotation {
         reaction.normal > 0.0 && self.grip(&reaction) >= 0.0
     }
 
-    /// How much stronger friction could be than it has to be to hold the contact point, N.
+    /// Margin of the friction that holds the contact point, N.
     pub(super) fn grip(&self, reaction: &Reaction) -> f64 {
         let force = reaction.friction.force;
         self.model.friction.law.static_bound(reaction.normal) - hypot(force.x, force.y)
