@@ -386,12 +386,12 @@ mod tests {
 
     #[test]
     fn a_kind_of_figure_is_no_form_of_the_answer() {
-        let told = |line: &str| {
+        let message = |line: &str| {
             let error = Arguments::try_parse_from(line.split(' ')).unwrap_err();
             with_tip(error).to_string()
         };
-        assert!(told("toprise figures paper --format svg").contains("--kinds svg"));
-        assert!(!told("toprise figures paper --format xml").contains("--kinds"));
-        assert!(!told("toprise figures paper --kinds pdf").contains("--format"));
+        assert!(message("toprise figures paper --format svg").contains("--kinds svg"));
+        assert!(!message("toprise figures paper --format xml").contains("--kinds"));
+        assert!(!message("toprise figures paper --kinds pdf").contains("--format"));
     }
 }

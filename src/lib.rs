@@ -20,7 +20,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Eight rooms, each of which knows only those before it: [`physics`], the mechanics; [`run`], scenarios and their
+//! Eight rooms, each of which uses only those before it: [`physics`], the mechanics; [`run`], scenarios and their
 //! simulation; [`telemetry`], the table of what is logged; [`archive`], recordings as files; [`analysis`], what is
 //! asked of runs; `sweep`, tables of many runs (feature `sweep`); `rerun`, the stream for the Rerun viewer (feature `rerun`); [`cli`], the program.
 

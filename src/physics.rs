@@ -1,5 +1,5 @@
 //! The mechanics of a heavy symmetric top: its body, the friction at its peg, the equations of motion and the
-//! integrator that solves them. Nothing here knows of time series, files or viewers.
+//! integrator that solves them. Nothing here depends on time series, files or viewers.
 
 #![deny(
     clippy::wildcard_enum_match_arm,

@@ -162,8 +162,9 @@ struct Verified {
 /// The names of the scenarios that come with toprise, and what they show.
 #[pyfunction]
 pub fn presets() -> Vec<(&'static str, &'static str)> {
-    let told = PRESETS.iter();
-    told.map(|preset| (preset.name, preset.description()))
+    let presets = PRESETS.iter();
+    presets
+        .map(|preset| (preset.name, preset.description()))
         .collect()
 }
 

@@ -176,8 +176,8 @@ fn simulate(
     topics: &Topics,
     interrupt: Interrupt,
 ) -> Result<(Tables, Outcome, Vec<String>), String> {
-    let told = |error: &dyn std::error::Error| error.to_string();
-    let simulation = Simulation::new(scenario).map_err(|error| told(&error))?;
+    let reported = |error: &dyn std::error::Error| error.to_string();
+    let simulation = Simulation::new(scenario).map_err(|error| reported(&error))?;
     let mut simulation = simulation.while_told(move || !interrupt.is_asked());
     let mut telemetry = Telemetry::with_topics(topics);
     let mut tables = Tables::default();
@@ -198,25 +198,27 @@ fn simulate(
         Err(error @ (RecordError::Simulation(_) | RecordError::Telemetry(_))) => {
             let stop = StopReason::Failed;
             let end = simulation.end();
-            (RunEnd { stop, ..end }, vec![told(&error)])
+            (RunEnd { stop, ..end }, vec![reported(&error)])
         }
-        Err(RecordError::Sink(error)) => return Err(told(&error)),
+        Err(RecordError::Sink(error)) => return Err(reported(&error)),
     };
     Ok((tables, Outcome::new(scenario, &end, &tally), losses))
 }
 
 /// Simulates a run and records it in a new file.
 fn save(scenario: &Checked, path: &Path, interrupt: Interrupt) -> Result<(), String> {
-    let told = |error: &dyn std::error::Error| format!("{}: {error}", path.display());
+    let reported = |error: &dyn std::error::Error| format!("{}: {error}", path.display());
     let mut telemetry = Telemetry::with_topics(&Topics::All);
     let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, Form::default())
-        .map_err(|error| told(&error))?;
-    let simulation = Simulation::new(scenario).map_err(|error| told(&error))?;
+        .map_err(|error| reported(&error))?;
+    let simulation = Simulation::new(scenario).map_err(|error| reported(&error))?;
     let mut simulation = simulation.while_told(move || !interrupt.is_asked());
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
     let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on)
-        .map_err(|error| told(&error))?;
-    sink.finish(&end).map(drop).map_err(|error| told(&error))
+        .map_err(|error| reported(&error))?;
+    sink.finish(&end)
+        .map(drop)
+        .map_err(|error| reported(&error))
 }
 
 type End = Option<toprise::archive::format::Entries>;

@@ -80,14 +80,14 @@ fn check(code: c_int, stream: &mut FFI_ArrowArrayStream) -> PyResult<()> {
     if let Some(raised) = Python::attach(PyErr::take) {
         return Err(raised);
     }
-    let told = stream.get_last_error.and_then(|told| {
+    let message = stream.get_last_error.and_then(|message| {
         // SAFETY: the stream is its own; the text, if there is one, ends with a zero and lives until the next call.
         unsafe {
-            let text = told(stream);
+            let text = message(stream);
             (!text.is_null()).then(|| CStr::from_ptr(text).to_string_lossy().into_owned())
         }
     });
-    let text = told.unwrap_or_else(|| format!("the table's stream failed with code {code}"));
+    let text = message.unwrap_or_else(|| format!("the table's stream failed with code {code}"));
     Err(PyValueError::new_err(text))
 }
 

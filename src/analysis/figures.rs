@@ -57,14 +57,14 @@ pub struct Figure {
     needs: &'static [Need],
     /// The numbers without which parts of the figure are left out.
     uses: &'static [Need],
-    /// The pegs of which the figure says something.
+    /// The pegs that the figure applies to.
     pegs: Pegs,
     /// Why the figure says nothing of this run, if it doesn't.
     says_nothing: fn(&Run) -> Option<&'static str>,
     draw: fn(&[&Run], f64) -> Drawing,
 }
 
-/// Pegs of which a figure says something.
+/// Pegs that a figure applies to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pegs {
     /// All.

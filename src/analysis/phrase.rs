@@ -41,7 +41,7 @@ pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
 /// Units of a quantity: how many of one there are in its SI unit, with the name; the largest unit first.
 type Units = [(f64, &'static str); 4];
 
-/// A magnitude to three digits in the largest of some units of which there is at least one.
+/// A magnitude to three digits in the largest of some units that it contains at least once.
 fn in_units(value: f64, units: &Units) -> String {
     let size = value.abs();
     let rounds_to_one = |(factor, _): &&(f64, &str)| size * factor >= 0.9995;

@@ -141,7 +141,7 @@ pub fn end_entries(end: &RunEnd) -> Entries {
 /// Whether the end record of a recording belongs to a run with this outcome.
 #[must_use]
 pub fn is_end_of(end: &Entries, outcome: &Outcome) -> bool {
-    let is = |key: &str, value: &str| end.get(key).is_some_and(|told| told == value);
+    let is = |key: &str, value: &str| end.get(key).is_some_and(|message| message == value);
     is(STOP_REASON, outcome.stop_reason.name())
         && is(STOP_TIME, &format!("{:?}", outcome.stop_time))
         && is(STEPS, &outcome.steps.to_string())

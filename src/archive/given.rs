@@ -125,7 +125,7 @@ pub fn read_text(file: File) -> io::Result<String> {
     })
 }
 
-/// Opens a file for reading. Opening a pipe that nobody writes to would wait for ever: it is refused.
+/// Opens a file for reading. Opening a pipe without a writer would wait for ever: it is refused.
 ///
 /// # Errors
 /// The system's, or that it is no file.

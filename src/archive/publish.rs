@@ -1,6 +1,6 @@
 //! Files that appear whole or not at all.
 //!
-//! A [`Draft`] is written beside its place under a temporary name and takes its own name only when it is complete
+//! A [`Draft`] is written next to its place under a temporary name and takes its own name only when it is complete
 //! and on the disk. Temporary names are always new: no file that exists is ever opened for writing, so neither
 //! what a command reads, nor what another one is writing or has left, can be harmed.
 //!
@@ -342,7 +342,7 @@ const SUFFIX: &str = ".tmp";
 
 /// Prefix of a hidden draft's name: that of its file, as far as the file system has room for both.
 fn prefix(path: &Path) -> String {
-    /// Most file systems allow 255 bytes, of which the rest of a draft's name takes 12.
+    /// Most file systems allow 255 bytes; the rest of a draft's name takes 12.
     const LONGEST: usize = 240;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     format!(".{}.", &name[..name.floor_char_boundary(LONGEST)])

@@ -118,7 +118,7 @@ pub fn record(
 }
 
 /// As [`record`]. A motion that can't be computed or recorded to its end is a run that failed there: the error comes
-/// beside its end.
+/// in addition to its end.
 ///
 /// # Errors
 /// The first error of a sink.

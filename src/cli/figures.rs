@@ -115,7 +115,7 @@ const PAPER: &[&str] = &[
 ];
 
 impl FiguresArguments {
-    /// The figures to draw, of those that can be drawn of so many runs.
+    /// The figures to draw, of those that can be drawn of this number of runs.
     fn figures(&self) -> Result<Vec<&'static Figure>, Error> {
         let is_asked = |figure: &&Figure| self.only.iter().any(|name| name == figure.name);
         let runs = if self.runs.is_empty() {
@@ -200,7 +200,7 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     let mut drawn = Vec::new();
     for figure in figures {
         let count = arguments.count(figure, runs.len());
-        // Of held pegs nobody expects figures of free ones.
+        // Figures of free pegs are not expected of held ones.
         let is_expected = !figure.is_about_free_pegs() || !arguments.only.is_empty();
         let mut able = Vec::new();
         for run in &runs[..count] {
@@ -353,7 +353,7 @@ fn write(
 
 /// The name and the title of what is drawn of a sweep.
 #[cfg(feature = "sweep")]
-const SWEEP: (&str, &str) = ("sweep", "What came of the runs of a sweep");
+const SWEEP: (&str, &str) = ("sweep", "Outcomes of the runs of a sweep");
 
 /// Draws a map or curves of a sweep.
 #[cfg(feature = "sweep")]

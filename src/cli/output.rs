@@ -2,7 +2,7 @@
 //!
 //! Standard output carries the answer, standard error everything else. A stream that can't be written never ends the
 //! program in a panic. Who stops reading, as `head` does, has read enough, and the exit code says how the command ended;
-//! an answer of which nothing at all could be written is failed output. (Rust's runtime puts the null device in the place
+//! an answer that could not be written at all is failed output. (Rust's runtime puts the null device in the place
 //! of a standard output that is closed, which can't be distinguished from one that the user chose.)
 
 use super::arguments::Format;
@@ -79,20 +79,20 @@ fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
         }
     };
     first.and_then(rest).map_err(|error| {
-        let told = format!("cannot write to standard output: {error}");
-        io::Error::new(error.kind(), told)
+        let reported = format!("cannot write to standard output: {error}");
+        io::Error::new(error.kind(), reported)
     })
 }
 
 /// Says what went wrong.
 pub(super) fn error(what: &str) {
-    tell(&format!("{ERROR}error:{ERROR:#} "), what);
+    print_line(&format!("{ERROR}error:{ERROR:#} "), what);
 }
 
 /// Warns of something, unless with `--quiet`.
 pub(super) fn warn(what: &str) {
     if !is_quiet() {
-        tell(&format!("{WARNING}warning:{WARNING:#} "), what);
+        print_line(&format!("{WARNING}warning:{WARNING:#} "), what);
     }
 }
 
@@ -108,17 +108,17 @@ pub(super) fn warn_all(warnings: Vec<String>) {
 #[cfg(any(feature = "rerun", feature = "sweep"))]
 pub(super) fn note(what: &str) {
     if !is_quiet() {
-        tell("", what);
+        print_line("", what);
     }
 }
 
 /// Says what must be known to go on, even with `--quiet`.
 #[cfg(feature = "web-viewer")]
 pub(super) fn announce(what: &str) {
-    tell("", what);
+    print_line("", what);
 }
 
-fn tell(prefix: &str, what: &str) {
+fn print_line(prefix: &str, what: &str) {
     // Without standard error there is no place for it.
     let _ = writeln!(anstream::stderr().lock(), "{prefix}{}", text::message(what));
 }
@@ -128,13 +128,13 @@ pub(super) fn with_causes(error: &anyhow::Error) -> String {
     error
         .chain()
         .map(ToString::to_string)
-        .fold(String::new(), |told, cause| {
-            if told.is_empty() {
+        .fold(String::new(), |reported, cause| {
+            if reported.is_empty() {
                 cause
-            } else if told.contains(&cause) {
-                told
+            } else if reported.contains(&cause) {
+                reported
             } else {
-                format!("{told}: {cause}")
+                format!("{reported}: {cause}")
             }
         })
 }
@@ -171,10 +171,10 @@ mod tests {
             (0, io::ErrorKind::StorageFull),
             (3, io::ErrorKind::StorageFull),
         ] {
-            let told = written(room, kind).unwrap_err().to_string();
+            let reported = written(room, kind).unwrap_err().to_string();
             assert!(
-                told.starts_with("cannot write to standard output: "),
-                "{told}"
+                reported.starts_with("cannot write to standard output: "),
+                "{reported}"
             );
         }
         assert!(written(3, io::ErrorKind::BrokenPipe).is_ok());

@@ -155,7 +155,7 @@ impl Page {
         }
     }
 
-    /// As text, for a terminal with so many columns, with colours that are to be taken out where they are not wanted.
+    /// As text, for a terminal with this number of columns, with colours that are to be taken out where they are not wanted.
     pub(super) fn text(&self, columns: Option<usize>) -> String {
         let mut blocks = vec![self.subjects.text(columns)];
         let style = self.tone.style();

@@ -49,7 +49,7 @@ impl Progress {
     }
 
     /// Shows another state.
-    pub(super) fn tell(&self, state: String) {
+    pub(super) fn set_text(&self, state: String) {
         self.0.set_message(state);
         self.0.tick();
     }

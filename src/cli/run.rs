@@ -118,7 +118,7 @@ impl Recorder<'_> {
         #[cfg(feature = "rerun")]
         let rrd = {
             if !matches!(end.stop, StopReason::Interrupted | StopReason::Failed) {
-                viewer.tell_outcome(&Outcome::new(scenario, &end, &counts));
+                viewer.set_outcome(&Outcome::new(scenario, &end, &counts));
             }
             viewer.finish(arguments.rrd_beside(there.as_ref()))
         };

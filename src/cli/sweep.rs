@@ -47,7 +47,7 @@ pub(super) struct SweepArguments {
     #[arg(long, value_name = "KEY=VALUES", value_parser = parse_override)]
     over: Vec<Override>,
 
-    /// Instead of a grid, choose so many points among the values.
+    /// Instead of a grid, choose N points among the values.
     #[arg(long, value_name = "N", value_parser = parse_count, allow_negative_numbers = true, conflicts_with = "table")]
     sample: Option<u64>,
 
@@ -80,7 +80,7 @@ pub(super) struct SweepArguments {
     #[arg(long, value_name = "I/N", value_parser = parse_shard, allow_hyphen_values = true)]
     shard: Option<Shard>,
 
-    /// Give up a run after so many steps of the integrator: its row then has an error.
+    /// Maximum number of integrator steps per run: beyond it, its row has an error.
     #[arg(long, value_name = "N", value_parser = parse_count, allow_negative_numbers = true)]
     max_steps: Option<u64>,
 
@@ -141,7 +141,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         Interrupt::watch()?
     };
     let carry_on = || !interrupt.is_asked();
-    let told = quietly(|| {
+    let computed = quietly(|| {
         let estimate = arguments.estimate(&sweep, left, &carry_on);
         if arguments.dry_run {
             return Ok((Finished::default(), estimate));
@@ -158,7 +158,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         tally.progress.finish();
         finished.map(|finished| (finished, estimate))
     });
-    let (finished, estimate) = told?;
+    let (finished, estimate) = computed?;
     let asked = Asked {
         dry_run: arguments.dry_run,
         shard: arguments.shard,
@@ -284,9 +284,9 @@ impl SweepArguments {
 /// Does something during which panics of rows, which are recorded in the table, are not printed on standard error too.
 fn quietly<T>(task: impl FnOnce() -> T) -> T {
     let before = panic::take_hook();
-    panic::set_hook(Box::new(|told| {
+    panic::set_hook(Box::new(|message| {
         if !is_in_row() {
-            output::error(&told.to_string());
+            output::error(&message.to_string());
         }
     }));
     let result = task();
@@ -322,11 +322,12 @@ impl Tally {
     fn add(&self, stop: Option<StopReason>) {
         self.progress.add(1);
         let mut guard = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
-        let (counts, told) = &mut *guard;
+        let (counts, shown) = &mut *guard;
         counts.count(0, stop.map(StopReason::name).ok_or(""));
-        if told.elapsed() > Duration::from_millis(100) {
-            *told = Instant::now();
-            self.progress.tell(summary(&counts.stops, counts.errors));
+        if shown.elapsed() > Duration::from_millis(100) {
+            *shown = Instant::now();
+            self.progress
+                .set_text(summary(&counts.stops, counts.errors));
         }
     }
 }
@@ -359,7 +360,7 @@ mod tests {
 
     #[test]
     fn wrong_numbers_are_told_in_plain_words() {
-        for (line, told) in [
+        for (line, message) in [
             ("-j 0", "must be a whole number from 1 to 1024"),
             ("-j -1", "must be a whole number from 1 to 1024"),
             ("-j 70000", "must be a whole number from 1 to 1024"),
@@ -371,7 +372,7 @@ mod tests {
             ("--shard 3/3", "must be I/N"),
         ] {
             let error = parse::<SweepArguments>(line).unwrap_err().to_string();
-            assert!(error.contains(told), "{line}: {error}");
+            assert!(error.contains(message), "{line}: {error}");
             assert!(!error.contains("-- -"), "{line}: {error}");
         }
         let seed = |line| parse::<SweepArguments>(line).unwrap().seed;

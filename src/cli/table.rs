@@ -47,7 +47,7 @@ impl Table {
         self.header.iter().any(|name| !name.is_empty())
     }
 
-    /// As text, with two columns of space before each column, and the header faint. On a terminal with so many
+    /// As text, with two columns of space before each column, and the header faint. On a terminal with this number of
     /// columns, texts are broken into lines where the table is too wide.
     pub(super) fn text(&self, columns: Option<usize>) -> String {
         let mut layout = Layout::new();

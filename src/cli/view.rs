@@ -273,7 +273,7 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
     })
     .with_context(context)?;
     if let Some(outcome) = outcome_of(recording, way) {
-        sink.tell_outcome(&outcome);
+        sink.set_outcome(&outcome);
     }
     let interrupted = draft.take_if(|_| interrupt.is_asked());
     let rrd = viewer::complete(sink.finish(), draft)?;

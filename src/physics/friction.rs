@@ -65,7 +65,7 @@ pub struct Contact {
     pub normal_force: f64,
     /// Friction force of the law, N (without the nutation part if the model leaves it out).
     pub force: Vector3<f64>,
-    /// Torque beside that of the force, N m: rolling resistance, drilling, air. None if nothing of that kind
+    /// Torque in addition to that of the force, N m: rolling resistance, drilling, air. None if nothing of that kind
     /// acts.
     pub losses: Option<Vector3<f64>>,
 }
@@ -91,7 +91,7 @@ impl Mul<f64> for Wrench {
     }
 }
 
-/// A friction law together with the parts of it that act, and what acts beside it.
+/// A friction law with its active parts, and the losses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// The law of sliding.
@@ -283,7 +283,7 @@ impl Friction {
         (force, losses.map(|losses| losses + (1.0 - share) * torque))
     }
 
-    /// Torque of friction about the peg's centre beside that of the force, N m, in any frame whose z axis
+    /// Torque of friction about the peg's centre in addition to that of the force, N m, in any frame whose z axis
     /// is vertical, from slip speed (m/s), normal force (N), and in that frame angular velocity (rad/s) and
     /// direction of the symmetry axis. None if nothing of that kind acts.
     #[must_use]
@@ -352,7 +352,7 @@ impl Friction {
         self.law.is_none() && self.losses.is_none_or(|losses| losses.is_none())
     }
 
-    /// Whether there are torques beside that of the force: [`Contact::losses`].
+    /// Whether there are torques in addition to that of the force: [`Contact::losses`].
     #[must_use]
     #[inline]
     pub fn has_losses(&self) -> bool {

@@ -199,7 +199,7 @@ impl Top {
     /// The period of nutation without friction, s, given a state of it and the least and greatest θ, rad: exact for any
     /// amplitude. `None` where the motion would not come back.
     ///
-    /// With u = cos θ the motion is u̇² = β (u − u₁)(u − u₂)(u − u₃), β = 2 M g l/I_x, of which u₁ and u₂ are the given
+    /// With u = cos θ the motion is u̇² = β (u − u₁)(u − u₂)(u − u₃), β = 2 M g l/I_x, where u₁ and u₂ are the given
     /// extremes, and the sum of the roots follows from the conserved energy and axial angular momentum. The period is
     /// 2π over the arithmetic-geometric mean of √(β (u₃ − u₁)) and √(β (u₃ − u₂)). Where the extremes meet, both are
     /// the frequency of small nutations, ω² = (L_n/I_x − 2 φ̇ cos θ)² + (φ̇ sin θ)².

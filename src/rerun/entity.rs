@@ -40,7 +40,7 @@ pub(super) const CONTACT_PATHS: [&str; 3] = [
     "scene/contact_path/flies",
 ];
 
-/// The paths in the scene of a run, of which a view shows what is past.
+/// The paths in the scene of a run; a view shows the part before the time cursor.
 pub(super) fn paths(is_free: bool) -> Vec<&'static str> {
     if is_free {
         [TRAIL_ABOVE].into_iter().chain(CONTACT_PATHS).collect()

@@ -12,7 +12,7 @@ use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, events};
 
 /// The logs of a run's events: one in which repetitions are one line, one with each event, and one of the nutation
-/// extremes, of which there are hundreds.
+/// extremes, which are hundreds.
 pub(super) struct Events {
     summary: Track<Texts>,
     each: Track<Texts>,

@@ -78,7 +78,7 @@ impl WebViewer {
     }
 }
 
-/// An error if nobody can listen at an address: the SDK's servers would only log it.
+/// An error if an address can't be listened at: the SDK's servers would only log it.
 fn check_free(address: SocketAddr) -> Result<(), String> {
     match TcpListener::bind(address) {
         Ok(_) => Ok(()),

@@ -58,8 +58,8 @@ impl Stream<Entities> {
         }
     }
 
-    /// Tells what came of the run, as properties of the recording: `outcome:rise_time` and so on.
-    pub fn tell_outcome(&mut self, outcome: &Outcome) {
+    /// Sets the outcome of the run, as properties of the recording: `outcome:rise_time` and so on.
+    pub fn set_outcome(&mut self, outcome: &Outcome) {
         let values = properties::of_outcome(outcome);
         self.outlet.send_static(properties::entity(), &values);
     }
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_viewer_that_is_not_there_is_a_warning() {
-        // Port 9 (discard) of this machine: nobody listens there.
+        // Port 9 (discard) of this machine: no server listens there.
         let destinations = Destinations {
             file: None,
             live: Some(Live::Connect("127.0.0.1:9".to_owned())),

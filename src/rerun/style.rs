@@ -86,8 +86,8 @@ pub(super) fn of(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> 
 
 /// Name, colour and width of a number, which stands at a place in its plot.
 fn one(number: NumberField, place: usize, look: &Look) -> (String, u32, f32) {
-    let told = STORY.iter().find(|(told, ..)| *told == number);
-    let (name, color, width) = if let Some(&(_, name, color, width)) = told {
+    let known = STORY.iter().find(|(known, ..)| *known == number);
+    let (name, color, width) = if let Some(&(_, name, color, width)) = known {
         (name.to_owned(), color, width)
     } else {
         let path = number.path();

@@ -58,7 +58,7 @@ pub(super) struct Track<R> {
 }
 
 impl<R: Rows> Track<R> {
-    /// A track without rows; `rows` says of which kind they will be.
+    /// A track without rows; `rows` determines their kind.
     pub(super) fn new(entity: impl Into<EntityPath>, rows: R) -> Self {
         Self {
             entity: entity.into(),

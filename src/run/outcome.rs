@@ -55,7 +55,7 @@ pub struct Outcome {
 pub struct FreeOutcome {
     /// When the peg first began to roll, s. None if it did not.
     pub roll_time: Option<f64>,
-    /// When a tippe top turned over, its axis passing the horizontal, s. None if it did not, and of other tops.
+    /// When a tippe top inverted, its axis passing the horizontal, s. None if it did not, and of other tops.
     pub inversion_time: Option<f64>,
     /// Number of times the peg left the table.
     pub hops: u64,
@@ -159,7 +159,7 @@ impl JsonSchema for Outcome {
                 ColumnKind::Number => generator.subschema_for::<f64>(),
             };
             let mut property = schema.to_value();
-            property["description"] = column.told("absent").into();
+            property["description"] = column.described("absent").into();
             properties.insert(column.name.to_owned(), property);
             if !column.may_be_null() {
                 required.push(column.name);
@@ -223,7 +223,7 @@ impl Column {
     }
 
     /// Its meaning and unit as a sentence, with another word for null.
-    fn told(&self, null: &str) -> String {
+    fn described(&self, null: &str) -> String {
         let meaning = self.meaning.replace("null", null);
         let (what, unless) = match meaning.split_once(';') {
             Some((what, unless)) => (what, format!(";{unless}")),
@@ -320,7 +320,7 @@ pub const COLUMNS: &[Column] = &[
     number("slip_path", "m", "path that the contact point slipped", |o| real(o.slip_path)),
     number("roll_time", "s", "when the peg first began to roll; null if it did not, and with a fixed peg",
         |o| o.free?.roll_time.map(Cell::Number)),
-    number("inversion_time", "s", "when a tippe top turned over: its axis passed the horizontal; null if it did not, and of other tops",
+    number("inversion_time", "s", "when a tippe top inverted: its axis passed the horizontal; null if it did not, and of other tops",
         |o| o.free?.inversion_time.map(Cell::Number)),
     integer("hops", "how often the peg left the table; null with a fixed peg", |o| counted(o.free?.hops)),
     integer("impacts", "number of impacts on the table; null with a fixed peg", |o| counted(o.free?.impacts)),

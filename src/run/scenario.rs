@@ -2,7 +2,7 @@
 //!
 //! [`Values`] holds keys and values as a person writes them; [`Scenario`] is what has passed every
 //! check and is turned into the types of the physics. The table of keys, [`KEYS`], is the only place
-//! that knows names, units and ranges.
+//! that has names, units and ranges.
 
 mod definition;
 mod error;

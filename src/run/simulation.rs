@@ -1,7 +1,7 @@
 //! From a scenario to the stream of what happens: samples at exact times, events, nutation cycles.
 //!
 //! [`Simulation`] is an iterator of [`Record`]s in the order of their times. It does no input or output
-//! and knows no clock. Samples and events are read off the integrator's dense output and never change
+//! and has no clock. Samples and events are read off the integrator's dense output and never change
 //! its steps.
 
 mod event;
@@ -63,7 +63,7 @@ impl Simulation {
 
     /// State of the run at the last record; final once the iterator has ended.
     ///
-    /// Before the end, `stop` is [`StopReason::Interrupted`]: that is why a run ends that nobody
+    /// Before the end, `stop` is [`StopReason::Interrupted`]: that is why a run ends that no one
     /// carries on.
     #[must_use]
     pub fn end(&self) -> RunEnd {

@@ -12,7 +12,7 @@ const MOST_VALUES: u32 = 10_000_000;
 pub struct Axis {
     /// The key.
     pub key: &'static Key,
-    /// The values as they were written: part of what tells one sweep from another.
+    /// The values as they were written: part of a sweep's identity.
     pub text: String,
     points: Points,
 }
@@ -341,8 +341,8 @@ mod tests {
             ("a,,b", "empty"),
             ("a,", "empty"),
         ] {
-            let told = Axis::parse("description", list).unwrap_err().to_string();
-            assert!(told.contains(part), "{list}: {told}");
+            let message = Axis::parse("description", list).unwrap_err().to_string();
+            assert!(message.contains(part), "{list}: {message}");
         }
     }
 

@@ -14,7 +14,7 @@ pub struct Base {
     pub name: String,
     /// Its keys and values.
     pub values: Values,
-    /// The keys that were set beside the scenario.
+    /// The keys that were set in addition to the scenario.
     pub(super) set: Vec<&'static str>,
     /// The file that it was read from.
     pub(super) file: Option<PathBuf>,

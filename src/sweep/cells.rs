@@ -117,12 +117,18 @@ mod tests {
             assert_eq!(cells(&column).unwrap(), two, "{}", column.data_type());
         }
         assert_eq!(cells(&NullArray::new(2)).unwrap(), [None, None]);
-        let told = cells(&BooleanArray::from(vec![true])).unwrap_err();
-        assert_eq!(told, "values of type Boolean are neither numbers nor words");
+        let message = cells(&BooleanArray::from(vec![true])).unwrap_err();
+        assert_eq!(
+            message,
+            "values of type Boolean are neither numbers nor words"
+        );
         let list = vec![Some(vec![Some(1.0)])];
         let list = ListArray::from_iter_primitive::<Float64Type, _, _>(list);
-        let told = cells(&list).unwrap_err();
-        assert!(told.ends_with("are neither numbers nor words"), "{told}");
+        let message = cells(&list).unwrap_err();
+        assert!(
+            message.ends_with("are neither numbers nor words"),
+            "{message}"
+        );
     }
 
     #[test]

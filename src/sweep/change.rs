@@ -72,13 +72,16 @@ mod tests {
     #[test]
     fn what_changed_is_named() {
         let before = grid(&[("friction.k", "0.1,0.2")]).to_json();
-        let told = |axes: &[(&str, &str)]| change(&before, &grid(axes).to_json());
-        assert_eq!(told(&[("friction.k", "0.1,0.2")]), None);
+        let message = |axes: &[(&str, &str)]| change(&before, &grid(axes).to_json());
+        assert_eq!(message(&[("friction.k", "0.1,0.2")]), None);
         assert_eq!(
-            told(&[("friction.k", "0.1,0.3")]).unwrap(),
+            message(&[("friction.k", "0.1,0.3")]).unwrap(),
             "over.friction.k = \"0.1,0.2\" there, and \"0.1,0.3\" here"
         );
-        assert_eq!(told(&[]).unwrap(), "over.friction.k = \"0.1,0.2\" is gone");
+        assert_eq!(
+            message(&[]).unwrap(),
+            "over.friction.k = \"0.1,0.2\" is gone"
+        );
         let set = [("top.mass".to_owned(), "0.2".to_owned())];
         let bases = vec![Base::open("paper", Path::new("."), &set).unwrap()];
         let axes = vec![Axis::parse("friction.k", "0.1,0.2").unwrap()];

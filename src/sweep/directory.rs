@@ -1,4 +1,4 @@
-//! The directories beside a sweep's table. Each has a file that says of which sweep it is: its spec as JSON.
+//! The directories next to a sweep's table. Each has a file that names its sweep: the spec as JSON.
 
 use super::change::change;
 use super::error::SweepError;
@@ -56,7 +56,7 @@ pub(super) fn check(directory: &Path, sweep: &Json) -> Result<(), SweepError> {
 /// [`SweepError::Unusable`].
 pub(super) fn refuse_other(path: &Path, text: &str, sweep: &Json) -> Result<(), SweepError> {
     let Ok(before) = serde_json::from_str::<Json>(text) else {
-        let reason = "doesn't say of which sweep it is, because that is damaged: choose another name, or remove it";
+        let reason = "does not name its sweep, because its file is damaged: choose another name, or remove it";
         return Err(SweepError::unusable(path, reason));
     };
     match change(&before, sweep) {

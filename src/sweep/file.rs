@@ -135,18 +135,18 @@ mod tests {
         let axes = axes.map(|(key, text)| Axis::parse(key, text).unwrap());
         let built = Spec::new(bases, Design::Grid(axes.to_vec()), Some(1000)).unwrap();
         assert_eq!(change(&read.to_json(), &built.to_json()), None);
-        let told = |text: &str| {
+        let message = |text: &str| {
             let error = Spec::from_toml(text, Path::new("."), &[]).unwrap_err();
             error.to_string()
         };
         let names = SECTIONS.map(|name| format!("`{name}`")).join(", ");
         let all = format!("unknown field `ovr`, expected one of {names}");
-        assert!(told("ovr = 1").contains(&all), "{}", told("ovr = 1"));
+        assert!(message("ovr = 1").contains(&all), "{}", message("ovr = 1"));
         assert_eq!(
-            told("[over]\nfriction.k = [0.1]"),
+            message("[over]\nfriction.k = [0.1]"),
             "[over] friction.k: a key with a dot needs quotes, as in \"friction.k\" = …"
         );
-        assert!(told("[set]\nstop.duration = 2").contains("\"stop.duration\" = …"));
+        assert!(message("[set]\nstop.duration = 2").contains("\"stop.duration\" = …"));
     }
 
     #[test]
@@ -171,17 +171,17 @@ mod tests {
             ),
             ("sample.count = 9", "at least one axis, as in friction.k"),
         ] {
-            let told = Spec::from_toml(text, Path::new(""), &[]).unwrap_err();
-            let told = told.to_string();
-            assert!(told.contains(part), "{text}: {told}");
+            let message = Spec::from_toml(text, Path::new(""), &[]).unwrap_err();
+            let message = message.to_string();
+            assert!(message.contains(part), "{text}: {message}");
             for word in [
                 "u64", "nonzero", "sequence", "map", "struct", "variant", "--",
             ] {
-                assert!(!told.contains(word), "{text}: {told}");
+                assert!(!message.contains(word), "{text}: {message}");
             }
         }
         let text = "set.\"friction.k\" = 0.2\n[over]\n\"friction.k\" = [0.1, 1]";
-        let told = Spec::from_toml(text, Path::new("."), &[]).unwrap_err();
-        assert!(told.to_string().contains("varies too"), "{told}");
+        let message = Spec::from_toml(text, Path::new("."), &[]).unwrap_err();
+        assert!(message.to_string().contains("varies too"), "{message}");
     }
 }

@@ -172,7 +172,7 @@ impl Sweep {
     }
 }
 
-/// The column of all cells, each of which is of this kind or empty.
+/// The column of all cells, each of this kind or empty.
 macro_rules! column {
     ($cells:expr, $kind:path, $column:ty) => {
         Arc::new(<$column>::from_iter($cells.map(|cell| match cell {

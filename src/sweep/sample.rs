@@ -53,7 +53,7 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// Points with so many coordinates.
+    /// Points with this number of coordinates.
     pub(super) fn new(sample: &Sample, dimensions: usize) -> Self {
         let sobol = match sample.method {
             Method::Sobol => (0..dimensions).map(Sobol::new).collect(),

@@ -237,8 +237,11 @@ mod tests {
         };
         let axes = || vec![Axis::parse("friction.k", "0.1,1").unwrap()];
         for design in [Design::Grid(axes()), Design::Sample(SAMPLE, axes())] {
-            let told = Spec::new(bases(), design, None).unwrap_err().to_string();
-            assert!(told.contains("friction.k is set and varies too"), "{told}");
+            let message = Spec::new(bases(), design, None).unwrap_err().to_string();
+            assert!(
+                message.contains("friction.k is set and varies too"),
+                "{message}"
+            );
         }
         // A key that is removed is set to nothing.
         let removed = [("friction.k".to_owned(), String::new())];

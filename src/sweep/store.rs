@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// The entry of the table's metadata with the spec.
 pub(super) const SPEC_ENTRY: &str = "toprise.sweep";
 
-/// The entry of a part's metadata that says of which sweep it is: the SHA-256 of the spec; and which part.
+/// The entry of a part's metadata that names its sweep: the SHA-256 of the spec; and which part.
 const PART_ENTRY: &str = "toprise.part";
 
 /// The directory for the parts of a table.
@@ -42,7 +42,7 @@ pub(super) struct Store<'a> {
 }
 
 impl<'a> Store<'a> {
-    /// The places beside a table.
+    /// The places next to a table.
     ///
     /// # Errors
     /// [`SweepError::Sink`] if no file can have the table's name, or a file that the spec is read from is in one of the
@@ -219,7 +219,7 @@ impl<'a> Store<'a> {
     }
 
     /// Removes the parts, what was left of them by processes that were killed, and the directory unless there is
-    /// something else in it. What is left if this fails does no harm. The file that says of which sweep the directory is
+    /// something else in it. What is left if this fails does no harm. The file that names the sweep of the directory
     /// goes last.
     fn clear(&self) {
         let entries = fs::read_dir(&self.parts).into_iter().flatten().flatten();
@@ -231,7 +231,7 @@ impl<'a> Store<'a> {
     }
 
     /// Whether a file in the directory of parts has the name of a part of this sweep, or of a hidden draft of a part, of
-    /// the table or of the file that says of which sweep the directory is.
+    /// the table or of the file that names the sweep of the directory.
     fn is_own(&self, name: &str) -> bool {
         let visible = name.trim_start_matches('.');
         let digits = visible
@@ -362,10 +362,10 @@ mod tests {
     #[test]
     fn what_the_system_refuses_is_told_with_the_name_of_the_table() {
         let full = io::Error::from(io::ErrorKind::StorageFull);
-        let told = cannot_write(Path::new("a.parquet"), full.into()).to_string();
-        assert_eq!(told, "cannot write a.parquet: no storage space");
+        let message = cannot_write(Path::new("a.parquet"), full.into()).to_string();
+        assert_eq!(message, "cannot write a.parquet: no storage space");
         let other = ParquetError::General("odd".to_owned());
-        let told = cannot_write(Path::new("a.parquet"), other).to_string();
-        assert!(told.ends_with("odd"), "{told}");
+        let message = cannot_write(Path::new("a.parquet"), other).to_string();
+        assert!(message.ends_with("odd"), "{message}");
     }
 }

@@ -68,7 +68,7 @@ impl Table {
         Ok(table)
     }
 
-    /// A table that will have the columns of a schema and so many rows, as yet without cells. All that can be known to be
+    /// A table that will have the columns of a schema and this number of rows, as yet without cells. All that can be known to be
     /// wrong before a cell is read is refused.
     fn of_schema(schema: &Schema, rows: u64) -> Result<Self, String> {
         check_rows(rows)?;
@@ -161,7 +161,7 @@ fn check_rows(rows: u64) -> Result<(), String> {
     }
 }
 
-/// Refuses a type of which no value can be one of this key.
+/// Refuses a type none of whose values can be one of this key.
 fn check_type(key: &Key, of: &DataType) -> Result<(), String> {
     cells_of(&new_empty_array(of))?;
     let is_text = |of: &DataType| {
@@ -186,8 +186,9 @@ fn from_parquet(file: File) -> Result<Table, String> {
 }
 
 fn read_parquet(file: File) -> Result<Table, String> {
-    let told = |error: &dyn std::error::Error| error.to_string();
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| told(&error))?;
+    let message = |error: &dyn std::error::Error| error.to_string();
+    let builder =
+        ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| message(&error))?;
     let groups = builder.metadata().row_groups().iter();
     let rows = groups.map(|group| u64::try_from(group.num_rows()).unwrap_or(u64::MAX));
     let rows = rows.fold(0, u64::saturating_add);
@@ -197,8 +198,8 @@ fn read_parquet(file: File) -> Result<Table, String> {
     let wanted = names.filter(|(_, field)| is_wanted(field.name()));
     let wanted = ProjectionMask::roots(builder.parquet_schema(), wanted.map(|(index, _)| index));
     let reader = builder.with_projection(wanted).build();
-    for batch in reader.map_err(|error| told(&error))? {
-        table.add(&batch.map_err(|error| told(&error))?)?;
+    for batch in reader.map_err(|error| message(&error))? {
+        table.add(&batch.map_err(|error| message(&error))?)?;
     }
     Ok(table)
 }
@@ -251,19 +252,21 @@ fn from_csv(file: File) -> Result<Table, String> {
     let mut rows: u64 = 0;
     for record in csv_reader(&text).records() {
         let record = record.map_err(|error| csv_error(&error, &text))?;
-        let told = |reason: String| {
+        let message = |reason: String| {
             let line = record.position().map_or(0, |start| line(start, &text));
             format!("line {line}: {reason}")
         };
         for (column, cell) in columns.iter_mut().zip(&record) {
             match column {
-                Some(Column { key, cells, .. }) => cells.push(csv_cell(key, cell).map_err(told)?),
+                Some(Column { key, cells, .. }) => {
+                    cells.push(csv_cell(key, cell).map_err(message)?)
+                }
                 None if cell.parse() == Ok(rows) => {}
                 None => {
                     let reason = format!(
                         "{cell:?} is in a column without a name, which may only count the rows (0, 1, 2, …): name it, or leave it out"
                     );
-                    return Err(told(reason));
+                    return Err(message(reason));
                 }
             }
         }
@@ -372,15 +375,15 @@ mod tests {
             ",friction_k\n0,0.1\n,0.2\n",
             ",friction_k\n0,0.1\n0.5,0.2\n",
         ] {
-            let told = read(text).unwrap_err();
-            assert!(told.starts_with("line 3: "), "{told}");
-            assert!(told.contains("without a name"), "{told}");
+            let message = read(text).unwrap_err();
+            assert!(message.starts_with("line 3: "), "{message}");
+            assert!(message.contains("without a name"), "{message}");
         }
     }
 
     #[test]
     fn what_is_wrong_in_a_csv_file_is_told_with_its_line() {
-        for (text, told) in [
+        for (text, message) in [
             (
                 "friction_k\n0.1\nfast\n",
                 "line 3: friction.k = \"fast\" is no number",
@@ -406,9 +409,9 @@ mod tests {
                 "line 3: a quote is opened here that nothing closes",
             ),
         ] {
-            assert_eq!(read(text).unwrap_err(), told, "{text:?}");
+            assert_eq!(read(text).unwrap_err(), message, "{text:?}");
         }
-        let told = read(b"friction_k\n\xff\n").unwrap_err();
-        assert_eq!(told, "it is not a text in UTF-8");
+        let message = read(b"friction_k\n\xff\n").unwrap_err();
+        assert_eq!(message, "it is not a text in UTF-8");
     }
 }

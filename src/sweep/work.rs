@@ -64,7 +64,7 @@ pub struct Finished {
 /// A part that is computed, on its way to the disk.
 type Computed = (u64, RecordBatch, Counts);
 
-/// Computes the parts of a sweep that are missing beside `table`, and merges them into it. If the table is there, nothing
+/// Computes the parts of a sweep that are missing next to `table`, and merges them into it. If the table is there, nothing
 /// is left to do.
 ///
 /// # Errors
@@ -108,7 +108,7 @@ fn refuse(error: Option<&RowError>) -> Result<(), SweepError> {
     }
 }
 
-/// Computes the parts that are missing, and merges all unless that is left to another process. What was done is told even
+/// Computes the parts that are missing, and merges all unless that is left to another process. The result is returned even
 /// if that fails.
 fn complete(
     store: &Store<'_>,
@@ -204,7 +204,7 @@ fn first_failed(
     Ok(None)
 }
 
-/// Computes a part and hands it on. Breaks off if it was interrupted, if it can't be handed on, which the writer tells,
+/// Computes a part and hands it on. Breaks off if it was interrupted, if it can't be handed on, as the writer reports,
 /// or with an error that ends the sweep.
 fn compute(
     sweep: &Sweep,

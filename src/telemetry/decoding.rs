@@ -133,7 +133,7 @@ impl<K> Object<K> {
     }
 }
 
-/// The paths of all fields of a file's schema may take so many bytes together.
+/// The paths of all fields of a file's schema may take this number of bytes together.
 const LARGEST_PATHS: usize = 1 << 16;
 
 /// The paths of the fields that a file's schema describes.

@@ -99,7 +99,7 @@ pub(super) struct JsonDecoder {
     numbers: Vec<usize>,
     /// Leaves and parts of the timestamp that a message must have.
     expected: usize,
-    /// Members that a message has beside them.
+    /// Members of a message other than these.
     unknown: usize,
     /// Whether to look no further once everything expected is there.
     is_partial: bool,
@@ -212,7 +212,7 @@ fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), DecodeE
     Ok(())
 }
 
-/// Number of members a message with leaves at these paths has beside those of the table. An object that is unknown counts
+/// Number of members, other than those of the table, of a message with leaves at these paths. An object that is unknown counts
 /// once, with all that is in it.
 fn unknown_members(message: &Object<String>, paths: &[String]) -> usize {
     let members = paths
@@ -244,7 +244,7 @@ fn unknown_member<'a>(message: &Object<String>, path: &'a str) -> Option<&'a str
 struct Tally {
     found: usize,
     unknown: usize,
-    /// When so many have been found, reading ends.
+    /// Reading ends after this number of members.
     enough: usize,
 }
 

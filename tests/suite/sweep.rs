@@ -982,7 +982,7 @@ fn what_says_of_which_sweep_parts_are_may_be_damaged() {
     for text in ["", "{", "\u{0}"] {
         fs::write(parts_directory(&table).join("sweep.json"), text).unwrap();
         let error = compute(&sweep, &table, &Options::default()).unwrap_err();
-        assert!(error.to_string().contains("that is damaged"), "{error}");
+        assert!(error.to_string().contains("its file is damaged"), "{error}");
     }
 }
 

@@ -28,7 +28,7 @@ impl Moments {
         self.squares += scaled * scaled;
     }
 
-    /// The root of the mean square of so many numbers, those that were not added being zero.
+    /// The root of the mean square of this number of numbers, those that were not added being zero.
     pub(super) fn rms(&self, count: u64) -> f64 {
         let rms = (self.squares / count.max(1) as f64).sqrt() * self.unit;
         rms.min(f64::MAX)

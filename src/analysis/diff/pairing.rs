@@ -94,7 +94,7 @@ pub(super) fn read_both(
     Ok(pairing.paired)
 }
 
-/// Sends the messages of a run in batches, until nobody takes them any more.
+/// Sends the messages of a run in batches, until they are no longer taken.
 fn read(run: Subject<'_>, out: &SyncSender<Parcel>) {
     let (mut batch, mut bytes) = (Vec::with_capacity(BATCH), 0);
     let ended = run.read(&Topics::All, &mut |message, more| {
@@ -181,7 +181,7 @@ impl<'o> Pairing<'o> {
         Ok(())
     }
 
-    /// The run of which less has been read, unless both have ended.
+    /// The run that has been read less far, unless both have ended.
     fn behind(&self) -> Option<Side> {
         let [a, b] = &self.paired.runs;
         match [a.is_ended, b.is_ended] {

@@ -123,7 +123,7 @@ impl Report {
         }
     }
 
-    /// The report of two files of which not both are toprise's.
+    /// The report of two files, not both of which are toprise's.
     pub(super) fn of_files(
         runs: [Subject<'_>; 2],
         others: Vec<TopicBytes>,

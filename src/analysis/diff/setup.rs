@@ -1,4 +1,4 @@
-//! The differences in the set-up of two runs: keys of the scenarios, and what the files hold beside their messages.
+//! The differences in the set-up of two runs: keys of the scenarios, and the content of the files except their messages.
 
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Recording;

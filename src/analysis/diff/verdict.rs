@@ -9,7 +9,7 @@ use serde::Serialize;
 pub enum Verdict {
     /// Both have the same messages, to the last bit, and nothing else differs either.
     Identical,
-    /// All values are the same, to the last bit, but something differs beside them: the encoding, attachments, metadata,
+    /// All values are the same, to the last bit, but something else differs: the encoding, attachments, metadata,
     /// the scenario's name.
     SameValues,
     /// Both have the same messages, which agree within the tolerances; or what was not ignored is the same.

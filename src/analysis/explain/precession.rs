@@ -1,4 +1,4 @@
-//! The averaged precession beside the rates of regular precession.
+//! The averaged precession and the rates of regular precession.
 
 use super::evidence::Evidence;
 use super::fact::Fact;

@@ -126,7 +126,7 @@ fn traces(runs: &[&Run]) -> Vec<Trace> {
     traces
 }
 
-/// The ends of several paths are magnified together if they take at most so many times the room of the smallest.
+/// The ends of several paths are magnified together if they take at most this multiple of the room of the smallest.
 const MAGNIFIED_TOGETHER: f64 = 4.0;
 
 /// Where squares are drawn: in rows, from left to right.

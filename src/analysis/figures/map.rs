@@ -69,7 +69,7 @@ mod tests {
         }
     }
 
-    /// Runs of several scenarios over two frictions, of which the second has no value.
+    /// Runs of several scenarios over two frictions; the second has no value.
     fn curves(scenarios: usize) -> Map {
         let runs = (0..2 * scenarios).map(|run| MapRun {
             x: [0.01, 0.02][run % 2],
@@ -122,8 +122,8 @@ mod tests {
         let strokes: std::collections::BTreeSet<_> = strokes.collect();
         assert_eq!(strokes.len(), 35);
 
-        let told = curves(36).draw(150.0).unwrap_err();
-        assert!(told.contains("36 scenarios"), "{told}");
+        let message = curves(36).draw(150.0).unwrap_err();
+        assert!(message.contains("36 scenarios"), "{message}");
     }
 
     /// A grid of two by two, over x = 1, 2 and y = 1, 2.
@@ -192,9 +192,9 @@ mod tests {
             );
         }
         theta(&mut map, [NAN, 1.0, NAN, 1.0]);
-        let told = map.draw(85.0).unwrap_err();
+        let message = map.draw(85.0).unwrap_err();
         assert_eq!(
-            told,
+            message,
             "no run has a value of friction_k and one of initial_theta"
         );
     }
@@ -214,7 +214,7 @@ mod tests {
             }
         };
         assert!(runs([0.1, 0.2, 0.3]).draw(85.0).is_ok());
-        let told = runs([5e-324, 5e-324, 0.3]).draw(85.0).unwrap_err();
-        assert!(told.contains("initial_theta = 5e-324:"), "{told}");
+        let message = runs([5e-324, 5e-324, 0.3]).draw(85.0).unwrap_err();
+        assert!(message.contains("initial_theta = 5e-324:"), "{message}");
     }
 }

@@ -34,7 +34,7 @@ impl Curve {
         if !(first <= x && x <= last) {
             return None;
         }
-        // The points around x, two on each side where there are so many.
+        // The points around x, two on each side where there are enough.
         let above = self.x.partition_point(|known| *known <= x);
         if self.x[above - 1] == x {
             return Some(self.y[above - 1]);

@@ -315,7 +315,7 @@ impl Survey {
     }
 }
 
-/// Reads a record of which nothing is left over.
+/// Reads a record without trailing bytes.
 fn read<'a>(place: &RecordSpan, opcode: u8, body: &'a [u8]) -> Result<Record<'a>, Difference> {
     let record = parse(opcode, body).map_err(|error| fault(place, &error.to_string()))?;
     match content_length(&record) {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A span of time, ns; open if it reaches to an end that nobody knows.
+/// A span of time, ns; open if its end is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
     /// From this time on.

@@ -17,7 +17,7 @@ pub(crate) struct Source {
 
 impl Source {
     pub(crate) fn open(path: &Path) -> Result<Self, RecordingError> {
-        // Opening a pipe that nobody writes to would wait for ever.
+        // Opening a pipe without a writer would wait for ever.
         if is_special(&path.metadata()?) {
             return Err(RecordingError::NoFile);
         }

@@ -15,7 +15,7 @@ pub enum Condition {
     Whole,
     /// A recording without an end record: the run was cut off, but nothing else is wrong.
     Interrupted,
-    /// A recording of which parts can't be read.
+    /// A recording with unreadable parts.
     Damaged,
 }
 

@@ -77,7 +77,7 @@ impl Recording {
         &self.layout.library
     }
 
-    /// The profile of its header: which conventions it follows beside those of MCAP.
+    /// The profile of its header: the conventions that it follows in addition to those of MCAP.
     #[must_use]
     pub fn profile(&self) -> &str {
         &self.layout.profile

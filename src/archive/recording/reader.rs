@@ -92,7 +92,7 @@ pub struct Reader<'r> {
     left: Option<u64>,
     /// Number of bytes that have been read, and of those that have been reported.
     seen: u64,
-    told: u64,
+    reported: u64,
 }
 
 /// Treatment of the messages of a channel.
@@ -148,7 +148,7 @@ impl<'r> Reader<'r> {
             order: None,
             left: None,
             seen: 0,
-            told: 0,
+            reported: 0,
         }
     }
 
@@ -338,8 +338,8 @@ impl<'r> Reader<'r> {
 
     /// Number of bytes that have been read since the last call.
     pub fn progress(&mut self) -> u64 {
-        let more = self.seen - self.told;
-        self.told = self.seen;
+        let more = self.seen - self.reported;
+        self.reported = self.seen;
         more
     }
 

@@ -1,4 +1,4 @@
-//! Figures of sweeps: which columns of which runs they show.
+//! Figures of sweeps: their columns and runs.
 
 use crate::analysis::figures::{Map, MapAxis, MapRun};
 use crate::cli::arguments::{Override, parse_override};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Arguments for a figure of a sweep.
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct SweepFigure {
-    /// Draw what came of a sweep instead, a table of `toprise sweep`: a map over --x and --y, or curves over --x.
+    /// Draw the outcomes of a sweep instead, from a table of `toprise sweep`: a map over --x and --y, or curves over --x.
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["runs", "only"], requires = "x")]
     sweep: Option<PathBuf>,
 

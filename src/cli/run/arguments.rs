@@ -41,7 +41,7 @@ pub(crate) struct RunArguments {
     pub(super) overrides: Vec<Override>,
 
     /// The MCAP file to write; without this option, the next free name in ./recordings, and an .rrd
-    /// file beside it.
+    /// file next to it.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
 
@@ -165,7 +165,7 @@ impl RunArguments {
         stem
     }
 
-    /// The Rerun recording beside a recording that is there already; none if the arguments name another.
+    /// The Rerun recording next to a recording that is there already; none if the arguments name another.
     #[cfg(feature = "rerun")]
     pub(super) fn rrd_beside(&self, mcap: Option<&WrittenFile>) -> Option<WrittenFile> {
         let mcap = mcap.filter(|_| self.rrd.is_none())?;

@@ -41,7 +41,7 @@ impl RunFiles {
         Ok((Self::with(mcap, arguments, None)?, Earlier(Vec::new())))
     }
 
-    /// Starts the files of the first of `NAME`, `NAME-2`, `NAME-3`, … of which nothing exists, even if several
+    /// Starts the files of the first of `NAME`, `NAME-2`, `NAME-3`, … without existing files, even if several
     /// runs look for one at once; of `NAME` itself if it may be replaced.
     fn free(
         arguments: &RunArguments,

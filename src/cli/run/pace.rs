@@ -45,7 +45,7 @@ impl Pace {
     ) -> Result<ControlFlow<()>, SinkError> {
         if let Record::Sample(sample) = record {
             if self.speed.is_some() || sample.index % LOOK_EVERY == 0 {
-                self.progress.tell(format!(
+                self.progress.set_text(format!(
                     "simulated {:.2} s, θ = {:.3} rad",
                     sample.time_ns as f64 / 1e9,
                     sample.angles.theta

@@ -44,10 +44,10 @@ impl RunViewer {
         self.sink.as_mut().map(|sink| sink as &mut dyn Sink)
     }
 
-    /// Tells what came of the run.
-    pub(super) fn tell_outcome(&mut self, outcome: &Outcome) {
+    /// Sets the outcome of the run.
+    pub(super) fn set_outcome(&mut self, outcome: &Outcome) {
         if let Some(sink) = &mut self.sink {
-            sink.tell_outcome(outcome);
+            sink.set_outcome(outcome);
         }
     }
 

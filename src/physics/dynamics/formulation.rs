@@ -72,7 +72,7 @@ pub struct Entry<F, const N: usize> {
     pub first_step: f64,
 }
 
-/// A choice of variables for the equations of motion, with `N` numbers as state, of which the last are the running
+/// A choice of variables for the equations of motion, with `N` numbers as state; the last are the running
 /// integrals: all [`INTEGRALS`](super::INTEGRALS), or only [`FEW_INTEGRALS`](super::FEW_INTEGRALS).
 pub trait Formulation<const N: usize>: System<N> + Copy {
     /// By how much each step may err, if the motion is to have these tolerances.

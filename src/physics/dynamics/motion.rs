@@ -79,7 +79,7 @@ pub struct Peg {
     pub dissipated: Dissipated,
 }
 
-/// Energy that a top with a free peg has lost since the start, J, beside the sliding.
+/// Energy that a top with a free peg has lost since the start, J, except by sliding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dissipated {
     /// By compression and restitution in impacts.

@@ -6,7 +6,7 @@ pub const KNOTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// Bound on the evaluations of each search. Bisection alone would resolve [0, 1] in 53.
 const MOST_EVALUATIONS: usize = 100;
 
-/// Each interval between knots is searched for turning points in so many pieces.
+/// Each interval between knots is searched for turning points in this number of pieces.
 const PIECES: u8 = 4;
 
 /// The pieces overlap by this fraction of their width, because the turning points of the interpolation
@@ -303,7 +303,7 @@ impl<'a, const K: usize> Shape<'a, K> {
     }
 }
 
-/// The least and the greatest value; NaN beside others is passed over.
+/// The least and the greatest value; NaN is ignored if there are other values.
 #[inline]
 fn range<const K: usize>(values: &[f64; K]) -> (f64, f64) {
     let (mut lowest, mut highest) = (values[0], values[0]);
@@ -374,7 +374,7 @@ pub fn zero(start: f64, end: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
     root(from, to, new_sign, &mut g)
 }
 
-/// Where `g` gets the sign `new_sign` (±1) between two points, of which `to` has it.
+/// Where `g` gets the sign `new_sign` (±1) between two points; `to` has it.
 ///
 /// The ITP method (I. F. D. Oliveira, R. H. C. Takahashi, *An enhancement of the bisection method average
 /// performance preserving minmax optimality*, ACM Trans. Math. Softw. 47 (2021) 5): superlinear on smooth

@@ -63,7 +63,7 @@ impl Bounds {
     }
 }
 
-/// Rounding of a component or a slope: far fewer than so many operations, each off by half an ulp of the largest term.
+/// Rounding of a component or a slope: fewer than this number of operations, each off by half an ulp of the largest term.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl<const N: usize> Dense<N> {

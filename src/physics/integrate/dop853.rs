@@ -20,7 +20,7 @@ const SAFETY: f64 = 0.9;
 const LARGEST_SHRINKAGE: f64 = 0.333;
 /// A step is at most this multiple of the one before.
 const LARGEST_GROWTH: f64 = 6.0;
-/// Weight of the third-order error estimate (squared) beside the fifth-order one.
+/// Weight of the third-order error estimate (squared) relative to the fifth-order one.
 const WEIGHT_OF_THIRD: f64 = 0.01;
 
 /// The dense output may err by this many times as much as a step.
@@ -76,7 +76,7 @@ pub struct Dop853<S, const N: usize> {
     last: Step<N>,
     /// The step to try next, with its sign.
     next_h: f64,
-    /// The dense output of the last step, if it has been made and nobody has asked for it.
+    /// The dense output of the last step, if it has been made but not taken.
     dense: Option<Dense<N>>,
     /// Whether the steps would be longer if the dense output were not checked.
     dense_limits: bool,

@@ -18,7 +18,7 @@ use crate::telemetry::Topic;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};
 use crate::telemetry::side::Side;
 
-/// Distance of the camera from two tops of which one travels, in usual distances.
+/// Distance of the camera from two tops, one of which travels, in usual distances.
 const FAR: f64 = 1.2;
 
 /// The messages of the layout.

@@ -85,7 +85,7 @@ fn until(end: TimeRangeBoundary) -> parts::VisibleTimeRanges {
     })])
 }
 
-/// A list of the events of these entities, with these columns beside the time.
+/// A list of the events of these entities, with these columns in addition to the time.
 pub(super) fn events(
     layout: &mut Layout,
     name: &str,

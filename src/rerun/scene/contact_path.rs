@@ -37,7 +37,7 @@ pub(crate) fn explanation(geometry: &Geometry) -> String {
 /// The path of the lowest point of the peg: in one colour where it slides, in another where it rolls or sticks, in a
 /// third where it flies.
 ///
-/// As the trail of the axis, it consists of short pieces, of which the layout shows those up to the time cursor.
+/// As the trail of the axis, it consists of short pieces, and the layout shows those up to the time cursor.
 pub(super) struct ContactPath {
     look: Look,
     tracks: [Track<Strips>; 3],

@@ -26,7 +26,7 @@ pub(super) fn vertical(geometry: &Geometry) -> LineStrips3D {
         .with_radii([Radius::new_ui_points(0.7)])
 }
 
-/// Two points that nobody sees, for the camera to follow: it looks at the middle between them. When a viewer begins to follow
+/// Two invisible points for the camera to follow: it looks at the middle between them. When a viewer begins to follow
 /// an entity, it goes one and a half times as far away as that reaches from its middle.
 fn camera_target(geometry: &Geometry) -> Points3D {
     let size = Proportions::new(&geometry.top).size();

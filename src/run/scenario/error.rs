@@ -32,12 +32,12 @@ pub enum ScenarioError {
         allowed: String,
     },
     /// Keys that have to be there are not.
-    #[error("missing: {told}")]
+    #[error("missing: {missing}")]
     MissingKeys {
         /// The keys.
         keys: Vec<&'static str>,
         /// The keys with what they take.
-        told: String,
+        missing: String,
     },
     /// A number where a word belongs, or the reverse.
     #[error("{key} = {value}: must be {expected}")]
@@ -59,7 +59,7 @@ pub enum ScenarioError {
         /// The allowed values.
         allowed: String,
     },
-    /// A key that means nothing beside the value of another.
+    /// A key that is ignored with the value of another.
     #[error(
         "{key} has no meaning with {other} = {value:?}; remove it (--set {key}= on the command line)"
     )]

@@ -176,17 +176,17 @@ fn missing(paths: &[&'static str]) -> ScenarioError {
         let (path, unit) = (key.path, key.in_unit());
         format!("{path} ({}{unit}: {})", key.meaning, key.kind)
     };
-    let mut told = keys().map(about).collect::<Vec<_>>().join(", ");
+    let mut missing = keys().map(about).collect::<Vec<_>>().join(", ");
     let of_one_law = |law: &&Law| {
         let is_its_own = |key: &Key| matches!(key.presence, Presence::With("friction.law", [word]) if *word == law.name);
         keys().any(is_its_own)
     };
     if let Some(law) = LAWS.iter().find(of_one_law) {
-        told += &format!("; typical values: {}", law.typical);
+        missing += &format!("; typical values: {}", law.typical);
     }
     ScenarioError::MissingKeys {
         keys: paths.to_vec(),
-        told,
+        missing,
     }
 }
 
@@ -210,13 +210,13 @@ fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
 }
 
 /// The error of a text that is not TOML.
-fn syntax(text: &str, error: &toml::de::Error) -> ScenarioError {
-    let told = error.to_string();
-    if told.len() <= LONGEST_SYNTAX {
-        return ScenarioError::Syntax(told);
+fn syntax(source: &str, error: &toml::de::Error) -> ScenarioError {
+    let text = error.to_string();
+    if text.len() <= LONGEST_SYNTAX {
+        return ScenarioError::Syntax(text);
     }
-    // The parser repeats the line, which nobody could read.
-    let before = error.span().and_then(|span| text.get(..span.start));
+    // The parser repeats the line, which would be unreadable.
+    let before = error.span().and_then(|span| source.get(..span.start));
     let line = before.map_or(1, |before| 1 + before.matches('\n').count());
     ScenarioError::Syntax(format!("in line {line}: {}", excerpt(error.message())))
 }

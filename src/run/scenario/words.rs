@@ -1,4 +1,4 @@
-//! The words with which a scenario makes its choices, each beside what it means.
+//! The words with which a scenario makes its choices, each with its meaning.
 
 use crate::physics::friction::Dissipation;
 

@@ -30,7 +30,7 @@ pub struct FreeSample {
     pub translational_energy: f64,
     /// Contribution of the peg's acceleration to the Euler accelerations, rad/s².
     pub driven: Euler,
-    /// Energy lost since the start beside the sliding.
+    /// Energy lost since the start except by sliding.
     pub dissipated: Dissipated,
 }
 

@@ -38,7 +38,7 @@ pub(super) struct Queue {
     pub(super) cycles: u32,
     /// Impacts that have been handed out.
     pub(super) impacts: u32,
-    /// When a tippe top turned over, s.
+    /// When a tippe top inverted, s.
     pub(super) inversion: Option<f64>,
 }
 
@@ -51,7 +51,7 @@ impl Queue {
         self.pending.extend(pending);
     }
 
-    /// Notes that a tippe top turned over at this time, s, if it had not before.
+    /// Notes that a tippe top inverted at this time, s, if it had not before.
     pub(super) fn invert(&mut self, time: f64) {
         self.inversion.get_or_insert(time);
     }

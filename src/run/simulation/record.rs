@@ -83,7 +83,7 @@ pub struct RunEnd {
     pub energy_at_start: f64,
     /// Number of samples.
     pub samples: u64,
-    /// When a tippe top turned over, its axis passing the horizontal, s.
+    /// When a tippe top inverted, its axis passing the horizontal, s.
     pub inversion_time: Option<f64>,
     /// Number of events.
     pub events: u64,

@@ -314,7 +314,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             .enter(guard, state, self.reference)
             .map_err(|_| SimulationError::Impact { time })?;
         let at = time + entry.delay;
-        self.tell(&entry, system.phase(), at);
+        self.note_entry(&entry, system.phase(), at);
         let stop = match entry.passage {
             Passage::BecomesSingular => Some(StopReason::Singular),
             Passage::Jams => Some(StopReason::Jam),
@@ -340,7 +340,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 
     /// Notes what happens where a phase begins.
-    fn tell(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
+    fn note_entry(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
         let motion = entry.motion;
         let event = |kind| Pending::Event(kind, time, motion);
         self.queue.extend(kind_of(&entry.passage).map(event));

@@ -34,7 +34,7 @@ pub(super) enum Meaning {
     Risen(f64),
     /// The top has fallen to this inclination, rad.
     Fallen(f64),
-    /// A tippe top turns over: its axis passes the horizontal.
+    /// A tippe top inverts: its axis passes the horizontal.
     Inversion,
     /// The guard that ends the phase.
     Guard(Guard),
@@ -209,7 +209,7 @@ pub(super) fn keep_signs(before: &[Watch], now: &mut [Watch]) {
 }
 
 /// Least difference of a free peg's slip speed from that which counts as zero, m/s: half of
-/// it. Slip that begins passes it within steps of which each adds no more than they err by.
+/// it. Slip that begins passes it within steps that each add no more than their error.
 const SLIP_FLOOR: f64 = 5e-10;
 
 /// The tracker of a guard's sign. Those of a free peg are positive when their phase begins, but the slip may begin

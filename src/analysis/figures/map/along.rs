@@ -4,7 +4,7 @@ use crate::analysis::plot::range::extremes;
 use crate::analysis::plot::ticks::Scale;
 use crate::physics::math::log10;
 
-/// Values that differ at least so many times are drawn over their logarithms, if their spacing says nothing else.
+/// Values that differ at least by this factor are drawn over their logarithms, if their spacing says nothing else.
 const LOGARITHMIC: f64 = 30.0;
 
 /// Colours show logarithms from here on: evenly spread over the values, all below a tenth of the greatest would share a

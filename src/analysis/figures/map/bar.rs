@@ -40,7 +40,7 @@ pub(super) struct Bar {
 }
 
 impl Bar {
-    /// The bar of these values, beside the frame of a drawing of this width.
+    /// The bar of these values, next to the frame of a drawing of this width.
     pub(super) fn new(values: Vec<f64>, width: f64) -> Self {
         let values = Along::of_colours(values);
         let scale = values.scale(values.range(), frame::ticks_up(chart::height(width)));
@@ -65,7 +65,7 @@ impl Bar {
         shade(self.values.place(value), self.values.range())
     }
 
-    /// Draws the bar beside a frame.
+    /// Draws the bar next to a frame.
     pub(super) fn draw(&self, drawing: &mut Drawing, beside: Bounds, axis: &MapAxis) {
         let left = beside.right + BAR_GAP;
         let right = left + BAR;

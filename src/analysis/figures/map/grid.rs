@@ -19,7 +19,7 @@ pub(super) struct Grid<'a> {
     edges: [Vec<f64>; 2],
 }
 
-/// A border between two cells of which only one loops.
+/// A border between two cells, only one of which loops.
 struct Border {
     ends: [Point; 2],
     /// The direction of the cell that loops: to the right and upward.
@@ -75,7 +75,7 @@ impl<'a> Grid<'a> {
         areas
     }
 
-    /// The lines between cells of which only one loops, with a tick in the middle of each toward that cell.
+    /// The lines between cells, only one of which loops, with a tick in the middle of each toward that cell.
     pub(super) fn contour(&self, frame: &Frame) -> Vec<Shape> {
         let mut lines = Vec::new();
         for Border { ends, toward } in self.borders() {
@@ -94,7 +94,7 @@ impl<'a> Grid<'a> {
         !self.borders().is_empty()
     }
 
-    /// The borders between cells of which only one loops, where both are known.
+    /// The borders between cells, only one of which loops, where both are known.
     fn borders(&self) -> Vec<Border> {
         let [xs, ys] = &self.edges;
         let loops = |column: usize, row: usize| {
