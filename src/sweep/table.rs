@@ -259,7 +259,7 @@ fn from_csv(file: File) -> Result<Table, String> {
         for (column, cell) in columns.iter_mut().zip(&record) {
             match column {
                 Some(Column { key, cells, .. }) => {
-                    cells.push(csv_cell(key, cell).map_err(message)?)
+                    cells.push(csv_cell(key, cell).map_err(message)?);
                 }
                 None if cell.parse() == Ok(rows) => {}
                 None => {
