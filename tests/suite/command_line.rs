@@ -85,6 +85,27 @@ fn a_run_that_is_recorded_is_not_written_again() {
 }
 
 #[test]
+fn a_run_with_many_changes_takes_no_other_runs_name() {
+    let directory = tempdir().unwrap();
+    let kept = directory.path().join("recordings/paper.mcap");
+    fs::create_dir(kept.parent().unwrap()).unwrap();
+    fs::write(&kept, "the preset's").unwrap();
+    let mut command = toprise(&directory);
+    command.args(["run", "--force", "--set", "stop.duration=0.05"]);
+    for change in [
+        "initial.phi=0.1",
+        "initial.psi=0.1",
+        "gravity=9",
+        "top.mass=0.1",
+    ] {
+        command.args(["--set", change]);
+    }
+    let text = answer(command.args(["--set", "top.peg_radius=0.006"]));
+    assert!(text.contains("recordings/paper_"), "{text}");
+    assert_eq!(fs::read(&kept).unwrap(), b"the preset's");
+}
+
+#[test]
 fn changed_runs_are_called_by_their_changes() {
     let directory = tempdir().unwrap();
     for (changes, title, file) in [

@@ -131,7 +131,8 @@ impl RunArguments {
     }
 
     /// Name of the files: that of the recording that is run again or of the scenario, with its changes, as in
-    /// `paper_k0.02`.
+    /// `paper_k0.02`. Where these are too long, the beginning of the scenario's digest stands for them: the name alone is that
+    /// of another run.
     pub(super) fn stem(&self, scenario: &Scenario) -> String {
         /// The length of names that can still be read in a list.
         const LONGEST: usize = 60;
@@ -160,7 +161,7 @@ impl RunArguments {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | '+');
         stem.retain(is_plain);
         if stem.len() > LONGEST {
-            return name.to_owned();
+            return format!("{name}_{:.8}", scenario.digest());
         }
         stem
     }
