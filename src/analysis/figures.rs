@@ -258,8 +258,9 @@ pub const FIGURES: &[Figure] = &[
         uses: &[CYCLES, means(NORMAL_FORCE_FIELDS), means(GAP_FIELDS)],
         pegs: Pegs::Free,
         says_nothing: |run| {
-            let gaps = run.series(free_peg::GAP);
-            let stays = !gaps.is_empty() && gaps.iter().all(|(_, gap)| gap.is_nan() || *gap <= 0.0);
+            let gaps = run.series(free_peg::GAP).into_iter().map(|point| point.1);
+            let highest = gaps.reduce(f64::max);
+            let stays = highest.is_some_and(|gap| gap <= 0.0);
             stays.then_some("the peg never leaves the table")
         },
         draw: time::hops,
@@ -306,10 +307,10 @@ impl Figure {
         }
     }
 
-    /// Whether the figure is about free pegs only.
+    /// Whether the figure is expected of a run: one of free pegs is not expected of a held one.
     #[must_use]
-    pub fn is_about_free_pegs(&self) -> bool {
-        self.pegs == Pegs::Free
+    pub fn is_expected_of(&self, run: &Run) -> bool {
+        self.pegs != Pegs::Free || run.has_free_peg
     }
 
     /// Draws the figure with a width in mm. Several runs are drawn over one another; what a run lacks is left out.

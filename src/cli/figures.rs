@@ -200,12 +200,11 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     let mut drawn = Vec::new();
     for figure in figures {
         let count = arguments.count(figure, runs.len());
-        // Figures of free pegs are not expected of held ones.
-        let is_expected = !figure.is_about_free_pegs() || !arguments.only.is_empty();
         let mut able = Vec::new();
         for run in &runs[..count] {
             let (name, run_name) = (figure.name, run.name.clone());
             if let Some(because) = figure.says_nothing(run) {
+                let is_expected = figure.is_expected_of(run) || !arguments.only.is_empty();
                 report.left_out.extend(is_expected.then_some(LeftOut {
                     figure: name,
                     run: run_name,

@@ -72,7 +72,7 @@ impl Looks {
 
     /// By how much the line of a run is broader than that of the last one, mm: where they coincide, that of the earlier
     /// run shows.
-    fn broader(self, run: usize) -> f64 {
+    pub(super) fn broader(self, run: usize) -> f64 {
         (self.runs - 1).saturating_sub(run).min(2) as f64 * 0.5 * POINT
     }
 

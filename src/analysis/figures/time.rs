@@ -7,7 +7,7 @@ use crate::analysis::plot::frame::{Band, Quantity};
 use crate::analysis::plot::legend::Entry;
 use crate::analysis::plot::page::{Page, Panel};
 use crate::analysis::plot::range::{extremes, overlap};
-use crate::analysis::plot::shape::Point;
+use crate::analysis::plot::shape::{Point, Stroke};
 use crate::analysis::plot::text::Text;
 use crate::telemetry::fields::{
     NumberField, acceleration as terms_of, contact, energy as energies, free_peg, nutation,
@@ -75,16 +75,18 @@ fn averages(panel: &mut Panel, runs: &[&Run], field: NumberField, mean: NumberFi
     }
 }
 
-/// A curve that goes up and down by more than this many times its range is a band.
-const BAND: f64 = 20.0;
+/// The averages of a number that goes up and down about them so often that it fills a band: by more than its range in all.
+fn averages_of_band(run: &Run, field: NumberField) -> Option<Vec<Point>> {
+    let (points, averages) = (run.series(field), run.means(field));
+    let (low, high) = extremes(points.iter().map(|point| point.1));
+    let is_band = climb(&points) - climb(&averages) > high - low;
+    (is_band && is_line(&averages)).then_some(averages)
+}
 
-/// Whether a number goes up and down so often that it fills a band, and its averages are known.
-fn has_ripple(run: &Run, field: NumberField) -> bool {
-    let values: Vec<_> = run.series(field).iter().map(|point| point.1).collect();
-    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let path: f64 = steps.filter(|step| step.is_finite()).sum();
-    let (low, high) = extremes(values.into_iter());
-    path > BAND * (high - low) && is_line(&run.means(field))
+/// The sum of all changes of a curve, upward and downward.
+fn climb(points: &[Point]) -> f64 {
+    let steps = points.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs());
+    steps.filter(|step| step.is_finite()).sum()
 }
 
 /// Whether these points make a line.
@@ -156,7 +158,8 @@ struct Terms<'a> {
     panel: Panel,
     runs: &'a [&'a Run],
     count: usize,
-    has_ripples: bool,
+    /// The bands of numbers that ripple, which lie below all lines.
+    bands: Vec<(String, Vec<Point>, Stroke)>,
 }
 
 impl<'a> Terms<'a> {
@@ -165,7 +168,7 @@ impl<'a> Terms<'a> {
             panel: Panel::new(symbol, unit),
             runs,
             count: 0,
-            has_ripples: false,
+            bands: Vec::new(),
         }
     }
 
@@ -176,19 +179,14 @@ impl<'a> Terms<'a> {
             runs: self.runs.len(),
         };
         for (index, run) in self.runs.iter().enumerate() {
-            if has_ripple(run, field) {
+            if averages_of_band(run, field).is_some() {
                 let meaning = format!("{}: {}", run.name, field.path());
                 let stroke = looks.ripple(index, self.count);
-                self.panel.curve(meaning, run.series(field), stroke);
-                self.has_ripples = true;
+                self.bands.push((meaning, run.series(field), stroke));
             }
         }
         self.term(name, |run| {
-            if has_ripple(run, field) {
-                run.means(field)
-            } else {
-                run.series(field)
-            }
+            averages_of_band(run, field).unwrap_or_else(|| run.series(field))
         })
     }
 
@@ -229,14 +227,18 @@ impl<'a> Terms<'a> {
 /// A page of panels with several quantities each.
 fn terms(runs: &[&Run], panels: Vec<Terms<'_>>) -> Page {
     let mut legend = looks::legend(runs, |_, run| Looks::run_in_legend(run));
-    if panels.iter().any(|terms| terms.has_ripples) {
-        legend.push(Entry::area(
-            PALE,
-            "simulation; lines: average over each nutation",
-        ));
+    if panels.iter().any(|terms| !terms.bands.is_empty()) {
+        legend.push(Entry::area(PALE, "nutation; the line in it: its average"));
     }
     legend.extend(looks::note(runs));
-    let panels = panels.into_iter().map(|terms| terms.panel);
+    let panels = panels.into_iter().map(|mut terms| {
+        let lines = std::mem::take(&mut terms.panel.curves);
+        for (meaning, points, stroke) in terms.bands {
+            terms.panel.curve(meaning, points, stroke);
+        }
+        terms.panel.curves.extend(lines);
+        terms.panel
+    });
     page(legend, panels.collect())
 }
 

@@ -64,8 +64,14 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
             drawing.group(&format!("{meaning}, {name}"), shapes.collect());
         }
         let ends = [(track.first(), false), (track.last(), true)];
+        let last = parts
+            .last()
+            .and_then(|(name, _)| REGIMES.iter().find(|known| known.0 == *name));
         let dots = ends.into_iter().filter_map(|(place, is_end)| {
-            Some(legend::dot(frame.place(*place?), is_end, stroke.colour))
+            let colour = last
+                .filter(|_| is_end)
+                .map_or(stroke.colour, |known| known.1);
+            Some(legend::dot(frame.place(*place?), is_end, colour))
         });
         drawing.group("start and end", dots.collect());
     }

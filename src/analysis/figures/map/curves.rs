@@ -3,6 +3,7 @@
 use super::along::Along;
 use super::chart::{self, aired, dot};
 use super::runs::{Map, MapRun};
+use crate::analysis::figures::looks::Looks;
 use crate::analysis::plot::drawing::Drawing;
 use crate::analysis::plot::frame::{self, Frame};
 use crate::analysis::plot::legend::{self, Entry};
@@ -96,6 +97,7 @@ fn curves(map: &Map) -> Result<Vec<Curve<'_>>, String> {
             parts.len()
         ));
     }
+    let looks = Looks { runs: parts.len() };
     let mut curves = Vec::new();
     for (index, runs) in parts.into_iter().enumerate() {
         let name = &runs[0].scenario;
@@ -109,7 +111,10 @@ fn curves(map: &Map) -> Result<Vec<Curve<'_>>, String> {
             name,
             stroke: Stroke {
                 dash: DASHES[index / COLOURS.len()],
-                ..style::line(COLOURS[index % COLOURS.len()], MEDIUM)
+                ..style::line(
+                    COLOURS[index % COLOURS.len()],
+                    MEDIUM + looks.broader(index),
+                )
             },
             runs: runs.to_vec(),
         });
