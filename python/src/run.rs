@@ -208,10 +208,10 @@ fn simulate(
 /// Simulates a run and records it in a new file.
 fn save(scenario: &Checked, path: &Path, interrupt: Interrupt) -> Result<(), String> {
     let reported = |error: &dyn std::error::Error| format!("{}: {error}", path.display());
+    let simulation = Simulation::new(scenario).map_err(|error| reported(&error))?;
     let mut telemetry = Telemetry::with_topics(&Topics::All);
     let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, Form::default())
         .map_err(|error| reported(&error))?;
-    let simulation = Simulation::new(scenario).map_err(|error| reported(&error))?;
     let mut simulation = simulation.while_told(move || !interrupt.is_asked());
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
     let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on)

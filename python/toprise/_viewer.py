@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import atexit
 import importlib.util
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -15,13 +13,15 @@ from ._toprise import Run
 
 
 def show(run: Run) -> subprocess.Popen[bytes]:
-    """Opens a run in a viewer of its own. A run without a file is saved in a temporary one."""
+    """Opens a run in a viewer of its own. A run without a file is saved in a temporary one.
+
+    It is left there for the system to clear: a script may have ended before the viewer reads it.
+    """
     if importlib.util.find_spec("rerun") is None:
         raise ImportError("the Rerun viewer is not installed: pip install rerun-sdk==0.36.3")
     path = run.path
     if path is None:
         folder = tempfile.mkdtemp(prefix="toprise-")
-        atexit.register(shutil.rmtree, folder, ignore_errors=True)
         path = str(Path(folder) / (re.sub(r"[^\w.-]", "_", run.name) + ".mcap"))
         run.save(path)
     return subprocess.Popen([sys.executable, "-m", "rerun", path])
