@@ -13,7 +13,6 @@ mod change;
 mod checksum;
 mod counts;
 mod design;
-mod directory;
 mod error;
 mod file;
 mod guard;

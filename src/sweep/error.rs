@@ -4,7 +4,7 @@ use crate::archive::given::GivenError;
 use crate::archive::sink::SinkError;
 use crate::run::scenario::ScenarioError;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use thiserror::Error;
 
 /// Why a sweep can't be started, or was not finished.
@@ -27,22 +27,9 @@ pub enum SweepError {
     /// A key that scenarios don't have.
     #[error(transparent)]
     Key(#[from] ScenarioError),
-    /// The files belong to another sweep, or are damaged.
-    #[error("{} {reason}", path.display())]
-    Unusable {
-        /// The table, a part or the directory of the parts.
-        path: PathBuf,
-        /// Why, and what can be done.
-        reason: String,
-    },
-    /// A table can't be read.
-    #[error("{}: {reason}", path.display())]
-    Table {
-        /// The table.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+    /// A table, a part or the directory of parts belongs to another sweep, is damaged, or can't be read as a table.
+    #[error("{0}")]
+    File(String),
     /// A row failed where none may.
     #[error("run {run}: {error}")]
     Row {
@@ -57,45 +44,31 @@ pub enum SweepError {
     /// The threads can't be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The file system refused.
-    #[error("cannot {action} {}: {reason}", path.display())]
-    Io {
-        /// The attempted operation.
-        action: &'static str,
-        /// On what.
-        path: PathBuf,
-        /// Why, according to the system.
-        reason: io::Error,
-    },
-    /// A file can't be published.
+    /// A file can't be read or published.
     #[error(transparent)]
     Sink(#[from] SinkError),
 }
 
 impl SweepError {
-    /// The error for what is there and can't be used.
-    pub(super) fn unusable(path: &Path, reason: impl Into<String>) -> Self {
-        Self::Unusable {
-            path: path.to_owned(),
-            reason: reason.into(),
-        }
+    /// An error for an existing file or directory that can't be used.
+    pub(super) fn unusable(path: &Path, reason: impl AsRef<str>) -> Self {
+        Self::File(format!("{} {}", path.display(), reason.as_ref()))
     }
 
-    /// Returns a function that makes an error of the reason why a table can't be read.
+    /// A conversion of reasons why a table can't be read into errors.
     pub(super) fn table<E: ToString>(path: &Path) -> impl Fn(E) -> Self {
-        move |reason| Self::Table {
-            path: path.to_owned(),
-            reason: reason.to_string(),
-        }
+        move |reason| Self::File(format!("{}: {}", path.display(), reason.to_string()))
     }
 
-    /// Returns a function that adds the attempted operation to an error of the file system.
+    /// A conversion of errors of the file system into errors with the operation and the path.
     pub(super) fn io(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
-        move |reason| Self::Io {
-            action,
-            path,
-            reason,
+        move |reason| {
+            Self::Sink(SinkError::Io {
+                action,
+                path,
+                reason,
+            })
         }
     }
 }

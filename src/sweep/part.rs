@@ -15,7 +15,7 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
 use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, ParallelIterator as _};
-use serde_json::Value as Json;
+use serde_json::{Value as Json, json};
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::ops::Range;
@@ -262,7 +262,7 @@ pub(super) fn bytes(
     counts: &Counts,
     name: KeyValue,
 ) -> Result<Vec<u8>, ParquetError> {
-    let properties = properties(vec![counts_entry(counts)?, name]);
+    let properties = properties(vec![counts_entry(counts), name]);
     let mut writer = ArrowWriter::try_new(Vec::new(), batch.schema(), Some(properties))?;
     writer.write(batch)?;
     let mut bytes = writer.into_inner()?;
@@ -270,9 +270,7 @@ pub(super) fn bytes(
     Ok(bytes)
 }
 
-/// The entry that says how many rows came out how.
-pub(super) fn counts_entry(counts: &Counts) -> Result<KeyValue, ParquetError> {
-    let text = serde_json::to_string(counts);
-    let text = text.map_err(|error| ParquetError::General(error.to_string()))?;
-    Ok(KeyValue::new(COUNTS_ENTRY.to_owned(), text))
+/// The entry of a file's metadata with its counts.
+pub(super) fn counts_entry(counts: &Counts) -> KeyValue {
+    KeyValue::new(COUNTS_ENTRY.to_owned(), json!(counts).to_string())
 }

@@ -28,7 +28,7 @@ impl Columns {
     /// Reads the columns of these names, which may be those of keys too.
     ///
     /// # Errors
-    /// [`SweepError::Table`] if it is no Parquet file, or a column is missing.
+    /// [`SweepError::File`] if it is no Parquet file, or a column is missing.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, SweepError> {
         guarded(|| Self::of_file(path, names)).map_err(SweepError::table(path))?
     }
@@ -71,7 +71,7 @@ impl Columns {
     /// The numbers of a column; NaN where there is none.
     ///
     /// # Errors
-    /// [`SweepError::Table`] if they are no numbers.
+    /// [`SweepError::File`] if they are no numbers.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, SweepError> {
         let number = |cell: Option<Value>| match cell {
             Some(Value::Number(number)) => Ok(number),
@@ -84,7 +84,7 @@ impl Columns {
     /// The cells of a column as texts; none where there is nothing.
     ///
     /// # Errors
-    /// [`SweepError::Table`] if they are neither numbers nor words.
+    /// [`SweepError::File`] if they are neither numbers nor words.
     pub fn texts(&self, name: &str) -> Result<Vec<Option<String>>, SweepError> {
         let text = |value: Value| match value {
             Value::Number(number) => (!number.is_nan()).then(|| number.to_string()),
@@ -128,7 +128,7 @@ struct RecordedBase {
 /// The keys and values of the scenario of a row in a sweep's table: those of its base, and what the row changes.
 ///
 /// # Errors
-/// [`SweepError::Table`] if it is not the table of a sweep, has no such row, or gives another scenario than the one that was
+/// [`SweepError::File`] if it is not the table of a sweep, has no such row, or gives another scenario than the one that was
 /// run; [`SweepError::Key`] if this version doesn't have a key of it.
 pub fn values_of_row(table: &Path, row: u64) -> Result<Values, SweepError> {
     guarded(|| read_row(table, row)).map_err(SweepError::table(table))?

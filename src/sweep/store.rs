@@ -1,11 +1,11 @@
-//! Where a sweep is kept: its parts while it grows, its table when it is complete.
+//! Files of a sweep: its parts while it grows, its table when it is complete.
 
+use super::change::change;
 use super::checksum;
 use super::counts::Counts;
-use super::directory::{self, SPEC_FILE};
 use super::error::SweepError;
 use super::part::{COUNTS_ENTRY, Sweep, bytes, counts_entry, properties};
-use crate::archive::given::open_file;
+use crate::archive::given::{open_file, read_file};
 use crate::archive::publish::{self, Draft, Existing, is_same_file};
 use crate::archive::sink::SinkError;
 use crate::run::scenario::hex;
@@ -14,7 +14,9 @@ use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::writer::SerializedFileWriter;
+use serde_json::Value as Json;
 use sha2::{Digest as _, Sha256};
+use std::ffi::OsString;
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
@@ -26,10 +28,15 @@ pub(super) const SPEC_ENTRY: &str = "toprise.sweep";
 /// The entry of a part's metadata that names its sweep: the SHA-256 of the spec; and which part.
 const PART_ENTRY: &str = "toprise.part";
 
+/// The file in the directory of parts with the spec of their sweep.
+const SPEC_FILE: &str = "sweep.json";
+
 /// The directory for the parts of a table.
 #[must_use]
 pub fn parts_directory(table: &Path) -> PathBuf {
-    directory::beside(table, ".parts")
+    let mut name = table.file_name().map_or_else(OsString::new, OsString::from);
+    name.push(".parts");
+    table.with_file_name(name)
 }
 
 /// The places of a sweep's files.
@@ -39,6 +46,13 @@ pub(super) struct Store<'a> {
     digest: String,
     table: &'a Path,
     parts: PathBuf,
+}
+
+/// A part that is there and undamaged.
+struct Part {
+    file: File,
+    metadata: ParquetMetaData,
+    counts: Counts,
 }
 
 impl<'a> Store<'a> {
@@ -69,7 +83,7 @@ impl<'a> Store<'a> {
         }
     }
 
-    /// Counts of the complete table's results; none if there is no table yet.
+    /// The counts of the complete table; none if there is no table yet.
     ///
     /// # Errors
     /// If a file of that name is something else.
@@ -89,38 +103,45 @@ impl<'a> Store<'a> {
         let file = File::open(table).map_err(SweepError::io("read", table))?;
         let metadata = metadata(&file).map_err(|_| exists())?;
         let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(exists)?;
-        directory::refuse_other(table, spec, self.sweep.identity())?;
+        refuse_other(table, spec, self.sweep.identity())?;
         if !checksum::is_right(&file).map_err(SweepError::io("read", table))? {
             return Err(unusable(
                 "is damaged, or was changed: choose another name, or remove it and sweep again",
             ));
         }
-        let counts = entry(&metadata, COUNTS_ENTRY).ok_or_else(exists)?;
-        serde_json::from_str(counts).map(Some).map_err(|_| exists())
+        counts(&metadata).map(Some).ok_or_else(exists)
     }
 
-    /// Makes the directory of the parts, or finds that it is of this sweep.
+    /// Makes the directory of the parts, or finds that it is of this sweep, and refuses a name that the table can't get, as
+    /// one that is too long, before anything is computed for it.
     ///
     /// # Errors
-    /// [`SweepError::Unusable`] if it is of another one.
+    /// [`SweepError::File`] if the directory belongs to another sweep, [`SweepError::Sink`] if a file can't be made.
     pub(super) fn open(&self) -> Result<(), SweepError> {
-        directory::claim(&self.parts, self.sweep.identity())
-    }
-
-    /// Finds whether the directory of the parts, if there is one, is of this sweep.
-    ///
-    /// # Errors
-    /// [`SweepError::Unusable`] if it is of another one.
-    pub(super) fn check_parts(&self) -> Result<(), SweepError> {
-        directory::check(&self.parts, self.sweep.identity())
-    }
-
-    /// Refuses a name that the table can't get, as one that is too long, before anything is computed for it.
-    ///
-    /// # Errors
-    /// [`SweepError::Sink`].
-    pub(super) fn check_table(&self) -> Result<(), SweepError> {
+        let text = format!("{:#}\n", self.sweep.identity());
+        match publish::write(&self.spec_file(), Existing::Keep, text.as_bytes()) {
+            Ok(()) | Err(SinkError::Exists { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
+        self.check_parts()?;
         self.draft().map(|_| ())
+    }
+
+    /// Checks that the directory of the parts, if there is one, belongs to this sweep.
+    ///
+    /// # Errors
+    /// [`SweepError::File`] if it belongs to another one.
+    pub(super) fn check_parts(&self) -> Result<(), SweepError> {
+        let path = self.spec_file();
+        match read_file(&path) {
+            Ok(text) => refuse_other(&self.parts, &text, self.sweep.identity()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            Err(error) => Err(SweepError::io("read", &path)(error)),
+        }
+    }
+
+    fn spec_file(&self) -> PathBuf {
+        self.parts.join(SPEC_FILE)
     }
 
     /// A draft of the table. What a process that was killed leaves of it goes with the parts.
@@ -130,32 +151,16 @@ impl<'a> Store<'a> {
     }
 
     /// The file of a part.
-    pub(super) fn part(&self, part: u64) -> PathBuf {
+    fn path(&self, part: u64) -> PathBuf {
         self.parts.join(part_name(part))
     }
 
-    /// Whether a part is there. One that is damaged is not, and will be computed again.
+    /// The counts of a part; none if it is missing, or damaged and must be computed again.
     ///
     /// # Errors
-    /// [`SweepError::Unusable`] if it is of another sweep.
-    pub(super) fn has(&self, part: u64) -> Result<bool, SweepError> {
-        Ok(self.found(part)?.is_some())
-    }
-
-    /// Counts of a part's results; none if it is missing.
-    ///
-    /// # Errors
-    /// [`SweepError::Unusable`] if it is of another sweep.
+    /// [`SweepError::File`] if it belongs to another sweep.
     pub(super) fn counts(&self, part: u64) -> Result<Option<Counts>, SweepError> {
-        let found = self.found(part)?;
-        let counts = found.map(|metadata| self.counts_in(&metadata, part));
-        counts.transpose()
-    }
-
-    fn counts_in(&self, metadata: &ParquetMetaData, part: u64) -> Result<Counts, SweepError> {
-        let text = entry(metadata, COUNTS_ENTRY);
-        let counts = text.and_then(|text| serde_json::from_str(text).ok());
-        counts.ok_or_else(|| self.bad(part, "its counts are missing"))
+        Ok(self.found(part)?.map(|found| found.counts))
     }
 
     /// Writes a part: whole, or not at all. It takes the place of a damaged one, or of that of another process, which has
@@ -171,10 +176,10 @@ impl<'a> Store<'a> {
     ) -> Result<(), SweepError> {
         let name = KeyValue::new(PART_ENTRY.to_owned(), self.name(part));
         let bytes = bytes(batch, counts, name)?;
-        Ok(publish::write(&self.part(part), Existing::Replace, &bytes)?)
+        Ok(publish::write(&self.path(part), Existing::Replace, &bytes)?)
     }
 
-    /// Identification of a part's sweep.
+    /// A name that no part of another sweep has.
     fn name(&self, part: u64) -> String {
         format!("{} {part}", self.digest)
     }
@@ -182,20 +187,10 @@ impl<'a> Store<'a> {
     /// Merges all parts into the table by copying their columns, and removes them.
     ///
     /// # Errors
-    /// [`SweepError::Unusable`] for a part that is not what it must be.
+    /// [`SweepError::File`] for a part that is not what it must be.
     pub(super) fn merge(&self) -> Result<(), SweepError> {
-        let mut counts = Counts::default();
-        let mut schema = None;
-        for part in 0..self.sweep.parts() {
-            let metadata = self.whole(part)?;
-            counts.add(self.counts_in(&metadata, part)?);
-            schema.get_or_insert(metadata);
-        }
-        let Some(first) = schema else {
-            return Ok(());
-        };
         let merge = |mut draft: Draft| -> Result<(), SweepError> {
-            self.copy(&mut draft, &first, &counts)?;
+            self.copy(&mut draft)?;
             draft.publish()?;
             Ok(())
         };
@@ -211,36 +206,32 @@ impl<'a> Store<'a> {
 
     /// Removes what a process left that was killed, or late, when the table was there already.
     pub(super) fn clear_rest(&self) {
-        let is_claimed = self.parts.join(SPEC_FILE).exists();
-        let is_ours = |part| self.whole(part).is_ok() || !self.part(part).exists();
+        let is_claimed = self.spec_file().exists();
+        let is_ours = |part| self.whole(part).is_ok() || !self.path(part).exists();
         if self.check_parts().is_ok() && (is_claimed || (0..self.sweep.parts()).all(is_ours)) {
             self.clear();
         }
     }
 
     /// Removes the parts, what was left of them by processes that were killed, and the directory unless there is
-    /// something else in it. What is left if this fails does no harm. The file that names the sweep of the directory
+    /// something else in it. What is left if this fails does no harm. The file that says of which sweep the directory is
     /// goes last.
     fn clear(&self) {
         let entries = fs::read_dir(&self.parts).into_iter().flatten().flatten();
         for entry in entries.filter(|entry| self.is_own(&entry.file_name().to_string_lossy())) {
             let _ = fs::remove_file(entry.path());
         }
-        let _ = fs::remove_file(self.parts.join(SPEC_FILE));
+        let _ = fs::remove_file(self.spec_file());
         let _ = fs::remove_dir(&self.parts);
     }
 
     /// Whether a file in the directory of parts has the name of a part of this sweep, or of a hidden draft of a part, of
-    /// the table or of the file that names the sweep of the directory.
+    /// the table or of the file that says of which sweep the directory is.
     fn is_own(&self, name: &str) -> bool {
-        let visible = name.trim_start_matches('.');
-        let digits = visible
-            .split('.')
-            .next()
-            .and_then(|digits| digits.parse().ok());
-        let part = digits
-            .filter(|part| *part < self.sweep.parts())
-            .map(part_name);
+        let digits = name.trim_start_matches('.').split('.').next();
+        let number = digits.and_then(|digits| digits.parse().ok());
+        let part = number.filter(|part| *part < self.sweep.parts());
+        let part = part.map(part_name);
         let is_draft_of = |path: &Path| publish::is_draft_of(name, path);
         part.is_some_and(|part| name == part || is_draft_of(Path::new(&part)))
             || is_draft_of(self.table)
@@ -248,32 +239,25 @@ impl<'a> Store<'a> {
     }
 
     /// Copies the parts into a draft of the table.
-    fn copy(
-        &self,
-        draft: &mut Draft,
-        first: &ParquetMetaData,
-        counts: &Counts,
-    ) -> Result<(), SweepError> {
+    fn copy(&self, draft: &mut Draft) -> Result<(), SweepError> {
         let cannot_write = |error| cannot_write(self.table, error);
-        let file = first.file_metadata();
-        let arrow = file.key_value_metadata().into_iter().flatten();
-        let mut entries: Vec<_> = arrow
-            .filter(|entry| ![COUNTS_ENTRY, PART_ENTRY].contains(&entry.key.as_str()))
-            .cloned()
-            .collect();
+        let first = self.whole(0)?.metadata;
+        let first = first.file_metadata();
+        let entries = first.key_value_metadata().into_iter().flatten();
+        let is_general =
+            |entry: &&KeyValue| ![COUNTS_ENTRY, PART_ENTRY].contains(&entry.key.as_str());
+        let mut entries: Vec<_> = entries.filter(is_general).cloned().collect();
         let spec = self.sweep.identity().to_string();
         entries.push(KeyValue::new(SPEC_ENTRY.to_owned(), spec));
-        entries.push(counts_entry(counts)?);
-        let schema = file.schema_descr().root_schema_ptr();
+        let schema = first.schema_descr().root_schema_ptr();
         let output = BufWriter::new(&mut *draft);
         let writer = SerializedFileWriter::new(output, schema, Arc::new(properties(entries)));
         let mut writer = writer.map_err(cannot_write)?;
+        let mut counts = Counts::default();
         for part in 0..self.sweep.parts() {
-            let path = self.part(part);
-            let file = File::open(&path).map_err(SweepError::io("read", &path))?;
-            // Checked before.
-            let metadata = metadata(&file).map_err(|error| self.bad(part, &error.to_string()))?;
-            for group in metadata.row_groups() {
+            let part = self.whole(part)?;
+            counts.add(part.counts);
+            for group in part.metadata.row_groups() {
                 let mut copy = writer.next_row_group().map_err(cannot_write)?;
                 for column in group.columns() {
                     let close = ColumnCloseResult {
@@ -284,42 +268,62 @@ impl<'a> Store<'a> {
                         column_index: None,
                         offset_index: None,
                     };
-                    let copied = copy.append_column(&file, close);
+                    let copied = copy.append_column(&part.file, close);
                     copied.map_err(cannot_write)?;
                 }
                 copy.close().map_err(cannot_write)?;
             }
         }
+        writer.append_key_value_metadata(counts_entry(&counts));
         writer.close().map_err(cannot_write)?;
         checksum::add(draft.file()?).map_err(SweepError::io("write", self.table))
     }
 
-    /// The metadata of a part; none if there is none, or it is damaged.
-    fn found(&self, part: u64) -> Result<Option<ParquetMetaData>, SweepError> {
-        let Ok(file) = open_file(&self.part(part)) else {
+    /// A part; none if it is missing or damaged.
+    fn found(&self, part: u64) -> Result<Option<Part>, SweepError> {
+        let Ok(file) = open_file(&self.path(part)) else {
             return Ok(None);
         };
-        let Ok(found) = metadata(&file) else {
+        let Ok(metadata) = metadata(&file) else {
             return Ok(None);
         };
         if !checksum::is_right(&file).is_ok_and(|is_right| is_right) {
             return Ok(None);
         }
-        if entry(&found, PART_ENTRY) != Some(&self.name(part)) {
+        if entry(&metadata, PART_ENTRY) != Some(&self.name(part)) {
             return Err(self.bad(part, "it is of another sweep"));
         }
-        Ok(Some(found))
+        Ok(counts(&metadata).map(|counts| Part {
+            file,
+            metadata,
+            counts,
+        }))
     }
 
-    /// The metadata of a part that must be there.
-    fn whole(&self, part: u64) -> Result<ParquetMetaData, SweepError> {
+    /// A part that must be there.
+    fn whole(&self, part: u64) -> Result<Part, SweepError> {
         self.found(part)?
             .ok_or_else(|| self.bad(part, "it is missing or damaged"))
     }
 
     fn bad(&self, part: u64, reason: &str) -> SweepError {
         let reason = format!("can't be merged: {reason}; remove it and sweep again");
-        SweepError::unusable(&self.part(part), reason)
+        SweepError::unusable(&self.path(part), reason)
+    }
+}
+
+/// Refuses a table or a directory of parts with the spec of another sweep.
+fn refuse_other(path: &Path, text: &str, sweep: &Json) -> Result<(), SweepError> {
+    let Ok(before) = serde_json::from_str::<Json>(text) else {
+        let reason = "does not name its sweep, because its file is damaged: choose another name, or remove it";
+        return Err(SweepError::unusable(path, reason));
+    };
+    match change(&before, sweep) {
+        None => Ok(()),
+        Some(change) => Err(SweepError::unusable(
+            path,
+            format!("is of another sweep: {change}; choose another name, or remove it"),
+        )),
     }
 }
 
@@ -353,6 +357,11 @@ pub(super) fn entry<'a>(metadata: &'a ParquetMetaData, name: &str) -> Option<&'a
     let entries = metadata.file_metadata().key_value_metadata()?;
     let found = entries.iter().find(|entry| entry.key == name)?;
     found.value.as_deref()
+}
+
+/// The counts in a file's metadata; none if they are missing or damaged.
+fn counts(metadata: &ParquetMetaData) -> Option<Counts> {
+    serde_json::from_str(entry(metadata, COUNTS_ENTRY)?).ok()
 }
 
 #[cfg(test)]

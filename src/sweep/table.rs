@@ -38,7 +38,7 @@ impl Table {
     /// Reads a `.parquet` or a `.csv` file.
     ///
     /// # Errors
-    /// [`SweepError::Table`] for what is neither, or has a column that is no key.
+    /// [`SweepError::File`] for what is neither, or has a column that is no key.
     pub fn read(path: &Path) -> Result<Self, SweepError> {
         let has = |kind| path.extension().is_some_and(|extension| extension == kind);
         let file = open_file(path).map_err(SweepError::io("read", path))?;

@@ -118,16 +118,7 @@ fn complete(
     finished: &mut Finished,
 ) -> Result<(), SweepError> {
     store.open()?;
-    store.check_table()?;
-    let mut to_do = missing(store, sweep, options.shard)?;
-    let failed = if options.fail_fast {
-        first_failed(store, sweep, options.shard)?
-    } else {
-        None
-    };
-    if let Some((part, _)) = failed {
-        to_do.retain(|missing| *missing < part);
-    }
+    let (to_do, failed) = survey(store, sweep, options.shard, options.fail_fast)?;
     let threads = threads(options.threads, rows_in(sweep, &to_do));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build()?;
@@ -146,7 +137,7 @@ fn complete(
     });
     written?;
     if !finished.is_interrupted {
-        refuse(failed.map(|(_, error)| error).as_ref())?;
+        refuse(failed.as_ref())?;
     }
     if options.shard.is_none() && !finished.is_interrupted {
         store.merge()?;
@@ -164,7 +155,7 @@ pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u
         return Ok(0);
     }
     store.check_parts()?;
-    Ok(rows_in(sweep, &missing(&store, sweep, shard)?))
+    Ok(rows_in(sweep, &survey(&store, sweep, shard, false)?.0))
 }
 
 /// The number of rows of some parts.
@@ -173,35 +164,29 @@ fn rows_in(sweep: &Sweep, parts: &[u64]) -> u64 {
     rows.map(|rows| rows.end - rows.start).sum()
 }
 
-/// All parts, or those of a share, in order.
-fn parts(sweep: &Sweep, shard: Option<Shard>) -> impl Iterator<Item = u64> {
-    let is_own = move |part: &u64| shard.is_none_or(|shard| shard.has(*part));
-    (0..sweep.parts()).filter(is_own)
-}
-
-/// The parts that are not there, in order; an error for one that is of another sweep.
-fn missing(store: &Store<'_>, sweep: &Sweep, shard: Option<Shard>) -> Result<Vec<u64>, SweepError> {
-    let mut missing = Vec::new();
-    for part in parts(sweep, shard) {
-        if !store.has(part)? {
-            missing.push(part);
-        }
-    }
-    Ok(missing)
-}
-
-/// The first part that is there and has a row with an error, and that row.
-fn first_failed(
+/// The parts of a share, or of all, that are missing, in order. With `fail_fast` it ends at the first part with a failed
+/// row, whose error it returns.
+///
+/// # Errors
+/// [`SweepError::File`] for a part of another sweep.
+fn survey(
     store: &Store<'_>,
     sweep: &Sweep,
     shard: Option<Shard>,
-) -> Result<Option<(u64, RowError)>, SweepError> {
-    for part in parts(sweep, shard) {
-        if let Some(error) = store.counts(part)?.and_then(|counts| counts.first_error) {
-            return Ok(Some((part, error)));
+    fail_fast: bool,
+) -> Result<(Vec<u64>, Option<RowError>), SweepError> {
+    let mut missing = Vec::new();
+    let is_own = |part: &u64| shard.is_none_or(|shard| shard.has(*part));
+    for part in (0..sweep.parts()).filter(is_own) {
+        match store.counts(part)? {
+            None => missing.push(part),
+            Some(counts) if fail_fast && counts.first_error.is_some() => {
+                return Ok((missing, counts.first_error));
+            }
+            Some(_) => {}
         }
     }
-    Ok(None)
+    Ok((missing, None))
 }
 
 /// Computes a part and hands it on. Breaks off if it was interrupted, if it can't be handed on, as the writer reports,
