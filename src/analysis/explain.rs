@@ -221,10 +221,10 @@ fn title(evidence: &Evidence) -> String {
     match reason {
         Some(reason) => format!(
             "{}: {} at t = {end}",
-            evidence.scenario.name(),
+            evidence.scenario.title(),
             reason.sentence()
         ),
-        None => format!("{}: recorded up to t = {end}", evidence.scenario.name()),
+        None => format!("{}: recorded up to t = {end}", evidence.scenario.title()),
     }
 }
 

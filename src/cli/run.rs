@@ -21,7 +21,7 @@ use crate::archive::sink::{Sink, record_to_end};
 use crate::archive::writer::Form;
 #[cfg(feature = "rerun")]
 use crate::run::outcome::Outcome;
-use crate::run::scenario::Scenario;
+use crate::run::scenario::{Preset, Scenario};
 use crate::run::simulation::{Record, Simulation, StopReason, Tally};
 use crate::telemetry::Telemetry;
 use anyhow::Error;
@@ -30,7 +30,8 @@ use std::time::Instant;
 /// Runs a scenario and records it.
 pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     arguments.check_output()?;
-    let scenario = arguments.scenario()?;
+    let given = arguments.given()?;
+    let scenario = arguments.scenario(given.clone())?;
     let (form, topics) = arguments.form()?;
     let telemetry = Telemetry::with_topics(&topics);
     let interrupt = Interrupt::watch()?;
@@ -47,11 +48,16 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     let began = Instant::now();
     let asked = interrupt.clone();
     let mut simulation = Simulation::new(&scenario)?.while_told(move || !asked.is_asked());
-    let (files, earlier) = RunFiles::start(arguments, &scenario, &telemetry, form)?;
+    let preface = McapSink::preface(&scenario, &telemetry, form)?;
+    let (files, earlier) =
+        RunFiles::start(arguments, &arguments.stem(&scenario, &given), &preface)?;
     let finished = recorder.record(files, &earlier, telemetry, &mut simulation)?;
-    let report = RunReport::of(&scenario, arguments.changes(), &finished, began.elapsed());
+    let base = Preset::find(scenario.name()).and_then(Preset::values);
+    let base = base.unwrap_or(given);
+    let report = RunReport::of(&scenario, &base, &finished, began.elapsed());
+    let name = scenario.title_from(&base);
     let top = &scenario.model.top;
-    print(&report, || report.page(top, arguments.note_on_rrd()))?;
+    print(&report, || report.page(&name, top, arguments.note_on_rrd()))?;
     #[cfg(feature = "rerun")]
     target.serve_until(&interrupt);
     Ok(match finished.end.stop {

@@ -123,8 +123,20 @@ fn changed_runs_are_called_by_their_changes() {
                 "--set",
                 "friction.dissipation=",
             ],
-            "paper, without friction.dissipation, without friction.k, friction.law = none, ",
-            "paper_no-dissipation_no-k_law-none_duration0.2.mcap",
+            "paper, 4 keys changed: ",
+            "paper_law-none_no-k_no-dissipation_duration0.2.mcap",
+        ),
+        (
+            &[
+                "--set",
+                "drilling.k=2e-2",
+                "--set",
+                "drilling.patch_radius=0.001",
+                "--set",
+                "top.mass=0.11",
+            ],
+            "paper, 3 keys changed: ",
+            "paper_drilling-k0.02_drilling-patch_radius0.001_duration0.2.mcap",
         ),
         (
             &["--set", "name=mine", "--set", "description=../a b"],

@@ -275,6 +275,17 @@ fn errors_say_what_to_do_next() {
             &[("support.kind", "free"), ("stop.duration", "")],
             &["formulation = \"body\", friction.dissipation = \"full\", stop.duration"],
         ),
+        (
+            &[("support.restitution", "0.5")],
+            &[
+                "no meaning without support.kind: set support.kind = free, or remove support.restitution",
+            ],
+        ),
+        (
+            &[("friction.viscous_speed", "0.5")],
+            &["with friction.law = \"coulomb\": set friction.law = viscous"],
+        ),
+        (&[("name", &"x".repeat(101))], &["at most 100 letters"]),
         (&[("initial.theta", "30deg")], &["(30deg is 0.5236 rad)"]),
         (&[("initial.theta", "30 °")], &["is 0.5236 rad)"]),
     ] {

@@ -32,7 +32,7 @@ pub enum DiffError {
         common: String,
     },
     /// There is nothing to compare.
-    #[error("they have no topic in common: A has {a}; B has {b}")]
+    #[error("they have no topic in common that is compared: A has {a}; B has {b}")]
     NoCommonTopics {
         /// A's topics.
         a: String,

@@ -109,7 +109,7 @@ pub enum Fact {
         /// The change of φ̇, rad/s.
         change: f64,
     },
-    /// Friction does not enter the precession equation.
+    /// The integral of friction's term in φ̈ is no more than the integrator's error.
     NoFrictionOnPrecession,
     /// The gyroscopic and Coriolis terms cancel friction's.
     TermsCancel {
@@ -211,11 +211,10 @@ impl Fact {
                 format!("Averaged over nutations, θ stays at {}.", angle(theta))
             }
             Self::Loops { count: 1, first } => {
-                format!("The axis loops once, at {}.", moment(*first))
+                format!("The axis begins one loop, at {}.", moment(*first))
             }
             Self::Loops { count, first } => format!(
-                "The axis loops {}, from {} on.",
-                times(*count),
+                "The axis begins {count} loops, the first at {}.",
                 moment(*first)
             ),
             Self::Sticks { time } => {
@@ -261,7 +260,7 @@ impl Fact {
                 quantity(*change, 3, "rad/s")
             ),
             Self::NoFrictionOnPrecession => {
-                "Friction does not enter the precession equation.".to_owned()
+                "Friction's term in φ̈ does not change φ̇ from the start to the end.".to_owned()
             }
             Self::TermsCancel { demanded, mean } => format!(
                 "The gyroscopic and Coriolis terms, proportional to θ̇, cancel friction's at a mean θ̇ of {}; the mean is {}.",

@@ -1,24 +1,21 @@
 //! The arguments of `toprise run`.
 
-use crate::archive::given::is_recording;
+use crate::archive::given::{is_recording, values};
 use crate::archive::publish::Existing;
 use crate::archive::writer::Form;
 use crate::cli::arguments::{Override, parse_override};
-#[cfg(feature = "sweep")]
 use crate::cli::given::checked;
-use crate::cli::given::scenario;
 #[cfg(feature = "rerun")]
 use crate::cli::report::WrittenFile;
 #[cfg(feature = "rerun")]
 use crate::cli::viewer::ViewerArguments;
-use crate::run::scenario::Scenario;
+use crate::run::scenario::{Scenario, Value, Values};
 #[cfg(feature = "sweep")]
 use crate::sweep::values_of_row;
 use crate::telemetry::Topics;
 use crate::telemetry::encoding::Encoding;
 use anyhow::{Error, bail};
 use clap::Args;
-use std::collections::BTreeMap;
 use std::ffi::OsStr;
 #[cfg(feature = "rerun")]
 use std::path::Path;
@@ -82,12 +79,11 @@ pub(crate) struct RunArguments {
 }
 
 impl RunArguments {
-    /// The scenario that is run.
-    pub(super) fn scenario(&self) -> Result<Scenario, Error> {
+    /// The keys and values that are run, before any is set.
+    pub(super) fn given(&self) -> Result<Values, Error> {
         #[cfg(feature = "sweep")]
         if let Some(row) = self.row {
-            let values = values_of_row(&self.scenario, row)?;
-            return checked(&self.scenario, values, &self.overrides);
+            return Ok(values_of_row(&self.scenario, row)?);
         }
         if self
             .scenario
@@ -97,7 +93,12 @@ impl RunArguments {
             let table = self.scenario.display();
             bail!("{table} is a table: name the row to run, as in --row 42");
         }
-        scenario(&self.scenario, &self.overrides)
+        Ok(values(&self.scenario)?)
+    }
+
+    /// The scenario that is run.
+    pub(super) fn scenario(&self, given: Values) -> Result<Scenario, Error> {
+        checked(&self.scenario, given, &self.overrides)
     }
 
     /// Refuses to write an MCAP file under the name of a Rerun recording.
@@ -122,18 +123,10 @@ impl RunArguments {
         is_left_out.then_some("no Rerun recording, because of -o: --rrd FILE writes one too")
     }
 
-    /// The keys that are set, with their values, but for free text.
-    pub(super) fn changes(&self) -> BTreeMap<String, String> {
-        let changes = self.overrides.iter().cloned();
-        changes
-            .filter(|(key, _)| !matches!(key.as_str(), "name" | "description"))
-            .collect()
-    }
-
     /// Name of the files: that of the recording that is run again or of the scenario, with its changes, as in
     /// `paper_k0.02`. Where these are too long, the beginning of the scenario's digest stands for them: the name alone is that
     /// of another run.
-    pub(super) fn stem(&self, scenario: &Scenario) -> String {
+    pub(super) fn stem(&self, scenario: &Scenario, given: &Values) -> String {
         /// The length of names that can still be read in a list.
         const LONGEST: usize = 60;
         let file = self.scenario.file_name().and_then(OsStr::to_str);
@@ -147,19 +140,17 @@ impl RunArguments {
         if let Some(row) = self.row {
             stem += &format!("_row{row}");
         }
-        for (key, value) in self.changes() {
-            let key = key.rsplit('.').next().unwrap_or_default();
-            stem += &match value.chars().next() {
+        for (key, value) in scenario.changes(given) {
+            let key = key.short_name();
+            stem += &match value {
                 None => format!("_no-{key}"),
-                Some('0'..='9' | '-' | '+' | '.') => format!("_{key}{value}"),
-                Some(_) => format!("_{key}-{value}"),
+                Some(Value::Number(number)) => format!("_{key}{number}"),
+                Some(Value::Text(word)) => format!("_{key}-{word}"),
             };
         }
         if stem == name {
             return stem;
         }
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | '+');
-        stem.retain(is_plain);
         if stem.len() > LONGEST {
             return format!("{name}_{:.8}", scenario.digest());
         }

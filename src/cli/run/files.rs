@@ -1,13 +1,9 @@
 //! The files that a run writes.
 
 use super::arguments::RunArguments;
-use crate::archive::pipeline::McapSink;
 use crate::archive::publish::{Draft, partial_name, refuse_inputs};
 use crate::archive::sink::SinkError;
-use crate::archive::writer::Form;
 use crate::cli::report::WrittenFile;
-use crate::run::scenario::Scenario;
-use crate::telemetry::Telemetry;
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
@@ -26,18 +22,16 @@ pub(super) struct RunFiles {
 pub(super) struct Earlier(Vec<PathBuf>);
 
 impl RunFiles {
-    /// Chooses the names and starts the files.
+    /// Chooses the names, after `stem` unless the arguments have others, and starts the files with a preface.
     pub(super) fn start(
         arguments: &RunArguments,
-        scenario: &Scenario,
-        telemetry: &Telemetry,
-        form: Form,
+        stem: &str,
+        preface: &[u8],
     ) -> Result<(Self, Earlier), SinkError> {
-        let preface = McapSink::preface(scenario, telemetry, form)?;
         let Some(mcap) = &arguments.output else {
-            return Self::free(arguments, &arguments.stem(scenario), &preface);
+            return Self::free(arguments, stem, preface);
         };
-        let mcap = start(arguments, mcap, &preface)?;
+        let mcap = start(arguments, mcap, preface)?;
         Ok((Self::with(mcap, arguments, None)?, Earlier(Vec::new())))
     }
 

@@ -6,7 +6,7 @@ use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
 use crate::physics::top::Top;
 use crate::run::outcome::Outcome;
-use crate::run::scenario::Scenario;
+use crate::run::scenario::{Scenario, Value, Values};
 use crate::run::simulation::{EventCount, RunEnd, StopReason, Tally};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -35,8 +35,9 @@ pub(super) struct Finished {
 pub(crate) struct RunReport {
     /// The name of the scenario.
     scenario: String,
-    /// The keys that were set for this run, with their values; empty for a key that was removed.
-    changes: BTreeMap<String, String>,
+    /// The keys in which the scenario differs from the preset of its name, or from the file it was read from, with their
+    /// values; empty for a key that was removed.
+    changes: BTreeMap<&'static str, String>,
     /// SHA-256 of the scenario.
     scenario_digest: String,
     /// Outcome of the run.
@@ -70,7 +71,7 @@ pub(crate) struct RunReport {
 impl RunReport {
     pub(super) fn of(
         scenario: &Scenario,
-        changes: BTreeMap<String, String>,
+        base: &Values,
         finished: &Finished,
         wall: Duration,
     ) -> Self {
@@ -81,9 +82,12 @@ impl RunReport {
             rrd,
             ..
         } = finished;
+        let changes = scenario.changes(base);
         Self {
             scenario: scenario.name().to_owned(),
-            changes,
+            changes: changes
+                .map(|(key, value)| (key.path, value.map_or_else(String::new, Value::typed)))
+                .collect(),
             scenario_digest: scenario.digest(),
             outcome: Outcome::new(scenario, end, counts),
             phi: end.motion.angles.phi,
@@ -101,8 +105,8 @@ impl RunReport {
         }
     }
 
-    /// The human-readable summary of a run of a top, with a note on what is not written.
-    pub(super) fn page(&self, top: &Top, not_written: Option<&str>) -> Page {
+    /// The human-readable summary of the run of a top that is called `name`, with a note on what is not written.
+    pub(super) fn page(&self, name: &str, top: &Top, not_written: Option<&str>) -> Page {
         let mut facts = vec![
             ("state", self.angles()),
             ("rates", self.rates()),
@@ -129,7 +133,7 @@ impl RunReport {
         let mut section = Section::default();
         section.table(Table::of_facts(facts));
         Page {
-            title: self.title(),
+            title: self.title(name),
             tone: match self.outcome.stop_reason {
                 StopReason::Interrupted | StopReason::Failed => Tone::Weak,
                 _ => Tone::Good,
@@ -139,29 +143,16 @@ impl RunReport {
         }
     }
 
-    fn title(&self) -> String {
+    fn title(&self, name: &str) -> String {
         let inversion = self.outcome.free.and_then(|free| free.inversion_time);
         let inversion = inversion.map_or_else(String::new, |time| {
             format!("the top has inverted at t = {} s; ", number(time, 6))
         });
         format!(
-            "{}: {inversion}{} at t = {} s",
-            self.name(),
+            "{name}: {inversion}{} at t = {} s",
             self.outcome.stop_reason.sentence(),
             number(self.outcome.stop_time, 6)
         )
-    }
-
-    /// The name of the scenario with the keys that were set.
-    fn name(&self) -> String {
-        let mut name = self.scenario.clone();
-        for (key, value) in &self.changes {
-            name += &match value.as_str() {
-                "" => format!(", without {key}"),
-                value => format!(", {key} = {value}"),
-            };
-        }
-        name
     }
 
     fn angles(&self) -> String {

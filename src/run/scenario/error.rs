@@ -59,17 +59,19 @@ pub enum ScenarioError {
         /// The allowed values.
         allowed: String,
     },
-    /// A key that is ignored with the value of another.
+    /// A key that is ignored with, or without, the value of another.
     #[error(
-        "{key} has no meaning with {other} = {value:?}; remove it (--set {key}= on the command line)"
+        "{key} has no meaning {circumstance}: set {other} = {needed}, or remove {key} (--set {key}= on the command line)"
     )]
     Inapplicable {
         /// The key.
         key: &'static str,
+        /// The other key, and its value if it has one.
+        circumstance: String,
         /// The key that makes it meaningless.
         other: &'static str,
-        /// Its value.
-        value: String,
+        /// The values of that key with which it has a meaning.
+        needed: String,
     },
     /// Two values that exclude each other.
     #[error("{key} = {value}: {reason}")]

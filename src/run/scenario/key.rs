@@ -1,5 +1,6 @@
 //! Keys of a scenario: name, its unit, and the values that it takes.
 
+use super::keys::KEYS;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -19,6 +20,17 @@ impl fmt::Display for Value {
         match self {
             Self::Text(text) => write!(f, "{}", toml::Value::from(text.as_str())),
             Self::Number(number) => write!(f, "{number:?}"),
+        }
+    }
+}
+
+impl Value {
+    /// The value as one would type it in `--set`: a word without quotes, a number without rows of zeros.
+    #[must_use]
+    pub fn typed(&self) -> String {
+        match self {
+            Self::Text(text) => text.clone(),
+            Self::Number(number) => typed(*number),
         }
     }
 }
@@ -73,7 +85,7 @@ impl fmt::Display for Kind {
             Self::Text => write!(f, "a text"),
             Self::Name => write!(
                 f,
-                "a name of letters, digits, '-', '_' and '.', not beginning with '.'"
+                "a name of at most 100 letters, digits, '-', '_' and '.', not beginning with '.'"
             ),
             Self::Choice(words) => write!(f, "one of {}", words.join(", ")),
             Self::Any => write!(f, "a finite number"),
@@ -130,6 +142,17 @@ impl Key {
         words
             .find(is_symbol)
             .filter(|_| !is_end && !self.kind.is_text())
+    }
+
+    /// Its name without the section, as in `k` of `friction.k`; with it, as in `drilling-k`, if another key has that name.
+    #[must_use]
+    pub fn short_name(&self) -> String {
+        let short = |path: &'static str| path.rsplit('.').next().unwrap_or(path);
+        let first = KEYS.iter().find(|key| short(key.path) == short(self.path));
+        match first {
+            Some(key) if key.path == self.path => short(self.path).to_owned(),
+            _ => self.path.replace('.', "-"),
+        }
     }
 
     /// Its unit in brackets, after a space; empty if it has none.

@@ -2,7 +2,7 @@
 
 use super::definition::Scenario;
 use super::error::ScenarioError;
-use super::key::Key;
+use super::key::{Key, Value};
 use super::keys::KEYS;
 use super::values::Values;
 use crate::run::nearest::near;
@@ -242,22 +242,36 @@ const TIPPE_TOP_HANGS: &[(&str, &str)] = &[
 ];
 
 impl Scenario {
+    /// The keys in which it differs from other values, each with its own value if it has one. Names and descriptions don't
+    /// count.
+    pub fn changes<'a>(
+        &'a self,
+        from: &'a Values,
+    ) -> impl Iterator<Item = (&'static Key, Option<&'a Value>)> {
+        let is_text = |key: &Key| matches!(key.path, "format" | "name" | "description");
+        let keys = KEYS.iter().filter(move |key| !is_text(key));
+        let changes = keys.map(|key| (key, self.value(key.path)));
+        changes.filter(|(key, value)| *value != from.get(key.path))
+    }
+
     /// The scenario's name and, if a preset has it, up to two keys in which they differ, as in `paper, friction.k = 0.02`.
     #[must_use]
     pub fn title(&self) -> String {
         let preset = PRESETS.iter().find(|preset| preset.name == self.name());
-        let Some(Ok(preset)) = preset.map(Preset::scenario) else {
-            return self.name().to_owned();
+        match preset.map(Preset::values) {
+            Some(Ok(preset)) => self.title_from(&preset),
+            _ => self.name().to_owned(),
+        }
+    }
+
+    /// The scenario's name and up to two keys in which it differs from other values.
+    #[must_use]
+    pub fn title_from(&self, base: &Values) -> String {
+        let change = |(key, value): (&Key, Option<&Value>)| match value {
+            Some(value) => format!(", {} = {}", key.path, value.typed()),
+            None => format!(", without {}", key.path),
         };
-        let value = |scenario: &Self, key: &Key| scenario.value(key.path).map(ToString::to_string);
-        let changes: Vec<_> = KEYS
-            .iter()
-            .filter(|key| key.path != "description" && value(self, key) != value(&preset, key))
-            .map(|key| match value(self, key) {
-                Some(value) => format!(", {} = {value}", key.path),
-                None => format!(", without {}", key.path),
-            })
-            .collect();
+        let changes: Vec<_> = self.changes(base).map(change).collect();
         let changes = match changes.len() {
             0..=2 => changes.concat(),
             count => format!(", {count} keys changed"),

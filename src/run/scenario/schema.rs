@@ -44,7 +44,10 @@ fn object(properties: &Map<String, Value>) -> Value {
 fn of_key(key: &Key) -> Value {
     let description = format!("{}{}", key.meaning, key.in_unit());
     match key.kind {
-        Kind::Text | Kind::Name => json!({ "type": "string", "description": description }),
+        Kind::Text => json!({ "type": "string", "description": description }),
+        Kind::Name => {
+            json!({ "type": "string", "pattern": "^[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}$", "description": description })
+        }
         Kind::Choice(words) => json!({ "enum": words, "description": description }),
         Kind::Any => json!({ "type": "number", "description": description }),
         Kind::Between(low, high) => {

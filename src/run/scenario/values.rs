@@ -129,32 +129,16 @@ impl Values {
             let there = self.0.contains_key(key.path);
             match key.presence {
                 Presence::Required if !there => absent.push(key.path),
-                Presence::With(other, words) => {
-                    let value = self.text(other).unwrap_or_default();
-                    let wanted = words.contains(&value);
-                    if wanted && !there {
-                        absent.push(key.path);
-                    }
-                    if there && !wanted {
-                        return Err(ScenarioError::Inapplicable {
-                            key: key.path,
-                            other,
-                            value: value.to_owned(),
-                        });
-                    }
-                }
+                Presence::With(other, words) => match self.meets(other, words) {
+                    true if !there => absent.push(key.path),
+                    false if there => return Err(self.inapplicable(key, other, words)),
+                    _ => {}
+                },
                 Presence::Beside(other) if there != self.0.contains_key(other) => {
                     absent.push(if there { other } else { key.path });
                 }
-                Presence::OptionalWith(other, word) if there => {
-                    let value = self.text(other)?;
-                    if value != word {
-                        return Err(ScenarioError::Inapplicable {
-                            key: key.path,
-                            other,
-                            value: value.to_owned(),
-                        });
-                    }
+                Presence::OptionalWith(other, word) if there && !self.meets(other, &[word]) => {
+                    return Err(self.inapplicable(key, other, &[word]));
                 }
                 Presence::Required
                 | Presence::Optional
@@ -166,6 +150,24 @@ impl Values {
             return Ok(());
         }
         Err(missing(&absent))
+    }
+
+    /// Whether a key has one of these words.
+    fn meets(&self, path: &'static str, words: &[&str]) -> bool {
+        self.text(path).is_ok_and(|value| words.contains(&value))
+    }
+
+    /// The error of a key that has a meaning only if the other one has one of these words.
+    fn inapplicable(&self, key: &Key, other: &'static str, words: &[&str]) -> ScenarioError {
+        ScenarioError::Inapplicable {
+            key: key.path,
+            circumstance: match self.text(other) {
+                Ok(value) => format!("with {other} = {value:?}"),
+                Err(_) => format!("without {other}"),
+            },
+            other,
+            needed: words.join(" or "),
+        }
     }
 }
 
