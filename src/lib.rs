@@ -24,10 +24,25 @@
 //! simulation; [`telemetry`], the table of what is logged; [`archive`], recordings as files; [`analysis`], what is
 //! asked of runs; `sweep`, tables of many runs (feature `sweep`); `rerun`, the stream for the Rerun viewer (feature `rerun`); [`cli`], the program.
 
+//! On WebAssembly there is no [`cli`], and files can't be read or written: [`archive::writer`] writes into memory.
+
 #![forbid(unsafe_code)]
+
+#[cfg(all(target_arch = "x86", not(target_feature = "sse2")))]
+compile_error!(
+    "the x87 unit keeps more digits than a double has, so recordings would not have the bytes that they have elsewhere: \
+     build for a target with SSE2, such as i686-unknown-linux-gnu"
+);
+
+#[cfg(all(feature = "sweep", target_endian = "big"))]
+compile_error!(
+    "on a big-endian machine the parquet crate writes files that can't be read: build without the feature `sweep` \
+     (--no-default-features)"
+);
 
 pub mod analysis;
 pub mod archive;
+#[cfg(not(target_family = "wasm"))]
 pub mod cli;
 pub mod physics;
 #[cfg(feature = "rerun")]

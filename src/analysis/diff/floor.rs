@@ -17,6 +17,7 @@ use crate::telemetry::Topic;
 use crate::telemetry::fields::nutation;
 use schemars::JsonSchema;
 use serde::Serialize;
+#[cfg(not(target_family = "wasm"))]
 use std::thread;
 
 /// By this factor the tolerances are tightened.
@@ -79,11 +80,15 @@ pub(super) fn compute(
             b: error,
         });
     }
+    #[cfg(not(target_family = "wasm"))]
     let (a, b) = thread::scope(|scope| {
         let a = scope.spawn(|| error(&a, carry_on));
-        (a.join(), error(&b, carry_on))
+        let b = error(&b, carry_on);
+        (a.join().ok().flatten(), b)
     });
-    Some(Floor { a: a.ok()??, b: b? })
+    #[cfg(target_family = "wasm")]
+    let (a, b) = (error(&a, carry_on), error(&b, carry_on));
+    Some(Floor { a: a?, b: b? })
 }
 
 fn error(scenario: &Scenario, carry_on: &(dyn Fn() -> bool + Sync)) -> Option<IntegratorError> {

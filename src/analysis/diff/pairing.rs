@@ -20,12 +20,16 @@ use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic, Topics};
 use std::collections::{BTreeSet, VecDeque};
 use std::ops::ControlFlow;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread;
+use std::sync::mpsc::Receiver;
+#[cfg(target_family = "wasm")]
+use std::sync::mpsc::channel;
+#[cfg(not(target_family = "wasm"))]
+use std::{sync::mpsc::sync_channel, thread};
 
 /// Messages in a batch.
 const BATCH: usize = 1024;
 /// Batches that may wait on each side.
+#[cfg(not(target_family = "wasm"))]
 const WAITING: usize = 4;
 
 /// The result of reading two runs.
@@ -82,20 +86,28 @@ pub(super) fn read_both(
     observer: &mut dyn Observer,
 ) -> Result<Paired, DiffError> {
     let mut pairing = Pairing::new(runs, compared, options, observer);
+    #[cfg(not(target_family = "wasm"))]
     thread::scope(|scope| {
         let incoming = runs.map(|run| {
             let (out, incoming) = sync_channel(WAITING);
-            scope.spawn(move || read(run, &out));
+            scope.spawn(move || read(run, &|parcel| out.send(parcel).is_ok()));
             incoming
         });
         pairing.take_all(&incoming)
     })?;
+    // There are no threads: the runs are read one after the other, and kept.
+    #[cfg(target_family = "wasm")]
+    pairing.take_all(&runs.map(|run| {
+        let (out, incoming) = channel();
+        read(run, &|parcel| out.send(parcel).is_ok());
+        incoming
+    }))?;
     pairing.show_mean_differences()?;
     Ok(pairing.paired)
 }
 
-/// Sends the messages of a run in batches, until they are no longer taken.
-fn read(run: Subject<'_>, out: &SyncSender<Parcel>) {
+/// Passes the messages of a run to `send` in batches, until it no longer takes them.
+fn read(run: Subject<'_>, send: &dyn Fn(Parcel) -> bool) {
     let (mut batch, mut bytes) = (Vec::with_capacity(BATCH), 0);
     let ended = run.read(&Topics::All, &mut |message, more| {
         batch.push(Owned::from(message));
@@ -104,13 +116,15 @@ fn read(run: Subject<'_>, out: &SyncSender<Parcel>) {
             return ControlFlow::Continue(());
         }
         let full = std::mem::replace(&mut batch, Vec::with_capacity(BATCH));
-        match out.send(Parcel::Batch(full, std::mem::take(&mut bytes))) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(_) => ControlFlow::Break(()),
+        if send(Parcel::Batch(full, std::mem::take(&mut bytes))) {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
         }
     });
-    let _ = out.send(Parcel::Batch(batch, bytes));
-    let _ = out.send(Parcel::End(ended));
+    if send(Parcel::Batch(batch, bytes)) {
+        send(Parcel::End(ended));
+    }
 }
 
 /// A comparison under way.

@@ -1,6 +1,5 @@
 //! Keys of a scenario: name, its unit, and the values that it takes.
 
-use super::keys::KEYS;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -125,9 +124,26 @@ pub struct Key {
     pub presence: Presence,
     /// Its meaning.
     pub meaning: &'static str,
+    /// The values from which one would choose, in its unit, as a slider has them; none for words and texts.
+    pub typical: Option<[f64; 2]>,
 }
 
 impl Key {
+    /// With this range to choose from.
+    pub(super) const fn typically(self, low: f64, high: f64) -> Self {
+        Self {
+            typical: Some([low, high]),
+            ..self
+        }
+    }
+
+    /// Whether the range to choose from spans decades, so that a slider is logarithmic.
+    #[must_use]
+    pub fn is_logarithmic(&self) -> bool {
+        self.typical
+            .is_some_and(|[low, high]| low > 0.0 && high >= 50.0 * low)
+    }
+
     /// The symbol that its meaning gives it, as in `v_0`; none if it has none. What ends a run has that of another quantity.
     #[must_use]
     pub fn symbol(&self) -> Option<&'static str> {
@@ -142,17 +158,6 @@ impl Key {
         words
             .find(is_symbol)
             .filter(|_| !is_end && !self.kind.is_text())
-    }
-
-    /// Its name without the section, as in `k` of `friction.k`; with it, as in `drilling-k`, if another key has that name.
-    #[must_use]
-    pub fn short_name(&self) -> String {
-        let short = |path: &'static str| path.rsplit('.').next().unwrap_or(path);
-        let first = KEYS.iter().find(|key| short(key.path) == short(self.path));
-        match first {
-            Some(key) if key.path == self.path => short(self.path).to_owned(),
-            _ => self.path.replace('.', "-"),
-        }
     }
 
     /// Its unit in brackets, after a space; empty if it has none.

@@ -1,0 +1,306 @@
+// The page: a scenario that is changed, the run that it gives, and a run that is pinned for comparison.
+
+import { controls, element } from "./controls.mjs";
+import { Curves } from "./curves.mjs";
+import { Scenario } from "./scenario.mjs";
+import { View } from "./top.mjs";
+
+const LONGEST = 25; // s that a run takes to play
+const at = (id) => document.getElementById(id);
+
+/** A thread that answers questions about toprise, of each kind only the last. */
+class Asker {
+  constructor(module) {
+    this.worker = new Worker(URL.createObjectURL(new Blob([at("worker").textContent], { type: "text/javascript" })));
+    this.answers = new Map();
+    this.id = 0;
+    this.worker.onmessage = ({ data }) => {
+      this.answers.get(data.id)?.(data.answer);
+      this.answers.delete(data.id);
+    };
+    this.tables = this.send({ module });
+  }
+
+  send(message) {
+    const id = ++this.id;
+    return new Promise((resolve) => {
+      this.answers.set(id, resolve);
+      this.worker.postMessage({ id, ...message });
+    });
+  }
+}
+
+/** The WebAssembly in this file. */
+async function compiled() {
+  const packed = Uint8Array.from(atob(at("wasm").textContent.trim()), (letter) => letter.charCodeAt(0));
+  const bytes = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compile(await new Response(bytes).arrayBuffer());
+}
+
+const module = await compiled();
+const runner = new Asker(module);
+const teller = new Asker(module);
+const tables = await runner.tables;
+
+let scenario;
+let run = null;
+let pinned = null;
+let time = 0;
+let window_ = null;
+let speed = 1;
+let isPlaying = false;
+
+/** The scenarios of a link: `#paper&friction.k=0.02`, and behind `&vs` the pinned one. */
+function fromLink() {
+  const [ours, theirs] = decodeURIComponent(location.hash.slice(1)).split("&vs=");
+  const read = (text) => {
+    const [preset, ...set] = text.split("&");
+    return new Scenario(tables, preset, Object.fromEntries(set.map((change) => [change.split("=")[0], change.slice(change.indexOf("=") + 1)])));
+  };
+  return { ours: read(ours ?? ""), theirs: theirs && read(theirs) };
+}
+
+const link = ({ preset, set }) => [preset, ...Object.entries(set).map(([path, value]) => `${path}=${value}`)].join("&");
+
+function toLink() {
+  const hash = `#${link(scenario.given)}${pinned ? `&vs=${link(pinned.scenario)}` : ""}`;
+  history.replaceState(null, "", hash);
+}
+
+/** A run with what follows from its columns. */
+function completed(answer) {
+  const { columns } = answer;
+  columns.height = columns.peg_z.map((z) => z - answer.peg_radius);
+  const flies = columns.regime.includes(2);
+  const greatest = columns.slip_speed.reduce((most, speed) => Math.max(most, speed), 1e-9);
+  const power = 10 ** Math.floor(Math.log10(greatest));
+  return { ...answer, flies, greatest_slip: [1, 2, 5, 10].find((step) => step * power >= greatest) * power, end: columns.time.at(-1) };
+}
+
+async function simulate() {
+  toLink();
+  const answer = await runner.send({ question: { simulate: scenario.given }, columns: tables.columns });
+  if (!answer) return; // overtaken
+  at("error").textContent = answer.error ?? "";
+  document.body.classList.toggle("stale", Boolean(answer.error));
+  if (answer.error) return;
+  const end = run?.end;
+  run = completed(answer);
+  if (run.end !== end) {
+    time = Math.min(time, run.end);
+    window_ = null;
+    setSpeed();
+  }
+  at("summary").textContent = run.sentence;
+  at("command").textContent = scenario.command;
+  at("digest").textContent = "";
+  listEvents();
+  draw();
+  ask();
+}
+
+/** Asks for what takes longer once the hand rests. */
+let waiting;
+function ask() {
+  clearTimeout(waiting);
+  waiting = setTimeout(async () => {
+    const told = await teller.send({ question: { explain: run.scenario } });
+    if (told.error) at("explanation").replaceChildren(element("p", { textContent: told.error }));
+    else
+      at("explanation").replaceChildren(
+        ...told.flatMap(({ heading, sentences }) => [element("h3", { textContent: heading }), element("p", { textContent: sentences.join(" ") })]),
+      );
+    if (pinned) compare(await teller.send({ question: { compare: { a: pinned.scenario, b: run.scenario } } }));
+  }, 300);
+}
+
+function compare({ error, verdict, findings }) {
+  const head = element("tr", {}, ...["A", "B", "B − A"].map((text) => element("th", { textContent: text })));
+  const rows = (findings ?? []).flatMap(({ cells: [what, ...numbers] }) => [
+    element("tr", {}, element("th", { colSpan: 3, scope: "row", textContent: what })),
+    element("tr", {}, ...numbers.map((text) => element("td", { textContent: text }))),
+  ]);
+  const table = rows.length > 0 ? [element("table", {}, head, ...rows)] : [];
+  at("comparison").replaceChildren(element("h2", { textContent: "A and B" }), element("p", { textContent: error ?? `${verdict}.` }), ...table);
+}
+
+function listEvents() {
+  const items = run.events.map(({ time: when, text }) =>
+    element("li", { tabIndex: 0, onclick: () => choose(when) }, element("b", { textContent: `${when.toFixed(4)} s` }), ` ${text}`),
+  );
+  at("events").replaceChildren(...items);
+}
+
+const colors = () => {
+  const style = getComputedStyle(document.body);
+  return { a: style.getPropertyValue("--a"), b: style.getPropertyValue("--b") };
+};
+
+/** What is drawn: the pinned run, if there is one, and the one that is changed. */
+function shown() {
+  const { a, b } = colors();
+  const title = ({ title }) => title;
+  return [...(pinned ? [{ run: pinned, color: a, name: `A: ${title(pinned)}` }] : []), { run, color: b, name: `${pinned ? "B: " : ""}${title(run)}` }];
+}
+
+const curves = new Curves(at("curves"), { choose, zoom });
+const view = new View(at("top"), draw);
+
+let isDrawing = false;
+function draw() {
+  if (isDrawing || !run) return;
+  isDrawing = true;
+  requestAnimationFrame(() => {
+    isDrawing = false;
+    const runs = shown();
+    const end = Math.max(...runs.map(({ run }) => run.end));
+    curves.draw(runs, window_ ?? [0, end], time);
+    view.draw(runs, time);
+    at("time").max = end;
+    at("time").value = time;
+    at("clock").textContent = `${time.toFixed(3)} s`;
+    const last = run.events.findLastIndex((event) => event.time <= time + 1e-9);
+    [...at("events").children].forEach((item, index) => item.classList.toggle("now", index === last));
+  });
+}
+
+function choose(when) {
+  time = Math.min(Math.max(when, 0), Math.max(run.end, pinned?.end ?? 0));
+  draw();
+}
+
+function zoom(wanted) {
+  const end = Math.max(run.end, pinned?.end ?? 0);
+  const [from, to] = wanted ?? [0, end];
+  const width = Math.max(to - from, 1e-3);
+  window_ = width >= end ? null : [Math.max(from, 0), Math.min(Math.max(from, 0) + width, end)];
+  draw();
+}
+
+function setSpeed() {
+  const wanted = Math.max(run.end / LONGEST, 0.01);
+  const speeds = [...at("speed").options].map((option) => Number(option.value));
+  speed = speeds.find((each) => each >= wanted) ?? speeds.at(-1);
+  at("speed").value = String(speed);
+}
+
+let before = 0;
+function play(wanted = !isPlaying) {
+  isPlaying = wanted;
+  at("play").textContent = isPlaying ? "Pause" : "Play";
+  if (isPlaying && time >= Math.max(run.end, pinned?.end ?? 0)) time = 0;
+  before = performance.now();
+  if (isPlaying) requestAnimationFrame(step);
+}
+
+function step(now) {
+  if (!isPlaying) return;
+  choose(time + ((now - before) / 1000) * speed);
+  before = now;
+  if (time >= Math.max(run.end, pinned?.end ?? 0)) play(false);
+  else requestAnimationFrame(step);
+}
+
+function changed(path, value, follows) {
+  if (follows || value === "" || path === "drilling.k") {
+    scenario.change(path, value);
+    showControls();
+  } else scenario.put(path, value);
+  mark();
+  simulate();
+}
+
+/** Marks what differs from the preset. */
+function mark() {
+  const { set } = scenario;
+  for (const row of document.querySelectorAll(".key")) row.classList.toggle("changed", row.dataset.path in set);
+}
+
+function showControls() {
+  const focused = document.activeElement?.closest?.(".key")?.dataset.path;
+  controls(at("controls"), scenario, changed);
+  at("preset").value = scenario.preset.name;
+  at("description").textContent = scenario.preset.values.description;
+  mark();
+  if (focused) document.querySelector(`[data-path="${focused}"] :is(select, input)`)?.focus();
+}
+
+function pin() {
+  pinned = pinned ? null : run;
+  at("pin").textContent = pinned ? "Unpin A" : "Pin as A";
+  at("comparison").replaceChildren();
+  toLink();
+  draw();
+  if (pinned) ask();
+}
+
+async function save() {
+  const encoding = at("encoding").value;
+  at("digest").textContent = "recording …";
+  const { bytes, digest, error } = await teller.send({ question: { record: { scenario: run.scenario, encoding } } });
+  at("digest").textContent = error ?? `sha-256 of the content: ${digest}`;
+  if (error) return;
+  const file = URL.createObjectURL(new Blob([bytes], { type: "application/octet-stream" }));
+  element("a", { href: file, download: `${run.scenario.preset}.mcap` }).click();
+  setTimeout(() => URL.revokeObjectURL(file), 60_000);
+}
+
+async function copy(text, button) {
+  await navigator.clipboard.writeText(text).catch(() => prompt("", text));
+  const label = button.textContent;
+  button.textContent = "Copied";
+  setTimeout(() => (button.textContent = label), 1000);
+}
+
+const KEYS = {
+  " ": () => play(),
+  ArrowRight: () => choose(time + 0.01),
+  ArrowLeft: () => choose(time - 0.01),
+  Home: () => choose(0),
+  End: () => choose(Infinity),
+  "+": () => zoom([time - 0.25, 0.25 + time].map((end) => time + (end - time) * 2)),
+  "-": () => zoom(null),
+  p: pin,
+};
+
+async function begin() {
+  const { ours, theirs } = fromLink();
+  pinned = null;
+  scenario = theirs || ours;
+  if (theirs) {
+    showControls();
+    await simulate();
+    pin();
+    scenario = ours;
+  }
+  showControls();
+  await simulate();
+  document.body.classList.add("ready");
+}
+
+at("preset").replaceChildren(...tables.presets.map(({ name }) => element("option", { textContent: name })));
+at("preset").onchange = () => {
+  scenario.start(at("preset").value);
+  showControls();
+  time = 0;
+  simulate();
+};
+at("play").onclick = () => play();
+at("time").oninput = () => choose(Number(at("time").value));
+at("speed").onchange = () => (speed = Number(at("speed").value));
+at("pin").onclick = pin;
+at("save").onclick = save;
+at("copy-command").onclick = ({ target }) => copy(scenario.command, target);
+at("copy-link").onclick = ({ target }) => copy(location.href, target);
+at("reset").onclick = () => at("preset").onchange();
+at("version").textContent = tables.version;
+addEventListener("resize", draw);
+addEventListener("hashchange", begin);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+addEventListener("keydown", (event) => {
+  if (event.target.closest("input, select, button, summary, li") && event.key !== "p") return;
+  if (event.target.closest("input") || !KEYS[event.key] || event.ctrlKey || event.metaKey) return;
+  event.preventDefault();
+  KEYS[event.key]();
+});
+await begin();

@@ -1,0 +1,128 @@
+//! Questions of the page, and their answers.
+
+use crate::run::{COLUMNS, Run, recording};
+use crate::tables::tables;
+use serde::Deserialize;
+use serde_json::{Value as Json, json};
+use std::collections::BTreeMap;
+use toprise::analysis::diff::{Options, compare};
+use toprise::analysis::explain::{Fact, explain};
+use toprise::run::scenario::{Preset, Scenario};
+use toprise::telemetry::encoding::Encoding;
+
+/// A question, with its name as the only member of an object.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Question {
+    /// The program's tables, and the names of the columns.
+    Tables {},
+    /// Starts a run; an error if the scenario is wrong.
+    Start(Given),
+    /// Simulates some more records of the run.
+    Advance { records: usize },
+    /// The sentences of `toprise explain` on a scenario.
+    Explain(Given),
+    /// The table of `toprise diff` on two scenarios.
+    Compare { a: Given, b: Given },
+    /// Records a scenario; the file is then in memory.
+    Record { scenario: Given, encoding: String },
+}
+
+/// A scenario: a preset and the keys that are set in it, as on the command line.
+#[derive(Deserialize)]
+pub struct Given {
+    preset: String,
+    set: BTreeMap<String, String>,
+}
+
+/// Everything that outlives a question.
+#[derive(Default)]
+pub struct Page {
+    pub question: Vec<u8>,
+    pub output: String,
+    pub file: Vec<u8>,
+    run: Option<Run>,
+}
+
+impl Page {
+    pub fn column(&self, index: usize) -> &[f64] {
+        self.run.as_ref().map_or(&[], |run| run.column(index))
+    }
+
+    /// Answers the question that was put; returns the length of the answer, bytes.
+    pub fn answer(&mut self) -> usize {
+        let question = serde_json::from_slice(&self.question).map_err(|error| error.to_string());
+        let answer = question.and_then(|question| self.answer_to(question));
+        let answer = answer.unwrap_or_else(|error| json!({ "error": error }));
+        self.output = answer.to_string();
+        self.output.len()
+    }
+
+    fn answer_to(&mut self, question: Question) -> Result<Json, String> {
+        match question {
+            Question::Tables {} => {
+                let mut tables = tables();
+                tables["columns"] = COLUMNS.iter().map(|(name, _)| *name).collect();
+                Ok(tables)
+            }
+            Question::Start(given) => {
+                let scenario = given.scenario()?;
+                let top = &scenario.model.top;
+                let answer = json!({
+                    "title": scenario.title(),
+                    "toml": scenario.to_toml(),
+                    "digest": scenario.digest(),
+                    "is_free": scenario.model.support.is_free(),
+                    "center_distance": top.center_distance,
+                    "peg_radius": top.peg_radius,
+                    "force": scenario.force_scale(),
+                });
+                self.run = Some(Run::new(scenario)?);
+                Ok(answer)
+            }
+            Question::Advance { records } => {
+                let run = self.run.as_mut().ok_or("no run has been started")?;
+                run.advance(records);
+                Ok(run.progress())
+            }
+            Question::Explain(given) => {
+                let explanation = explain(&given.scenario()?).map_err(|error| error.to_string())?;
+                let chapters = explanation.chapters.iter().map(|chapter| {
+                    let sentences: Vec<_> = chapter.facts.iter().map(Fact::sentence).collect();
+                    json!({ "heading": chapter.heading, "sentences": sentences })
+                });
+                Ok(chapters.collect())
+            }
+            Question::Compare { a, b } => {
+                let report = compare(&a.scenario()?, &b.scenario()?, &Options::default());
+                let report = report.map_err(|error| error.to_string())?;
+                let findings = report.findings.iter().filter(|finding| finding.differs());
+                let findings: Vec<_> = findings
+                    .map(|f| json!({ "what": f.what, "unit": f.unit, "cells": f.cells() }))
+                    .collect();
+                Ok(json!({ "verdict": report.verdict.title(), "findings": findings }))
+            }
+            Question::Record { scenario, encoding } => {
+                let known = Encoding::ALL
+                    .into_iter()
+                    .find(|known| known.name() == encoding);
+                let encoding = known.ok_or_else(|| format!("there is no encoding {encoding:?}"))?;
+                let (file, digest) = recording(&scenario.scenario()?, encoding)?;
+                self.file = file;
+                Ok(json!({ "length": self.file.len(), "digest": digest }))
+            }
+        }
+    }
+}
+
+impl Given {
+    fn scenario(&self) -> Result<Scenario, String> {
+        let mut values = Preset::find(&self.preset)
+            .and_then(Preset::values)
+            .map_err(|error| error.to_string())?;
+        for (key, value) in &self.set {
+            values.set(key, value).map_err(|error| error.to_string())?;
+        }
+        Scenario::new(values).map_err(|error| error.to_string())
+    }
+}

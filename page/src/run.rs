@@ -1,0 +1,193 @@
+//! A run that is simulated in slices, and what the page draws of it.
+
+use serde_json::{Value as Json, json};
+use std::cell::Cell;
+use std::rc::Rc;
+use toprise::archive::format::end_entries;
+use toprise::archive::writer::{Form, McapWriter};
+use toprise::run::outcome::Outcome;
+use toprise::run::scenario::Scenario;
+use toprise::run::simulation::{Record, Sample, Simulation, StopReason, Tally};
+use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::{Telemetry, TelemetryError};
+
+/// The most steps and samples of a run in the page: ten and five times those of the longest preset.
+const MOST_STEPS: u64 = 2_000_000;
+const MOST_SAMPLES: usize = 500_000;
+
+/// A number of a sample.
+type Quantity = fn(&Sample) -> f64;
+
+/// What the page draws: the name of each column, and its value in a sample. SI units, world frame.
+pub const COLUMNS: &[(&str, Quantity)] = &[
+    ("time", |s| s.time_ns as f64 / 1e9),
+    ("theta", |s| s.angles.theta),
+    ("phi_dot", |s| s.tilt.rates.phi),
+    ("theta_dot", |s| s.tilt.rates.theta),
+    ("psi_dot", |s| s.tilt.rates.psi),
+    ("axial_rate", |s| s.omega_body.z),
+    ("slip_speed", |s| s.slip_world.norm()),
+    ("energy", Sample::energy),
+    ("qw", |s| s.world_from_body.w),
+    ("qx", |s| s.world_from_body.i),
+    ("qy", |s| s.world_from_body.j),
+    ("qz", |s| s.world_from_body.k),
+    ("peg_x", |s| s.peg_position.x),
+    ("peg_y", |s| s.peg_position.y),
+    ("peg_z", |s| s.peg_position.z),
+    ("slip_x", |s| s.slip_world.x),
+    ("slip_y", |s| s.slip_world.y),
+    ("friction_x", |s| s.friction_force.x),
+    ("friction_y", |s| s.friction_force.y),
+    ("regime", Sample::regime),
+];
+
+/// A run under way, or complete.
+pub struct Run {
+    pub scenario: Scenario,
+    simulation: Simulation,
+    steps: Rc<Cell<u64>>,
+    columns: Vec<Vec<f64>>,
+    tally: Tally,
+    events: Vec<Json>,
+    /// The middle of each nutation, s, and its means of θ, φ̇, θ̇ and ψ̇.
+    cycles: Vec<[f64; 5]>,
+    end: Option<Result<Outcome, String>>,
+}
+
+impl Run {
+    /// Starts a run.
+    ///
+    /// # Errors
+    /// If the simulation can't start.
+    pub fn new(scenario: Scenario) -> Result<Self, String> {
+        let steps = Rc::new(Cell::new(0));
+        let counted = Rc::clone(&steps);
+        let carry_on = move || {
+            counted.set(counted.get() + 1);
+            counted.get() < MOST_STEPS
+        };
+        let simulation = Simulation::new(&scenario).map_err(|error| error.to_string())?;
+        Ok(Self {
+            simulation: simulation.while_told(carry_on),
+            scenario,
+            steps,
+            columns: vec![Vec::new(); COLUMNS.len()],
+            tally: Tally::default(),
+            events: Vec::new(),
+            cycles: Vec::new(),
+            end: None,
+        })
+    }
+
+    pub fn column(&self, index: usize) -> &[f64] {
+        &self.columns[index]
+    }
+
+    /// Simulates some more records.
+    pub fn advance(&mut self, records: usize) {
+        for _ in 0..records {
+            match self.simulation.next() {
+                _ if self.columns[0].len() > MOST_SAMPLES => self.finish(),
+                Some(Ok(record)) => self.take(&record),
+                Some(Err(error)) => self.end = Some(Err(error.to_string())),
+                None => self.finish(),
+            }
+            if self.end.is_some() {
+                break;
+            }
+        }
+    }
+
+    fn take(&mut self, record: &Record) {
+        match record {
+            Record::Sample(sample) => {
+                for ((_, value), column) in COLUMNS.iter().zip(&mut self.columns) {
+                    column.push(value(sample));
+                }
+            }
+            Record::Event(event) => {
+                self.tally.count(event.kind, event.time);
+                if !event.kind.is_of_nutation() {
+                    let text = event.description.as_str();
+                    self.events
+                        .push(json!({ "time": event.time, "text": text }));
+                }
+            }
+            Record::Nutation(cycle) => {
+                let middle = f64::midpoint(cycle.start, cycle.end);
+                let rates = cycle.mean_rates;
+                let means = [middle, cycle.theta_mean, rates.phi, rates.theta, rates.psi];
+                self.cycles.push(means);
+            }
+            Record::Impact(_) => {}
+        }
+    }
+
+    fn finish(&mut self) {
+        let end = self.simulation.end();
+        let is_whole = end.stop != StopReason::Interrupted && self.columns[0].len() <= MOST_SAMPLES;
+        self.end = Some(if is_whole {
+            Ok(Outcome::new(&self.scenario, &end, &self.tally))
+        } else {
+            Err(format!(
+                "the run is too long for the page: at t = {} s it has {} steps and {} samples",
+                end.time,
+                self.steps.get(),
+                self.columns[0].len()
+            ))
+        });
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Json {
+        let samples = self.columns[0].len();
+        let mut progress = json!({ "samples": samples, "steps": self.steps.get() });
+        match &self.end {
+            Some(Ok(outcome)) => {
+                progress["events"] = json!(self.events);
+                progress["cycles"] = json!(self.cycles);
+                progress["sentence"] = json!(format!(
+                    "{}: {} at t = {:.4} s",
+                    self.scenario.title(),
+                    outcome.stop_reason.sentence(),
+                    outcome.stop_time
+                ));
+                progress["outcome"] = json!(outcome);
+            }
+            Some(Err(error)) => progress["error"] = json!(error),
+            None => {}
+        }
+        progress
+    }
+}
+
+/// The recording of a scenario, with its content digest: the bytes that `toprise run` writes.
+///
+/// # Errors
+/// If the motion can't be computed to its end.
+pub fn recording(scenario: &Scenario, encoding: Encoding) -> Result<(Vec<u8>, String), String> {
+    let mut telemetry = Telemetry::default();
+    let form = Form {
+        encoding,
+        ..Form::default()
+    };
+    let message = |error: &dyn std::error::Error| error.to_string();
+    let mut writer =
+        McapWriter::new(Vec::new(), scenario, &telemetry, form).map_err(|error| message(&error))?;
+    let mut simulation = Simulation::new(scenario).map_err(|error| message(&error))?;
+    for record in simulation.by_ref() {
+        let record = record.map_err(|error| message(&error))?;
+        let mut failed = None;
+        let written = telemetry.messages(&record, |message| {
+            failed = failed.take().or(writer.write(message).err());
+            Ok::<(), TelemetryError>(())
+        });
+        written.map_err(|error| message(&error))?;
+        if let Some(error) = failed {
+            return Err(message(&error));
+        }
+    }
+    let end = end_entries(&simulation.end());
+    writer.finish(end).map_err(|error| message(&error))
+}
