@@ -25,10 +25,11 @@ const placeOf = ({ typical: [low, high], logarithmic }, value) =>
 const valueAt = ({ typical: [low, high], logarithmic }, place) =>
   logarithmic ? low * (high / low) ** place : low + place * (high - low);
 
-/** The label of a key: its symbol, if it has one, and its meaning in few words. */
-function label({ path, symbol, meaning }) {
+/** The label of a key: its symbol or, of a number without one, its name, and its meaning in few words. */
+function label({ path, symbol, meaning, typical }) {
   const [letter, index] = (symbol ?? "").split("_");
-  const sign = symbol ? [element("i", { textContent: letter }), element("sub", { textContent: index ?? "" }), " "] : [];
+  const name = typical ? [`${path.split(".").at(-1).replaceAll("_", " ")} `] : [];
+  const sign = symbol ? [element("i", { textContent: letter }), element("sub", { textContent: index ?? "" }), " "] : name;
   const words = meaning.split(/[;:(]/)[0].replace(` ${symbol}`, "");
   return element("span", { className: "label", title: `${path}: ${meaning}` }, ...sign, element("small", { textContent: words }));
 }

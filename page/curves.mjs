@@ -73,15 +73,18 @@ function envelope(run, name, [from, to], width) {
   return { low, high };
 }
 
-/** The range of envelopes, with air; spikes that few columns have don't set it. */
-function range(envelopes) {
+/** The rates of Euler angles, which have spikes where the axis passes the vertical. */
+const SPIKY = ["phi_dot", "psi_dot"];
+
+/** The range of envelopes, with air; where there are spikes, those that few columns have don't set it. */
+function range(envelopes, isSpiky) {
   const lows = envelopes.flatMap(({ low }) => [...low].filter(Number.isFinite)).sort((a, b) => a - b);
   const highs = envelopes.flatMap(({ high }) => [...high].filter(Number.isFinite)).sort((a, b) => a - b);
   if (lows.length === 0) return [0, 1];
   const robust = (sorted, part, end) => {
     const usual = sorted[Math.round(part * (sorted.length - 1))];
     const spread = sorted[Math.round(0.98 * (sorted.length - 1))] - sorted[Math.round(0.02 * (sorted.length - 1))];
-    return Math.abs(end - usual) > 3 * spread && spread > 0 ? usual : end;
+    return isSpiky && Math.abs(end - usual) > 3 * spread && spread > 0 ? usual : end;
   };
   const low = robust(lows, 0.02, lows[0]);
   const high = robust(highs, 0.98, highs.at(-1));
@@ -170,7 +173,7 @@ export class Curves {
       const [top, bottom] = [panel * each + HEAD, (panel + 1) * each - 4];
       const drawn = runs.filter(({ run }) => run.columns[name]);
       const envelopes = drawn.map(({ run }) => envelope(run, name, this.window, across));
-      const [low, high] = range(envelopes);
+      const [low, high] = range(envelopes, SPIKY.includes(name));
       const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
       pen.fillStyle = grid;
       for (const time of times) pen.fillRect(x(time), top, 1, bottom - top);

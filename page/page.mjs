@@ -50,14 +50,23 @@ let window_ = null;
 let speed = 1;
 let isPlaying = false;
 
+/** A part of a link without its escapes, or as it is. */
+function decoded(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
+}
+
 /** The scenarios of a link: `#paper&friction.k=0.02`, and behind `&vs` the pinned one. */
 function fromLink() {
-  const [ours, theirs] = decodeURIComponent(location.hash.slice(1)).split("&vs=");
+  const [ours, theirs] = location.hash.slice(1).split("&vs=").map(decoded);
   const read = (text) => {
     const [preset, ...set] = text.split("&");
     return new Scenario(tables, preset, Object.fromEntries(set.map((change) => [change.split("=")[0], change.slice(change.indexOf("=") + 1)])));
   };
-  return { ours: read(ours ?? ""), theirs: theirs && read(theirs) };
+  return { ours: read(ours || "paper"), theirs: theirs && read(theirs) };
 }
 
 const link = ({ preset, set }) => [preset, ...Object.entries(set).map(([path, value]) => `${path}=${value}`)].join("&");
@@ -82,6 +91,7 @@ async function simulate() {
   const answer = await runner.send({ question: { simulate: scenario.given }, columns: tables.columns });
   if (!answer) return; // overtaken
   at("error").textContent = answer.error ?? "";
+  if (answer.error && !run) at("summary").textContent = "This link has no run.";
   document.body.classList.toggle("stale", Boolean(answer.error));
   if (answer.error) return;
   const end = run?.end;
@@ -220,7 +230,7 @@ function showControls() {
   const focused = document.activeElement?.closest?.(".key")?.dataset.path;
   controls(at("controls"), scenario, changed);
   at("preset").value = scenario.preset.name;
-  at("description").textContent = scenario.preset.values.description;
+  at("description").textContent = scenario.preset.values.description ?? "";
   mark();
   if (focused) document.querySelector(`[data-path="${focused}"] :is(select, input)`)?.focus();
 }
@@ -246,7 +256,11 @@ async function save() {
 }
 
 async function copy(text, button) {
-  await navigator.clipboard.writeText(text).catch(() => prompt("", text));
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    prompt("Copy this:", text);
+  }
   const label = button.textContent;
   button.textContent = "Copied";
   setTimeout(() => (button.textContent = label), 1000);
@@ -270,7 +284,7 @@ async function begin() {
   if (theirs) {
     showControls();
     await simulate();
-    pin();
+    if (run) pin();
     scenario = ours;
   }
   showControls();

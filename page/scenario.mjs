@@ -12,9 +12,9 @@ export class Scenario {
     for (const [path, value] of Object.entries(set)) this.put(path, value);
   }
 
-  /** Starts from a preset. */
+  /** Starts from a preset; toprise says what is wrong with one that it doesn't know. */
   start(name) {
-    this.preset = this.tables.presets.find((preset) => preset.name === name) ?? this.tables.presets[0];
+    this.preset = this.tables.presets.find((preset) => preset.name === name) ?? { name, values: {} };
     this.values = { ...this.preset.values };
   }
 
@@ -50,8 +50,8 @@ export class Scenario {
 
   /** What differs from the preset; empty for a key that it has and this one has not. */
   get set() {
-    const paths = this.keys.map(({ path }) => path);
-    const changed = paths.filter((path) => this.values[path] !== this.preset.values[path]);
+    const paths = new Set([...this.keys.map(({ path }) => path), ...Object.keys(this.values)]);
+    const changed = [...paths].filter((path) => this.values[path] !== this.preset.values[path]);
     return Object.fromEntries(changed.map((path) => [path, this.values[path] ?? ""]));
   }
 

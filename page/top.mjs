@@ -27,9 +27,7 @@ function outline(run) {
   const [l, r] = [run.center_distance, run.peg_radius];
   const ball = (from, to) =>
     Array.from({ length: 9 }, (_, i) => from + ((to - from) * i) / 8).map((angle) => [-r * Math.cos(angle), r * Math.sin(angle)]);
-  if (l < 0 || r > 0.6 * Math.abs(l)) {
-    return [...ball(0, 2.6), [1.0 * r, 0.28 * r], [1.5 * r, 0.24 * r], [1.55 * r, 0]];
-  }
+  if (l < 0 || r > 0.6 * l) return ball(0, Math.PI);
   const body = [[0.55, 0.12], [0.9, 0.8], [1.05, 0.85], [1.2, 0.5], [1.3, 0.1], [1.75, 0.08], [1.78, 0]];
   return [...ball(0, 1.2), ...body.map(([height, radius]) => [height * l, radius && Math.max(radius * l, r / 2)])];
 }
@@ -145,7 +143,7 @@ export class View {
         const normal = across(corners);
         if (normal[2] <= 0) continue;
         const depth = corners.reduce((sum, corner) => sum + corner[2], 0);
-        faces.push({ corners, depth, light: shine(normal), isStripe: k % (SEGMENTS / 2) < 2 });
+        faces.push({ corners, depth, light: shine(normal), isStripe: k % (SEGMENTS / 2) < 2 || ring === rings.length - 2 });
       }
     }
     faces.sort((a, b) => a.depth - b.depth);

@@ -81,6 +81,21 @@ const tests = {
     await box(tab, "friction.k").fill("0.03");
     await tab.waitForFunction(() => document.getElementById("error").textContent === "");
   },
+  async "a link that is wrong says so"(tab) {
+    for (const [hash, error] of [
+      ["#papr", 'there is no preset "papr" (did you mean paper'],
+      ["#paper&friction.kk=1", "unknown key friction.kk"],
+      ["#paper&%", "unknown key %"],
+      ["#paper&vs=papr", null],
+    ]) {
+      const other = await open(hash);
+      const told = await other.textContent("#error");
+      if (error) assert.ok(told.startsWith(error), told);
+      else assert.match(await summary(other), /^paper:/);
+      await other.close();
+    }
+    assert.match(await summary(tab), /^paper:/);
+  },
   async "keys that don't apply are not there"(tab) {
     assert.equal(await box(tab, "friction.viscous_speed").count(), 0);
     await tab.locator('[data-path="friction.law"] select').selectOption("viscous");
