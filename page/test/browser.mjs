@@ -8,7 +8,7 @@ import { chromium } from "playwright-core";
 
 const [page, toprise, directory] = process.argv.slice(2).map((path) => resolve(path));
 const url = `file://${page}`;
-const browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox"] });
+const browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", "--js-flags=--expose-gc"] });
 const context = await browser.newContext({ viewport: { width: 1500, height: 950 }, acceptDownloads: true, offline: true });
 const faults = [];
 
@@ -60,6 +60,16 @@ const tests = {
       assert.ok(saved.equals(readFileSync(file)), encoding);
     }
     assert.match(await tab.textContent("#digest"), /[0-9a-f]{64}/);
+  },
+  async "all presets have their golden digests"(tab) {
+    const golden = readFileSync("tests/suite/golden.rs", "utf8").matchAll(/\("([\w-]+)", \d+, \d+, "([0-9a-f]{64})"\)/g);
+    await tab.selectOption("#encoding", "protobuf");
+    for (const [, preset, digest] of golden) {
+      await tab.selectOption("#preset", preset);
+      await becomes(tab, `${preset}:`);
+      await Promise.all([tab.waitForEvent("download"), tab.click("#save")]);
+      assert.ok((await tab.textContent("#digest")).endsWith(digest), preset);
+    }
   },
   async "a link opens the same view"(tab) {
     await box(tab, "friction.k").fill("0.021");
@@ -153,13 +163,16 @@ const tests = {
         slider.value = 300 + (change % 200);
         slider.dispatchEvent(new Event("input"));
         await new Promise((resume) => setTimeout(resume, 60));
-        if (change % 100 === 99) sizes.push(performance.memory.usedJSHeapSize);
+        if (change % 100 === 99) {
+          gc();
+          sizes.push(performance.memory.usedJSHeapSize);
+        }
       }
       return sizes.at(-1) / sizes[0];
     });
-    assert.ok(grown < 2, `${grown} times`);
+    assert.ok(grown < 1.2, `${grown} times`);
   },
-  async "a move of a slider shows within 100 ms"(tab) {
+  async "a move of a slider shows at once"(tab) {
     const times = await tab.evaluate(async () => {
       const slider = document.querySelector('[data-path="friction.k"] input[type=range]');
       const shown = document.getElementById("summary");
@@ -175,6 +188,8 @@ const tests = {
       }
       return times.sort((a, b) => a - b);
     });
+    // On a busy machine without a graphics card; a laptop takes a tenth.
+    assert.ok(times[10] < 1000, `${times[10]} ms`);
     console.log(`  median ${times[10].toFixed(0)} ms, longest ${times.at(-1).toFixed(0)} ms`);
   },
 };

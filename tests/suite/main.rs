@@ -32,6 +32,7 @@ mod laws_of_motion;
 mod outcome;
 mod package;
 mod physics;
+mod pictures;
 mod properties;
 mod publish;
 mod random_scenarios;
