@@ -1,6 +1,6 @@
 //! Events of a top, and reasons why a run ends.
 
-use crate::physics::dynamics::Motion;
+use crate::physics::dynamics::{Motion, Passage};
 use crate::physics::top::Top;
 use crate::run::listed::listed;
 use schemars::JsonSchema;
@@ -82,6 +82,23 @@ impl EventKind {
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// The event of a passage; none where the phases imply it.
+    pub(super) fn of(passage: &Passage) -> Option<Self> {
+        match passage {
+            Passage::Holds => Some(Self::Stick),
+            Passage::SlipStops => Some(Self::SlipStops),
+            Passage::SlipResumes => Some(Self::SlipResumes),
+            Passage::BecomesSingular => Some(Self::Singular),
+            Passage::Jams => Some(Self::Jam),
+            Passage::Pivots => Some(Self::Pivot),
+            Passage::Rolls
+            | Passage::RollEnds
+            | Passage::LiftsOff
+            | Passage::Bounces(_)
+            | Passage::Lands(_) => None,
+        }
     }
 
     /// Whether it comes with each nutation, hundreds of times in a run, so that lists of events leave it out.

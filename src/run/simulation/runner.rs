@@ -89,7 +89,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let motion = formulation.motion(&state, scenario.angles);
         let mut queue = Queue::default();
         queue.push(Pending::Event(EventKind::Start, 0.0, motion));
-        let kind = passage.and_then(|passage| kind_of(&passage));
+        let kind = passage.as_ref().and_then(EventKind::of);
         queue.extend(kind.map(|kind| Pending::Event(kind, 0.0, motion)));
         let mut end = None;
         if motion.phase == Phase::Holding && scenario.model.support.is_free() {
@@ -343,7 +343,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn note_entry(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
         let motion = entry.motion;
         let event = |kind| Pending::Event(kind, time, motion);
-        self.queue.extend(kind_of(&entry.passage).map(event));
+        self.queue.extend(EventKind::of(&entry.passage).map(event));
         if !self.model().support.is_free() {
             return;
         }
@@ -552,23 +552,6 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
 /// The motion that an impact leaves behind; none where a phase begins without one.
 fn after_impact<F, const N: usize>(entry: &Entry<F, N>) -> Option<Motion> {
     matches!(entry.passage, Passage::Bounces(_) | Passage::Lands(_)).then_some(entry.motion)
-}
-
-/// The event of a passage; none where the phases imply it.
-fn kind_of(passage: &Passage) -> Option<EventKind> {
-    match passage {
-        Passage::Holds => Some(EventKind::Stick),
-        Passage::SlipStops => Some(EventKind::SlipStops),
-        Passage::SlipResumes => Some(EventKind::SlipResumes),
-        Passage::BecomesSingular => Some(EventKind::Singular),
-        Passage::Jams => Some(EventKind::Jam),
-        Passage::Pivots => Some(EventKind::Pivot),
-        Passage::Rolls
-        | Passage::RollEnds
-        | Passage::LiftsOff
-        | Passage::Bounces(_)
-        | Passage::Lands(_) => None,
-    }
 }
 
 /// Seconds of whole nanoseconds: correctly rounded.
