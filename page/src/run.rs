@@ -147,12 +147,8 @@ impl Run {
             Some(Ok(outcome)) => {
                 progress["events"] = json!(self.events);
                 progress["cycles"] = json!(self.cycles);
-                progress["sentence"] = json!(format!(
-                    "{}: {} at t = {:.4} s",
-                    self.scenario.title(),
-                    outcome.stop_reason.sentence(),
-                    outcome.stop_time
-                ));
+                let title = self.scenario.title();
+                progress["sentence"] = json!(format!("{title}: {}", outcome.sentence()));
                 progress["outcome"] = json!(outcome);
             }
             Some(Err(error)) => progress["error"] = json!(error),

@@ -119,6 +119,17 @@ impl Outcome {
         }
     }
 
+    /// How the run ended and, of a tippe top, that it inverted.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let inversion = self.free.and_then(|free| free.inversion_time);
+        let inversion = inversion.map_or_else(String::new, |time| {
+            format!("the top has inverted at t = {time:.6} s; ")
+        });
+        let (end, time) = (self.stop_reason.sentence(), self.stop_time);
+        format!("{inversion}{end} at t = {time:.6} s")
+    }
+
     /// The value in a column, by its name; none if there is none, or no such column.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<Cell> {

@@ -133,7 +133,7 @@ impl RunReport {
         let mut section = Section::default();
         section.table(Table::of_facts(facts));
         Page {
-            title: self.title(name),
+            title: format!("{name}: {}", self.outcome.sentence()),
             tone: match self.outcome.stop_reason {
                 StopReason::Interrupted | StopReason::Failed => Tone::Weak,
                 _ => Tone::Good,
@@ -141,18 +141,6 @@ impl RunReport {
             sections: vec![section],
             ..Page::default()
         }
-    }
-
-    fn title(&self, name: &str) -> String {
-        let inversion = self.outcome.free.and_then(|free| free.inversion_time);
-        let inversion = inversion.map_or_else(String::new, |time| {
-            format!("the top has inverted at t = {} s; ", number(time, 6))
-        });
-        format!(
-            "{name}: {inversion}{} at t = {} s",
-            self.outcome.stop_reason.sentence(),
-            number(self.outcome.stop_time, 6)
-        )
     }
 
     fn angles(&self) -> String {
