@@ -131,7 +131,10 @@ impl RunArguments {
         const LONGEST: usize = 60;
         let file = self.scenario.file_name().and_then(OsStr::to_str);
         let file = file.filter(|_| is_recording(&self.scenario));
-        let name = file.map(|file| file.trim_end_matches(".partial").trim_end_matches(".mcap"));
+        let name = file.map(|file| {
+            let file = file.trim_end_matches(".partial");
+            file.trim_end_matches(".mcap").trim_end_matches(".parquet")
+        });
         let name = name
             .filter(|name| !name.is_empty())
             .unwrap_or_else(|| scenario.name());
