@@ -32,6 +32,7 @@ mod laws_of_motion;
 mod outcome;
 mod package;
 mod physics;
+#[cfg(feature = "sweep")]
 mod pictures;
 mod properties;
 mod publish;

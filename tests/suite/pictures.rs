@@ -4,7 +4,7 @@ use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use toprise::analysis::figures::{Figure, Run};
+use toprise::analysis::figures::{Figure, Map, MapAxis, MapRun, Run};
 use toprise::run::scenario::Preset;
 
 const NOTED: &str = "docs/pictures.json";
@@ -29,9 +29,7 @@ fn figure_2() -> String {
 }
 
 /// Of a small map: how maps are drawn, in a moment.
-#[cfg(feature = "sweep")]
 fn map() -> String {
-    use toprise::analysis::figures::{Map, MapAxis, MapRun};
     let axis = |name: &str| MapAxis {
         name: name.to_owned(),
         ..MapAxis::default()
@@ -77,8 +75,6 @@ fn scene() -> String {
     digest(files.iter().map(code).collect::<String>())
 }
 
-/// Needs the default features: the pictures show what these build.
-#[cfg(feature = "sweep")]
 #[test]
 fn pictures_show_what_is_drawn_today() {
     let shown = BTreeMap::from([
