@@ -30,7 +30,7 @@ function label({ path, symbol, meaning, typical }) {
   const [letter, index] = (symbol ?? "").split("_");
   const name = typical ? [`${path.split(".").at(-1).replaceAll("_", " ")} `] : [];
   const sign = symbol ? [element("i", { textContent: letter }), element("sub", { textContent: index ?? "" }), " "] : name;
-  const words = meaning.split(/[;:(]/)[0].replace(` ${symbol}`, "");
+  const words = meaning.split(/[;:(]/)[0].split(" ").filter((word) => word !== symbol).join(" ");
   return element("span", { className: "label", title: `${path}: ${meaning}` }, ...sign, element("small", { textContent: words }));
 }
 

@@ -88,7 +88,9 @@ function completed(answer) {
 
 async function simulate() {
   toLink();
+  const slow = setTimeout(() => document.body.classList.add("stale"), 200);
   const answer = await runner.send({ question: { simulate: scenario.given }, columns: tables.columns });
+  clearTimeout(slow);
   if (!answer) return; // overtaken
   at("error").textContent = answer.error ?? "";
   if (answer.error && !run) at("summary").textContent = "This link has no run.";
@@ -136,7 +138,7 @@ function compare({ error, verdict, findings }) {
 
 function listEvents() {
   const items = run.events.map(({ time: when, text }) =>
-    element("li", { tabIndex: 0, onclick: () => choose(when) }, element("b", { textContent: `${when.toFixed(4)} s` }), ` ${text}`),
+    element("li", { onclick: () => choose(when) }, element("b", { textContent: `${when.toFixed(4)} s` }), ` ${text}`),
   );
   at("events").replaceChildren(...items);
 }
@@ -169,10 +171,14 @@ function draw() {
     at("time").max = end;
     at("time").value = time;
     at("clock").textContent = `${time.toFixed(3)} s`;
-    const last = run.events.findLastIndex((event) => event.time <= time + 1e-9);
+    const last = lastEvent();
     [...at("events").children].forEach((item, index) => item.classList.toggle("now", index === last));
+    const item = at("events").children[last];
+    if (item) at("events").scrollTop = item.offsetTop - at("events").clientHeight / 2;
   });
 }
+
+const lastEvent = () => run.events.findLastIndex((event) => event.time <= time + 1e-9);
 
 function choose(when) {
   time = Math.min(Math.max(when, 0), Math.max(run.end, pinned?.end ?? 0));
@@ -308,11 +314,17 @@ at("copy-command").onclick = ({ target }) => copy(scenario.command, target);
 at("copy-link").onclick = ({ target }) => copy(location.href, target);
 at("reset").onclick = () => at("preset").onchange();
 at("version").textContent = tables.version;
+at("events").onkeydown = (event) => {
+  const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+  const next = step && run.events[lastEvent() + step];
+  if (next) choose(next.time);
+  if (step) event.preventDefault();
+};
 addEventListener("resize", draw);
 addEventListener("hashchange", begin);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 addEventListener("keydown", (event) => {
-  if (event.target.closest("input, select, button, summary, li") && event.key !== "p") return;
+  if (event.target.closest("input, select, button, summary") && event.key !== "p") return;
   if (event.target.closest("input") || !KEYS[event.key] || event.ctrlKey || event.metaKey) return;
   event.preventDefault();
   KEYS[event.key]();

@@ -140,6 +140,9 @@ const tests = {
     await tab.waitForFunction(() => document.getElementById("clock").textContent === "0.000 s");
     await tab.keyboard.press("ArrowRight");
     await tab.waitForFunction(() => document.getElementById("clock").textContent === "0.010 s");
+    await tab.focus("#events");
+    await tab.keyboard.press("ArrowDown");
+    await tab.waitForFunction(() => document.getElementById("clock").textContent === "24.270 s");
   },
   async "two tabs don't disturb each other"(tab) {
     const other = await open("#tippe-top");
