@@ -36,7 +36,7 @@ function label({ path, symbol, meaning, typical }) {
 
 function choice(scenario, key, changed) {
   const options = key.words.map((word) => element("option", { textContent: word }));
-  if (!key.required) options.unshift(element("option", { value: "", textContent: "as usual" }));
+  if (!key.required) options.unshift(element("option", { value: "", textContent: "default" }));
   const select = element("select", { onchange: () => changed(key.path, select.value, true) }, ...options);
   select.value = scenario.values[key.path] ?? "";
   return [select];
@@ -53,7 +53,7 @@ function number(scenario, key, changed) {
     changed(key.path, box.value);
   };
   box.oninput = () => {
-    changed(key.path, box.value.trim());
+    changed(key.path, box.value.trim().replace(",", "."));
     move();
   };
   return [slider, box, element("small", { textContent: key.unit })];

@@ -103,6 +103,7 @@ export class Curves {
       return this.window[0] + Math.min(Math.max(part, 0), 1) * (this.window[1] - this.window[0]);
     };
     const scale = (event) => {
+      if (!event.ctrlKey && !event.metaKey) return; // the page scrolls; a pinch comes with "ctrl"
       event.preventDefault();
       const at = timeAt(event);
       const factor = Math.exp(event.deltaY / 400);
@@ -182,7 +183,7 @@ export class Curves {
         pen.fillRect(LEFT, y(value), across, 1);
         pen.fillStyle = style.color;
         pen.textAlign = "right";
-        pen.fillText(value, LEFT - 6, y(value) + 4);
+        pen.fillText(value, LEFT - 6, y(value) + 4, LEFT - 8);
       }
       pen.save();
       pen.beginPath();

@@ -44,6 +44,7 @@ const tables = await runner.tables;
 
 let scenario;
 let run = null;
+let items = []; // of the list of events
 let pinned = null;
 let time = 0;
 let window_ = null;
@@ -59,14 +60,15 @@ function decoded(text) {
   }
 }
 
-/** The scenarios of a link: `#paper&friction.k=0.02`, and behind `&vs` the pinned one. */
+/** The scenarios and the moment of a link: `#paper&friction.k=0.02`, behind `&vs=` the pinned one, behind `&at=` the seconds. */
 function fromLink() {
-  const [ours, theirs] = location.hash.slice(1).split("&vs=").map(decoded);
+  const [scenarios, moment] = location.hash.slice(1).split("&at=");
+  const [ours, theirs] = scenarios.split("&vs=").map(decoded);
   const read = (text) => {
     const [preset, ...set] = text.split("&");
     return new Scenario(tables, preset, Object.fromEntries(set.map((change) => [change.split("=")[0], change.slice(change.indexOf("=") + 1)])));
   };
-  return { ours: read(ours || "paper"), theirs: theirs && read(theirs) };
+  return { ours: read(ours || "paper"), theirs: theirs && read(theirs), moment: Number(moment) || 0 };
 }
 
 const link = ({ preset, set }) => [preset, ...Object.entries(set).map(([path, value]) => `${path}=${value}`)].join("&");
@@ -93,8 +95,9 @@ async function simulate() {
   clearTimeout(slow);
   if (!answer) return; // overtaken
   at("error").textContent = answer.error ?? "";
-  if (answer.error && !run) at("summary").textContent = "This link has no run.";
+  if (!run) at("summary").textContent = "There is no run to show.";
   document.body.classList.toggle("stale", Boolean(answer.error));
+  for (const button of document.querySelectorAll("#take button, #pin")) button.disabled = Boolean(answer.error);
   if (answer.error) return;
   const end = run?.end;
   run = completed(answer);
@@ -122,37 +125,53 @@ function ask() {
       at("explanation").replaceChildren(
         ...told.flatMap(({ heading, sentences }) => [element("h3", { textContent: heading }), element("p", { textContent: sentences.join(" ") })]),
       );
-    if (pinned) compare(await teller.send({ question: { compare: { a: pinned.scenario, b: run.scenario } } }));
+    if (!pinned) return;
+    if (pinned.digest === run.digest) compare({ error: "This run is A. Change something: the changed run is B." });
+    else compare(await teller.send({ question: { compare: { a: pinned.scenario, b: run.scenario } } }));
   }, 300);
 }
 
-function compare({ error, verdict, findings }) {
+function compare({ error, findings }) {
   const head = element("tr", {}, ...["A", "B", "B − A"].map((text) => element("th", { textContent: text })));
-  const rows = (findings ?? []).flatMap(({ cells: [what, ...numbers] }) => [
+  const rows = (findings ?? []).flatMap(([what, ...numbers]) => [
     element("tr", {}, element("th", { colSpan: 3, scope: "row", textContent: what })),
     element("tr", {}, ...numbers.map((text) => element("td", { textContent: text }))),
   ]);
-  const table = rows.length > 0 ? [element("table", {}, head, ...rows)] : [];
-  at("comparison").replaceChildren(element("h2", { textContent: "A and B" }), element("p", { textContent: error ?? `${verdict}.` }), ...table);
+  const table = rows.length > 0 ? element("table", {}, head, ...rows) : element("p", { textContent: error ?? "A and B are the same." });
+  at("comparison").replaceChildren(element("h2", { textContent: "A and B" }), table);
 }
 
+/** Lists the events. Those in a row whose kinds come often are together. */
 function listEvents() {
-  const items = run.events.map(({ time: when, text }) =>
-    element("li", { onclick: () => choose(when) }, element("b", { textContent: `${when.toFixed(4)} s` }), ` ${text}`),
-  );
-  at("events").replaceChildren(...items);
+  const kinds = Map.groupBy(run.events, ({ kind }) => kind);
+  const isOften = (event) => event && kinds.get(event.kind).length > 2;
+  const groups = [];
+  items = run.events.map((event, index) => {
+    const text = [element("b", { textContent: `${event.time.toFixed(4)} s` }), ` ${event.text}`];
+    if (isOften(event) && isOften(run.events[index - 1])) groups.at(-1).push(index);
+    else groups.push([index]);
+    return element("li", { onclick: () => choose(event.time) }, ...text);
+  });
+  at("events").replaceChildren(...groups.flatMap(entries));
 }
 
-const colors = () => {
-  const style = getComputedStyle(document.body);
-  return { a: style.getPropertyValue("--a"), b: style.getPropertyValue("--b") };
-};
+/** The entries of a group of events: themselves if they are few, or one that opens. */
+function entries(group) {
+  const own = group.map((index) => items[index]);
+  if (own.length < 5) return own;
+  const events = group.map((index) => run.events[index]);
+  const plurals = [...Map.groupBy(events, ({ plural }) => plural)].filter(([plural]) => plural);
+  const span = `${events[0].time.toFixed(4)} to ${events.at(-1).time.toFixed(4)} s`;
+  const what = ` ${plurals.map(([plural, { length }]) => `${length} ${plural}`).join(", ")}`;
+  const heading = element("summary", {}, element("b", { textContent: span }), what);
+  return element("li", {}, element("details", {}, heading, element("ol", {}, ...own)));
+}
 
 /** What is drawn: the pinned run, if there is one, and the one that is changed. */
 function shown() {
-  const { a, b } = colors();
-  const title = ({ title }) => title;
-  return [...(pinned ? [{ run: pinned, color: a, name: `A: ${title(pinned)}` }] : []), { run, color: b, name: `${pinned ? "B: " : ""}${title(run)}` }];
+  const style = getComputedStyle(document.body);
+  const changed = { run, color: style.getPropertyValue("--b"), name: `${pinned ? "B: " : ""}${run.title}` };
+  return pinned ? [{ run: pinned, color: style.getPropertyValue("--a"), name: `A: ${pinned.title}` }, changed] : [changed];
 }
 
 const curves = new Curves(at("curves"), { choose, zoom });
@@ -165,31 +184,33 @@ function draw() {
   requestAnimationFrame(() => {
     isDrawing = false;
     const runs = shown();
-    const end = Math.max(...runs.map(({ run }) => run.end));
-    curves.draw(runs, window_ ?? [0, end], time);
+    curves.draw(runs, window_ ?? [0, latest()], time);
     view.draw(runs, time);
-    at("time").max = end;
+    at("time").max = latest();
     at("time").value = time;
     at("clock").textContent = `${time.toFixed(3)} s`;
-    const last = lastEvent();
-    [...at("events").children].forEach((item, index) => item.classList.toggle("now", index === last));
-    const item = at("events").children[last];
+    const last = items[lastEvent()];
+    const item = last?.closest("details:not([open])") ?? last;
+    for (const other of at("events").querySelectorAll(".now")) other.classList.remove("now");
+    item?.classList.add("now");
     if (item) at("events").scrollTop = item.offsetTop - at("events").clientHeight / 2;
   });
 }
 
 const lastEvent = () => run.events.findLastIndex((event) => event.time <= time + 1e-9);
 
+/** The end of the longest run that is shown, s. */
+const latest = () => Math.max(run.end, pinned?.end ?? 0);
+
 function choose(when) {
-  time = Math.min(Math.max(when, 0), Math.max(run.end, pinned?.end ?? 0));
+  time = Math.min(Math.max(when, 0), latest());
   draw();
 }
 
 function zoom(wanted) {
-  const end = Math.max(run.end, pinned?.end ?? 0);
-  const [from, to] = wanted ?? [0, end];
-  const width = Math.max(to - from, 1e-3);
-  window_ = width >= end ? null : [Math.max(from, 0), Math.min(Math.max(from, 0) + width, end)];
+  const [from, to] = wanted ?? [0, latest()];
+  const width = Math.max(to - from, 1e-3); // s
+  window_ = width >= latest() ? null : [Math.max(from, 0), Math.min(Math.max(from, 0) + width, latest())];
   draw();
 }
 
@@ -204,7 +225,7 @@ let before = 0;
 function play(wanted = !isPlaying) {
   isPlaying = wanted;
   at("play").textContent = isPlaying ? "Pause" : "Play";
-  if (isPlaying && time >= Math.max(run.end, pinned?.end ?? 0)) time = 0;
+  if (isPlaying && time >= latest()) time = 0;
   before = performance.now();
   if (isPlaying) requestAnimationFrame(step);
 }
@@ -213,13 +234,17 @@ function step(now) {
   if (!isPlaying) return;
   choose(time + ((now - before) / 1000) * speed);
   before = now;
-  if (time >= Math.max(run.end, pinned?.end ?? 0)) play(false);
+  if (time >= latest()) play(false);
   else requestAnimationFrame(step);
 }
 
 function changed(path, value, follows) {
+  at("also").textContent = "";
   if (follows || value === "" || path === "drilling.k") {
+    const before = scenario.set;
     scenario.change(path, value);
+    const also = Object.entries(scenario.set).filter(([other, value]) => other !== path && value !== before[other]);
+    if (also.length > 0) at("also").textContent = `This also sets ${also.map(([other, value]) => `${other} = ${value || "none"}`).join(", ")}.`;
     showControls();
   } else scenario.put(path, value);
   mark();
@@ -228,8 +253,7 @@ function changed(path, value, follows) {
 
 /** Marks what differs from the preset. */
 function mark() {
-  const { set } = scenario;
-  for (const row of document.querySelectorAll(".key")) row.classList.toggle("changed", row.dataset.path in set);
+  for (const row of document.querySelectorAll(".key")) row.classList.toggle("changed", row.dataset.path in scenario.set);
 }
 
 function showControls() {
@@ -247,7 +271,7 @@ function pin() {
   at("comparison").replaceChildren();
   toLink();
   draw();
-  if (pinned) ask();
+  ask();
 }
 
 async function save() {
@@ -284,7 +308,7 @@ const KEYS = {
 };
 
 async function begin() {
-  const { ours, theirs } = fromLink();
+  const { ours, theirs, moment } = fromLink();
   pinned = null;
   scenario = theirs || ours;
   if (theirs) {
@@ -295,11 +319,13 @@ async function begin() {
   }
   showControls();
   await simulate();
+  if (run) choose(moment);
   document.body.classList.add("ready");
 }
 
 at("preset").replaceChildren(...tables.presets.map(({ name }) => element("option", { textContent: name })));
 at("preset").onchange = () => {
+  at("also").textContent = "";
   scenario.start(at("preset").value);
   showControls();
   time = 0;
@@ -311,7 +337,7 @@ at("speed").onchange = () => (speed = Number(at("speed").value));
 at("pin").onclick = pin;
 at("save").onclick = save;
 at("copy-command").onclick = ({ target }) => copy(scenario.command, target);
-at("copy-link").onclick = ({ target }) => copy(location.href, target);
+at("copy-link").onclick = ({ target }) => copy(`${location.href}&at=${time.toFixed(3)}`, target);
 at("reset").onclick = () => at("preset").onchange();
 at("version").textContent = tables.version;
 at("events").onkeydown = (event) => {

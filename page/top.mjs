@@ -71,7 +71,7 @@ export class View {
       this.one(pen, run, color, Math.min(time, run.columns.time.at(-1)), width, canvas.clientHeight);
       pen.fillStyle = color;
       pen.font = "600 13px system-ui";
-      pen.fillText(name, 10, 20);
+      pen.fillText(name, 10, 20, width - 20);
       pen.restore();
     });
   }

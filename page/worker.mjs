@@ -15,7 +15,7 @@ async function simulate(id, scenario, columns) {
     progress = toprise.ask({ advance: { records: SLICE } });
     await pause();
     if (id !== newest) return null;
-  } while (!progress.error && !progress.outcome);
+  } while (!progress.error && !progress.sentence);
   if (progress.error) return { error: progress.error };
   const values = columns.map((name, index) => [name, toprise.column(index, progress.samples)]);
   return { scenario, ...start, ...progress, columns: Object.fromEntries(values) };

@@ -1,13 +1,14 @@
 //! Questions of the page, and their answers.
 
-use crate::run::{COLUMNS, Run, recording};
+use crate::run::{Run, recording};
 use crate::tables::tables;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
-use toprise::analysis::diff::{Options, compare};
+use std::error::Error;
+use toprise::analysis::diff::{Finding, Options, compare};
 use toprise::analysis::explain::{Fact, explain};
-use toprise::run::scenario::{Preset, Scenario};
+use toprise::run::scenario::{Preset, Scenario, ScenarioError};
 use toprise::telemetry::encoding::Encoding;
 
 /// A question, with its name as the only member of an object.
@@ -51,26 +52,20 @@ impl Page {
 
     /// Answers the question that was put; returns the length of the answer, bytes.
     pub fn answer(&mut self) -> usize {
-        let question = serde_json::from_slice(&self.question).map_err(|error| error.to_string());
-        let answer = question.and_then(|question| self.answer_to(question));
-        let answer = answer.unwrap_or_else(|error| json!({ "error": error }));
+        let answer = self.answer_to_question();
+        let answer = answer.unwrap_or_else(|error| json!({ "error": error.to_string() }));
         self.output = answer.to_string();
         self.output.len()
     }
 
-    fn answer_to(&mut self, question: Question) -> Result<Json, String> {
-        match question {
-            Question::Tables {} => {
-                let mut tables = tables();
-                tables["columns"] = COLUMNS.iter().map(|(name, _)| *name).collect();
-                Ok(tables)
-            }
+    fn answer_to_question(&mut self) -> Result<Json, Box<dyn Error>> {
+        match serde_json::from_slice(&self.question)? {
+            Question::Tables {} => Ok(tables()),
             Question::Start(given) => {
                 let scenario = given.scenario()?;
                 let top = &scenario.model.top;
                 let answer = json!({
                     "title": scenario.title(),
-                    "toml": scenario.to_toml(),
                     "digest": scenario.digest(),
                     "is_free": scenario.model.support.is_free(),
                     "center_distance": top.center_distance,
@@ -86,7 +81,7 @@ impl Page {
                 Ok(run.progress())
             }
             Question::Explain(given) => {
-                let explanation = explain(&given.scenario()?).map_err(|error| error.to_string())?;
+                let explanation = explain(&given.scenario()?)?;
                 let chapters = explanation.chapters.iter().map(|chapter| {
                     let sentences: Vec<_> = chapter.facts.iter().map(Fact::sentence).collect();
                     json!({ "heading": chapter.heading, "sentences": sentences })
@@ -94,13 +89,9 @@ impl Page {
                 Ok(chapters.collect())
             }
             Question::Compare { a, b } => {
-                let report = compare(&a.scenario()?, &b.scenario()?, &Options::default());
-                let report = report.map_err(|error| error.to_string())?;
+                let report = compare(&a.scenario()?, &b.scenario()?, &Options::default())?;
                 let findings = report.findings.iter().filter(|finding| finding.differs());
-                let findings: Vec<_> = findings
-                    .map(|f| json!({ "what": f.what, "unit": f.unit, "cells": f.cells() }))
-                    .collect();
-                Ok(json!({ "verdict": report.verdict.title(), "findings": findings }))
+                Ok(json!({ "findings": findings.map(Finding::cells).collect::<Vec<_>>() }))
             }
             Question::Record { scenario, encoding } => {
                 let known = Encoding::ALL
@@ -116,13 +107,11 @@ impl Page {
 }
 
 impl Given {
-    fn scenario(&self) -> Result<Scenario, String> {
-        let mut values = Preset::find(&self.preset)
-            .and_then(Preset::values)
-            .map_err(|error| error.to_string())?;
+    fn scenario(&self) -> Result<Scenario, ScenarioError> {
+        let mut values = Preset::find(&self.preset).and_then(Preset::values)?;
         for (key, value) in &self.set {
-            values.set(key, value).map_err(|error| error.to_string())?;
+            values.set(key, value)?;
         }
-        Scenario::new(values).map_err(|error| error.to_string())
+        Scenario::new(values)
     }
 }

@@ -2,14 +2,15 @@
 
 use serde_json::{Value as Json, json};
 use std::cell::Cell;
+use std::error::Error;
 use std::rc::Rc;
 use toprise::archive::format::end_entries;
 use toprise::archive::writer::{Form, McapWriter};
 use toprise::run::outcome::Outcome;
 use toprise::run::scenario::Scenario;
-use toprise::run::simulation::{Record, Sample, Simulation, StopReason, Tally};
+use toprise::run::simulation::{Record, Sample, Simulation, SimulationError, StopReason, Tally};
+use toprise::telemetry::Telemetry;
 use toprise::telemetry::encoding::Encoding;
-use toprise::telemetry::{Telemetry, TelemetryError};
 
 /// The most steps and samples of a run in the page: ten and five times those of the longest preset.
 const MOST_STEPS: u64 = 2_000_000;
@@ -60,14 +61,14 @@ impl Run {
     ///
     /// # Errors
     /// If the simulation can't start.
-    pub fn new(scenario: Scenario) -> Result<Self, String> {
+    pub fn new(scenario: Scenario) -> Result<Self, SimulationError> {
         let steps = Rc::new(Cell::new(0));
         let counted = Rc::clone(&steps);
         let carry_on = move || {
             counted.set(counted.get() + 1);
             counted.get() < MOST_STEPS
         };
-        let simulation = Simulation::new(&scenario).map_err(|error| error.to_string())?;
+        let simulation = Simulation::new(&scenario)?;
         Ok(Self {
             simulation: simulation.while_told(carry_on),
             scenario,
@@ -109,9 +110,12 @@ impl Run {
             Record::Event(event) => {
                 self.tally.count(event.kind, event.time);
                 if !event.kind.is_of_nutation() {
-                    let text = event.description.as_str();
-                    self.events
-                        .push(json!({ "time": event.time, "text": text }));
+                    self.events.push(json!({
+                        "time": event.time,
+                        "text": event.description,
+                        "kind": event.kind.name(),
+                        "plural": event.kind.plural(&self.scenario.model.top),
+                    }));
                 }
             }
             Record::Nutation(cycle) => {
@@ -131,7 +135,7 @@ impl Run {
             Ok(Outcome::new(&self.scenario, &end, &self.tally))
         } else {
             Err(format!(
-                "the run is too long for the page: at t = {} s it has {} steps and {} samples",
+                "the run is too long for the page: at t = {:.3} s it has {} steps and {} samples",
                 end.time,
                 self.steps.get(),
                 self.columns[0].len()
@@ -142,14 +146,13 @@ impl Run {
     /// How far it is.
     pub fn progress(&self) -> Json {
         let samples = self.columns[0].len();
-        let mut progress = json!({ "samples": samples, "steps": self.steps.get() });
+        let mut progress = json!({ "samples": samples });
         match &self.end {
             Some(Ok(outcome)) => {
                 progress["events"] = json!(self.events);
                 progress["cycles"] = json!(self.cycles);
                 let title = self.scenario.title();
                 progress["sentence"] = json!(format!("{title}: {}", outcome.sentence()));
-                progress["outcome"] = json!(outcome);
             }
             Some(Err(error)) => progress["error"] = json!(error),
             None => {}
@@ -162,28 +165,21 @@ impl Run {
 ///
 /// # Errors
 /// If the motion can't be computed to its end.
-pub fn recording(scenario: &Scenario, encoding: Encoding) -> Result<(Vec<u8>, String), String> {
+pub fn recording(
+    scenario: &Scenario,
+    encoding: Encoding,
+) -> Result<(Vec<u8>, String), Box<dyn Error>> {
     let mut telemetry = Telemetry::default();
     let form = Form {
         encoding,
         ..Form::default()
     };
-    let message = |error: &dyn std::error::Error| error.to_string();
-    let mut writer =
-        McapWriter::new(Vec::new(), scenario, &telemetry, form).map_err(|error| message(&error))?;
-    let mut simulation = Simulation::new(scenario).map_err(|error| message(&error))?;
+    let mut writer = McapWriter::new(Vec::new(), scenario, &telemetry, form)?;
+    let mut simulation = Simulation::new(scenario)?;
     for record in simulation.by_ref() {
-        let record = record.map_err(|error| message(&error))?;
-        let mut failed = None;
-        let written = telemetry.messages(&record, |message| {
-            failed = failed.take().or(writer.write(message).err());
-            Ok::<(), TelemetryError>(())
-        });
-        written.map_err(|error| message(&error))?;
-        if let Some(error) = failed {
-            return Err(message(&error));
-        }
+        telemetry.messages(&record?, |message| {
+            Ok::<_, Box<dyn Error>>(writer.write(message)?)
+        })?;
     }
-    let end = end_entries(&simulation.end());
-    writer.finish(end).map_err(|error| message(&error))
+    Ok(writer.finish(end_entries(&simulation.end()))?)
 }

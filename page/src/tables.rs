@@ -1,14 +1,16 @@
 //! The program's tables, from which the page makes its controls.
 
+use crate::run::COLUMNS;
 use serde_json::{Value as Json, json};
 use toprise::run::scenario::{KEYS, Key, Kind, PRESETS, Presence, Preset, Scenario, Value};
 
-/// All tables: the keys of scenarios, and the presets with their values.
+/// All tables: the keys of scenarios, the presets with their values, and the names of the columns.
 pub fn tables() -> Json {
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "keys": KEYS.iter().map(key).collect::<Vec<_>>(),
         "presets": PRESETS.iter().map(preset).collect::<Vec<_>>(),
+        "columns": COLUMNS.iter().map(|(name, _)| name).collect::<Vec<_>>(),
     })
 }
 

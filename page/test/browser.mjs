@@ -39,6 +39,7 @@ const tests = {
   },
   async "a run is pinned and compared"(tab) {
     await tab.click("#pin");
+    await tab.waitForFunction(() => document.getElementById("comparison").textContent.includes("This run is A."));
     await box(tab, "friction.k").fill("0.045");
     await becomes(tab, "paper, friction.k = 0.045");
     await tab.waitForSelector("#comparison td");
@@ -79,8 +80,9 @@ const tests = {
     await becomes(tab, "full-coulomb:");
     const hash = new URL(tab.url()).hash;
     assert.equal(hash, "#full-coulomb&vs=paper&friction.k=0.021");
-    const other = await open(hash);
+    const other = await open(`${hash}&at=3.2`);
     assert.equal(await summary(other), await summary(tab));
+    assert.equal(await other.textContent("#clock"), "3.200 s");
     assert.equal(await other.textContent("#pin"), "Unpin A");
     await other.close();
   },
@@ -88,8 +90,10 @@ const tests = {
     await box(tab, "friction.k").fill("-1");
     await tab.waitForFunction(() => document.getElementById("error").textContent !== "");
     assert.equal(await tab.textContent("#error"), "friction.k = -1: must be a number from 0 to 100");
-    await box(tab, "friction.k").fill("0.03");
+    for (const id of ["pin", "save", "copy-command", "copy-link"]) assert.ok(await tab.isDisabled(`#${id}`), id);
+    await box(tab, "friction.k").fill("0,03");
     await tab.waitForFunction(() => document.getElementById("error").textContent === "");
+    assert.ok(await tab.isEnabled("#save"));
   },
   async "a link that is wrong says so"(tab) {
     for (const [hash, error] of [
@@ -120,6 +124,7 @@ const tests = {
     await tab.locator('[data-path="support.kind"] select').selectOption("free");
     await becomes(tab, "keys changed");
     assert.equal(await tab.textContent("#error"), "");
+    assert.match(await tab.textContent("#also"), /^This also sets .*formulation = body.*\.$/);
     await shot(tab, "free");
   },
   async "a run without end is ended, and says so"(tab) {
