@@ -3,16 +3,20 @@
 
 use nalgebra::Vector3;
 use rerun::TextDocument;
+use rerun::external::re_log_types::LogMsg;
 
+use super::blueprint;
+use super::blueprint::pair::Extent;
 use super::entities::Entities;
 use super::entity::SUMMARY;
+use super::error::RerunError;
 use super::look::Look;
-use super::outlet::Outlet;
+use super::outlet::{Outlet, To};
 use super::pair::PairIdentity;
 use super::plots::Plots;
 use super::scene;
 use super::scene::focus::Focus;
-use super::track::{Collect, Flush};
+use super::track::{Collect, Content, Flush};
 use crate::physics::math;
 use crate::telemetry::Message;
 use crate::telemetry::fields::POSE;
@@ -26,8 +30,7 @@ pub struct Comparison {
     magnitude: Plots,
     /// Between the two, where one of them travels.
     focus: Option<Focus>,
-    /// Which run is which, in Markdown.
-    key: String,
+    identity: PairIdentity,
 }
 
 impl Comparison {
@@ -52,7 +55,7 @@ impl Comparison {
             difference: Plots::new(difference, &Look::Difference, outlet),
             magnitude: Plots::new(magnitude, &Look::Magnitude, outlet),
             focus,
-            key: identity.key(),
+            identity: identity.clone(),
         };
         // Until the comparison has ended there is only the key to the colours.
         comparison.summarize("", outlet);
@@ -86,8 +89,21 @@ impl Comparison {
 
     /// Replaces what there is to say about the comparison, in Markdown.
     pub(super) fn summarize(&self, text: &str, outlet: &mut Outlet) {
-        let text = TextDocument::from_markdown(format!("{}{text}", self.key));
+        let text = TextDocument::from_markdown(format!("{}{text}", self.identity.key()));
         outlet.send_static(SUMMARY, &text);
+    }
+}
+
+impl Content for Comparison {
+    const SHOWN_AT_END: To = To::Both;
+
+    fn layout_at_end(&self, duration: f64) -> Vec<Result<LogMsg, RerunError>> {
+        let differences = &self.difference;
+        let extent = Extent {
+            duration,
+            differences,
+        };
+        blueprint::pair::messages(&self.identity, Some(&extent))
     }
 }
 

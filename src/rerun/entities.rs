@@ -2,16 +2,19 @@
 
 use nalgebra::Vector3;
 use rerun::TextDocument;
+use rerun::external::re_log_types::LogMsg;
 
+use super::blueprint;
 use super::entity::ABOUT;
+use super::error::RerunError;
 use super::events::Events;
 use super::identity::Identity;
 use super::look::Look;
-use super::outlet::Outlet;
+use super::outlet::{Outlet, To};
 use super::plots::Plots;
 use super::scene::Scene;
 use super::scene::{arrow, contact_path};
-use super::track::{Collect, Flush};
+use super::track::{Collect, Content, Flush};
 use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, POSE};
 
@@ -20,6 +23,7 @@ pub struct Entities {
     plots: Plots,
     events: Option<Events>,
     scene: Option<Scene>,
+    identity: Identity,
 }
 
 impl Entities {
@@ -35,6 +39,7 @@ impl Entities {
         }
         outlet.send_static(look.entity(ABOUT), &TextDocument::from_markdown(about));
         Self {
+            identity: identity.clone(),
             plots: Plots::new(|plot| identity.has(plot.topic()), look, outlet),
             events: identity
                 .has(EVENTS)
@@ -57,6 +62,14 @@ impl Entities {
         if let Some(scene) = &mut self.scene {
             scene.write(message, outlet);
         }
+    }
+}
+
+impl Content for Entities {
+    const SHOWN_AT_END: To = To::File;
+
+    fn layout_at_end(&self, duration: f64) -> Vec<Result<LogMsg, RerunError>> {
+        blueprint::run::messages_at_end(&self.identity, duration)
     }
 }
 

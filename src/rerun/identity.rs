@@ -1,10 +1,12 @@
 //! Description of a run before its messages.
 
+use super::message::store;
 use super::scale::Scales;
 use crate::physics::kinematics::Tilt;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
 use crate::telemetry::Topic;
+use rerun::StoreId;
 
 /// The top, and the sizes that arrows are drawn to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,6 +100,11 @@ impl Identity {
     pub fn with_hops_drawn(mut self, factor: f64) -> Self {
         self.geometry.hop_scale = factor;
         self
+    }
+
+    /// Where a viewer keeps the recording.
+    pub(super) fn store(&self) -> StoreId {
+        store(&self.name, &self.recording_id)
     }
 
     /// Whether messages of this topic will be written.

@@ -1,14 +1,27 @@
 //! Messages that a recording consists of, as the SDK sends them, and their identifiers.
 
-use rerun::external::re_log_types::{LogMsg, SetStoreInfo, StoreInfo, StoreSource};
+use rerun::external::re_log_types::{
+    ApplicationId, LogMsg, SetStoreInfo, StoreInfo, StoreKind, StoreSource,
+};
 use rerun::external::re_tuid::Tuid;
 use rerun::log::{Chunk, ChunkId, RowId};
 use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimeColumn, TimePoint};
 
 use super::error::RerunError;
 
-/// Name of the application, which a viewer groups recordings by.
-pub(super) const APPLICATION: &str = "toprise";
+/// The most letters of a recording's name in its application's.
+const MOST_LETTERS: usize = 100;
+
+/// The store of a recording. To a viewer, which keeps one layout for each application, recordings of different names are
+/// different applications.
+pub(super) fn store(name: &str, recording_id: &str) -> StoreId {
+    let is_allowed = |letter: char| letter.is_ascii_alphanumeric() || "-_".contains(letter);
+    let letters = name.chars().take(MOST_LETTERS);
+    let letters = letters.map(|letter| if is_allowed(letter) { letter } else { '-' });
+    let application = format!("toprise-{}", letters.collect::<String>());
+    let application = ApplicationId::new_or_unknown(application);
+    StoreId::new(StoreKind::Recording, application, recording_id)
+}
 
 /// The timeline of every recording: simulation time as a duration in nanoseconds.
 pub(super) const TIMELINE: &str = "sim_time";
@@ -39,7 +52,7 @@ impl Ids {
 
 /// The message that opens a store.
 pub(super) fn opening(store: &StoreId, ids: &mut Ids) -> LogMsg {
-    let source = StoreSource::Other(APPLICATION.to_owned());
+    let source = StoreSource::Other("toprise".to_owned());
     LogMsg::SetStoreInfo(SetStoreInfo {
         row_id: ids.next(),
         info: StoreInfo::new(store.clone(), source),

@@ -24,7 +24,7 @@ pub struct Destinations {
 
 /// Which of the destinations is meant.
 #[derive(Clone, Copy)]
-pub(super) enum To {
+pub enum To {
     /// The viewer: the file gets its own message, as the same rows later, in longer chunks.
     Viewer,
     /// The file: the viewer has its own message already.

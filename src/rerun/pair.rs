@@ -3,9 +3,11 @@
 use super::blueprint::contrasts;
 use super::identity::{Geometry, Identity, Playback};
 use super::look::Look;
+use super::message::store;
 use crate::telemetry::fields::{NUTATION, POSE, Plot};
 use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
+use rerun::StoreId;
 
 /// The names of a recording of two runs, and what is known of each.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +31,11 @@ impl PairIdentity {
             Side::A => &self.a,
             Side::B => &self.b,
         }
+    }
+
+    /// Where a viewer keeps the recording.
+    pub(super) fn store(&self) -> StoreId {
+        store(&self.name, &self.recording_id)
     }
 
     /// The name of a run; its letter, if both have the same name.

@@ -12,8 +12,11 @@ pub(super) struct Plots(Vec<Vec<PlotTrack>>);
 
 /// One plot of a channel.
 struct PlotTrack {
+    plot: Plot,
     numbers: Vec<NumberField>,
     track: Track<Numbers>,
+    /// The least and the greatest number.
+    range: [f64; 2],
 }
 
 impl Plots {
@@ -24,13 +27,25 @@ impl Plots {
             let numbers: Vec<_> = plot.numbers().collect();
             outlet.send_static(entity.as_str(), &*style::of(&numbers, look));
             let track = Track::new(entity, Numbers::new(numbers.len()));
-            PlotTrack { numbers, track }
+            PlotTrack {
+                plot,
+                numbers,
+                track,
+                range: [f64::INFINITY, f64::NEG_INFINITY],
+            }
         };
         let plots = Topic::all().map(|topic| {
             let plots = Plot::all(topic).into_iter();
             plots.filter(|plot| wanted(*plot)).map(&mut open).collect()
         });
         Self(plots.collect())
+    }
+
+    /// The least and the greatest number of a plot; the former is the larger one if there is none.
+    pub(super) fn range(&self, plot: Plot) -> [f64; 2] {
+        let tracks = &mut self.0[plot.topic().index()].iter();
+        let track = tracks.find(|track| track.plot == plot);
+        track.map_or([f64::INFINITY, f64::NEG_INFINITY], |track| track.range)
     }
 
     /// Adds a row of what `value` makes of the numbers of a message, unless it makes nothing of one of them.
@@ -43,6 +58,10 @@ impl Plots {
         for plot in &mut self.0[message.channel] {
             let row = || plot.numbers.iter().map(|number| value(number.of(message)));
             if row().all(|value| value.is_some()) {
+                for number in row().flatten() {
+                    let [least, greatest] = plot.range;
+                    plot.range = [least.min(number), greatest.max(number)];
+                }
                 let fill = |rows: &mut Numbers| rows.extend(row().flatten());
                 plot.track.push(outlet, message.time_ns, fill);
             }

@@ -88,11 +88,15 @@ pub(super) fn round(value: f64) -> f64 {
     round_by(value, 0.0)
 }
 
+/// Ten to the power of a whole number, exactly rounded.
+pub(super) fn power_of_ten(exponent: f64) -> f64 {
+    format!("1e{exponent}").parse().unwrap_or(0.0)
+}
+
 /// The same, times ten to the power of `decades`.
 fn round_by(value: f64, decades: f64) -> f64 {
     let decade = math::log10(value).floor();
-    let power = |exponent: f64| format!("1e{exponent}").parse().unwrap_or(0.0);
-    let digits: f64 = value / power(decade);
+    let digits: f64 = value / power_of_ten(decade);
     // Halfway, in logarithms, between 1, 2, 5 and 10.
     let nearest = match digits * digits {
         square if square < 2.0 => 1,

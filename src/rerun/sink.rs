@@ -1,6 +1,6 @@
 //! The sinks: a recording of one run, and one of two runs that are compared.
 
-use rerun::external::re_log_types::{LogMsg, StoreKind};
+use rerun::external::re_log_types::LogMsg;
 use rerun::{EntityPath, RecordingInfo, StoreId};
 
 use super::blueprint;
@@ -9,11 +9,10 @@ use super::entities::Entities;
 use super::error::RerunError;
 use super::identity::{Identity, Playback};
 use super::look::Look;
-use super::message::APPLICATION;
 use super::outlet::{Destinations, Outlet, To};
 use super::pair::PairIdentity;
 use super::properties;
-use super::track::{Collect, Flush};
+use super::track::{Collect, Content, Flush};
 use crate::archive::sink::{Sink, SinkError};
 use crate::run::outcome::Outcome;
 use crate::telemetry::Message;
@@ -30,7 +29,6 @@ pub type PairSink = Stream<Comparison>;
 /// Writing never fails, so that other sinks of the run go on. [`Self::take_warnings`] returns what happened to the
 /// viewer, [`Self::finish`] what happened to the file.
 pub struct Stream<E> {
-    recording_id: String,
     entities: E,
     outlet: Outlet,
     /// Time of the latest message, ns.
@@ -47,11 +45,9 @@ impl Stream<Entities> {
             ..identity.clone()
         };
         let layouts = [identity, &complete].map(blueprint::run::messages);
-        let (id, name) = (&identity.recording_id, &identity.name);
-        let mut outlet = open(id, name, destinations, layouts);
+        let mut outlet = open(identity.store(), &identity.name, destinations, layouts);
         let entities = Entities::new(identity, &Look::Alone, &mut outlet);
         Self {
-            recording_id: id.clone(),
             entities,
             outlet,
             end_ns: 0,
@@ -82,12 +78,10 @@ impl Stream<Comparison> {
     /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
     #[must_use]
     pub fn new(identity: &PairIdentity, destinations: Destinations) -> Self {
-        let layouts = [identity; 2].map(blueprint::pair::messages);
-        let (id, name) = (&identity.recording_id, &identity.name);
-        let mut outlet = open(id, name, destinations, layouts);
+        let layouts = [identity; 2].map(|identity| blueprint::pair::messages(identity, None));
+        let mut outlet = open(identity.store(), &identity.name, destinations, layouts);
         let entities = Comparison::new(identity, &mut outlet);
         Self {
-            recording_id: id.clone(),
             entities,
             outlet,
             end_ns: 0,
@@ -113,7 +107,7 @@ impl Stream<Comparison> {
     }
 }
 
-impl<E: Collect> Stream<E> {
+impl<E: Content> Stream<E> {
     /// Whether a viewer is being fed, as far as is known.
     #[must_use]
     pub fn is_live(&self) -> bool {
@@ -135,8 +129,8 @@ impl<E: Collect> Stream<E> {
     pub fn finish(mut self) -> Result<Vec<String>, RerunError> {
         self.entities.flush(&mut self.outlet, Flush::All);
         let duration = self.end_ns as f64 * 1e-9;
-        for message in blueprint::views::messages_at_end(&self.recording_id, duration) {
-            self.outlet.send_to(To::File, message);
+        for message in self.entities.layout_at_end(duration) {
+            self.outlet.send_to(E::SHOWN_AT_END, message);
         }
         self.outlet.finish()
     }
@@ -144,12 +138,11 @@ impl<E: Collect> Stream<E> {
 
 /// Opens the destinations of a recording, and sends its layouts, for the viewer and for the file, and its name.
 fn open(
-    recording_id: &str,
+    store: StoreId,
     name: &str,
     destinations: Destinations,
     layouts: [Vec<Result<LogMsg, RerunError>>; 2],
 ) -> Outlet {
-    let store = StoreId::new(StoreKind::Recording, APPLICATION, recording_id);
     let mut outlet = Outlet::open(store, destinations);
     for (to, layout) in [To::Viewer, To::File].into_iter().zip(layouts) {
         for message in layout {

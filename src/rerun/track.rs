@@ -1,6 +1,6 @@
 //! Rows that wait until there are enough of them for a chunk.
 
-use rerun::external::re_log_types::EntityPath;
+use rerun::external::re_log_types::{EntityPath, LogMsg};
 use rerun::{Scalars, SerializedComponentColumn, TextLog};
 
 use super::error::RerunError;
@@ -22,6 +22,15 @@ pub enum Flush {
 pub trait Collect {
     /// Sends waiting rows.
     fn flush(&mut self, outlet: &mut Outlet, flush: Flush);
+}
+
+/// What a recording consists of, with its layout.
+pub trait Content: Collect {
+    /// Where the layout is changed at the end.
+    const SHOWN_AT_END: To;
+
+    /// Changes of the layout when the duration is known, s.
+    fn layout_at_end(&self, duration: f64) -> Vec<Result<LogMsg, RerunError>>;
 }
 
 impl<C: Collect> Collect for Option<C> {

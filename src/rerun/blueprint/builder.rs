@@ -10,7 +10,7 @@ use rerun::external::re_sdk_types::blueprint::components;
 use rerun::{AsComponents, StoreId, TimePoint, Timeline};
 
 use crate::rerun::error::RerunError;
-use crate::rerun::message::{APPLICATION, Ids, opening, single_row};
+use crate::rerun::message::{Ids, opening, single_row};
 
 /// A view or a container: a part of a layout.
 pub(super) struct Child {
@@ -28,21 +28,26 @@ pub(super) struct Layout {
 
 impl Layout {
     /// An empty layout for a recording.
-    pub(super) fn new(recording_id: &str) -> Self {
-        let mut layout = Self::again(recording_id, Ids::BLUEPRINT);
+    pub(super) fn new(recording: &StoreId) -> Self {
+        let mut layout = Self::again(recording, Ids::BLUEPRINT);
         let opening = opening(&layout.store, &mut layout.ids);
         layout.messages.push(Ok(opening));
         layout
     }
 
     /// Changes to the layout of a recording, which has been sent before.
-    pub(super) fn changes(recording_id: &str) -> Self {
-        Self::again(recording_id, Ids::BLUEPRINT_AT_END)
+    pub(super) fn changes(recording: &StoreId) -> Self {
+        Self::again(recording, Ids::BLUEPRINT_AT_END)
     }
 
-    fn again(recording_id: &str, ids: Ids) -> Self {
+    fn again(recording: &StoreId, ids: Ids) -> Self {
+        let application = recording.application_id().clone();
         Self {
-            store: StoreId::new(StoreKind::Blueprint, APPLICATION, recording_id),
+            store: StoreId::new(
+                StoreKind::Blueprint,
+                application,
+                recording.recording_id().as_str(),
+            ),
             ids,
             children: 0,
             messages: Vec::new(),

@@ -8,12 +8,15 @@ use rerun::external::re_log_types::LogMsg;
 
 use super::builder::{Child, Layout, column, row, tabs};
 use super::contrasts::{Contrast, FRICTION, MORE, MOTION, RATES, TABLE, TRAVEL};
-use super::views::{Stage, events, panels, scene, time_series, titled};
+use super::views::{Stage, bound, events, panels, scene, speed, time_series, titled};
+use crate::physics::math;
 use crate::rerun::entity::{self, ABOUT, CAMERA_TARGET, STAGE, SUMMARY};
 use crate::rerun::error::RerunError;
 use crate::rerun::identity::Geometry;
 use crate::rerun::look::Look;
 use crate::rerun::pair::PairIdentity;
+use crate::rerun::plots::Plots;
+use crate::rerun::scale::power_of_ten;
 use crate::telemetry::Topic;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};
 use crate::telemetry::side::Side;
@@ -21,17 +24,38 @@ use crate::telemetry::side::Side;
 /// Distance of the camera from two tops, one of which travels, in usual distances.
 const FAR: f64 = 1.2;
 
-/// The messages of the layout.
-pub(crate) fn messages(identity: &PairIdentity) -> Vec<Result<LogMsg, RerunError>> {
-    let mut layout = Layout::new(&identity.recording_id);
+/// What is known of a comparison when it has ended.
+pub(crate) struct Extent<'a> {
+    /// Duration of the longer run, s.
+    pub(crate) duration: f64,
+    /// The least and the greatest difference of a plot.
+    pub(crate) differences: &'a Plots,
+}
+
+/// The messages of the layout; at the end of the comparison, those that change it to show the whole extent.
+pub(crate) fn messages(
+    identity: &PairIdentity,
+    extent: Option<&Extent<'_>>,
+) -> Vec<Result<LogMsg, RerunError>> {
+    let store = identity.store();
+    let mut layout = match extent {
+        Some(_) => Layout::changes(&store),
+        None => Layout::new(&store),
+    };
     let left = left_side(&mut layout, identity);
-    let right = right_side(&mut layout, identity);
+    let mut charts = Charts {
+        layout: &mut layout,
+        identity,
+        extent,
+    };
+    let right = charts.pages();
     let root = match right {
         Some(right) => layout.contain(row(&[38.0, 62.0]), &[left, right]),
         None => left,
     };
     layout.fill(&root);
-    panels(&mut layout, true, identity.playback);
+    let speed = extent.map_or(1.0, |extent| speed(extent.duration));
+    panels(&mut layout, true, identity.playback, speed);
     layout.finish()
 }
 
@@ -92,82 +116,152 @@ fn words(layout: &mut Layout, identity: &PairIdentity) -> Child {
     layout.contain(tabs(), &pages)
 }
 
-/// Pages of charts. Those without data are left out.
-fn right_side(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
-    let is_free = identity.is_any_free();
-    let motion: &[_] = if is_free { &TRAVEL } else { &MOTION };
-    let mut motion = rows(layout, identity, motion);
-    let mut friction = Vec::new();
-    for contrast in &FRICTION {
-        friction.extend(overlay(layout, identity, contrast));
-    }
-    motion.extend(layout.contain_any(row(&[]), &friction));
-    let mut all = vec![("How they differ", motion)];
-    if is_free {
-        all.push(("On the table", rows(layout, identity, &TABLE)));
-        all.push(("Rates", rows(layout, identity, &RATES)));
-    }
-    all.push(("More", rows(layout, identity, &MORE)));
-    let mut pages = Vec::new();
-    for (name, rows) in all {
-        let page = column(&[]).with_display_name(Name(name.into()));
-        pages.extend(layout.contain_any(page, &rows));
-    }
-    layout.contain_any(tabs(), &pages)
+/// The charts of a comparison.
+struct Charts<'a> {
+    layout: &'a mut Layout,
+    identity: &'a PairIdentity,
+    extent: Option<&'a Extent<'a>>,
 }
 
-/// A row of charts per quantity: both curves, their difference, and the magnitude of that.
-fn rows(layout: &mut Layout, identity: &PairIdentity, contrasts: &[Contrast]) -> Vec<Child> {
-    let mut rows = Vec::new();
-    for contrast in contrasts {
-        let mut charts: Vec<_> = overlay(layout, identity, contrast).into_iter().collect();
-        charts.extend(differences(layout, identity, contrast));
-        rows.extend(layout.contain_any(row(&[]), &charts));
+impl Charts<'_> {
+    /// Pages of charts. Those without data are left out.
+    fn pages(&mut self) -> Option<Child> {
+        let is_free = self.identity.is_any_free();
+        let motion: &[_] = if is_free { &TRAVEL } else { &MOTION };
+        let mut motion = self.rows(motion);
+        let mut friction = Vec::new();
+        for contrast in &FRICTION {
+            friction.extend(self.overlay(contrast));
+        }
+        motion.extend(self.layout.contain_any(row(&[]), &friction));
+        let mut all = vec![("How they differ", motion)];
+        if is_free {
+            all.push(("On the table", self.rows(&TABLE)));
+            all.push(("Rates", self.rows(&RATES)));
+        }
+        all.push(("More", self.rows(&MORE)));
+        let mut pages = Vec::new();
+        for (name, rows) in all {
+            let page = column(&[]).with_display_name(Name(name.into()));
+            pages.extend(self.layout.contain_any(page, &rows));
+        }
+        self.layout.contain_any(tabs(), &pages)
     }
-    rows
-}
 
-/// The curves of both runs.
-fn overlay(layout: &mut Layout, identity: &PairIdentity, contrast: &Contrast) -> Option<Child> {
-    let mut contents = Vec::new();
-    for side in [Side::A, Side::B] {
-        let there = contrast.curves.iter();
-        let there = there.filter(|plot| identity.run(side).has(plot.topic()));
-        contents.extend(there.map(|plot| identity.look(side).entity(&plot.to_string())));
+    /// A row of charts per quantity: both curves, their difference, and the magnitude of that.
+    fn rows(&mut self, contrasts: &[Contrast]) -> Vec<Child> {
+        let mut rows = Vec::new();
+        for contrast in contrasts {
+            let mut charts: Vec<_> = self.overlay(contrast).into_iter().collect();
+            charts.extend(self.difference(contrast));
+            charts.extend(self.magnitude(contrast));
+            rows.extend(self.layout.contain_any(row(&[]), &charts));
+        }
+        rows
     }
-    let name = titled(contrast.name, contrast.curves[0].unit());
-    curves(layout, &name, &contents, contrast.legend)
+
+    /// The curves of both runs.
+    fn overlay(&mut self, contrast: &Contrast) -> Option<Child> {
+        let mut contents = Vec::new();
+        for side in [Side::A, Side::B] {
+            let there = contrast.curves.iter();
+            let there = there.filter(|plot| self.identity.run(side).has(plot.topic()));
+            contents.extend(there.map(|plot| self.identity.look(side).entity(&plot.to_string())));
+        }
+        let name = titled(contrast.name, contrast.curves[0].unit());
+        self.curves(&name, &contents, contrast.legend)
+    }
+
+    /// The difference of the curves, if both runs have them.
+    fn difference(&mut self, contrast: &Contrast) -> Option<Child> {
+        let plots = contrast.differences.iter();
+        let plots = plots.filter(|plot| self.identity.has_difference_of(**plot));
+        let entity = |plot: &Plot| Look::Difference.entity(&plot.to_string());
+        let contents: Vec<_> = plots.map(entity).collect();
+        let name = format!("{}: B − A", contrast.name);
+        let name = titled(&name, contrast.curves[0].unit());
+        let view = self.curves(&name, &contents, None)?;
+        if let Some(extent) = self.extent {
+            let ranges = contrast.differences.iter();
+            let ranges = ranges.map(|plot| extent.differences.range(*plot));
+            let whole =
+                ranges.reduce(|[low, high], [least, most]| [low.min(least), high.max(most)]);
+            if let Some(range) = whole.and_then(with_ticks) {
+                bound(self.layout, &view, range);
+            }
+        }
+        Some(view)
+    }
+
+    /// The logarithm of the difference, if both runs have the curves.
+    fn magnitude(&mut self, contrast: &Contrast) -> Option<Child> {
+        let plots = contrast.differences.iter();
+        let plots = plots.filter(|plot| self.identity.has_magnitude_of(**plot));
+        let entity = |plot: &Plot| Look::Magnitude.entity(&plot.to_string());
+        let contents: Vec<_> = plots.map(entity).collect();
+        self.curves(
+            &format!("{}: log₁₀ |B − A|", contrast.name),
+            &contents,
+            None,
+        )
+    }
+
+    /// A chart whose time axis moves with those of all others, if it has contents.
+    fn curves(
+        &mut self,
+        name: &str,
+        contents: &[String],
+        legend: Option<Corner2D>,
+    ) -> Option<Child> {
+        if contents.is_empty() {
+            return None;
+        }
+        let link = LinkAxis::LinkToGlobal;
+        Some(time_series(self.layout, name, contents, legend, link))
+    }
 }
 
-/// The difference of the curves and its logarithm, if both runs have them.
-fn differences(layout: &mut Layout, identity: &PairIdentity, contrast: &Contrast) -> Vec<Child> {
-    let (name, unit) = (contrast.name, contrast.curves[0].unit());
-    let there = |has: &dyn Fn(Plot) -> bool, look: Look| -> Vec<String> {
-        let plots = contrast.differences.iter().filter(|plot| has(**plot));
-        plots.map(|plot| look.entity(&plot.to_string())).collect()
-    };
-    let plain = there(&|plot| identity.has_difference_of(plot), Look::Difference);
-    let magnitude = there(&|plot| identity.has_magnitude_of(plot), Look::Magnitude);
-    let plain = curves(
-        layout,
-        &titled(&format!("{name}: B − A"), unit),
-        &plain,
-        None,
-    );
-    let magnitude = curves(layout, &format!("{name}: log₁₀ |B − A|"), &magnitude, None);
-    plain.into_iter().chain(magnitude).collect()
-}
+/// The most ticks that a viewer names on the axis of a small chart. They are a power of ten apart.
+const MOST_TICKS: f64 = 7.0;
 
-/// A chart whose time axis moves with those of all others, if it has contents.
-fn curves(
-    layout: &mut Layout,
-    name: &str,
-    contents: &[String],
-    legend: Option<Corner2D>,
-) -> Option<Child> {
-    if contents.is_empty() {
+/// A range with these values in it, and at least three ticks with a name; none if the values are equal.
+fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    let size = high - low;
+    if !(size > 0.0 && size.is_finite()) {
         return None;
     }
-    let link = LinkAxis::LinkToGlobal;
-    Some(time_series(layout, name, contents, legend, link))
+    let step = power_of_ten(math::log10(size / MOST_TICKS).ceil());
+    let air = 0.05 * size;
+    let [mut first, mut last] = [(low / step).ceil(), (high / step).floor()];
+    while last - first < 2.0 {
+        if high / step - last > first - low / step {
+            last += 1.0;
+        } else {
+            first -= 1.0;
+        }
+    }
+    Some([(first * step).min(low) - air, (last * step).max(high) + air])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn every_range_has_three_ticks(low in -1e3..1e3, size in 1e-9..1e3) {
+            let [least, most] = with_ticks([low, low + size]).unwrap();
+            prop_assert!(least <= low && low + size <= most);
+            let step = power_of_ten(math::log10(size / MOST_TICKS).ceil());
+            let ticks = (most / step).floor() - (least / step).ceil() + 1.0;
+            prop_assert!((3.0..=MOST_TICKS + 3.0).contains(&ticks), "{ticks} from {least} to {most}");
+        }
+    }
+
+    #[test]
+    fn equal_values_have_no_range() {
+        assert_eq!(with_ticks([1.0, 1.0]), None);
+        assert_eq!(with_ticks([f64::INFINITY, f64::NEG_INFINITY]), None);
+    }
 }

@@ -7,10 +7,10 @@ use rerun::external::re_log_types::LogMsg;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{Child, Layout, column, row, tabs};
-use super::views::{Stage, bound, events, panels, scene, time_series, titled};
+use super::views::{Stage, bound, events, panels, scene, speed, time_panel, time_series, titled};
 use crate::rerun::entity::{self, ABOUT, CAMERA_TARGET, EACH_EVENT};
 use crate::rerun::error::RerunError;
-use crate::rerun::identity::Identity;
+use crate::rerun::identity::{Identity, Playback};
 use crate::rerun::look::Look;
 use crate::telemetry::fields::{
     EVENTS, POSE, Plot, acceleration, center_of_mass, contact, energy, free_peg, momentum,
@@ -26,7 +26,7 @@ struct Chart {
 }
 
 impl Chart {
-    /// A bound of the values that are not peaks of singular angles: of rates and accelerations of φ and ψ.
+    /// The largest magnitude that is not a peak of singular angles, of rates and accelerations of φ and ψ.
     fn bound(&self, identity: &Identity) -> Option<f64> {
         let spin = identity.geometry.spin;
         match self.contents.first()?.unit() {
@@ -214,7 +214,7 @@ const MORE: [Chart; 8] = [
 
 /// The messages of the layout.
 pub(crate) fn messages(identity: &Identity) -> Vec<Result<LogMsg, RerunError>> {
-    let mut layout = Layout::new(&identity.recording_id);
+    let mut layout = Layout::new(&identity.store());
     let left = left_side(&mut layout, identity);
     let right = right_side(&mut layout, identity);
     // Without a scene there are only words at the left.
@@ -228,7 +228,21 @@ pub(crate) fn messages(identity: &Identity) -> Vec<Result<LogMsg, RerunError>> {
         None => left,
     };
     layout.fill(&root);
-    panels(&mut layout, identity.is_alone, identity.playback);
+    panels(&mut layout, identity.is_alone, identity.playback, 1.0);
+    layout.finish()
+}
+
+/// The messages that change the layout, so that a viewer plays the run, of this duration in s, from its start.
+pub(crate) fn messages_at_end(
+    identity: &Identity,
+    duration: f64,
+) -> Vec<Result<LogMsg, RerunError>> {
+    let speed = speed(duration);
+    if speed <= 0.0 {
+        return Vec::new();
+    }
+    let mut layout = Layout::changes(&identity.store());
+    layout.log("time_panel", &time_panel(Playback::FromStart, speed));
     layout.finish()
 }
 
@@ -292,7 +306,7 @@ fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
             let view = time_series(layout, &name, &contents, legend, link);
             // A tippe top passes through upright, where its Euler rates are infinite.
             if let Some(greatest) = chart.bound(identity).filter(|_| is_tippe_top) {
-                bound(layout, &view, greatest);
+                bound(layout, &view, [-greatest, greatest]);
             }
             views.push(view);
         }

@@ -11,13 +11,11 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{Child, Layout};
 use crate::rerun::entity::{EVENTS, STAGE, paths};
-use crate::rerun::error::RerunError;
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::look::Look;
 use crate::rerun::message::TIMELINE;
 use crate::rerun::scale::round;
 use crate::telemetry::proportions::Proportions;
-use rerun::external::re_log_types::LogMsg;
 
 /// Approximate time in which a viewer plays a complete run, s.
 const PLAYING_TIME: f64 = 25.0;
@@ -142,14 +140,14 @@ pub(super) fn time_series(
     view
 }
 
-/// Bounds the values that a chart shows at first, where peaks would hide everything else.
-pub(super) fn bound(layout: &mut Layout, view: &Child, greatest: f64) {
-    let axis = parts::ScalarAxis::new().with_range([-greatest, greatest]);
+/// Bounds the values that a chart shows at first.
+pub(super) fn bound(layout: &mut Layout, view: &Child, range: [f64; 2]) {
+    let axis = parts::ScalarAxis::new().with_range(range);
     layout.property(view, "ScalarAxis", &axis);
 }
 
-/// Sets the panels around the views, and how a viewer begins to play.
-pub(super) fn panels(layout: &mut Layout, is_alone: bool, playback: Playback) {
+/// Sets the panels around the views, and how fast a viewer begins to play.
+pub(super) fn panels(layout: &mut Layout, is_alone: bool, playback: Playback, speed: f64) {
     let hidden = parts::PanelBlueprint::new().with_state(PanelState::Hidden);
     // Between several recordings one chooses in this panel.
     let recordings = if is_alone {
@@ -159,10 +157,10 @@ pub(super) fn panels(layout: &mut Layout, is_alone: bool, playback: Playback) {
     };
     layout.log("blueprint_panel", &recordings);
     layout.log("selection_panel", &hidden);
-    layout.log("time_panel", &time_panel(playback, 1.0));
+    layout.log("time_panel", &time_panel(playback, speed));
 }
 
-fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlueprint {
+pub(super) fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlueprint {
     parts::TimePanelBlueprint::new()
         .with_state(PanelState::Collapsed)
         .with_timeline(TIMELINE)
@@ -174,16 +172,7 @@ fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlueprint {
         })
 }
 
-/// Changes a layout so that a viewer plays a run of this duration, in s, from its start in about [`PLAYING_TIME`].
-pub(crate) fn messages_at_end(
-    recording_id: &str,
-    duration: f64,
-) -> Vec<Result<LogMsg, RerunError>> {
-    let speed = round(duration / PLAYING_TIME);
-    if speed <= 0.0 {
-        return Vec::new();
-    }
-    let mut layout = Layout::changes(recording_id);
-    layout.log("time_panel", &time_panel(Playback::FromStart, speed));
-    layout.finish()
+/// The speed at which a run of this duration, in s, plays in about [`PLAYING_TIME`]; 0 if it has none.
+pub(super) fn speed(duration: f64) -> f64 {
+    round(duration / PLAYING_TIME)
 }
