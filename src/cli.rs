@@ -1,8 +1,7 @@
 //! The program: its commands, how they end, and what they print.
 //!
-//! Each command is a file with its arguments, its report and what it does. `given` opens the runs that are named;
-//! `report` prints what was found as JSON, or as the `page` that is made from it; `output` is the one way to standard
-//! output and standard error.
+//! Each command is a file with its arguments, its report and its function. `given` opens the runs that are named;
+//! `report` prints a report as JSON, or as a `page`; everything is printed through `output`.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
@@ -46,13 +45,12 @@ use std::process::ExitCode;
 
 /// Simulate how a spinning top rises, record every torque, and find out why.
 ///
-/// A heavy symmetric top with a spherical peg slips on the table it spins on, and so it stands up. toprise integrates
-/// this motion and records every state, every torque, every term of the accelerations and the slip velocity of the
-/// contact point: in an MCAP file that anyone can reproduce bit for bit, and for the Rerun viewer, where you scrub
-/// through the rise.
+/// A heavy symmetric top with a spherical peg stands up because its peg slips on the table. toprise integrates this motion
+/// and records the state, torques, terms of the accelerations and slip velocity of the contact point: in an MCAP file that
+/// anyone can reproduce bit for bit, and for the Rerun viewer, where you scrub through the rise.
 ///
-/// A run is named by a preset (`toprise presets` lists them), by a scenario file (TOML; `toprise presets paper >
-/// mine.toml` writes one to start from) or by a recording (MCAP). Units are SI and radians throughout.
+/// Where a command takes a run, name a preset (`toprise presets` lists them), a scenario file (TOML; `toprise presets paper
+/// > mine.toml` writes one to start from) or a recording (MCAP). Units are SI and radians.
 #[derive(Debug, Parser)]
 #[command(name = "toprise", version, after_help = EXAMPLES, after_long_help = MORE)]
 struct Arguments {
@@ -90,7 +88,7 @@ const EXAMPLES: &str = "\
 Start with:
   toprise run                        the rise of the paper's top, into recordings/
   toprise explain paper              why it rises
-  toprise --help                     more examples, and what exit codes mean";
+  toprise --help                     more examples, and the exit codes";
 
 const MORE: &str = "\
 Simulate and look:
@@ -103,80 +101,76 @@ Simulate and look:
 
 Ask questions:
   toprise explain paper                    why the top rises
-  toprise diff paper full-coulomb          what another friction model changes
-  toprise diff a.mcap b.mcap --rel 1e-9    whether two recordings agree
+  toprise diff paper full-coulomb          how another friction model changes the run
+  toprise diff a.mcap b.mcap --rel 1e-9    compare with a tolerance
   toprise figures                          the paper's figures, and more, as SVG and PNG
   toprise sweep paper --over friction.k=0.005..0.1/64log -o k.parquet
 
-Look after recordings:
-  toprise info recordings/paper.mcap       what is in it
-  toprise verify recordings/*.mcap         whether it can be trusted
-  toprise run a.mcap --encoding protobuf   record its scenario again, otherwise
-  toprise run a.mcap.partial               an interrupted run again, to its end
+Manage recordings:
+  toprise info recordings/paper.mcap       list the content
+  toprise verify recordings/*.mcap         run the scenarios again and compare
+  toprise run a.mcap --encoding protobuf   repeat a run in another encoding
+  toprise run a.mcap.partial               repeat an interrupted run, to its end
 
-For programs: all of these take --format json, and `toprise schema --write DIR` writes
-the JSON Schemas of their answers and of the messages in recordings.
+For programs: every command takes --format json, and `toprise schema --write DIR` writes
+the JSON Schemas of reports and of the messages in recordings.
 
 Exit codes:
   0  done; recordings verified, runs equal
   1  verification failed, or runs differ
   2  bad usage, unreadable input or failed output
-  3  finished with losses: interrupted, parts of a file unreadable, runs compared
-     in parts, or the motion could not be computed to its end
-  130  interrupted before there was anything to say";
+  3  incomplete: interrupted, parts of a file unreadable, runs compared in parts,
+     or the motion could not be computed to its end
+  130  interrupted without a result";
 
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Simulate a scenario and record it.
     ///
-    /// Exit codes: 0 recorded, 2 bad scenario or failed output, 3 recorded up to where it was interrupted or the
-    /// motion could not be computed further.
+    /// Exit codes: 0 recorded, 2 bad scenario or failed output, 3 recorded in part: interrupted, or the motion could not be
+    /// computed further.
     Run(run::RunArguments),
-    /// Show recordings in the Rerun viewer, as the run itself would have been shown.
+    /// Show recordings in the Rerun viewer, with the layout of `toprise run`.
     ///
-    /// Without --connect, --serve and --rrd a viewer is started.
+    /// Starts a viewer unless --connect, --serve or --rrd is there.
     ///
     /// Exit codes: 0 shown, 2 unreadable or no viewer, 3 shown in parts: interrupted, or parts of a file unreadable.
     #[cfg(feature = "rerun")]
     View(view::ViewArguments),
-    /// Tell why the top rose or fell: the story of a run from its numbers.
+    /// Explain why the top rises or falls in a run.
     ///
-    /// The story goes from what friction did to the precession over what that did to the inclination to where the
-    /// energy went.
+    /// The report covers what happened, why the axis moves, and where the energy goes.
     ///
     /// Exit codes: 0 explained, 2 unreadable or nothing to explain, 3 explained as far as it could be read.
     Explain(explain::ExplainArguments),
-    /// Say what differs between runs: in the set-up, in what happened, in the averaged motion and point by
-    /// point.
+    /// Compare two runs: scenarios, events, averaged motion, and every field.
     ///
-    /// Each run is a recording, or a preset or scenario file that is simulated now. Any other MCAP files can be
-    /// compared too: every message of the topics that both have, field by field where it can be decoded and byte by byte
-    /// where not.
+    /// Each run is a recording, or a preset or scenario file that is simulated now. MCAP files of other software are compared
+    /// by topic, time and bytes.
     ///
-    /// Exit codes: 0 the same messages within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 agreeing as
-    /// far as they were compared: parts of a file are unreadable, or one run was interpolated or has messages in between.
+    /// Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 equal as far as
+    /// compared: a run is damaged, interrupted or sampled more finely.
     Diff(diff::DiffArguments),
     /// Draw figures for print: those of the paper, and more.
     ///
-    /// figure-2, figure-3 and figure-4 are the paper's. The others show the accelerations term by term, the rates
-    /// of regular precession, the torques, the slip and the energy; of free pegs there are the track of the contact
-    /// point on the table, and the normal force with the height of the peg. With several runs each is an overlay;
-    /// figure-4 compares the others with the first. Of a sweep (--sweep FILE --x KEY) there is a map over two keys, or curves
-    /// over one.
+    /// figure-2, figure-3 and figure-4 are the paper's. The others show the terms of the accelerations, the rates of regular
+    /// precession, the torques, the slip and the energy; for free pegs also the track of the contact point on the table, and
+    /// the normal force with the height of the peg. Several runs are drawn over one another; figure-4 compares the others
+    /// with the first. For a sweep (--sweep FILE --x KEY), draws a map over two keys, or curves over one.
     ///
-    /// Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn without what a run lacks.
+    /// Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn in part: a run lacks data.
     Figures(figures::FiguresArguments),
-    /// Run many scenarios and write their outcomes into a table: which keys, over which values.
+    /// Run a scenario for many values of its keys, and write the outcomes into a table.
     ///
-    /// Each row of the table, in Parquet, is a run: what it changes, and what it came to. A sweep that was interrupted, or
-    /// spread over machines with --shard, is completed by the same command; the bytes of the table are the same
-    /// however it was computed.
+    /// Each row of the Parquet table is a run: its values of the keys, and its outcome. The same command continues a sweep
+    /// that was interrupted, and merges one that was spread over machines with --shard. The bytes of the table don't depend
+    /// on how it was computed.
     ///
     /// Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs have an error instead, or the sweep
     /// was interrupted.
     #[cfg(feature = "sweep")]
     Sweep(sweep::SweepArguments),
-    /// Say what is in a recording, or in any MCAP file.
+    /// List the content of a recording, or of any MCAP file.
     ///
     /// Exit codes: 0 all could be read, 2 unreadable, 3 the recording was interrupted or damaged.
     Info(info::InfoArguments),
@@ -185,8 +179,8 @@ enum Command {
     /// A file with the same bytes is verified. Otherwise the messages are compared, and the first difference is reported: time,
     /// channel, field and both values.
     ///
-    /// Exit codes: 0 verified, 1 different, 2 unreadable, 3 equal as far as it goes: a part of a run, or recorded by another
-    /// version of toprise.
+    /// Exit codes: 0 verified, 1 different, 2 unreadable, 3 equal as far as compared: a part of a run, or recorded by
+    /// another version of toprise.
     Verify(verify::VerifyArguments),
     /// List the presets, or print one as a scenario file.
     Presets(presets::PresetsArguments),

@@ -43,7 +43,7 @@ pub(super) struct DiffArguments {
     #[arg(long = "set-b", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides_b: Vec<Override>,
 
-    /// Show everything: each topic, the averaged motions, the integrators' errors.
+    /// Show everything: each topic, the averaged motions, the integration errors.
     #[arg(long)]
     all: bool,
 
@@ -82,7 +82,7 @@ pub(super) struct DiffArguments {
     #[arg(long, value_name = "PATTERN", help_heading = "Comparison")]
     ignore: Vec<String>,
 
-    /// Don't estimate the integrators' errors, which takes most of the time.
+    /// Skip the estimate of the integration errors, which takes most of the time.
     #[arg(long, help_heading = "Comparison")]
     no_floor: bool,
 
@@ -167,7 +167,7 @@ struct Watching<'a> {
 
 #[cfg(feature = "rerun")]
 impl Watching<'_> {
-    /// Completes the file for the viewer, and serves it if that was asked for.
+    /// Completes the file for the viewer, and serves it if requested.
     fn finish(self, report: &Report) -> Result<(), Error> {
         let Some(viewer) = self.viewer else {
             return Ok(());

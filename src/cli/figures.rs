@@ -29,8 +29,8 @@ use std::thread;
 /// Arguments of `toprise figures`.
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct FiguresArguments {
-    /// Recordings, presets or scenario files; several are drawn over one another. Without any the paper's
-    /// runs are simulated.
+    /// Recordings, presets or scenario files, drawn over one another; by default the paper's runs, which are
+    /// simulated.
     #[arg(value_name = "RUN")]
     runs: Vec<PathBuf>,
 

@@ -37,8 +37,8 @@ const MOST_JOBS: u64 = 1024;
 /// Arguments of `toprise sweep`.
 #[derive(Args, Debug, Default, PartialEq)]
 pub(super) struct SweepArguments {
-    /// Presets and scenario files to start from (several are the outermost axis), or one file that says everything, the
-    /// spec of a sweep: TOML with the keys bases, set, over, sample or table, and max_steps.
+    /// Presets and scenario files to start from (several are the outermost axis); or the spec of a sweep, a TOML file with the
+    /// keys bases, set, over, sample or table, and max_steps.
     #[arg(value_name = "BASE", default_value = "paper")]
     bases: Vec<String>,
 
@@ -47,7 +47,7 @@ pub(super) struct SweepArguments {
     #[arg(long, value_name = "KEY=VALUES", value_parser = parse_override)]
     over: Vec<Override>,
 
-    /// Instead of a grid, choose N points among the values.
+    /// Choose N points among the values, instead of a grid.
     #[arg(long, value_name = "N", value_parser = parse_count, allow_negative_numbers = true, conflicts_with = "table")]
     sample: Option<u64>,
 
@@ -55,7 +55,7 @@ pub(super) struct SweepArguments {
     #[arg(long, value_enum, default_value_t, requires = "sample")]
     method: Method,
 
-    /// Another sample of its kind; 0 is the sequence of Sobol as it is published.
+    /// Seed of the sample; 0 is the published sequence of Sobol.
     #[arg(long, value_name = "N", value_parser = parse_seed, allow_negative_numbers = true, default_value = "0", requires = "sample")]
     seed: u64,
 
@@ -84,11 +84,11 @@ pub(super) struct SweepArguments {
     #[arg(long, value_name = "N", value_parser = parse_count, allow_negative_numbers = true)]
     max_steps: Option<u64>,
 
-    /// End at the first row with an error, with exit code 2, whether it is computed now or was there.
+    /// End at the first row with an error, with exit code 2, also if it was computed before.
     #[arg(long)]
     fail_fast: bool,
 
-    /// Tell how many runs there are and how long they will take, and write nothing.
+    /// Print the number of runs and the time that they will take, and write nothing.
     #[arg(long)]
     dry_run: bool,
 }

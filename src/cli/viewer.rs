@@ -118,7 +118,7 @@ impl Target {
         }
     }
 
-    /// Goes on serving until the user wants an end.
+    /// Serves until Ctrl-C.
     #[cfg_attr(
         not(feature = "web-viewer"),
         allow(unused_variables, clippy::unused_self)
