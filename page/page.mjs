@@ -39,7 +39,7 @@ async function compiled() {
 
 const module = await compiled();
 const runner = new Asker(module);
-const teller = new Asker(module);
+const helper = new Asker(module);
 const tables = await runner.tables;
 
 let scenario;
@@ -119,15 +119,15 @@ let waiting;
 function ask() {
   clearTimeout(waiting);
   waiting = setTimeout(async () => {
-    const told = await teller.send({ question: { explain: run.scenario } });
-    if (told.error) at("explanation").replaceChildren(element("p", { textContent: told.error }));
+    const answer = await helper.send({ question: { explain: run.scenario } });
+    if (answer.error) at("explanation").replaceChildren(element("p", { textContent: answer.error }));
     else
       at("explanation").replaceChildren(
-        ...told.flatMap(({ heading, sentences }) => [element("h3", { textContent: heading }), element("p", { textContent: sentences.join(" ") })]),
+        ...answer.flatMap(({ heading, sentences }) => [element("h3", { textContent: heading }), element("p", { textContent: sentences.join(" ") })]),
       );
     if (!pinned) return;
     if (pinned.digest === run.digest) compare({ error: "This run is A. Change something: the changed run is B." });
-    else compare(await teller.send({ question: { compare: { a: pinned.scenario, b: run.scenario } } }));
+    else compare(await helper.send({ question: { compare: { a: pinned.scenario, b: run.scenario } } }));
   }, 300);
 }
 
@@ -277,7 +277,7 @@ function pin() {
 async function save() {
   const encoding = at("encoding").value;
   at("digest").textContent = "recording …";
-  const { bytes, digest, error } = await teller.send({ question: { record: { scenario: run.scenario, encoding } } });
+  const { bytes, digest, error } = await helper.send({ question: { record: { scenario: run.scenario, encoding } } });
   at("digest").textContent = error ?? `sha-256 of the content: ${digest}`;
   if (error) return;
   const file = URL.createObjectURL(new Blob([bytes], { type: "application/octet-stream" }));

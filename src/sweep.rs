@@ -2,8 +2,7 @@
 //!
 //! A [`Spec`] says which runs: bases, and keys that vary over a grid, a sample or the rows of a table. Row *i* depends on
 //! the spec and on *i* alone. A *part* is [`PART_ROWS`] consecutive rows, and its file a pure function of the spec and its
-//! number; so whoever computes parts, on however many threads and machines and after however many interruptions, gets
-//! the same bytes. [`run`] computes what is missing and merges the parts. [`values_of_row`] are those of the scenario of a
+//! number: the bytes don't depend on threads, machines or interruptions. [`run`] computes what is missing and merges the parts. [`values_of_row`] are those of the scenario of a
 //! row, which can be run again.
 
 mod axis;

@@ -66,7 +66,7 @@ impl Meant {
     }
 }
 
-/// Ends a comparison that nobody wants any more.
+/// Ends a comparison that was interrupted.
 struct Watching(Interrupt);
 
 impl Observer for Watching {
@@ -74,7 +74,7 @@ impl Observer for Watching {
         if !self.0.is_asked() {
             return Ok(());
         }
-        // Nobody sees it: what the signal's handler has raised goes to the caller.
+        // Not shown: the caller gets the exception of the signal's handler.
         Err(SinkError::Viewer("interrupted".into()))
     }
 

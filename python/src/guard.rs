@@ -33,7 +33,7 @@ impl Interrupt {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Ends the computation, unwinding its thread, if that is asked for: where it can't be told otherwise. Nobody sees it.
+    /// Ends the computation by unwinding its thread, if an end was asked for.
     pub fn end_if_asked(&self) {
         if self.is_asked() {
             resume_unwind(Box::new("interrupted"));
@@ -75,7 +75,7 @@ fn wait_for<T: Send + 'static>(
     let given = interrupt.clone();
     let (sender, mut receiver) = channel();
     let worker = thread::Builder::new().stack_size(STACK).spawn(move || {
-        // Nobody may wait for it any more.
+        // The receiver is gone after an interrupt.
         let _ = sender.send(work(given));
     });
     let worker = worker.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;

@@ -385,8 +385,8 @@ impl Run {
         self.find(py, NUTATION.name())
     }
 
-    /// SHA-256 of all messages, as `toprise run` tells it. For a recording it is what the file says, which `toprise.verify`
-    /// checks; None if it was interrupted.
+    /// SHA-256 of all messages, as `toprise run` prints it. For a recording it is read from the file; `toprise.verify`
+    /// checks it; None if it was interrupted.
     #[getter]
     fn content_digest(&self) -> Option<&str> {
         self.content_digest.as_deref()

@@ -71,7 +71,7 @@ fn read_stream(capsule: &Bound<'_, PyCapsule>) -> PyResult<Given> {
     }
 }
 
-/// The error that a stream tells of, if a call returned one.
+/// The error of a stream, if a call returned one.
 #[allow(unsafe_code)]
 fn check(code: c_int, stream: &mut FFI_ArrowArrayStream) -> PyResult<()> {
     if code == 0 {
@@ -112,7 +112,7 @@ fn read_batch(schema: &Bound<'_, PyCapsule>, array: &Bound<'_, PyCapsule>) -> Py
 #[allow(unsafe_code)]
 fn batch(array: FFI_ArrowArray, schema: &SchemaRef) -> PyResult<RecordBatch> {
     let kind = DataType::Struct(schema.fields().clone());
-    // SAFETY: whoever made the array made the schema for it.
+    // SAFETY: the array and the schema have the same origin.
     let mut data = unsafe { from_ffi_and_data_type(array, kind) }.map_err(refused)?;
     // What has been through pickle, as in Dask, need not be aligned.
     data.align_buffers();

@@ -232,7 +232,7 @@ pub fn rows(text: &str, folder: PathBuf) -> PyResult<(u64, u64)> {
     Ok((sweep.spec().rows(), sweeps::PART_ROWS))
 }
 
-/// Computes a sweep; see `toprise.sweep`. Now and then `progress` is told how many runs are done, of how many.
+/// Computes a sweep; see `toprise.sweep`. `progress` is called now and then with the number of runs that are done, and of all.
 #[pyfunction]
 #[pyo3(signature = (text, folder, out, *, threads, shard, fail_fast, progress))]
 #[allow(clippy::too_many_arguments)]

@@ -103,7 +103,7 @@ def design(spec: Spec, start: int = 0, stop: int | None = None) -> Table:
     """The runs from `start` to before `stop` of a sweep: their numbers, bases and the values of the keys that vary.
 
     `spec` is a TOML file or a mapping, as in `{"bases": ["paper"], "over": {"friction.k": "0.005..0.1/64log"}}`; a sample adds
-    `{"sample": {"count": 1000, "method": "sobol", "seed": 7}}`. `toprise sweep --help` tells more.
+    `{"sample": {"count": 1000, "method": "sobol", "seed": 7}}`. See `toprise sweep --help`.
     """
     return _toprise.design(*read(spec), start, stop)
 
@@ -119,17 +119,17 @@ def sweep(
 ) -> dict[str, Any]:
     """Computes a sweep and writes its table, in Parquet: the bytes that `toprise sweep` writes.
 
-    What is there of an earlier call that was interrupted is kept. `shard=(i, n)` computes the i-th of n shares of the parts, from
-    0, and merges nothing; the call without it completes the table. `progress=True` shows a bar on standard error; a function is told
-    how many runs are done, of how many are left. The answer has the number of `runs` of the whole sweep and of those `computed` now
+    Continues an earlier call that was interrupted. `shard=(i, n)` computes the i-th of n shares of the parts, from
+    0, and merges nothing; the call without it completes the table. `progress=True` shows a bar on standard error; a function is
+    called with the numbers of runs that are done, and of all that are left. The answer has the number of `runs` of the whole sweep and of those `computed` now
     and `kept` from before (None for a share), and counts the runs by why they stopped, and those with an `error`.
     `toprise.run(out, row=42)` runs a row again.
     """
-    told: Callable[[int, int], object] | None = None
+    report: Callable[[int, int], object] | None = None
     if callable(progress):
-        told = progress
+        report = progress
     elif progress:
-        told = _Bar()
+        report = _Bar()
     answer: dict[str, Any] = json.loads(
         _toprise.sweep(
             *read(spec),
@@ -137,7 +137,7 @@ def sweep(
             threads=threads,
             shard=shard,
             fail_fast=fail_fast,
-            progress=told,
+            progress=report,
         )
     )
     return answer
@@ -148,13 +148,13 @@ class _Bar:
 
     def __init__(self) -> None:
         self.began = time.monotonic()
-        self.told = 0.0
+        self.printed = 0.0
 
     def __call__(self, done: int, of: int) -> None:
         now = time.monotonic()
-        if done < of and now - self.told < 0.2:
+        if done < of and now - self.printed < 0.2:
             return
-        self.told = now
+        self.printed = now
         rate = done / max(now - self.began, 1e-9)
         left = f", {(of - done) / rate:.0f} s left" if 0 < done < of else ""
         end = "\n" if done >= of else ""

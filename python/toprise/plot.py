@@ -116,7 +116,7 @@ def _is_logarithmic(values: Any) -> bool:
 
     def is_even(values: Any) -> bool:
         steps = np.diff(values)
-        # The values are rounded; nobody sees a millionth.
+        # The values are rounded; a millionth is not visible.
         return bool(np.ptp(steps) < 1e-6 * steps[0])
 
     return is_even(np.log(values)) and not is_even(values)

@@ -1,7 +1,7 @@
 """Sweeps on a Ray cluster: `pip install toprise[ray]`.
 
-Ray schedules, retries and moves the work; what is done is told by the files of the parts, so that nothing is missing and nothing
-is there twice, whatever is killed. All nodes need one file system.
+Ray schedules, retries and moves the work. The files of the parts record what is done, so that no row is missing or there twice,
+whatever is killed. All nodes need one file system.
 """
 
 from __future__ import annotations

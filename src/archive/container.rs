@@ -1,4 +1,4 @@
-//! An MCAP file as a container of records, whoever wrote it: where they stand, past whatever is damaged.
+//! An MCAP file as a container of records, written by any software: where they stand, past damaged parts.
 //!
 //! [`scan`] hops from record to record, [`layout`] keeps where the chunks, channels, metadata and attachments are,
 //! and [`section`] gives the messages of a chunk.

@@ -156,7 +156,7 @@ fn work<W: Write>(
             Job::Write(mut batch) => {
                 packer.write(&batch)?;
                 batch.clear();
-                // Nobody waits for it once the sink is gone.
+                // The receiver is gone if the sink is.
                 let _ = returned.send(batch);
             }
             Job::Finish(end) => return packer.finish(end).map(Some),

@@ -126,8 +126,8 @@ impl Draft {
         Self::within(directory_of(path), path, existing)
     }
 
-    /// Starts a file that vanishes if it is not published, and is in this directory until then: whoever clears that away
-    /// clears away what a process that was killed has left of it.
+    /// Starts a file that vanishes if it is not published, and is in this directory until then: removing that directory
+    /// also removes the remains of a process that was killed.
     ///
     /// # Errors
     /// As [`Draft::new`]; [`Draft::publish`] fails if the directory is on another file system.
@@ -147,7 +147,7 @@ impl Draft {
     }
 
     /// Starts the recording of a run: a file that is called `NAME.partial` until it is published, and stays from
-    /// [`Draft::keep`] on. Whoever sees it finds at least the `preface`, which the first bytes replace.
+    /// [`Draft::keep`] on. It contains at least the `preface`, which the first bytes replace.
     ///
     /// A `NAME.partial` that is there already is left alone: with [`Existing::Replace`] the next free name of
     /// `NAME.2.partial`, `NAME.3.partial`, … is taken, otherwise the run is refused.

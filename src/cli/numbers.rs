@@ -1,4 +1,4 @@
-//! Numbers for people.
+//! Numbers in reports.
 
 /// A number with `digits` after the point and the typographic minus; a huge one with its power of ten.
 pub(super) fn number(value: f64, digits: usize) -> String {
@@ -28,6 +28,12 @@ pub(super) fn count(value: u64) -> String {
     text
 }
 
+/// A number of things, as in "1 sample" and "2 samples".
+pub(super) fn counted(number: u64, noun: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{} {noun}{plural}", count(number))
+}
+
 /// A number of bytes.
 pub(super) fn bytes(value: u64) -> String {
     match value {
@@ -48,6 +54,8 @@ mod tests {
         assert_eq!(count(999), "999");
         assert_eq!(count(24_720), "24,720");
         assert_eq!(count(1_000_000), "1,000,000");
+        assert_eq!(counted(1, "run"), "1 run");
+        assert_eq!(counted(0, "run"), "0 runs");
         assert_eq!(bytes(999), "999 B");
         assert_eq!(bytes(31_400_000), "31.4 MB");
         assert_eq!(number(-0.2969, 3), "−0.297");

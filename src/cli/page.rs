@@ -1,4 +1,4 @@
-//! A report for people: sections with tables and sentences, as text for a terminal or as Markdown.
+//! A human-readable report: sections with tables and sentences, as text for a terminal or as Markdown.
 
 use super::table::Table;
 use super::text::{harmless, harmless_lines};
@@ -18,7 +18,7 @@ pub(super) const TICK: char = '✓';
 /// The sign of something that is not.
 pub(super) const CROSS: char = '✗';
 
-/// A report for people.
+/// A human-readable report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Page {
     /// The subject, above the title.

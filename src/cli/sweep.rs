@@ -5,7 +5,7 @@ mod report;
 use super::arguments::{Override, parse_override};
 use super::done::Done;
 use super::interrupt::Interrupt;
-use super::numbers::count;
+use super::numbers::{count, counted};
 use super::output;
 use super::progress::Progress;
 use super::report::{self as reports, WrittenFile};
@@ -18,7 +18,7 @@ use crate::sweep::{
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 pub(crate) use report::SweepReport;
-use report::{Asked, about, runs, summary};
+use report::{Asked, about, summary};
 use std::panic;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -295,7 +295,7 @@ fn quietly<T>(task: impl FnOnce() -> T) -> T {
 }
 
 fn announcement(sweep: &Sweep, left: u64, estimate: Option<f64>) -> String {
-    let runs = runs(sweep.spec().rows());
+    let runs = counted(sweep.spec().rows(), "run");
     let left = if left == sweep.spec().rows() {
         String::new()
     } else {

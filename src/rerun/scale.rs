@@ -109,7 +109,7 @@ fn round_by(value: f64, decades: f64) -> f64 {
     if rounded.is_normal() { rounded } else { 0.0 }
 }
 
-/// A scale for people, as in `1 cm = 20 µN m`.
+/// A scale in words, as in `1 cm = 20 µN m`.
 pub(super) fn legend(per_metre: f64, unit: &str) -> String {
     const PREFIXES: [(f64, &str); 5] = [
         (1.0, ""),

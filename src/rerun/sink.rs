@@ -39,7 +39,7 @@ impl Stream<Entities> {
     /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
     #[must_use]
     pub fn new(identity: &Identity, destinations: Destinations) -> Self {
-        // Whoever opens the file has a run before him that is complete.
+        // The file is opened when the run is complete.
         let complete = Identity {
             playback: Playback::FromStart,
             ..identity.clone()

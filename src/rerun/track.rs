@@ -24,7 +24,7 @@ pub trait Collect {
     fn flush(&mut self, outlet: &mut Outlet, flush: Flush);
 }
 
-/// What a recording consists of, with its layout.
+/// The content of a recording, with its layout.
 pub trait Content: Collect {
     /// Where the layout is changed at the end.
     const SHOWN_AT_END: To;

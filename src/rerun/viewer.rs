@@ -54,7 +54,7 @@ impl LiveDestination {
         thread::Builder::new()
             .name("rerun feeder".to_owned())
             .spawn(move || {
-                // Nobody listens any more if the viewer was given up: then the report is moot.
+                // The receiver is gone if the viewer was given up.
                 let _ = report.send(feed(uri, &messages));
             })
             .map_err(|error| format!("cannot start a thread for the Rerun viewer: {error}"))?;

@@ -16,7 +16,7 @@ pub type Cells = Vec<Option<Value>>;
 /// The cells of a column of numbers or words, which may be a dictionary's.
 ///
 /// # Errors
-/// What the values of the column are, if they are neither.
+/// The type of the column's values, if they are neither.
 pub fn cells(column: &dyn Array) -> Result<Cells, String> {
     if let Some(dictionary) = column.as_any_dictionary_opt() {
         let values = cells(dictionary.values().as_ref())?;

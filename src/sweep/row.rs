@@ -17,7 +17,7 @@ pub type Run = fn(&Scenario, &mut dyn FnMut() -> bool) -> RunResult;
 pub struct Watch<'a> {
     /// Asked before each step of each run whether to go on.
     pub carry_on: &'a (dyn Fn() -> bool + Sync),
-    /// Told of each row that is done: why its run stopped, or none for a row with an error.
+    /// Called after each row with the reason why its run stopped; none for a row with an error.
     pub done: &'a (dyn Fn(Option<StopReason>) + Sync),
 }
 

@@ -28,7 +28,7 @@ impl Side {
         }
     }
 
-    /// Name for people: `A` or `B`.
+    /// Display name: `A` or `B`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

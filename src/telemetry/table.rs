@@ -8,8 +8,8 @@ use super::quantity::Quantity::{
 use crate::run::simulation::{Event, FreeSample, Landing, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// The version of the telemetry: of what is recorded, and how it is computed. Whoever changes a channel, or what its
-/// numbers are for a given motion, raises it.
+/// The version of the telemetry: of what is recorded, and how it is computed. A change of a channel, or of its
+/// numbers for a motion, raises it.
 ///
 /// 1. The first, whose recordings don't name it.
 /// 2. Nutation cycles are only those whose period is that of a nutation, and have the ranges of the rates. Integrals of
@@ -30,7 +30,7 @@ pub struct Channel<S: 'static> {
     pub meaning: &'static str,
     /// Whether only the recordings of tops with a free peg have it.
     pub is_of_free_peg: bool,
-    /// Tells whether a value makes a message; without it every value does.
+    /// Whether a value makes a message; by default every value does.
     pub present: Option<fn(&S) -> bool>,
     /// Its fields.
     pub fields: &'static [Field<S>],

@@ -145,7 +145,7 @@ fn amplitude(cycle: &Cycle) -> f64 {
 /// Range of the time by which θ first reaches a level after its average (negative: before), s, depending on the phase of
 /// the nutation there; none where the nutation isn't known.
 ///
-/// Amplitude and drift are taken at the touch and over the time by which it is early, for which a large nutation
+/// Amplitude and drift are taken at the first crossing and over the time by which it is early, for which a large nutation
 /// changes both.
 pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
     let (first, last) = history.of_cycles(Cycle::amplitude).domain()?;

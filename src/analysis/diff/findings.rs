@@ -3,9 +3,8 @@
 use super::averages::Averaged;
 use super::crossing::{LevelCrossing, ripple};
 use super::discrepancy::Discrepancy;
-use super::floor::Floor;
+use super::floor::{Floor, IntegratorError};
 use super::pairing::Paired;
-use crate::analysis::history::energy::Energies;
 use crate::analysis::history::{PegSummary, RunSummary};
 use crate::analysis::phrase::{duration, moment, signed_duration, significant};
 use crate::run::simulation::EventKind;
@@ -278,14 +277,21 @@ fn energy_lost(evidence: &Evidence<'_>) -> Finding {
         return Finding::default();
     };
     let what = format!("energy lost by {}", moment(time));
-    let errors = evidence
-        .floor
-        .and_then(|floor| floor.of(&energy::TOTAL.to_string()));
-    let lost = both(common, Energies::lost);
-    let is_error = |lost: &f64| errors.is_some_and(|errors| lost.abs() <= errors);
-    if lost.iter().flatten().all(is_error) {
+    let field = energy::TOTAL.to_string();
+    let of = |error: &IntegratorError| error.of(&field);
+    let errors = match evidence.floor {
+        Some(floor) => [of(&floor.a), of(&floor.b)],
+        None => [None; 2],
+    };
+    let lost = [0, 1].map(|side| {
+        let is_error = |lost: &f64| lost.abs() <= errors[side].unwrap_or(0.0);
+        let lost = common[side].lost()?;
+        Some(if is_error(&lost) { 0.0 } else { lost })
+    });
+    if lost == [Some(0.0); 2] {
         return Finding::default();
     }
+    let errors = errors[0].zip(errors[1]).map(|(a, b)| a + b);
     Finding::new(what, "J", lost).within(errors)
 }
 

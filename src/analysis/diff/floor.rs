@@ -50,14 +50,18 @@ pub struct IntegratorError {
     pub theta_mean: f64,
 }
 
+impl IntegratorError {
+    /// The error of a field.
+    pub(super) fn of(&self, field: &str) -> Option<f64> {
+        let mut fields = self.fields.iter();
+        Some(fields.find(|(name, _)| name == field)?.1)
+    }
+}
+
 impl Floor {
     /// The errors of a field, A's and B's together.
     pub(super) fn of(&self, field: &str) -> Option<f64> {
-        let of = |error: &IntegratorError| {
-            let mut fields = error.fields.iter();
-            Some(fields.find(|(name, _)| name == field)?.1)
-        };
-        Some(of(&self.a)? + of(&self.b)?)
+        Some(self.a.of(field)? + self.b.of(field)?)
     }
 
     /// The error of the difference of the times of two events, s.

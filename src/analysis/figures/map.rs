@@ -17,7 +17,7 @@ impl Map {
     /// Draws the map with a width in mm. Runs without a value along an axis are left out.
     ///
     /// # Errors
-    /// What stands in the way: no runs, or several at one place.
+    /// There are no runs, or several at one place.
     pub fn draw(mut self, width: f64) -> Result<Drawing, String> {
         let has_y = self.y.is_some();
         let is_placed = |run: &MapRun| run.x.is_finite() && (!has_y || run.y.is_finite());

@@ -165,7 +165,7 @@ impl Layout {
         }
     }
 
-    /// What was lost between two chunks ends where the second begins.
+    /// A loss between two chunks ends where the second begins.
     fn close_gaps(&mut self) {
         for loss in &mut self.losses {
             let next = self.sections.partition_point(|s| s.offset <= loss.offset);

@@ -6,8 +6,8 @@ use crate::archive::container::channels::FileChannel;
 use crate::archive::container::section::MessageRecord;
 use std::fmt;
 
-/// Tells messages that come in their order from those that repeat others or go back in time, as in a file with a chunk
-/// that stands there twice.
+/// Separates messages in their order from those that repeat others or go back in time, as in a file that has a chunk
+/// twice.
 #[derive(Debug)]
 pub(super) struct Order {
     channels: Vec<Channel>,

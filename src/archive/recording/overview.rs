@@ -79,7 +79,7 @@ pub struct EventOverview {
     pub name: String,
     /// When, s.
     pub time: f64,
-    /// A sentence for people.
+    /// What happened, in a sentence.
     pub description: String,
 }
 

@@ -1,6 +1,6 @@
 //! The report of a run.
 
-use crate::cli::numbers::{count, number};
+use crate::cli::numbers::{count, counted, number};
 use crate::cli::page::{Page, Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
@@ -199,11 +199,11 @@ impl RunReport {
 
     fn logged(&self) -> String {
         format!(
-            "{} samples at {} Hz, {} nutation cycles, {} events",
-            count(self.samples),
+            "{} at {} Hz, {}, {}",
+            counted(self.samples, "sample"),
             1.0 / self.sample_period,
-            count(self.outcome.nutations),
-            count(self.events.iter().map(|event| event.count).sum())
+            counted(self.outcome.nutations, "nutation cycle"),
+            counted(self.events.iter().map(|event| event.count).sum(), "event")
         )
     }
 
@@ -214,8 +214,8 @@ impl RunReport {
         } else {
             String::new()
         };
-        let steps = count(self.outcome.steps);
-        format!("{:.2} s{share}; {steps} integration steps", self.wall_time)
+        let steps = counted(self.outcome.steps, "integration step");
+        format!("{:.2} s{share}; {steps}", self.wall_time)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The report of `toprise sweep`.
 
-use crate::cli::numbers::{count, number};
+use crate::cli::numbers::{count, counted, number};
 use crate::cli::page::{Page, Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
@@ -74,7 +74,7 @@ impl SweepReport {
             facts.push(("first error", format!("run {}: {}", error.run, error.error)));
         }
         if asked.dry_run {
-            facts.push(("left", runs(asked.left)));
+            facts.push(("left", counted(asked.left, "run")));
             if let Some(seconds) = self.estimate {
                 let threads = asked.threads;
                 facts.push(("time", format!("{}, {threads} at once", about(seconds))));
@@ -86,7 +86,7 @@ impl SweepReport {
                 0 => "nothing: nothing was left to do".to_owned(),
                 computed => format!(
                     "{} in {} s, {} a second",
-                    runs(computed),
+                    counted(computed, "run"),
                     number(computing, 2),
                     number(computed as f64 / computing, 1)
                 ),
@@ -116,7 +116,7 @@ impl SweepReport {
     }
 
     fn title(&self, asked: &Asked) -> (String, Tone) {
-        let runs = runs(self.runs);
+        let runs = counted(self.runs, "run");
         if self.interrupted {
             (format!("{runs}: interrupted"), Tone::Weak)
         } else if asked.dry_run {
@@ -136,12 +136,6 @@ impl SweepReport {
             (runs, Tone::Good)
         }
     }
-}
-
-/// A number of runs.
-pub(super) fn runs(number: u64) -> String {
-    let noun = if number == 1 { "run" } else { "runs" };
-    format!("{} {noun}", count(number))
 }
 
 /// A time that is not known well.

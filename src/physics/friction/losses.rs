@@ -31,8 +31,8 @@ pub struct Drilling {
     pub creep: f64,
 }
 
-/// A top creeps, instead of being held, at rates that drilling takes away within this time, s. Shorter times are less creep and
-/// more steps: about one for six of them.
+/// A top creeps, instead of being held, at rates that drilling stops within this time, s. Shorter times mean less creep and
+/// more steps.
 const CREEP_TIME: f64 = 1e-5;
 
 impl Drilling {

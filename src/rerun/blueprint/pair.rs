@@ -24,7 +24,7 @@ use crate::telemetry::side::Side;
 /// Distance of the camera from two tops, one of which travels, in usual distances.
 const FAR: f64 = 1.2;
 
-/// What is known of a comparison when it has ended.
+/// The extent of a comparison that has ended.
 pub(crate) struct Extent<'a> {
     /// Duration of the longer run, s.
     pub(crate) duration: f64,

@@ -275,7 +275,7 @@ impl StopReason {
         }
     }
 
-    /// Why the run ended, in words for people.
+    /// Why the run ended, as a sentence.
     #[must_use]
     pub fn sentence(self) -> &'static str {
         match self {

@@ -21,7 +21,7 @@ const AZIMUTH: f64 = 0.6;
 /// The number of meridians.
 const MERIDIANS: u32 = 12;
 
-/// What lies behind the outline of the sphere by less than this lies there by rounding.
+/// Points that are behind the outline of the sphere by less than this are so by rounding.
 const SLACK: f64 = 1e-9;
 
 /// The number of pieces of a circle.
