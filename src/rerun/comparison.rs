@@ -31,6 +31,8 @@ pub struct Comparison {
     /// Between the two, where one of them travels.
     focus: Option<Focus>,
     identity: PairIdentity,
+    /// Time of the latest message, ns.
+    end_ns: u64,
 }
 
 impl Comparison {
@@ -56,6 +58,7 @@ impl Comparison {
             magnitude: Plots::new(magnitude, &Look::Magnitude, outlet),
             focus,
             identity: identity.clone(),
+            end_ns: 0,
         };
         // Until the comparison has ended there is only the key to the colours.
         comparison.summarize("", outlet);
@@ -64,6 +67,7 @@ impl Comparison {
 
     /// Takes a message of one run.
     pub(super) fn write(&mut self, side: Side, message: &Message<'_>, outlet: &mut Outlet) {
+        self.end_ns = self.end_ns.max(message.time_ns);
         match side {
             Side::A => self.a.write(message, outlet),
             Side::B => self.b.write(message, outlet),
@@ -109,6 +113,10 @@ impl Content for Comparison {
 
 impl Collect for Comparison {
     fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
+        if let Flush::All = flush {
+            self.difference.reach(self.end_ns, outlet);
+            self.magnitude.reach(self.end_ns, outlet);
+        }
         self.a.flush(outlet, flush);
         self.b.flush(outlet, flush);
         self.difference.flush(outlet, flush);

@@ -17,6 +17,8 @@ struct PlotTrack {
     track: Track<Numbers>,
     /// The least and the greatest number.
     range: [f64; 2],
+    /// Time of the last row, ns.
+    end_ns: u64,
 }
 
 impl Plots {
@@ -32,6 +34,7 @@ impl Plots {
                 numbers,
                 track,
                 range: [f64::INFINITY, f64::NEG_INFINITY],
+                end_ns: 0,
             }
         };
         let plots = Topic::all().map(|topic| {
@@ -46,6 +49,16 @@ impl Plots {
         let tracks = &mut self.0[plot.topic().index()].iter();
         let track = tracks.find(|track| track.plot == plot);
         track.map_or([f64::INFINITY, f64::NEG_INFINITY], |track| track.range)
+    }
+
+    /// Adds a row without values to plots that end before this time, so that a viewer's time axes reach until then.
+    pub(super) fn reach(&mut self, time_ns: u64, outlet: &mut Outlet) {
+        let plots = self.0.iter_mut().flatten();
+        for plot in plots.filter(|plot| plot.end_ns < time_ns) {
+            let missing = std::iter::repeat_n(f64::NAN, plot.numbers.len());
+            let fill = |rows: &mut Numbers| rows.extend(missing);
+            plot.track.push(outlet, time_ns, fill);
+        }
     }
 
     /// Adds a row of what `value` makes of the numbers of a message, unless it makes nothing of one of them.
@@ -64,6 +77,7 @@ impl Plots {
                 }
                 let fill = |rows: &mut Numbers| rows.extend(row().flatten());
                 plot.track.push(outlet, message.time_ns, fill);
+                plot.end_ns = message.time_ns;
             }
         }
     }

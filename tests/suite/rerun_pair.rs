@@ -28,7 +28,11 @@ struct Run {
 
 impl Run {
     fn of(preset: &'static str) -> Self {
-        let scenario = scenario(preset, &[DURATION]);
+        Self::with(preset, DURATION)
+    }
+
+    fn with(preset: &'static str, change: (&str, &str)) -> Self {
+        let scenario = scenario(preset, &[change]);
         let messages = in_memory(&scenario).0.messages;
         Self {
             name: preset,
@@ -211,6 +215,22 @@ fn assert_nothing_is_empty(content: &Content) {
         };
         assert!(full, "nothing in {entity}");
     }
+}
+
+/// A viewer's time axes reach to the end of the longer run.
+#[test]
+fn differences_reach_to_the_end_of_the_longer_run() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("pair.rrd");
+    let topics = all_topics();
+    let longer = Run::with("full-coulomb", ("stop.duration", "0.5"));
+    write(&path, (&PAPER, &topics), (&longer, &topics));
+    let content = Content::read(&path);
+    let [a, b, difference] =
+        ["a", "b", "diff"].map(|run| content.numbers(&format!("/{run}/top/state/theta")));
+    assert!(a.len() < b.len());
+    assert_eq!(difference.len(), a.len() + 1);
+    assert!(difference.last().unwrap()[0].is_nan());
 }
 
 #[test]
