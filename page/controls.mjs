@@ -53,7 +53,7 @@ function number(scenario, key, changed) {
     changed(key.path, box.value);
   };
   box.oninput = () => {
-    changed(key.path, box.value.trim().replace(",", "."));
+    changed(key.path, box.value.trim());
     move();
   };
   return [slider, box, element("small", { textContent: key.unit })];

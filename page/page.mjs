@@ -82,10 +82,9 @@ function toLink() {
 function completed(answer) {
   const { columns } = answer;
   columns.height = columns.peg_z.map((z) => z - answer.peg_radius);
-  const flies = columns.regime.includes(2);
   const greatest = columns.slip_speed.reduce((most, speed) => Math.max(most, speed), 1e-9);
   const power = 10 ** Math.floor(Math.log10(greatest));
-  return { ...answer, flies, greatest_slip: [1, 2, 5, 10].find((step) => step * power >= greatest) * power, end: columns.time.at(-1) };
+  return { ...answer, flies: columns.regime.includes(2), greatest_slip: [1, 2, 5, 10].find((step) => step * power >= greatest) * power, end: columns.time.at(-1) };
 }
 
 async function simulate() {
@@ -95,7 +94,7 @@ async function simulate() {
   clearTimeout(slow);
   if (!answer) return; // overtaken
   at("error").textContent = answer.error ?? "";
-  if (!run) at("summary").textContent = "There is no run to show.";
+  if (answer.error && !run) at("summary").textContent = "There is no run to show.";
   document.body.classList.toggle("stale", Boolean(answer.error));
   for (const button of document.querySelectorAll("#take button, #pin")) button.disabled = Boolean(answer.error);
   if (answer.error) return;
@@ -131,13 +130,13 @@ function ask() {
   }, 300);
 }
 
-function compare({ error, findings }) {
+function compare({ error, verdict, findings }) {
   const head = element("tr", {}, ...["A", "B", "B − A"].map((text) => element("th", { textContent: text })));
   const rows = (findings ?? []).flatMap(([what, ...numbers]) => [
     element("tr", {}, element("th", { colSpan: 3, scope: "row", textContent: what })),
     element("tr", {}, ...numbers.map((text) => element("td", { textContent: text }))),
   ]);
-  const table = rows.length > 0 ? element("table", {}, head, ...rows) : element("p", { textContent: error ?? "A and B are the same." });
+  const table = rows.length > 0 ? element("table", {}, head, ...rows) : element("p", { textContent: error ?? `${verdict}: no average, event or energy differs.` });
   at("comparison").replaceChildren(element("h2", { textContent: "A and B" }), table);
 }
 
@@ -160,10 +159,10 @@ function entries(group) {
   const own = group.map((index) => items[index]);
   if (own.length < 5) return own;
   const events = group.map((index) => run.events[index]);
-  const plurals = [...Map.groupBy(events, ({ plural }) => plural)].filter(([plural]) => plural);
+  const kinds = [...Map.groupBy(events, ({ plural }) => plural)].filter(([plural]) => plural);
   const span = `${events[0].time.toFixed(4)} to ${events.at(-1).time.toFixed(4)} s`;
-  const what = ` ${plurals.map(([plural, { length }]) => `${length} ${plural}`).join(", ")}`;
-  const heading = element("summary", {}, element("b", { textContent: span }), what);
+  const counts = kinds.map(([plural, { length }]) => ` ${length} ${plural}`);
+  const heading = element("summary", {}, element("b", { textContent: span }), counts.join());
   return element("li", {}, element("details", {}, heading, element("ol", {}, ...own)));
 }
 
@@ -304,7 +303,7 @@ const KEYS = {
   End: () => choose(Infinity),
   "+": () => zoom([time - 0.25, 0.25 + time].map((end) => time + (end - time) * 2)),
   "-": () => zoom(null),
-  p: pin,
+  p: () => at("pin").click(),
 };
 
 async function begin() {

@@ -91,7 +91,8 @@ impl Page {
             Question::Compare { a, b } => {
                 let report = compare(&a.scenario()?, &b.scenario()?, &Options::default())?;
                 let findings = report.findings.iter().filter(|finding| finding.differs());
-                Ok(json!({ "findings": findings.map(Finding::cells).collect::<Vec<_>>() }))
+                let findings: Vec<_> = findings.map(Finding::cells).collect();
+                Ok(json!({ "verdict": report.verdict.title(), "findings": findings }))
             }
             Question::Record { scenario, encoding } => {
                 let known = Encoding::ALL

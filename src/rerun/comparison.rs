@@ -3,13 +3,11 @@
 
 use nalgebra::Vector3;
 use rerun::TextDocument;
-use rerun::external::re_log_types::LogMsg;
 
 use super::blueprint;
 use super::blueprint::pair::Extent;
 use super::entities::Entities;
 use super::entity::SUMMARY;
-use super::error::RerunError;
 use super::look::Look;
 use super::outlet::{Outlet, To};
 use super::pair::PairIdentity;
@@ -99,15 +97,15 @@ impl Comparison {
 }
 
 impl Content for Comparison {
-    const SHOWN_AT_END: To = To::Both;
-
-    fn layout_at_end(&self, duration: f64) -> Vec<Result<LogMsg, RerunError>> {
+    fn change_layout(&self, duration: f64, outlet: &mut Outlet) {
         let differences = &self.difference;
         let extent = Extent {
             duration,
             differences,
         };
-        blueprint::pair::messages(&self.identity, Some(&extent))
+        for message in blueprint::pair::messages(&self.identity, Some(&extent)) {
+            outlet.send_to(To::Both, message);
+        }
     }
 }
 

@@ -2,11 +2,9 @@
 
 use nalgebra::Vector3;
 use rerun::TextDocument;
-use rerun::external::re_log_types::LogMsg;
 
 use super::blueprint;
 use super::entity::ABOUT;
-use super::error::RerunError;
 use super::events::Events;
 use super::identity::Identity;
 use super::look::Look;
@@ -23,7 +21,6 @@ pub struct Entities {
     plots: Plots,
     events: Option<Events>,
     scene: Option<Scene>,
-    identity: Identity,
 }
 
 impl Entities {
@@ -39,7 +36,6 @@ impl Entities {
         }
         outlet.send_static(look.entity(ABOUT), &TextDocument::from_markdown(about));
         Self {
-            identity: identity.clone(),
             plots: Plots::new(|plot| identity.has(plot.topic()), look, outlet),
             events: identity
                 .has(EVENTS)
@@ -66,10 +62,11 @@ impl Entities {
 }
 
 impl Content for Entities {
-    const SHOWN_AT_END: To = To::File;
-
-    fn layout_at_end(&self, duration: f64) -> Vec<Result<LogMsg, RerunError>> {
-        blueprint::run::messages_at_end(&self.identity, duration)
+    /// In the file only: a viewer has been playing the run.
+    fn change_layout(&self, duration: f64, outlet: &mut Outlet) {
+        for message in blueprint::run::messages_at_end(outlet.store(), duration) {
+            outlet.send_to(To::File, message);
+        }
     }
 }
 

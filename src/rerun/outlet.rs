@@ -24,7 +24,7 @@ pub struct Destinations {
 
 /// Which of the destinations is meant.
 #[derive(Clone, Copy)]
-pub enum To {
+pub(super) enum To {
     /// The viewer: the file gets its own message, as the same rows later, in longer chunks.
     Viewer,
     /// The file: the viewer has its own message already.
@@ -70,6 +70,11 @@ impl Outlet {
         let opening = opening(&outlet.store, &mut outlet.ids);
         outlet.send(Ok(opening));
         outlet
+    }
+
+    /// The store that is written.
+    pub(super) fn store(&self) -> &StoreId {
+        &self.store
     }
 
     /// Whether a viewer is being fed, as far as is known.

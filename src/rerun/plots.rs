@@ -71,11 +71,12 @@ impl Plots {
         for plot in &mut self.0[message.channel] {
             let row = || plot.numbers.iter().map(|number| value(number.of(message)));
             if row().all(|value| value.is_some()) {
-                for number in row().flatten() {
-                    let [least, greatest] = plot.range;
-                    plot.range = [least.min(number), greatest.max(number)];
-                }
-                let fill = |rows: &mut Numbers| rows.extend(row().flatten());
+                let [least, greatest] = &mut plot.range;
+                let numbers = row().flatten().inspect(|number| {
+                    *least = least.min(*number);
+                    *greatest = greatest.max(*number);
+                });
+                let fill = |rows: &mut Numbers| rows.extend(numbers);
                 plot.track.push(outlet, message.time_ns, fill);
                 plot.end_ns = message.time_ns;
             }

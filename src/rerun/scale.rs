@@ -88,11 +88,6 @@ pub(super) fn round(value: f64) -> f64 {
     round_by(value, 0.0)
 }
 
-/// Ten to the power of a whole number, exactly rounded.
-pub(super) fn power_of_ten(exponent: f64) -> f64 {
-    format!("1e{exponent}").parse().unwrap_or(0.0)
-}
-
 /// The same, times ten to the power of `decades`.
 fn round_by(value: f64, decades: f64) -> f64 {
     let decade = math::log10(value).floor();
@@ -107,6 +102,11 @@ fn round_by(value: f64, decades: f64) -> f64 {
     let rounded = format!("{nearest}e{}", decade + decades);
     let rounded: f64 = rounded.parse().unwrap_or_default();
     if rounded.is_normal() { rounded } else { 0.0 }
+}
+
+/// Ten to the power of a whole number, exactly rounded.
+pub(super) fn power_of_ten(exponent: f64) -> f64 {
+    format!("1e{exponent}").parse().unwrap_or(0.0)
 }
 
 /// A scale in words, as in `1 cm = 20 µN m`.

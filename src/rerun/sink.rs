@@ -129,9 +129,7 @@ impl<E: Content> Stream<E> {
     pub fn finish(mut self) -> Result<Vec<String>, RerunError> {
         self.entities.flush(&mut self.outlet, Flush::All);
         let duration = self.end_ns as f64 * 1e-9;
-        for message in self.entities.layout_at_end(duration) {
-            self.outlet.send_to(E::SHOWN_AT_END, message);
-        }
+        self.entities.change_layout(duration, &mut self.outlet);
         self.outlet.finish()
     }
 }

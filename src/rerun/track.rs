@@ -1,6 +1,6 @@
 //! Rows that wait until there are enough of them for a chunk.
 
-use rerun::external::re_log_types::{EntityPath, LogMsg};
+use rerun::external::re_log_types::EntityPath;
 use rerun::{Scalars, SerializedComponentColumn, TextLog};
 
 use super::error::RerunError;
@@ -26,11 +26,8 @@ pub trait Collect {
 
 /// The content of a recording, with its layout.
 pub trait Content: Collect {
-    /// Where the layout is changed at the end.
-    const SHOWN_AT_END: To;
-
-    /// Changes of the layout when the duration is known, s.
-    fn layout_at_end(&self, duration: f64) -> Vec<Result<LogMsg, RerunError>>;
+    /// Changes the layout when the duration is known, s.
+    fn change_layout(&self, duration: f64, outlet: &mut Outlet);
 }
 
 impl<C: Collect> Collect for Option<C> {

@@ -287,6 +287,10 @@ fn errors_say_what_to_do_next() {
         ),
         (&[("name", &"x".repeat(101))], &["at most 100 letters"]),
         (&[("initial.theta", "30deg")], &["(30deg is 0.5236 rad)"]),
+        (
+            &[("initial.theta", "0,03")],
+            &["with a decimal point, as in 0.03"],
+        ),
         (&[("initial.theta", "30 °")], &["is 0.5236 rad)"]),
     ] {
         let error = error("paper", changes);

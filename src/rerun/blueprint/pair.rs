@@ -224,10 +224,14 @@ impl Charts<'_> {
 /// The most ticks that a viewer names on the axis of a small chart. They are a power of ten apart.
 const MOST_TICKS: f64 = 7.0;
 
+/// A smaller part of the values is rounding: there are no ticks in it.
+const SMALLEST_SPAN: f64 = 1e-12;
+
 /// A range with these values in it, and at least three ticks with a name; none if the values are equal.
 fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
     let size = high - low;
-    if !(size > 0.0 && size.is_finite()) {
+    let is_rounding = size <= SMALLEST_SPAN * low.abs().max(high.abs());
+    if is_rounding || !size.is_finite() {
         return None;
     }
     let step = power_of_ten(math::log10(size / MOST_TICKS).ceil());
@@ -262,6 +266,8 @@ mod tests {
     #[test]
     fn equal_values_have_no_range() {
         assert_eq!(with_ticks([1.0, 1.0]), None);
+        assert_eq!(with_ticks([1.0, 1.0_f64.next_up()]), None);
+        assert_eq!(with_ticks([0.0, 0.0]), None);
         assert_eq!(with_ticks([f64::INFINITY, f64::NEG_INFINITY]), None);
     }
 }

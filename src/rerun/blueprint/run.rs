@@ -1,5 +1,6 @@
 //! The layout for one run: the scene at the left with the events below, the main charts at the right.
 
+use rerun::StoreId;
 use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
 use rerun::blueprint::datatypes::TextLogColumnKind;
 use rerun::components::Name;
@@ -232,17 +233,14 @@ pub(crate) fn messages(identity: &Identity) -> Vec<Result<LogMsg, RerunError>> {
     layout.finish()
 }
 
-/// The messages that change the layout, so that a viewer plays the run, of this duration in s, from its start.
+/// The messages that change the layout of a recording, so that a viewer plays the run, of this duration in s, from its start.
 pub(crate) fn messages_at_end(
-    identity: &Identity,
+    recording: &StoreId,
     duration: f64,
 ) -> Vec<Result<LogMsg, RerunError>> {
-    let speed = speed(duration);
-    if speed <= 0.0 {
-        return Vec::new();
-    }
-    let mut layout = Layout::changes(&identity.store());
-    layout.log("time_panel", &time_panel(Playback::FromStart, speed));
+    let mut layout = Layout::changes(recording);
+    let panel = time_panel(Playback::FromStart, speed(duration));
+    layout.log("time_panel", &panel);
     layout.finish()
 }
 

@@ -172,7 +172,8 @@ pub(super) fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlue
         })
 }
 
-/// The speed at which a run of this duration, in s, plays in about [`PLAYING_TIME`]; 0 if it has none.
+/// The speed at which a run of this duration, in s, plays in about [`PLAYING_TIME`]; 1 if it has none.
 pub(super) fn speed(duration: f64) -> f64 {
-    round(duration / PLAYING_TIME)
+    let speed = round(duration / PLAYING_TIME);
+    if speed > 0.0 { speed } else { 1.0 }
 }

@@ -249,7 +249,7 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
         value: value
             .as_float()
             .map_or_else(|| excerpt(&value.to_string()), typed),
-        expected: format!("{}{}", key.kind, in_radians(key, value)),
+        expected: format!("{}{}", key.kind, as_meant(key, value)),
     };
     if key.kind.is_text() {
         let text = value.as_str().ok_or_else(wrong_type)?;
@@ -278,9 +278,14 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
     }
 }
 
-/// A text in degrees in radians; empty for anything else.
-fn in_radians(key: &Key, value: &toml::Value) -> String {
+/// A text in degrees in radians, and a number with a comma with a point; empty for anything else.
+fn as_meant(key: &Key, value: &toml::Value) -> String {
     let text = value.as_str().unwrap_or_default();
+    if let [whole, part] = text.split(',').collect::<Vec<_>>()[..]
+        && format!("{whole}.{part}").parse::<f64>().is_ok()
+    {
+        return format!(", with a decimal point, as in {whole}.{part}");
+    }
     let number = ["°", "deg", "degrees"]
         .iter()
         .find_map(|unit| text.strip_suffix(unit));
