@@ -3,7 +3,7 @@
 pub(crate) mod container;
 pub(crate) mod error;
 pub mod format;
-pub mod given;
+pub mod input;
 pub mod memory;
 pub mod pipeline;
 pub mod publish;

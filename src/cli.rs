@@ -1,6 +1,6 @@
 //! The program: its commands, how they end, and what they print.
 //!
-//! Each command is a file with its arguments, its report and its function. `given` opens the runs that are named;
+//! Each command is a file with its arguments, its report and its function. `input` opens the runs that are named;
 //! `report` prints a report as JSON, or as a `page`; everything is printed through `output`.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
@@ -11,8 +11,8 @@ mod diff;
 mod done;
 mod explain;
 mod figures;
-mod given;
 mod info;
+mod input;
 mod interrupt;
 mod laws;
 mod numbers;
@@ -200,7 +200,7 @@ pub fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(answer) => {
             output::set_up(false, wanted(&words, "--color"), wanted(&words, "--format"));
-            return told_usage(&with_tip(answer));
+            return print_usage(&with_tip(answer));
         }
     };
     output::set_up(arguments.quiet, arguments.color, arguments.format);
@@ -238,15 +238,15 @@ fn wanted<V: ValueEnum + Default>(words: &[OsString], option: &str) -> V {
 
 /// Points to `--kinds` where `--format` is asked for a kind of figure.
 fn with_tip(mut error: clap::Error) -> clap::Error {
-    let says = |kind, part: &str| {
+    let begins_with = |kind, part: &str| {
         let text = error.get(kind).map(ToString::to_string);
         text.is_some_and(|text| text.starts_with(part))
     };
-    let is_format = says(ContextKind::InvalidArg, "--format");
+    let is_format = begins_with(ContextKind::InvalidArg, "--format");
     if is_format
         && ["svg", "png"]
             .iter()
-            .any(|kind| says(ContextKind::InvalidValue, kind))
+            .any(|kind| begins_with(ContextKind::InvalidValue, kind))
     {
         let tip = "--format is the output format of the report; 'toprise figures --kinds svg' chooses the kinds of figures";
         let tips = ContextValue::StyledStrs(vec![tip.into()]);
@@ -256,7 +256,7 @@ fn with_tip(mut error: clap::Error) -> clap::Error {
 }
 
 /// Prints the help, the version, or what is wrong with the arguments.
-fn told_usage(answer: &clap::Error) -> ExitCode {
+fn print_usage(answer: &clap::Error) -> ExitCode {
     if answer.use_stderr() {
         // Without standard error there is no place for it.
         let _ = answer.print();

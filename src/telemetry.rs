@@ -1,4 +1,4 @@
-//! The telemetry of a run: one table says what is logged, and everything else follows from it.
+//! The telemetry of a run: one table defines what is logged, and everything else follows from it.
 //!
 //! [`table`] declares each channel once: its topic, and for each field the name, quantity, frame, meaning and
 //! where in a sample it comes from. From the table follow the messages, written and read ([`encoding`]: [`json`]

@@ -7,7 +7,7 @@ use toprise::analysis::diff::{self, Report, Verdict};
 use toprise::analysis::explain::explain;
 use toprise::analysis::figures::{FIGURES, Figure, Run};
 use toprise::analysis::verify::verify;
-use toprise::archive::given;
+use toprise::archive::input;
 use toprise::archive::recording::{Overview, Recording, Selection};
 use toprise::run::scenario::{Scenario, Values};
 use toprise::telemetry::fields::state;
@@ -30,11 +30,7 @@ pub fn recording(data: &[u8], scratch: &Path) {
     for loss in &overview.losses {
         told(&loss.to_string());
     }
-    let rates = overview
-        .channels
-        .iter()
-        .filter_map(toprise::archive::recording::ChannelOverview::rate);
-    told(&format!("{overview:?} {:?}", rates.collect::<Vec<_>>()));
+    told(&format!("{overview:?}"));
     let mut reader = recording.reader(Selection::default());
     while let Some(message) = reader.next_of_any() {
         if let Err(error) = message {
@@ -47,8 +43,8 @@ pub fn recording(data: &[u8], scratch: &Path) {
         Err(error) => told(&error.to_string()),
     }
     told(&format!("{:?}", verify(&recording, &|_| {})));
-    let values = given::values(&path).map_err(|error| told(&error.to_string()));
-    told(&format!("{:?} {:?}", values.is_ok(), given::form(&path)));
+    let values = input::values(&path).map_err(|error| told(&error.to_string()));
+    told(&format!("{:?} {:?}", values.is_ok(), input::form(&path)));
 }
 
 /// Asks everything of `recording` that can be asked of runs.

@@ -12,7 +12,7 @@ use toprise::analysis::diff::{Observer, Options, Tolerance, Tolerances, compare_
 use toprise::analysis::explain::{Fact, explain_while};
 use toprise::analysis::subject::Subject;
 use toprise::analysis::verify as checks;
-use toprise::archive::given::is_recording;
+use toprise::archive::input::is_recording;
 use toprise::archive::recording::Recording;
 use toprise::archive::sink::SinkError;
 use toprise::run::scenario::{PRESETS, Scenario as Checked};

@@ -5,7 +5,7 @@ use pyo3::{PyErr, import_exception};
 use std::fmt::Display;
 use std::io;
 use std::path::Path;
-use toprise::archive::given::GivenError;
+use toprise::archive::input::InputError;
 use toprise::archive::recording::RecordingError as CannotRead;
 
 import_exception!(toprise._errors, DiffError);
@@ -22,13 +22,13 @@ pub fn scenario(error: impl Display) -> PyErr {
 }
 
 /// Why a word means no scenario.
-pub fn given(error: GivenError) -> PyErr {
+pub fn input(error: InputError) -> PyErr {
     let text = error.to_string();
     match error {
-        GivenError::Io { reason, .. } => io(&reason, text),
-        GivenError::Recording { reason, .. } => of_recording(&reason, text),
-        GivenError::NoScenario { .. } => RecordingError::new_err(text),
-        GivenError::UnknownPreset(_) | GivenError::Scenario { .. } => ScenarioError::new_err(text),
+        InputError::Io { reason, .. } => io(&reason, text),
+        InputError::Recording { reason, .. } => of_recording(&reason, text),
+        InputError::NoScenario { .. } => RecordingError::new_err(text),
+        InputError::UnknownPreset(_) | InputError::Scenario { .. } => ScenarioError::new_err(text),
     }
 }
 

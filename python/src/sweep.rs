@@ -296,7 +296,7 @@ pub fn sweep(
 pub fn refused_sweep(error: sweeps::SweepError) -> PyErr {
     match error {
         sweeps::SweepError::Key(error) => errors::scenario(error),
-        sweeps::SweepError::Given(error) => errors::given(error),
+        sweeps::SweepError::Input(error) => errors::input(error),
         error @ sweeps::SweepError::Base { .. } => errors::scenario(error),
         error => SweepError::new_err(error.to_string()),
     }

@@ -1,7 +1,7 @@
 //! The differences of two runs: in the set-up, in what happened, in the averaged motion and message by message.
 //!
 //! [`compare`] reads two runs side by side, once, in memory that doesn't grow with the number of samples. Two nearly equal
-//! models lose the common phase of their nutation, after which differences at equal times say nothing about the models;
+//! models lose the common phase of their nutation, after which differences at equal times are not due to the models;
 //! therefore the [`Report`] has averages over the nutation, compares the models along one and the same motion, and states
 //! the integrators' own errors.
 //!
@@ -106,7 +106,7 @@ fn compare_given(
         return compare_files(runs, options, observer);
     }
     let again = resampled(runs);
-    let given = runs;
+    let named = runs;
     let runs = match &again {
         Some(scenario) => [runs[0], Subject::Scenario(scenario)],
         None => runs,
@@ -136,7 +136,7 @@ fn compare_given(
     };
     let mut report = Report::of_runs(runs, &paired, others, floor, options);
     if again.is_some() {
-        report.note_resampling(given);
+        report.note_resampling(named);
     }
     Ok(report)
 }

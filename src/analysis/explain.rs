@@ -128,9 +128,9 @@ pub fn explain_while<'a>(
         (
             "What happened",
             if is_free {
-                free::course(&evidence)
+                free::motion(&evidence)
             } else {
-                held::course(&evidence)
+                held::motion(&evidence)
             },
         ),
         (

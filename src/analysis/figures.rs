@@ -1,8 +1,8 @@
 //! Figures of runs for print: those of the paper, and more.
 //!
-//! A [`Figure`] says which numbers it needs, a [`Run`] collects them from a recording or a simulation, and
+//! A [`Figure`] lists the numbers it needs, a [`Run`] collects them from a recording or a simulation, and
 //! [`Figure::draw`] makes a [`Drawing`] of them, which becomes SVG or PNG. The bytes depend on the numbers alone: the
-//! font is part of the program, and neither the platform's `libm` nor a clock nor the order of a hash map has a say.
+//! font is part of the program, and neither the platform's `libm` nor a clock nor the order of a hash map matters.
 //!
 //! ```
 //! use toprise::analysis::figures::{Figure, Run};
@@ -59,8 +59,8 @@ pub struct Figure {
     uses: &'static [Need],
     /// The pegs that the figure applies to.
     pegs: Pegs,
-    /// Why the figure says nothing of this run, if it doesn't.
-    says_nothing: fn(&Run) -> Option<&'static str>,
+    /// Why the figure does not apply to this run; none if it does.
+    does_not_apply: fn(&Run) -> Option<&'static str>,
     draw: fn(&[&Run], f64) -> Drawing,
 }
 
@@ -71,7 +71,7 @@ enum Pegs {
     All,
     /// Those that are held: what it shows would be something else for a free one.
     Held {
-        /// Why it says nothing of a free one.
+        /// Why it does not apply to a free one.
         because: &'static str,
     },
     /// Those that are free: a held one stays where it is.
@@ -166,7 +166,7 @@ const DEFAULTS: Figure = Figure {
     needs: &[],
     uses: &[],
     pegs: Pegs::All,
-    says_nothing: |_| None,
+    does_not_apply: |_| None,
     draw: |_, width| Drawing::new(width),
 };
 
@@ -257,7 +257,7 @@ pub const FIGURES: &[Figure] = &[
         needs: &[samples(NORMAL_FORCE_FIELDS), samples(GAP_FIELDS)],
         uses: &[CYCLES, means(NORMAL_FORCE_FIELDS), means(GAP_FIELDS)],
         pegs: Pegs::Free,
-        says_nothing: |run| {
+        does_not_apply: |run| {
             let gaps = run.series(free_peg::GAP).into_iter().map(|point| point.1);
             let highest = gaps.reduce(f64::max);
             let stays = highest.is_some_and(|gap| gap <= 0.0);
@@ -297,13 +297,13 @@ impl Figure {
         self.needs.iter().find_map(|need| run.missing(need))
     }
 
-    /// Why the figure says nothing of a run, whatever the run has recorded.
+    /// Why the figure does not apply to a run, whatever the run has recorded.
     #[must_use]
-    pub fn says_nothing(&self, run: &Run) -> Option<&'static str> {
+    pub fn does_not_apply(&self, run: &Run) -> Option<&'static str> {
         match self.pegs {
             Pegs::Held { because } if run.has_free_peg => Some(because),
             Pegs::Free if !run.has_free_peg => Some("the peg is held: it stays where it is"),
-            Pegs::All | Pegs::Held { .. } | Pegs::Free => (self.says_nothing)(run),
+            Pegs::All | Pegs::Held { .. } | Pegs::Free => (self.does_not_apply)(run),
         }
     }
 

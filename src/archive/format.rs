@@ -69,7 +69,7 @@ pub fn scenario_attachment(toml: String) -> Attachment<'static> {
     }
 }
 
-/// The entries of [`RUN_RECORD`] that say which run it is.
+/// The entries of [`RUN_RECORD`] that identify the run.
 #[must_use]
 pub fn run_entries(scenario: &Scenario) -> Entries {
     entries([
@@ -84,7 +84,7 @@ pub fn run_entries(scenario: &Scenario) -> Entries {
     ])
 }
 
-/// The entries of [`RUN_RECORD`] that say in which form the run is recorded: with the scenario they determine every
+/// The entries of [`RUN_RECORD`] with the form in which the run is recorded: with the scenario they determine every
 /// byte of the file.
 #[must_use]
 pub fn form_entries(encoding: Encoding, views: bool, topics: &Topics) -> Entries {

@@ -2,7 +2,7 @@
 //!
 //! [`Recording::open`] finds out where everything is in a file, past whatever is damaged, and what
 //! kind of file it is. [`Recording::reader`] gives its messages with the very bits that were written,
-//! [`Recording::series`] single quantities, [`Overview`] says what is in it.
+//! [`Recording::series`] single quantities, [`Overview`] lists what is in it.
 //!
 //! ```no_run
 //! use toprise::archive::recording::Recording;

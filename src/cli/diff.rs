@@ -6,7 +6,7 @@ mod viewer;
 
 use super::arguments::{Override, parse_override};
 use super::done::Done;
-use super::given::{Given, open};
+use super::input::{Input, open};
 #[cfg(feature = "rerun")]
 use super::output;
 use super::progress::Progress;
@@ -117,10 +117,10 @@ impl DiffArguments {
         })
     }
 
-    fn given(&self) -> Result<[Given; 2], Error> {
+    fn inputs(&self) -> Result<[Input; 2], Error> {
         let a = open(&self.runs[0], &self.overrides, &self.overrides_a)?;
         let b = open(&self.runs[1], &self.overrides, &self.overrides_b)?;
-        let is_recording = |run: &Given| matches!(run, Given::Recording(_));
+        let is_recording = |run: &Input| matches!(run, Input::Recording(_));
         if !self.overrides.is_empty() && is_recording(&a) && is_recording(&b) {
             bail!("--set has nothing to set: both runs are recordings");
         }
@@ -135,8 +135,8 @@ pub(super) fn diff(arguments: &DiffArguments) -> Result<Done, Error> {
     if let Some(rrd) = arguments.show.rrd() {
         refuse_inputs(rrd, arguments.runs.iter().map(PathBuf::as_path))?;
     }
-    let [a, b] = arguments.given()?;
-    let subjects = [&a, &b].map(Given::subject);
+    let [a, b] = arguments.inputs()?;
+    let subjects = [&a, &b].map(Input::subject);
     let progress = Progress::of_bytes("comparing", a.bytes() + b.bytes());
     let mut watching = Watching {
         progress: &progress,

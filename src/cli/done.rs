@@ -9,7 +9,7 @@ pub(super) enum Done {
     Well,
     /// The runs that were compared differ, or a recording is not right: exit code 1.
     Differing,
-    /// A file could not be read, which has been said: exit code 2.
+    /// A file could not be read, which is reported: exit code 2.
     Unreadable,
     /// Less than what was asked for is there: exit code 3.
     WithLosses,

@@ -2,7 +2,7 @@
 
 use super::arguments::{Override, parse_override};
 use super::done::Done;
-use super::given::open;
+use super::input::open;
 use super::page::{Page, Part, Section};
 use super::report;
 use super::table::Table;
@@ -35,9 +35,9 @@ const MOST_EVENTS: usize = 10;
 
 /// Explains a run.
 pub(super) fn explain(arguments: &ExplainArguments) -> Result<Done, Error> {
-    let given = open(&arguments.run, &[], &arguments.overrides)?;
+    let input = open(&arguments.run, &[], &arguments.overrides)?;
     let context = || arguments.run.display().to_string();
-    let explanation = explained(given.subject()).with_context(context)?;
+    let explanation = explained(input.subject()).with_context(context)?;
     report::print(&explanation, || page(&explanation, arguments.all))?;
     Ok(if explanation.losses.is_empty() {
         Done::Well
@@ -115,11 +115,7 @@ fn stages(stages: &[Stage]) -> Section {
             significant(stage.psi_dot, 5),
         ]
     };
-    section.table(Table {
-        header: header.map(str::to_owned).to_vec(),
-        rows: stages.iter().map(row).collect(),
-        left: 1,
-    });
+    section.table(Table::new(&header, stages.iter().map(row).collect(), 1));
     section
 }
 

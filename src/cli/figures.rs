@@ -6,7 +6,7 @@ mod sweep;
 #[cfg(feature = "sweep")]
 use self::sweep::SweepFigure;
 use super::done::Done;
-use super::given::{Given, open};
+use super::input::{Input, open};
 use super::output;
 use super::page::{Page, Section};
 use super::progress::Progress;
@@ -203,7 +203,7 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
         let mut able = Vec::new();
         for run in &runs[..count] {
             let (name, run_name) = (figure.name, run.name.clone());
-            if let Some(because) = figure.says_nothing(run) {
+            if let Some(because) = figure.does_not_apply(run) {
                 let is_expected = figure.is_expected_of(run) || !arguments.only.is_empty();
                 report.left_out.extend(is_expected.then_some(LeftOut {
                     figure: name,
@@ -233,7 +233,7 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
                 figure,
                 run,
                 because,
-            }) => bail!("nothing can be drawn: {figure} says nothing of {run}; {because}"),
+            }) => bail!("nothing can be drawn: {figure} does not apply to {run}; {because}"),
             None => bail!("nothing can be drawn"),
         }
     }
@@ -274,20 +274,18 @@ fn page(report: &FiguresReport) -> Page {
 
 /// Reads or simulates the runs, all at once.
 fn runs(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<Run>, Error> {
-    let given = given(arguments, figures)?;
-    let bytes = given.iter().map(|(_, given)| given.bytes()).sum();
+    let inputs = inputs(arguments, figures)?;
+    let bytes = inputs.iter().map(|(_, input)| input.bytes()).sum();
     let progress = Progress::of_bytes("reading", bytes);
-    let read = |name: &str, given: &Given| {
-        Run::read(given.subject(), name, figures, &|bytes| progress.add(bytes))
+    let read = |name: &str, input: &Input| {
+        Run::read(input.subject(), name, figures, &|bytes| progress.add(bytes))
     };
     let runs = thread::scope(|scope| {
-        let start = |(name, given)| {
-            let read = &read;
-            scope.spawn(move || read(name, given))
-        };
-        let threads: Vec<_> = given
+        let read = &read;
+        let start = |(name, input)| scope.spawn(move || read(name, input));
+        let threads: Vec<_> = inputs
             .iter()
-            .map(|(name, given)| start((name, given)))
+            .map(|(name, input)| start((name, input)))
             .collect();
         let joined = threads.into_iter().map(thread::ScopedJoinHandle::join);
         joined.collect::<Result<Vec<_>, _>>()
@@ -297,7 +295,10 @@ fn runs(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<Run>, E
 }
 
 /// The runs on the command line with their names in legends.
-fn given(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<(String, Given)>, Error> {
+fn inputs(
+    arguments: &FiguresArguments,
+    figures: &[&Figure],
+) -> Result<Vec<(String, Input)>, Error> {
     if arguments.runs.is_empty() {
         let most = figures
             .iter()
@@ -306,7 +307,7 @@ fn given(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<(Strin
         return presets
             .map(|name| {
                 let scenario = Preset::find(name)?.scenario()?;
-                Ok(((*name).to_owned(), Given::Scenario(Box::new(scenario))))
+                Ok(((*name).to_owned(), Input::Scenario(Box::new(scenario))))
             })
             .collect();
     }

@@ -5,7 +5,7 @@ use super::numbers::{bytes, count};
 use super::page::{Page, Section};
 use super::report::{self, LossReport};
 use super::table::Table;
-use crate::archive::recording::{ChannelOverview, Condition, Overview};
+use crate::archive::recording::{ChannelOverview, Condition, EventOverview, Overview};
 use crate::run::simulation::EventKind;
 use anyhow::{Context as _, Error};
 use clap::Args;
@@ -32,64 +32,17 @@ pub(super) struct InfoReport {
     file: String,
     /// Its size.
     bytes: u64,
-    /// Kind of the file.
-    state: Condition,
-    /// Name of the library that wrote it.
-    library: String,
-    /// Parts that can't be read.
-    losses: Vec<LossReport>,
-    /// Metadata of toprise from the start of the run; absent in other files.
-    run: Option<BTreeMap<String, String>>,
-    /// Metadata of toprise from the end of the run; absent if it did not.
-    end: Option<BTreeMap<String, String>>,
-    /// The scenario, TOML.
-    scenario: Option<String>,
     /// Number of messages in all channels.
     messages: u64,
     /// Time of the last message, ns.
     last_ns: u64,
-    /// The channels, in the order of the file.
-    channels: Vec<ChannelReport>,
-    /// The event.
-    events: Vec<EventReport>,
-    /// The losses, human-readable.
-    #[serde(skip)]
-    told_losses: Vec<String>,
+    #[serde(flatten)]
+    overview: Overview,
+    /// Parts that can't be read.
+    losses: Vec<LossReport>,
 }
 
-/// A channel of a file.
-#[derive(Debug, Serialize, JsonSchema)]
-struct ChannelReport {
-    /// Its topic.
-    topic: String,
-    /// The name of its message type; empty if it has none.
-    schema: String,
-    /// The encoding of its messages.
-    encoding: String,
-    /// Number of messages.
-    messages: u64,
-    /// Mean rate of the messages, Hz; absent for fewer than two.
-    rate_hz: Option<f64>,
-    /// Bytes of all messages.
-    bytes: u64,
-    /// Time of the first message, ns.
-    first_ns: u64,
-    /// Time of the last message, ns.
-    last_ns: u64,
-}
-
-/// An event of a run.
-#[derive(Debug, Serialize, JsonSchema)]
-struct EventReport {
-    /// Its kind.
-    name: String,
-    /// When, s.
-    time: f64,
-    /// The event, in a sentence.
-    description: String,
-}
-
-/// Says what is in a file.
+/// Lists the content of a file.
 pub(super) fn info(arguments: &InfoArguments) -> Result<Done, Error> {
     let path = &arguments.file;
     let context = || path.display().to_string();
@@ -107,35 +60,13 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Done, Error> {
 
 impl InfoReport {
     fn of(path: &Path, size: u64, overview: Overview) -> Self {
-        let channel = |channel: &ChannelOverview| ChannelReport {
-            topic: channel.topic.clone(),
-            schema: channel.schema.clone(),
-            encoding: channel.encoding.clone(),
-            messages: channel.messages,
-            rate_hz: channel.rate(),
-            bytes: channel.bytes,
-            first_ns: channel.first_ns,
-            last_ns: channel.last_ns,
-        };
-        let events = overview.events.iter().map(|event| EventReport {
-            name: event.name.clone(),
-            time: event.time,
-            description: event.description.clone(),
-        });
         Self {
             file: path.display().to_string(),
             bytes: size,
-            state: overview.condition,
-            losses: overview.losses.iter().map(LossReport::from).collect(),
-            told_losses: overview.losses.iter().map(ToString::to_string).collect(),
             messages: overview.messages(),
             last_ns: overview.last_ns(),
-            channels: overview.channels.iter().map(channel).collect(),
-            events: events.collect(),
-            library: overview.library,
-            run: overview.run,
-            end: overview.end,
-            scenario: overview.scenario,
+            losses: overview.losses.iter().map(LossReport::from).collect(),
+            overview,
         }
     }
 
@@ -153,15 +84,21 @@ impl InfoReport {
     }
 
     fn facts(&self) -> Vec<(&'static str, String)> {
-        let mut facts = vec![("state", self.state.name().to_owned())];
-        if self.state == Condition::Foreign {
-            facts.push(("written by", self.library.clone()));
+        let overview = &self.overview;
+        let mut facts = vec![("state", overview.condition.name().to_owned())];
+        if overview.condition == Condition::Foreign {
+            facts.push(("written by", overview.library.clone()));
         }
-        facts.extend(self.told_losses.iter().map(|loss| ("lost", loss.clone())));
-        if let Some(run) = &self.run {
+        facts.extend(
+            overview
+                .losses
+                .iter()
+                .map(|loss| ("lost", loss.to_string())),
+        );
+        if let Some(run) = &overview.run {
             facts.push(("scenario", run_line(run)));
         }
-        if let Some(end) = &self.end {
+        if let Some(end) = &overview.end {
             facts.push(("end", end_line(end)));
             facts.push((
                 "content",
@@ -170,7 +107,7 @@ impl InfoReport {
         }
         facts.push(("span", format!("{} s", self.last_ns as f64 / 1e9)));
         facts.push(("messages", count(self.messages)));
-        if !self.events.is_empty() {
+        if !self.overview.events.is_empty() {
             let counts = self.counts().into_iter();
             let counts: Vec<_> = counts
                 .map(|(name, number)| format!("{} × {}", count(number), name.replace('_', " ")))
@@ -183,7 +120,7 @@ impl InfoReport {
     /// Number of events of each kind.
     fn counts(&self) -> BTreeMap<&str, u64> {
         let mut counts = BTreeMap::new();
-        for event in &self.events {
+        for event in &self.overview.events {
             *counts.entry(event.name.as_str()).or_insert(0) += 1;
         }
         counts
@@ -191,7 +128,7 @@ impl InfoReport {
 
     fn channel_table(&self) -> Table {
         let header = ["topic", "type", "encoding", "messages", "rate", "bytes"];
-        let row = |channel: &ChannelReport| {
+        let row = |channel: &ChannelOverview| {
             let rate = channel.rate_hz.map(|rate| format!("{rate:.1} Hz"));
             vec![
                 channel.topic.clone(),
@@ -202,22 +139,19 @@ impl InfoReport {
                 bytes(channel.bytes),
             ]
         };
-        Table {
-            header: header.map(str::to_owned).to_vec(),
-            rows: self.channels.iter().map(row).collect(),
-            left: 3,
-        }
+        let rows = self.overview.channels.iter().map(row);
+        Table::new(&header, rows.collect(), 3)
     }
 
     fn event_table(&self) -> Table {
         let counts = self.counts();
-        let is_rare = |event: &&EventReport| {
+        let is_rare = |event: &&EventOverview| {
             let is_of_nutation =
                 EventKind::find(&event.name).is_some_and(EventKind::is_of_nutation);
             counts[event.name.as_str()] <= RARE && !is_of_nutation
         };
-        let rare = self.events.iter().filter(is_rare);
-        let row = |event: &EventReport| {
+        let rare = self.overview.events.iter().filter(is_rare);
+        let row = |event: &EventOverview| {
             vec![
                 format!("{:.6} s", event.time),
                 event.name.replace('_', " "),

@@ -1,7 +1,7 @@
 //! The one way out: whatever the program prints goes through here.
 //!
 //! Standard output carries the answer, standard error everything else. A stream that can't be written never ends the
-//! program in a panic. Who stops reading, as `head` does, has read enough, and the exit code says how the command ended;
+//! program in a panic. Who stops reading, as `head` does, has read enough, and the exit code is that of the command;
 //! an answer that could not be written at all is failed output. (Rust's runtime puts the null device in the place
 //! of a standard output that is closed, which can't be distinguished from one that the user chose.)
 

@@ -10,8 +10,8 @@ mod viewer;
 pub(super) use self::arguments::RunArguments;
 use self::files::{Earlier, RunFiles};
 use self::pace::Pace;
-use self::report::Finished;
 pub(super) use self::report::RunReport;
+use self::report::{Finished, Recorded};
 use super::done::Done;
 use super::interrupt::Interrupt;
 use super::output;
@@ -30,8 +30,8 @@ use std::time::Instant;
 /// Runs a scenario and records it.
 pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     arguments.check_output()?;
-    let given = arguments.given()?;
-    let scenario = arguments.scenario(given.clone())?;
+    let values = arguments.values()?;
+    let scenario = arguments.scenario(values.clone())?;
     let (form, topics) = arguments.form()?;
     let telemetry = Telemetry::with_topics(&topics);
     let interrupt = Interrupt::watch()?;
@@ -47,13 +47,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     };
     let began = Instant::now();
     let asked = interrupt.clone();
-    let mut simulation = Simulation::new(&scenario)?.while_told(move || !asked.is_asked());
+    let mut simulation = Simulation::new(&scenario)?.running_while(move || !asked.is_asked());
     let preface = McapSink::preface(&scenario, &telemetry, form)?;
     let (files, earlier) =
-        RunFiles::start(arguments, &arguments.stem(&scenario, &given), &preface)?;
+        RunFiles::start(arguments, &arguments.stem(&scenario, &values), &preface)?;
     let finished = recorder.record(files, &earlier, telemetry, &mut simulation)?;
     let base = Preset::find(scenario.name()).and_then(Preset::values);
-    let base = base.unwrap_or(given);
+    let base = base.unwrap_or(values);
     let report = RunReport::of(&scenario, &base, &finished, began.elapsed());
     let name = scenario.title_from(&base);
     let top = &scenario.model.top;
@@ -107,7 +107,7 @@ impl Recorder<'_> {
         });
         pace.finish();
         let (end, error) = ended?;
-        // What was recorded up to here is good; the end record says that it is not the whole run.
+        // What was recorded up to here is good; the end record marks it as a part of a run.
         if let Some(error) = error {
             output::warn(&error.to_string());
         }
@@ -126,7 +126,7 @@ impl Recorder<'_> {
             if !matches!(end.stop, StopReason::Interrupted | StopReason::Failed) {
                 viewer.set_outcome(&Outcome::new(scenario, &end, &counts));
             }
-            viewer.finish(arguments.rrd_beside(there.as_ref()))
+            viewer.finish(arguments.adjacent_rrd(there.as_ref()))
         };
         #[cfg(not(feature = "rerun"))]
         let rrd: Result<_, Error> = Ok(None);
@@ -137,11 +137,13 @@ impl Recorder<'_> {
         Ok(Finished {
             end,
             counts,
-            mcap,
-            is_new: there.is_none(),
-            digest,
             is_rrd_lost: rrd.is_err(),
-            rrd: rrd.ok().flatten(),
+            recorded: Recorded {
+                mcap,
+                is_new: there.is_none(),
+                rrd: rrd.ok().flatten(),
+                content_digest: digest,
+            },
         })
     }
 }

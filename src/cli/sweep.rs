@@ -9,7 +9,7 @@ use super::numbers::{count, counted};
 use super::output;
 use super::progress::Progress;
 use super::report::{self as reports, WrittenFile};
-use crate::archive::given::read_file;
+use crate::archive::input::read_file;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, Table,
@@ -48,7 +48,7 @@ pub(super) struct SweepArguments {
     over: Vec<Override>,
 
     /// Choose N points among the values, instead of a grid.
-    #[arg(long, value_name = "N", value_parser = parse_count, allow_negative_numbers = true, conflicts_with = "table")]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1, u64::MAX), allow_negative_numbers = true, conflicts_with = "table")]
     sample: Option<u64>,
 
     /// Method by which the points of a sample are chosen.
@@ -56,7 +56,7 @@ pub(super) struct SweepArguments {
     method: Method,
 
     /// Seed of the sample; 0 is the published sequence of Sobol.
-    #[arg(long, value_name = "N", value_parser = parse_seed, allow_negative_numbers = true, default_value = "0", requires = "sample")]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 0, u64::MAX), allow_negative_numbers = true, default_value = "0", requires = "sample")]
     seed: u64,
 
     /// Take the values from a table, .parquet or .csv, whose columns are named like keys, as in `friction_k`.
@@ -72,7 +72,7 @@ pub(super) struct SweepArguments {
     output: PathBuf,
 
     /// Number of threads; all processors if left out.
-    #[arg(short = 'j', long, value_name = "N", value_parser = parse_jobs, allow_negative_numbers = true)]
+    #[arg(short = 'j', long, value_name = "N", value_parser = |text: &str| whole(text, 1, MOST_JOBS), allow_negative_numbers = true)]
     jobs: Option<u64>,
 
     /// Compute one share of N only, I from 0 to N − 1, as one of several machines; a sweep without --shard then merges
@@ -81,7 +81,7 @@ pub(super) struct SweepArguments {
     shard: Option<Shard>,
 
     /// Maximum number of integrator steps per run: beyond it, its row has an error.
-    #[arg(long, value_name = "N", value_parser = parse_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1, u64::MAX), allow_negative_numbers = true)]
     max_steps: Option<u64>,
 
     /// End at the first row with an error, with exit code 2, also if it was computed before.
@@ -91,18 +91,6 @@ pub(super) struct SweepArguments {
     /// Print the number of runs and the time that they will take, and write nothing.
     #[arg(long)]
     dry_run: bool,
-}
-
-fn parse_count(text: &str) -> Result<u64, String> {
-    whole(text, 1, u64::MAX)
-}
-
-fn parse_seed(text: &str) -> Result<u64, String> {
-    whole(text, 0, u64::MAX)
-}
-
-fn parse_jobs(text: &str) -> Result<u64, String> {
-    whole(text, 1, MOST_JOBS)
 }
 
 fn whole(text: &str, least: u64, most: u64) -> Result<u64, String> {
@@ -224,7 +212,7 @@ impl SweepArguments {
 
     fn spec_of_file(&self, text: &str, path: &Path) -> Result<Spec, Error> {
         if !self.over.is_empty() || self.sample.is_some() || self.table.is_some() {
-            bail!("the file says what varies: leave --over, --sample and --table out");
+            bail!("the file defines what varies: leave --over, --sample and --table out");
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         Ok(Spec::from_toml(text, folder, &self.overrides)?)

@@ -23,16 +23,18 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// A table of texts without a header.
-    pub(super) fn of_texts(rows: Vec<Vec<String>>) -> Self {
-        Self {
-            header: Vec::new(),
-            rows,
-            left: usize::MAX,
-        }
+    /// A table with a header, whose first `left` columns hold text.
+    pub(super) fn new(header: &[&str], rows: Vec<Vec<String>>, left: usize) -> Self {
+        let header = header.iter().map(|name| (*name).to_owned()).collect();
+        Self { header, rows, left }
     }
 
-    /// A list of what there is to say, each with a word for it.
+    /// A table of texts without a header.
+    pub(super) fn of_texts(rows: Vec<Vec<String>>) -> Self {
+        Self::new(&[], rows, usize::MAX)
+    }
+
+    /// A list of facts, each with a label.
     pub(super) fn of_facts(facts: Vec<(&str, String)>) -> Self {
         let row = |(label, fact): (&str, String)| vec![label.to_owned(), fact];
         Self::of_texts(facts.into_iter().map(row).collect())

@@ -33,7 +33,7 @@ pub use accelerations::Accelerations;
 pub use body::BodyRotation;
 pub use bounds::EulerBounds;
 pub use euler::EulerAngles;
-pub use formulation::{Entry, Formulation, Guard, Passage};
+pub use formulation::{Entry, Formulation, Guard, Transition};
 pub use free::FreeRotation;
 pub use impact::Impact;
 pub use integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TERMS_SINE, TermIntegrals};

@@ -89,7 +89,7 @@ impl Comparison {
         self.magnitude.write(message, magnitude, outlet);
     }
 
-    /// Replaces what there is to say about the comparison, in Markdown.
+    /// Replaces the text on the comparison, in Markdown.
     pub(super) fn summarize(&self, text: &str, outlet: &mut Outlet) {
         let text = TextDocument::from_markdown(format!("{}{text}", self.identity.key()));
         outlet.send_static(SUMMARY, &text);

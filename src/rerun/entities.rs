@@ -49,7 +49,7 @@ impl Entities {
         self.scene.as_ref().map(Scene::peg)
     }
 
-    /// Adds what a message of the run says.
+    /// Adds the content of a message of the run.
     pub(super) fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
         self.plots.write(message, Some, outlet);
         if let Some(events) = &mut self.events {

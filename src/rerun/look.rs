@@ -49,7 +49,7 @@ impl Look {
         }
     }
 
-    /// The name of a quantity in the scene, where the title says which run is A.
+    /// The name of a quantity in the scene, where the title names A.
     pub(super) fn short_name(&self, own: &str) -> String {
         match self {
             Self::Compared(side, _) => format!("{}: {own}", side.name()),

@@ -78,7 +78,7 @@ impl Scene {
         scene
     }
 
-    /// Adds what a message says about the scene.
+    /// Adds what a message contains for the scene.
     pub(super) fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
         if message.topic() == POSE {
             let orientation = UnitQuaternion::new_unchecked(fields::ORIENTATION.of(message));

@@ -36,18 +36,25 @@ pub struct Outcome {
     pub rates: Euler,
     /// Turns of precession from start to end.
     pub turns: f64,
-    /// Total energy at the start, J.
-    pub energy_at_start: f64,
-    /// Total energy at the end, J.
-    pub energy: f64,
-    /// Work of friction, J.
-    pub friction_work: f64,
+    /// Change of the energy.
+    pub energy: EnergyChange,
     /// Path that the contact point slipped, m.
     pub slip_path: f64,
     /// Outcome of a free peg; none for a fixed one.
     pub free: Option<FreeOutcome>,
     /// Steps of the integrator.
     pub steps: u64,
+}
+
+/// Change of the energy from start to end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyChange {
+    /// Total energy at the start, J.
+    pub at_start: f64,
+    /// Total energy at the end, J.
+    pub at_end: f64,
+    /// Work of friction, J: negative where it took energy.
+    pub friction_work: f64,
 }
 
 /// Outcome of a free peg.
@@ -67,7 +74,7 @@ pub struct FreeOutcome {
 /// [`Simulation`](crate::run::simulation::Simulation).
 ///
 /// `carry_on` is asked before each step of the integrator, so that it can count steps or watch for an interruption. Once
-/// it says no, the outcome is that of a run which was [interrupted](StopReason::Interrupted).
+/// it returns false, the outcome is that of a run which was [interrupted](StopReason::Interrupted).
 ///
 /// ```
 /// use toprise::run::scenario::Preset;
@@ -105,9 +112,11 @@ impl Outcome {
             theta: motion.angles.theta,
             rates: motion.tilt.rates,
             turns: (motion.angles.phi - scenario.angles.phi) / TAU,
-            energy_at_start: end.energy_at_start,
-            energy: end.energy,
-            friction_work: motion.integrals.friction_work,
+            energy: EnergyChange {
+                at_start: end.energy_at_start,
+                at_end: end.energy,
+                friction_work: motion.integrals.friction_work,
+            },
             slip_path: motion.integrals.slip_path,
             free: is_free.then(|| FreeOutcome {
                 roll_time: tally.first(EventKind::RollBegins),
@@ -325,9 +334,9 @@ pub const COLUMNS: &[Column] = &[
     number("theta_dot", "rad/s", "nutation rate θ̇ at the end", |o| real(o.rates.theta)),
     number("psi_dot", "rad/s", "spin rate ψ̇ at the end", |o| real(o.rates.psi)),
     number("turns", "", "turns of precession from start to end", |o| real(o.turns)),
-    number("energy_at_start", "J", "total energy at the start", |o| real(o.energy_at_start)),
-    number("energy", "J", "total energy at the end", |o| real(o.energy)),
-    number("friction_work", "J", "work of friction: negative where it took energy", |o| real(o.friction_work)),
+    number("energy_at_start", "J", "total energy at the start", |o| real(o.energy.at_start)),
+    number("energy", "J", "total energy at the end", |o| real(o.energy.at_end)),
+    number("friction_work", "J", "work of friction: negative where it took energy", |o| real(o.energy.friction_work)),
     number("slip_path", "m", "path that the contact point slipped", |o| real(o.slip_path)),
     number("roll_time", "s", "when the peg first began to roll; null if it did not, and with a fixed peg",
         |o| o.free?.roll_time.map(Cell::Number)),

@@ -19,7 +19,7 @@ pub use event::{Event, EventKind, StopReason, UPRIGHT};
 pub use free::{FreeSample, Landing};
 pub use nutation::NutationCycle;
 pub use record::{Record, RunEnd, SimulationError};
-pub use sample::{Frames, Sample};
+pub use sample::{Energies, Frames, Momenta, Pose, Precession, Sample, Slip, Torques};
 pub use tally::{EventCount, Tally};
 
 use crate::physics::dynamics::{BodyRotation, EulerAngles, FreeRotation};
@@ -53,10 +53,10 @@ impl Simulation {
         })
     }
 
-    /// Ends the run early, as interrupted, once `carry_on` says no. It is asked before each step of the integrator, of
+    /// Ends the run early, as interrupted, once `carry_on` returns false. It is called before each step of the integrator, of
     /// which there may be millions between two records.
     #[must_use]
-    pub fn while_told(mut self, carry_on: impl FnMut() -> bool + 'static) -> Self {
+    pub fn running_while(mut self, carry_on: impl FnMut() -> bool + 'static) -> Self {
         self.carry_on = Box::new(carry_on);
         self
     }
@@ -83,7 +83,7 @@ impl Iterator for Simulation {
 /// greatest rates of nutations, and without the integrals that only recordings need. The steps, the events and the end
 /// are those of the [`Simulation`], to the last bit; the derivative is evaluated less often.
 ///
-/// `carry_on` is asked before each step of the integrator; once it says no, the run ends early, as interrupted.
+/// `carry_on` is asked before each step of the integrator; once it returns false, the run ends early, as interrupted.
 ///
 /// # Errors
 /// As those of a [`Simulation`].

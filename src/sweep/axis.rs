@@ -25,7 +25,7 @@ enum Points {
     Range {
         from: f64,
         to: f64,
-        /// Number of values; none if a sample says where they lie.
+        /// Number of values; none if a sample chooses them.
         count: Option<u32>,
         /// Whether logarithms are evenly spaced rather than numbers.
         is_log: bool,
@@ -98,7 +98,7 @@ impl Axis {
         Self::parse(name, &items.join(","))
     }
 
-    /// Number of values that a grid has along this axis; none if only a sample can say where they lie.
+    /// Number of values that a grid has along this axis; none if only a sample can choose them.
     #[must_use]
     pub fn count(&self) -> Option<u64> {
         match &self.points {

@@ -2,7 +2,7 @@
 
 use super::axis::find_key;
 use super::error::SweepError;
-use crate::archive::given;
+use crate::archive::input;
 use crate::run::scenario::{KEYS, Value, Values};
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
@@ -35,7 +35,7 @@ impl Base {
     /// The preset of this name, or the scenario of the file or recording at this path, with some keys set otherwise.
     ///
     /// # Errors
-    /// [`SweepError::Given`] if there is none, [`SweepError::Base`] if a key can't be set.
+    /// [`SweepError::Input`] if there is none, [`SweepError::Base`] if a key can't be set.
     pub fn open(word: &str, folder: &Path, set: &[(String, String)]) -> Result<Self, SweepError> {
         let wrong = |reason| SweepError::Base {
             name: word.to_owned(),
@@ -43,7 +43,7 @@ impl Base {
         };
         let path = folder.join(word);
         let path: PathBuf = if path.is_file() { path } else { word.into() };
-        let mut values = given::values(&path)?;
+        let mut values = input::values(&path)?;
         let mut keys = Vec::new();
         for (key, value) in set {
             let key = find_key(key)?;

@@ -1,14 +1,11 @@
 //! Cells of Arrow's columns: numbers and words, whichever of the many types a library writes them in.
 
 use crate::run::scenario::Value;
+use arrow_array::Array;
 use arrow_array::cast::AsArray as _;
-use arrow_array::types::{
-    Decimal32Type, Decimal64Type, Decimal128Type, Decimal256Type, DecimalType, Float16Type,
-    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type,
-    UInt32Type, UInt64Type,
-};
-use arrow_array::{Array, ArrowPrimitiveType};
-use arrow_schema::DataType;
+use arrow_array::types::Float64Type;
+use arrow_cast::cast;
+use arrow_schema::{ArrowError, DataType};
 
 /// A number or a word for each row; none where a cell is empty.
 pub type Cells = Vec<Option<Value>>;
@@ -18,73 +15,43 @@ pub type Cells = Vec<Option<Value>>;
 /// # Errors
 /// The type of the column's values, if they are neither.
 pub fn cells(column: &dyn Array) -> Result<Cells, String> {
-    if let Some(dictionary) = column.as_any_dictionary_opt() {
-        let values = cells(dictionary.values().as_ref())?;
-        if values.is_empty() {
-            return Ok(vec![None; column.len()]);
+    let kind = match column.data_type() {
+        DataType::Dictionary(_, values) => values,
+        kind => kind,
+    };
+    let cells = match kind {
+        DataType::Null => Ok(vec![None; column.len()]),
+        DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => words(column),
+        // The double next to a decimal is that which its text is read as.
+        kind if kind.is_decimal() => {
+            cast(column, &DataType::Utf8).and_then(|texts| numbers(&texts))
         }
-        let places = dictionary.normalized_keys().into_iter().enumerate();
-        let cell = |(row, place): (usize, usize)| {
-            let is_there = dictionary.is_valid(row);
-            is_there.then(|| values[place].clone()).flatten()
-        };
-        return Ok(places.map(cell).collect());
-    }
-    Ok(match column.data_type() {
-        DataType::Null => vec![None; column.len()],
-        DataType::Utf8 => words(column.as_string::<i32>().iter()),
-        DataType::LargeUtf8 => words(column.as_string::<i64>().iter()),
-        DataType::Utf8View => words(column.as_string_view().iter()),
-        DataType::Float64 => numbers::<Float64Type>(column, |number| number),
-        DataType::Float32 => numbers::<Float32Type>(column, f64::from),
-        DataType::Float16 => numbers::<Float16Type>(column, f64::from),
-        DataType::Int64 => numbers::<Int64Type>(column, |number| number as f64),
-        DataType::Int32 => numbers::<Int32Type>(column, f64::from),
-        DataType::Int16 => numbers::<Int16Type>(column, f64::from),
-        DataType::Int8 => numbers::<Int8Type>(column, f64::from),
-        DataType::UInt64 => numbers::<UInt64Type>(column, |number| number as f64),
-        DataType::UInt32 => numbers::<UInt32Type>(column, f64::from),
-        DataType::UInt16 => numbers::<UInt16Type>(column, f64::from),
-        DataType::UInt8 => numbers::<UInt8Type>(column, f64::from),
-        DataType::Decimal32(..) => decimals::<Decimal32Type>(column)?,
-        DataType::Decimal64(..) => decimals::<Decimal64Type>(column)?,
-        DataType::Decimal128(..) => decimals::<Decimal128Type>(column)?,
-        DataType::Decimal256(..) => decimals::<Decimal256Type>(column)?,
-        other => {
+        kind if kind.is_numeric() => numbers(column),
+        kind => {
             return Err(format!(
-                "values of type {other} are neither numbers nor words"
+                "values of type {kind} are neither numbers nor words"
             ));
         }
-    })
-}
-
-fn words<'a>(words: impl Iterator<Item = Option<&'a str>>) -> Cells {
-    let cell = |word: Option<&str>| word.map(|word| Value::Text(word.to_owned()));
-    words.map(cell).collect()
-}
-
-fn numbers<T: ArrowPrimitiveType>(column: &dyn Array, number: impl Fn(T::Native) -> f64) -> Cells {
-    let cell = |native: Option<T::Native>| native.map(|native| Value::Number(number(native)));
-    column.as_primitive::<T>().iter().map(cell).collect()
-}
-
-/// Decimals as the doubles next to them, which is what their texts are read as.
-fn decimals<T: DecimalType>(column: &dyn Array) -> Result<Cells, String> {
-    let column = column.as_primitive::<T>();
-    let cell = |row| {
-        let text = column.is_valid(row).then(|| column.value_as_string(row));
-        let number = |text: String| {
-            let number = text.parse().map(Value::Number);
-            number.map_err(|_| format!("{text} is no number"))
-        };
-        text.map(number).transpose()
     };
-    (0..column.len()).map(cell).collect()
+    cells.map_err(|error| error.to_string())
+}
+
+fn words(column: &dyn Array) -> Result<Cells, ArrowError> {
+    let words = cast(column, &DataType::Utf8)?;
+    let cell = |word: Option<&str>| word.map(|word| Value::Text(word.to_owned()));
+    Ok(words.as_string::<i32>().iter().map(cell).collect())
+}
+
+fn numbers(column: &dyn Array) -> Result<Cells, ArrowError> {
+    let numbers = cast(column, &DataType::Float64)?;
+    let numbers = numbers.as_primitive::<Float64Type>().iter();
+    Ok(numbers.map(|number| number.map(Value::Number)).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use arrow_array::types::Int8Type;
     use arrow_array::*;
     use std::sync::Arc;
 
@@ -154,12 +121,12 @@ mod tests {
 
     #[test]
     fn words_are_read_from_every_type_of_them() {
-        let given = [Some("a"), None, Some("b"), Some("a")];
+        let words = [Some("a"), None, Some("b"), Some("a")];
         let columns: [ArrayRef; 4] = [
-            Arc::new(StringArray::from(given.to_vec())),
-            Arc::new(LargeStringArray::from(given.to_vec())),
-            Arc::new(StringViewArray::from(given.to_vec())),
-            Arc::new(given.into_iter().collect::<DictionaryArray<Int8Type>>()),
+            Arc::new(StringArray::from(words.to_vec())),
+            Arc::new(LargeStringArray::from(words.to_vec())),
+            Arc::new(StringViewArray::from(words.to_vec())),
+            Arc::new(words.into_iter().collect::<DictionaryArray<Int8Type>>()),
         ];
         let expected = [word("a"), None, word("b"), word("a")];
         for column in columns {

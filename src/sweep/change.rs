@@ -18,7 +18,7 @@ fn changed(path: &str, before: &Json, now: &Json) -> Option<String> {
     match (before, now) {
         (Json::Object(old), Json::Object(new)) => {
             let names = new.keys().chain(old.keys());
-            // The number of runs follows from the rest, which says more.
+            // The number of runs follows from the rest, which is more useful.
             let (last, first): (Vec<_>, Vec<_>) = names.partition(|name| *name == "runs");
             let mut all = first.into_iter().chain(last);
             let differing = all.find_map(|name| {

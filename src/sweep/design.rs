@@ -35,7 +35,7 @@ impl Design {
             (Some(sample), None) => Ok(Self::Sample(sample, axes)),
             (None, Some(table)) if axes.is_empty() => Ok(Self::Table(table)),
             (_, Some(_)) => Err(SweepError::Spec(
-                "a table says all that varies: leave the axes and the sample out".to_owned(),
+                "a table defines all that varies: leave the axes and the sample out".to_owned(),
             )),
         }
     }

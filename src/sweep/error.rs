@@ -1,6 +1,6 @@
 //! Errors of a sweep as a whole. Errors of rows are in the table.
 
-use crate::archive::given::GivenError;
+use crate::archive::input::InputError;
 use crate::archive::sink::SinkError;
 use crate::run::scenario::ScenarioError;
 use std::io;
@@ -23,7 +23,7 @@ pub enum SweepError {
     },
     /// A word names no scenario to start from.
     #[error(transparent)]
-    Given(#[from] GivenError),
+    Input(#[from] InputError),
     /// A key that scenarios don't have.
     #[error(transparent)]
     Key(#[from] ScenarioError),

@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// The number of rows of a part; the last one has what is left.
 pub const PART_ROWS: u64 = 1000;
 
-/// The entry of a file's metadata that says how many of its rows came out how.
+/// The entry of a file's metadata with the number of rows for each outcome.
 pub(super) const COUNTS_ENTRY: &str = "toprise.counts";
 
 /// A sweep that can be computed row by row.

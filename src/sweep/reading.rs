@@ -5,7 +5,7 @@ use super::cells::{Cells, cells};
 use super::error::SweepError;
 use super::guard::guarded;
 use super::store::{SPEC_ENTRY, entry};
-use crate::archive::given::open_file;
+use crate::archive::input::open_file;
 use crate::run::scenario::{Scenario, Value, Values};
 use arrow_array::{Array, RecordBatch, RecordBatchReader as _};
 use arrow_schema::SchemaRef;

@@ -5,7 +5,7 @@ use super::checksum;
 use super::counts::Counts;
 use super::error::SweepError;
 use super::part::{COUNTS_ENTRY, Sweep, bytes, counts_entry, properties};
-use crate::archive::given::{open_file, read_file};
+use crate::archive::input::{open_file, read_file};
 use crate::archive::publish::{self, Draft, Existing, is_same_file};
 use crate::archive::sink::SinkError;
 use crate::run::scenario::hex;
@@ -214,7 +214,7 @@ impl<'a> Store<'a> {
     }
 
     /// Removes the parts, what was left of them by processes that were killed, and the directory unless there is
-    /// something else in it. What is left if this fails does no harm. The file that says of which sweep the directory is
+    /// something else in it. What is left if this fails does no harm. The file that identifies the sweep of the directory
     /// goes last.
     fn clear(&self) {
         let entries = fs::read_dir(&self.parts).into_iter().flatten().flatten();
@@ -226,7 +226,7 @@ impl<'a> Store<'a> {
     }
 
     /// Whether a file in the directory of parts has the name of a part of this sweep, or of a hidden draft of a part, of
-    /// the table or of the file that says of which sweep the directory is.
+    /// the table or of the file that identifies the sweep of the directory.
     fn is_own(&self, name: &str) -> bool {
         let digits = name.trim_start_matches('.').split('.').next();
         let number = digits.and_then(|digits| digits.parse().ok());

@@ -1,10 +1,10 @@
-//! A table that says what each run changes: a design made elsewhere.
+//! A table with the values of each run: a design made elsewhere.
 
 use super::axis::find_key;
 use super::cells::{Cells, cells as cells_of};
 use super::error::SweepError;
 use super::guard::guarded;
-use crate::archive::given::{open_file, read_text};
+use crate::archive::input::{open_file, read_text};
 use crate::run::scenario::{Key, Value, hex};
 use arrow_array::{RecordBatch, new_empty_array};
 use arrow_schema::{DataType, Schema};

@@ -418,6 +418,18 @@ const fn text(topic: Topic, handle: &str) -> TextField {
     }
 }
 
+/// Quantities of the state with their least and greatest values in a nutation.
+pub(crate) const NUTATING: [[NumberField; 3]; 4] = [
+    [state::THETA, nutation::THETA_MIN, nutation::THETA_MAX],
+    [
+        state::THETA_DOT,
+        nutation::THETA_DOT_MIN,
+        nutation::THETA_DOT_MAX,
+    ],
+    [state::PHI_DOT, nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX],
+    [state::PSI_DOT, nutation::PSI_DOT_MIN, nutation::PSI_DOT_MAX],
+];
+
 /// Declares the handles of a channel, by kind.
 macro_rules! handles {
     ($topic:ident, $fields:ident = $name:literal {

@@ -1,4 +1,4 @@
-//! Messages: what a channel has to say about one instant.
+//! Messages: the values of a channel at one instant.
 
 use super::topic::Topic;
 

@@ -436,7 +436,7 @@ fn find_message<'a>(set: &'a FileDescriptorSet, name: &str) -> Option<&'a Descri
 }
 
 impl Object<u32> {
-    /// Reads the fields of a message, or says what is wrong with it.
+    /// Reads the fields of a message, or returns what is wrong with it.
     fn fill(&self, mut data: &[u8], row: &mut Row) -> Result<(), String> {
         let mut next = 0;
         while !data.is_empty() {

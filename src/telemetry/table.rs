@@ -1,4 +1,4 @@
-//! The table of channels: the one place that says what is logged.
+//! The table of channels: the one place that defines what is logged.
 
 use super::quantity::Quantity::{
     self, Acceleration, Angle, Direction, Energy, Flag, Force, Impulse, Jellett, Length,
@@ -41,7 +41,7 @@ pub struct Channel<S: 'static> {
 pub struct Field<S> {
     /// Name.
     pub name: &'static str,
-    /// The kind of quantity, which says the unit.
+    /// The kind of quantity, which has the unit.
     pub quantity: Quantity,
     /// Frame of a vector's components, empty for others.
     pub frame: &'static str,
@@ -159,11 +159,11 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         fields: &[
             Field { name: "orientation", quantity: Orientation, frame: "", plot: "orientation", derivative: None,
                 meaning: "unit quaternion that turns body components into world components",
-                source: Source::Rotation(|s| s.world_from_body) },
-            vector("axis", Direction, WORLD, "direction of the symmetry axis", |s| s.axis),
-            vector("omega_body", Rate, BODY, "angular velocity ω", |s| s.omega_body),
-            vector("omega_world", Rate, WORLD, "angular velocity ω", |s| s.omega_world),
-            vector("peg_position", Length, WORLD, "centre of the peg; the table is z = 0", |s| s.peg_position),
+                source: Source::Rotation(|s| s.pose.world_from_body) },
+            vector("axis", Direction, WORLD, "direction of the symmetry axis", |s| s.pose.axis),
+            vector("omega_body", Rate, BODY, "angular velocity ω", |s| s.pose.omega_body),
+            vector("omega_world", Rate, WORLD, "angular velocity ω", |s| s.pose.omega_world),
+            vector("peg_position", Length, WORLD, "centre of the peg; the table is z = 0", |s| s.pose.peg_position),
         ],
     },
     Channel {
@@ -172,12 +172,12 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         is_of_free_peg: false,
         present: None,
         fields: &[
-            vector("gravity_body", Torque, BODY, "torque of gravity", |s| s.gravity_torque.body),
-            vector("friction_body", Torque, BODY, "torque of friction", |s| s.friction_torque.body),
-            vector("total_body", Torque, BODY, "sum of the torques", |s| s.total_torque.body),
-            vector("gravity_node", Torque, NODE, "torque of gravity", |s| s.gravity_torque.node),
-            vector("friction_node", Torque, NODE, "torque of friction", |s| s.friction_torque.node),
-            vector("total_node", Torque, NODE, "sum of the torques", |s| s.total_torque.node),
+            vector("gravity_body", Torque, BODY, "torque of gravity", |s| s.torque.gravity.body),
+            vector("friction_body", Torque, BODY, "torque of friction", |s| s.torque.friction.body),
+            vector("total_body", Torque, BODY, "sum of the torques", |s| s.torque.total.body),
+            vector("gravity_node", Torque, NODE, "torque of gravity", |s| s.torque.gravity.node),
+            vector("friction_node", Torque, NODE, "torque of friction", |s| s.torque.friction.node),
+            vector("total_node", Torque, NODE, "sum of the torques", |s| s.torque.total.node),
         ],
     },
     Channel {
@@ -208,12 +208,12 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         is_of_free_peg: false,
         present: None,
         fields: &[
-            vector("slip_body", Velocity, BODY, "slip velocity of the contact point over the table", |s| s.slip_body),
-            vector("slip_world", Velocity, WORLD, "slip velocity of the contact point over the table", |s| s.slip_world),
+            vector("slip_body", Velocity, BODY, "slip velocity of the contact point over the table", |s| s.slip.body),
+            vector("slip_world", Velocity, WORLD, "slip velocity of the contact point over the table", |s| s.slip.world),
             number("slip_speed", Velocity, "magnitude of the slip velocity", |s| s.contact.slip_speed),
-            vector("friction_force", Force, WORLD, "friction force of the law; the ablations of the equations do not follow from a force and leave it as it is", |s| s.friction_force),
+            vector("friction_force", Force, WORLD, "friction force of the law; the ablations of the equations do not follow from a force and leave it as it is", |s| s.slip.friction_force),
             number("normal_force", Force, "normal force of the table", |s| s.contact.normal_force),
-            vector("contact_point", Length, WORLD, "the point of contact", |s| s.contact_point),
+            vector("contact_point", Length, WORLD, "the point of contact", |s| s.slip.contact_point),
             number("slip_path", Length, "length of the path slipped since the start", |s| s.integrals.slip_path),
             number("regime", Flag, "1 slipping, 0 not slipping", Sample::regime),
             number("slip_work", Energy, "work of the friction force along the path slipped since the start", |s| s.integrals.slip_work),
@@ -225,10 +225,10 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         is_of_free_peg: false,
         present: None,
         fields: &[
-            together("mechanical", number("kinetic", Energy, "kinetic energy", |s| s.kinetic_energy)),
-            number("potential", Energy, "potential energy, zero at the height of the peg's centre", |s| s.potential_energy),
-            together("mechanical", number("total", Energy, "total energy", Sample::energy)),
-            number("friction_power", Power, "power of the torque of friction", |s| s.friction_power),
+            together("mechanical", number("kinetic", Energy, "kinetic energy", |s| s.energy.kinetic)),
+            number("potential", Energy, "potential energy, zero at the height of the peg's centre", |s| s.energy.potential),
+            together("mechanical", number("total", Energy, "total energy", |s| s.energy.total())),
+            number("friction_power", Power, "power of the torque of friction", |s| s.energy.friction_power),
             number("friction_work", Energy, "work of friction since the start", |s| s.integrals.friction_work),
             vector("friction_work_node", Energy, NODE, "work of friction about each axis since the start", |s| s.integrals.work_node),
         ],
@@ -239,21 +239,21 @@ pub const SAMPLES: &[Channel<Sample>] = &[
         is_of_free_peg: false,
         present: None,
         fields: &[
-            together("components", number("vertical", Momentum, "about the vertical", |s| s.vertical_momentum)),
-            together("components", number("axial", Momentum, "about the symmetry axis", |s| s.axial_momentum)),
-            vector("world", Momentum, WORLD, "angular momentum", |s| s.momentum_world),
+            together("components", number("vertical", Momentum, "about the vertical", |s| s.momentum.vertical)),
+            together("components", number("axial", Momentum, "about the symmetry axis", |s| s.momentum.axial)),
+            vector("world", Momentum, WORLD, "angular momentum", |s| s.momentum.world),
         ],
     },
     Channel {
         topic: "/top/precession", schema: "toprise.Precession",
         meaning: "regular precession at this inclination and spin rate; no message where its rates are not real",
         is_of_free_peg: false,
-        present: Some(|s| s.precession_roots.is_some()),
+        present: Some(|s| s.precession.roots.is_some()),
         fields: &[
-            number("slow_root", ReferenceRate, "slow rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.slow)),
-            number("fast_root", ReferenceRate, "fast rate of regular precession", |s| s.precession_roots.map_or(f64::NAN, |r| r.fast)),
-            number("excess", ReferenceRate, "φ̇ less the slow rate", |s| s.precession_roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow)),
-            number("strength_ratio", Number, "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.strength_ratio),
+            number("slow_root", ReferenceRate, "slow rate of regular precession", |s| s.precession.roots.map_or(f64::NAN, |r| r.slow)),
+            number("fast_root", ReferenceRate, "fast rate of regular precession", |s| s.precession.roots.map_or(f64::NAN, |r| r.fast)),
+            number("excess", ReferenceRate, "φ̇ less the slow rate", |s| s.precession.roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow)),
+            number("strength_ratio", Number, "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.precession.strength_ratio),
         ],
     },
     Channel {

@@ -117,7 +117,7 @@ fn the_records_at_start_and_end_tell_the_run() {
     assert_eq!(overview.last_ns(), 500_000_000);
     let state = &overview.channels[0];
     assert_eq!((state.topic.as_str(), state.messages), ("/top/state", 501));
-    assert!((state.rate().unwrap() - 1000.0).abs() < 1e-9);
+    assert!((state.rate_hz.unwrap() - 1000.0).abs() < 1e-9);
 }
 
 #[test]

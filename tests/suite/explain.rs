@@ -48,7 +48,7 @@ fn every_preset_is_explained_in_few_short_sentences() {
 }
 
 fn energy(sample: &Sample) -> f64 {
-    sample.kinetic_energy + sample.potential_energy
+    sample.energy.kinetic + sample.energy.potential
 }
 
 /// Every number that a fact states, from the simulation itself.
@@ -141,8 +141,8 @@ fn assert_fact(fact: &Fact, scenario: &Scenario, run: &Run) {
             assert_near("slip path", *length, expected, 1e-3 * expected);
         }
         Fact::VerticalMomentum { deviation, .. } => {
-            let momenta = run.samples.iter().map(|s| s.vertical_momentum);
-            let at_first = first.vertical_momentum;
+            let momenta = run.samples.iter().map(|s| s.momentum.vertical);
+            let at_first = first.momentum.vertical;
             let largest = momenta
                 .map(|m| (m / at_first - 1.0).abs())
                 .fold(0.0, f64::max);

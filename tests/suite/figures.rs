@@ -139,7 +139,7 @@ fn figures_that_say_nothing_of_a_peg_are_left_out_with_a_reason() {
     let (held, free) = (short("paper"), short("drop"));
     for figure in FIGURES {
         assert_eq!(
-            figure.says_nothing(&held).is_some(),
+            figure.does_not_apply(&held).is_some(),
             !figure.is_expected_of(&held),
             "{}",
             figure.name
@@ -147,7 +147,7 @@ fn figures_that_say_nothing_of_a_peg_are_left_out_with_a_reason() {
     }
     let silent: Vec<_> = FIGURES
         .iter()
-        .filter(|figure| figure.says_nothing(&free).is_some())
+        .filter(|figure| figure.does_not_apply(&free).is_some())
         .map(|figure| figure.name)
         .collect();
     assert_eq!(silent, ["acceleration", "precession"]);
@@ -160,12 +160,12 @@ fn figures_that_say_nothing_of_a_peg_are_left_out_with_a_reason() {
 #[test]
 fn hops_are_drawn_only_of_a_peg_that_leaves_the_table() {
     let hops = Figure::find("hops").unwrap();
-    let says_nothing = |preset| hops.says_nothing(&short(preset));
+    let does_not_apply = |preset| hops.does_not_apply(&short(preset));
     assert_eq!(
-        says_nothing("tippe-top"),
+        does_not_apply("tippe-top"),
         Some("the peg never leaves the table")
     );
-    assert_eq!(says_nothing("drop"), None);
+    assert_eq!(does_not_apply("drop"), None);
 }
 
 #[test]
@@ -208,7 +208,7 @@ fn every_figure_is_an_svg_image_and_a_png_of_its_size() {
         };
         let runs = runs.iter().copied();
         let runs: Vec<_> = runs
-            .filter(|run| figure.says_nothing(run).is_none())
+            .filter(|run| figure.does_not_apply(run).is_none())
             .collect();
         for runs in [&runs[..1], &runs[..]] {
             if runs.len() < figure.least_runs {

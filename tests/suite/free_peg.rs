@@ -4,7 +4,7 @@ use crate::support::{Run, assert_near, scenario};
 use nalgebra::Vector3;
 use serde_json::Value;
 use toprise::physics::dynamics::{
-    Formulation, FreeRotation, Guard, Impact, Model, Motion, Passage, Phase, Start, Support,
+    Formulation, FreeRotation, Guard, Impact, Model, Motion, Phase, Start, Support, Transition,
 };
 use toprise::physics::friction::{Dissipation, Friction, FrictionLaw, Losses, Smoothing};
 use toprise::physics::kinematics::{Euler, lean_to_world};
@@ -59,8 +59,8 @@ fn hit(command: &str) -> (Model, Motion, Impact) {
     let (system, state, _): (_, [f64; FreeRotation::STATE_LENGTH], _) =
         FreeRotation::start(&model, &start, true);
     let entry = system.enter(Guard::Gap, &state, start.angles).unwrap();
-    let (Passage::Bounces(impact) | Passage::Lands(impact)) = entry.passage else {
-        panic!("{command}: {:?}", entry.passage)
+    let (Transition::Bounces(impact) | Transition::Lands(impact)) = entry.transition else {
+        panic!("{command}: {:?}", entry.transition)
     };
     (model, entry.motion, impact)
 }
@@ -214,20 +214,20 @@ fn compare(sample: &Sample, truth: &Value, model: &Model, has_hopped: bool) {
             sample.tilt.rates.psi,
             spin / sample.tilt.sin.min(1.0),
         ),
-        ("xC", sample.peg_position.x, 1.0),
-        ("yC", sample.peg_position.y, 1.0),
+        ("xC", sample.pose.peg_position.x, 1.0),
+        ("yC", sample.pose.peg_position.y, 1.0),
         ("vCx", free.peg_velocity.x, 1.0),
         ("vCy", free.peg_velocity.y, 1.0),
-        ("slip_x", sample.slip_world.x, 1.0),
-        ("slip_y", sample.slip_world.y, 1.0),
+        ("slip_x", sample.slip.world.x, 1.0),
+        ("slip_y", sample.slip.world.y, 1.0),
         (
             "N_over_Mg",
             sample.contact.normal_force / model.top.weight(),
             100.0,
         ),
-        ("E", sample.energy() + above_table, 1.0),
+        ("E", sample.energy.total() + above_table, 1.0),
         ("J", free.jellett, 1e-3),
-        ("Ln", free.central_momentum.dot(&sample.axis), 0.1),
+        ("Ln", free.central_momentum.dot(&sample.pose.axis), 0.1),
         ("Lzp", free.central_momentum.z, 0.1),
         ("routh", free.routh, 0.1),
         ("W_slide", -sample.integrals.slip_work, 1.0),
@@ -400,7 +400,7 @@ fn validate(name: &str) {
     assert_eq!(compared, samples.len(), "{name}");
     let first = run.samples.first().unwrap();
     for sample in &run.samples {
-        let change = sample.energy() - first.energy();
+        let change = sample.energy.total() - first.energy.total();
         assert_near(
             "energy balance",
             change,
@@ -492,7 +492,7 @@ fn what_a_support_does_not_allow_is_refused() {
         (vec![("support.restitution", "0.5")], "support.kind"),
         (
             vec![("support.kind", "fixed"), ("initial.height", "0.1")],
-            "no meaning",
+            "does not apply",
         ),
         (vec![("support.kind", "free")], "formulation"),
         (
@@ -509,7 +509,7 @@ fn what_a_support_does_not_allow_is_refused() {
                 &[("initial.peg_x", "0"), ("initial.center_y", "0")],
             ]
             .concat(),
-            "initial.center_y is given too",
+            "initial.center_y is set too",
         ),
         (
             [&free[..], &[("stop.duration", "")]].concat(),
@@ -521,7 +521,7 @@ fn what_a_support_does_not_allow_is_refused() {
         ),
         (
             [&free[..], &[("top.center_distance", "-0.005")]].concat(),
-            "turns over",
+            "inverts",
         ),
     ] {
         let error = refused(&changes);
@@ -610,9 +610,9 @@ fn val_a_rolling_top_precesses_regularly_at_its_root() {
     };
     let start = &run(1.75).samples[0];
     assert_eq!(start.free.unwrap().phase, Phase::Holding);
-    let root = start.precession_roots.unwrap().slow;
+    let root = start.precession.roots.unwrap().slow;
     let regular = run(root);
-    assert!((regular.samples[0].precession_roots.unwrap().slow - root).abs() < 1e-12);
+    assert!((regular.samples[0].precession.roots.unwrap().slow - root).abs() < 1e-12);
     // What a nutation that begins with the rounding of the root has grown to.
     for sample in &regular.samples {
         assert_near("θ", sample.angles.theta, 0.5, 1e-12);

@@ -347,20 +347,20 @@ fn full_friction_sticks_just_short_of_upright() {
             assert_eq!(sample.tilt.rates.psi, 0.0);
             assert_near("θ", sample.angles.theta, theta, 1e-12);
             assert_near("Ω", sample.tilt.omega_lean.z, omega, 1e-8);
-            assert_eq!(sample.friction_power, 0.0);
-            let held = sample.friction_torque.node.norm();
+            assert_eq!(sample.energy.friction_power, 0.0);
+            let held = sample.torque.friction.node.norm();
             assert_near("held", held, needed, 1e-9 * needed);
             assert_near(
                 "L_z",
-                sample.vertical_momentum,
-                before.vertical_momentum,
+                sample.momentum.vertical,
+                before.momentum.vertical,
                 1e-14,
             );
         }
         let last = run.samples.last().unwrap();
         assert_near(
             "E",
-            last.energy() - before.energy(),
+            last.energy.total() - before.energy.total(),
             last.integrals.friction_work,
             1e-12,
         );
@@ -430,11 +430,11 @@ fn a_contact_at_rest_that_is_not_held_begins_to_slip() {
     let first = &runs[0].samples[0];
     assert_eq!(first.contact.slip_speed, 0.0);
     let bound = 0.03 * first.contact.normal_force;
-    assert_near("f", first.friction_force.norm(), bound, 1e-14);
+    assert_near("f", first.slip.friction_force.norm(), bound, 1e-14);
     for run in &runs {
         assert_eq!(run.events_of(EventKind::Stick).count(), 0);
         for sample in &run.samples {
-            let gap = sample.energy() - first.energy() - sample.integrals.friction_work;
+            let gap = sample.energy.total() - first.energy.total() - sample.integrals.friction_work;
             assert!(gap.abs() < 1e-12, "{gap:e}");
         }
     }
@@ -501,9 +501,9 @@ fn val_the_tilt_torque_alone_raises_at_constant_axial_momentum() {
             &[("formulation", formulation)],
         ));
         assert_eq!(run.end.stop, StopReason::Risen);
-        let axial = run.samples[0].axial_momentum;
+        let axial = run.samples[0].momentum.axial;
         for sample in &run.samples {
-            assert_near("L_n", sample.axial_momentum, axial, 1e-13);
+            assert_near("L_n", sample.momentum.axial, axial, 1e-13);
         }
         // Leading order of the average: θ̇ = −K cos θ/L_n, whose error is of the order φ̇/ω_n and of the
         // nutation's amplitude over the last θ: a few per cent.
@@ -577,8 +577,8 @@ fn val_logged_torques_of_all_laws_drive_the_logged_momentum() {
             ];
             let run = Run::of(&scenario(preset, &[&common[..], all, more].concat()));
             for three in run.samples.windows(3).step_by(101) {
-                let difference = (three[2].momentum_world - three[0].momentum_world) / 2e-5;
-                let torque = three[1].world_from_body * three[1].total_torque.body;
+                let difference = (three[2].momentum.world - three[0].momentum.world) / 2e-5;
+                let torque = three[1].pose.world_from_body * three[1].torque.total.body;
                 let gap = (difference - torque).norm();
                 assert!(gap < 2e-9, "{preset} {formulation}: {gap:e}");
             }
@@ -673,8 +673,8 @@ fn losses_alone_move_a_top_without_sliding_friction() {
     ));
     for (a, b) in coulomb.samples.iter().zip(&rolling.samples) {
         assert_near("θ", a.angles.theta, b.angles.theta, 1e-11);
-        assert_near("E", a.energy(), b.energy(), 1e-12);
-        assert_eq!(b.friction_force.norm(), 0.0);
+        assert_near("E", a.energy.total(), b.energy.total(), 1e-12);
+        assert_eq!(b.slip.friction_force.norm(), 0.0);
     }
 }
 
@@ -769,7 +769,7 @@ fn val_drilling_takes_the_spin_in_its_time_and_then_holds_it() {
     for sample in &run.samples {
         let left = (2.0 - slowing * (sample.time_ns as f64 / 1e9)).max(0.0);
         // Near the end the spin fades within twice the time, and by as much less than it creeps.
-        assert_near("spin", sample.omega_world.z, left, creep);
+        assert_near("spin", sample.pose.omega_world.z, left, creep);
     }
     assert!(run.end.statistics.accepted < 100_000);
 }

@@ -172,7 +172,7 @@ fn columns_have_names_kinds_and_values_that_fit() {
     let json = serde_json::to_value(&fixed).unwrap();
     assert_eq!(json["stop_reason"], "duration");
     assert!(json.get("hops").is_none());
-    assert_eq!(json["energy"], fixed.energy);
+    assert_eq!(json["energy"], fixed.energy.at_end);
 }
 
 #[test]

@@ -18,8 +18,8 @@ fn val_angular_momentum_about_the_vertical_is_constant() {
     for preset in ["paper", "full-coulomb", "frictionless"] {
         for formulation in ["euler", "body"] {
             let run = Run::of(&scenario(preset, &[("formulation", formulation)]));
-            let start = run.samples[0].vertical_momentum;
-            let drift = largest(run.samples.iter().map(|s| s.vertical_momentum - start));
+            let start = run.samples[0].momentum.vertical;
+            let drift = largest(run.samples.iter().map(|s| s.momentum.vertical - start));
             assert!(drift < MOMENTUM_DRIFT, "{preset} {formulation}: {drift:e}");
         }
     }
@@ -30,11 +30,15 @@ fn val_without_friction_energy_and_momenta_are_constant() {
     for formulation in ["euler", "body"] {
         let run = Run::of(&scenario("frictionless", &[("formulation", formulation)]));
         let first = &run.samples[0];
-        let energy = largest(run.samples.iter().map(|s| s.energy() - first.energy()));
+        let energy = largest(
+            run.samples
+                .iter()
+                .map(|s| s.energy.total() - first.energy.total()),
+        );
         let axial = largest(
             run.samples
                 .iter()
-                .map(|s| s.axial_momentum - first.axial_momentum),
+                .map(|s| s.momentum.axial - first.momentum.axial),
         );
         assert!(energy < 1e-12, "{energy:e}");
         assert!(axial < MOMENTUM_DRIFT, "{axial:e}");
@@ -55,17 +59,17 @@ fn val_energy_changes_by_the_work_of_friction() {
                 preset,
                 &[("formulation", formulation), ("sampling.period", "0.01")],
             ));
-            let start = run.samples[0].energy();
+            let start = run.samples[0].energy.total();
             let scale = run.end.energy.abs().max(start);
             for sample in &run.samples {
-                let gap = sample.energy() - start - sample.integrals.friction_work;
+                let gap = sample.energy.total() - start - sample.integrals.friction_work;
                 assert!(gap.abs() < 2e-12 * scale, "{preset} {formulation}: {gap:e}");
                 // dE/dt = τ·ω, as logged.
-                let power = sample.friction_torque.body.dot(&sample.omega_body);
+                let power = sample.torque.friction.body.dot(&sample.pose.omega_body);
                 assert_near(
                     "power",
                     power,
-                    sample.friction_power,
+                    sample.energy.friction_power,
                     1e-12 * (1.0 + power.abs()),
                 );
             }
@@ -111,7 +115,7 @@ fn val_the_ablations_change_momenta_as_their_equations_say() {
                 let axial = -kf * (iz * c * c + ix * s * s) / ix;
                 (c * axial, axial)
             };
-            let torque = sample.friction_torque.node;
+            let torque = sample.torque.friction.node;
             assert_near("axial", torque.z, axial, 1e-17);
             assert_near("vertical", s * torque.y + c * torque.z, vertical, 1e-17);
             let frictional = sample.accelerations.frictional;
@@ -132,15 +136,15 @@ fn val_the_paper_keeps_only_the_spin_part_of_friction() {
     let run = Run::of(&scenario("paper", &[("stop.duration", "2")]));
     for sample in &run.samples {
         // Equation (6): no friction about the line of nodes, and the magnitude of (4) otherwise.
-        assert_eq!(sample.friction_torque.node.x, 0.0);
+        assert_eq!(sample.torque.friction.node.x, 0.0);
         let (s, c, kf) = (sample.tilt.sin, sample.tilt.cos, k_f(sample));
         assert_near(
             "perpendicular",
-            sample.friction_torque.node.y,
+            sample.torque.friction.node.y,
             kf * s * c,
             1e-17,
         );
-        assert_near("axial", sample.friction_torque.node.z, -kf * s * s, 1e-17);
+        assert_near("axial", sample.torque.friction.node.z, -kf * s * s, 1e-17);
     }
 }
 
@@ -207,9 +211,9 @@ fn val_both_formulations_agree() {
             assert_near("θ", a.angles.theta, b.angles.theta, 1e-9);
             assert_near("φ", a.angles.phi, b.angles.phi, 2e-8);
             assert_near("ψ", a.angles.psi, b.angles.psi, 2e-8);
-            let angle = a.world_from_body.angle_to(&b.world_from_body);
+            let angle = a.pose.world_from_body.angle_to(&b.pose.world_from_body);
             assert!(angle < 4e-8, "{angle:e}");
-            let torque = a.total_torque.body - b.total_torque.body;
+            let torque = a.torque.total.body - b.torque.total.body;
             // The phase of ψ turns the components: 2e-8 rad of a torque below 0.011 N m.
             assert!(torque.norm() < 1e-9, "{torque}");
         }
@@ -256,8 +260,8 @@ fn val_logged_torque_drives_the_logged_angular_momentum() {
             ],
         ));
         for three in run.samples.windows(3).step_by(101) {
-            let difference = (three[2].momentum_world - three[0].momentum_world) / 2e-5;
-            let torque = three[1].world_from_body * three[1].total_torque.body;
+            let difference = (three[2].momentum.world - three[0].momentum.world) / 2e-5;
+            let torque = three[1].pose.world_from_body * three[1].torque.total.body;
             let gap = (difference - torque).norm();
             assert!(gap < 1e-9, "{preset}: {gap:e}");
         }
@@ -269,11 +273,11 @@ fn val_slip_velocity_is_omega_cross_r() {
     let run = Run::of(&scenario("full-coulomb", &[("sampling.period", "0.05")]));
     for sample in &run.samples {
         let r = Vector3::new(0.0, 0.0, -0.007);
-        let slip = sample.omega_world.cross(&r);
-        assert!((slip - sample.slip_world).norm() < 1e-14);
-        let in_body = sample.world_from_body.inverse() * slip;
+        let slip = sample.pose.omega_world.cross(&r);
+        assert!((slip - sample.slip.world).norm() < 1e-14);
+        let in_body = sample.pose.world_from_body.inverse() * slip;
         // ψ reaches 4000 rad, which a double resolves to 5e-13 rad.
-        assert!((in_body - sample.slip_body).norm() < 1e-12);
+        assert!((in_body - sample.slip.body).norm() < 1e-12);
     }
 }
 
@@ -306,14 +310,14 @@ fn the_body_formulation_runs_through_upright() {
         .map(|e| e.motion.angles.theta);
     assert!(least.fold(1.0, f64::min) < 1e-5);
     for sample in &run.samples {
-        assert_near("E", sample.energy(), first.energy(), 1e-12);
+        assert_near("E", sample.energy.total(), first.energy.total(), 1e-12);
         assert_near(
             "L_z",
-            sample.vertical_momentum,
-            first.vertical_momentum,
+            sample.momentum.vertical,
+            first.momentum.vertical,
             1e-15,
         );
-        assert_near("L_n", sample.axial_momentum, first.axial_momentum, 1e-13);
+        assert_near("L_n", sample.momentum.axial, first.momentum.axial, 1e-13);
     }
     // φ + ψ goes on smoothly even where φ and ψ jump.
     for pair in run.samples.windows(2) {

@@ -252,7 +252,7 @@ fn broken_laws(scenario: &Scenario) -> Vec<String> {
     let Ok(simulation) = simulation else {
         return Vec::new();
     };
-    let mut simulation = simulation.while_told(move || {
+    let mut simulation = simulation.running_while(move || {
         steps += 1;
         steps <= MOST_STEPS
     });

@@ -38,9 +38,9 @@ fn compare(sample: &Sample, truth: &Value, tolerance: &Tolerance) -> usize {
         ("thd", rates.theta, tolerance.theta * 200.0),
         ("phd", rates.phi, tolerance.rates),
         ("psd", rates.psi, tolerance.rates),
-        ("E", sample.energy(), 1e-10),
-        ("Lzp", sample.vertical_momentum, 1e-13),
-        ("Lz", sample.axial_momentum, 1e-13),
+        ("E", sample.energy.total(), 1e-10),
+        ("Lzp", sample.momentum.vertical, 1e-13),
+        ("Lz", sample.momentum.axial, 1e-13),
     ];
     let mut compared = 0;
     for (key, actual, tolerance) in checks {

@@ -174,7 +174,7 @@ fn each_error_names_key_value_and_what_is_allowed() {
         ),
         (
             &[("friction.viscous_speed", "1")],
-            &["friction.viscous_speed", "no meaning", "coulomb"],
+            &["friction.viscous_speed", "does not apply", "coulomb"],
         ),
         (
             &[("friction.law", "viscous"), ("friction.viscous_speed", "0")],
@@ -278,7 +278,7 @@ fn errors_say_what_to_do_next() {
         (
             &[("support.restitution", "0.5")],
             &[
-                "no meaning without support.kind: set support.kind = free, or remove support.restitution",
+                "does not apply without support.kind: set support.kind = free, or remove support.restitution",
             ],
         ),
         (
@@ -406,7 +406,7 @@ fn a_number_that_is_refused_is_told_without_rows_of_zeros() {
         (
             "top.mass",
             "1e31",
-            "top.mass = 1e31: must be a number from 1e-30 to 1e30",
+            "top.mass = 1e31: must be a number from 1e-30 to 1e30 [kg]",
         ),
         (
             "top.mass",

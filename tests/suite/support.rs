@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use toprise::analysis::verify::{Report, Verdict, verify};
-use toprise::archive::given;
+use toprise::archive::input;
 use toprise::archive::memory::MemorySink;
 use toprise::archive::pipeline::{Archived, McapSink};
 use toprise::archive::publish::Existing;
@@ -137,8 +137,8 @@ fn archive_topics(
 /// Runs again what a file holds, in its own form, as `toprise run FILE` does; gives the bytes of the new recording, none if
 /// the file has no scenario.
 pub fn run_again(file: &Path) -> Option<Vec<u8>> {
-    let scenario = Scenario::new(given::values(file).ok()?).unwrap();
-    let (form, topics) = given::form(file).unwrap_or_default();
+    let scenario = Scenario::new(input::values(file).ok()?).unwrap();
+    let (form, topics) = input::form(file).unwrap_or_default();
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("again.mcap");
     archive_topics(&path, &scenario, &topics, form).unwrap();

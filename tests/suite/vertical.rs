@@ -14,13 +14,13 @@ fn numbers(sample: &Sample) -> Vec<f64> {
     let mut numbers = vec![angles.phi, angles.theta, angles.psi];
     numbers.extend([tilt.rates.phi, tilt.rates.theta, tilt.rates.psi]);
     for vector in [
-        sample.axis,
-        sample.omega_world,
-        sample.omega_body,
-        sample.slip_world,
-        sample.slip_body,
-        sample.friction_force,
-        sample.momentum_world,
+        sample.pose.axis,
+        sample.pose.omega_world,
+        sample.pose.omega_body,
+        sample.slip.world,
+        sample.slip.body,
+        sample.slip.friction_force,
+        sample.momentum.world,
     ] {
         numbers.extend(vector.iter());
     }

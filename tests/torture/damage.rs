@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use toprise::analysis::diff::{Options as DiffOptions, compare};
 use toprise::analysis::explain::explain;
 use toprise::analysis::verify::{Verdict, verify};
-use toprise::archive::given;
+use toprise::archive::input;
 use toprise::archive::recording::{Overview, Recording};
 use toprise::archive::writer::Form;
 use toprise::run::scenario::Scenario;
@@ -74,7 +74,7 @@ fn endures(file: &Path) -> Result<(), String> {
     };
     let _ = explain(&recording);
     let _ = compare(&recording, &recording, &DiffOptions::default());
-    let values = given::values(file).ok();
+    let values = input::values(file).ok();
     let again = values.map(Scenario::new).transpose();
     again
         .map(|_| ())

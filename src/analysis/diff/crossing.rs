@@ -172,9 +172,9 @@ pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
     range.iter().all(|time| time.is_finite()).then_some(range)
 }
 
-/// Latest first passage of θ = −x + r cos x through a level, as a part of r, where r is the amplitude of θ̇ over its mean.
+/// Latest first time at which θ = −x + r cos x reaches a level, as a part of r, the amplitude of θ̇ over its mean.
 ///
-/// Where θ falls all the time (r ≤ 1), a level is touched once, up to r later than by the average. Where it doesn't, a
+/// Where θ falls all the time (r ≤ 1), a level is reached once, up to r later than by the average. Where it doesn't, a
 /// dip that ends just above the level leaves it to the next descent, which is early if the dips are deep.
 fn latest(ratio: f64) -> f64 {
     if ratio <= 1.0 {

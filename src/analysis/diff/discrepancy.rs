@@ -118,7 +118,7 @@ fn quantities(action: [f64; QUANTITIES.len() - 1]) -> [f64; QUANTITIES.len()] {
 }
 
 impl Residuals {
-    /// None where B's model says nothing at A's states: where B's peg is fixed, and A's moves.
+    /// None where B's model does not apply to A's states: where B's peg is fixed, and A's moves.
     pub(super) fn new(a: Model, b: Model) -> Option<Self> {
         let is_defined = b.support.is_free() || !a.support.is_free();
         is_defined.then_some(Self {

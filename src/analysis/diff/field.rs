@@ -38,7 +38,7 @@ pub struct FieldDifference {
 
 /// The integrators' errors are estimated within this factor.
 const UNDERESTIMATED: f64 = 3.0;
-/// Roundings of a number, ulp, that say nothing of the motion.
+/// Roundings of a number, ulp, that are not due to the motion.
 const ROUNDINGS: f64 = 8.0;
 
 /// The differences of one field so far.

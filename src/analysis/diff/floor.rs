@@ -2,7 +2,7 @@
 //!
 //! Each scenario is simulated twice more, with its own tolerances and with a hundredth of them, and the two are compared
 //! like any runs. Their difference estimates the error of the coarser one. A difference between A and B below both errors
-//! together says nothing about the models.
+//! together is not due to the models.
 
 use super::averages;
 use super::observer::While;

@@ -36,7 +36,7 @@ pub trait Observer {
 /// An observer that looks away.
 impl Observer for () {}
 
-/// An observer that ends the comparison once this says no.
+/// An observer that ends the comparison once this returns false.
 pub(super) struct While<'a>(pub(super) &'a (dyn Fn() -> bool + Sync));
 
 impl Observer for While<'_> {

@@ -246,10 +246,10 @@ fn notes(runs: [Subject<'_>; 2]) -> Vec<String> {
 }
 
 impl Report {
-    /// Notes that B was simulated again with A's sampling period: the set-up is that of the `given` runs, and messages that
+    /// Notes that B was simulated again with A's sampling period: the set-up is that of the runs as they were `named`, and messages that
     /// were not compared can't be identical.
-    pub(super) fn note_resampling(&mut self, given: [Subject<'_>; 2]) {
-        let setup = setup::compare(given[0], given[1]);
+    pub(super) fn note_resampling(&mut self, named: [Subject<'_>; 2]) {
+        let setup = setup::compare(named[0], named[1]);
         self.setup.scenario = setup.scenario;
         self.setup.equal_keys = setup.equal_keys;
         self.setup.files = setup.files;

@@ -5,7 +5,7 @@ use super::fact::Fact;
 use super::held;
 
 /// The event.
-pub(super) fn course(evidence: &Evidence) -> Vec<Fact> {
+pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let history = &evidence.history;
     let end = history.stop_time().unwrap_or(0.0);
     let mut facts = vec![held::start(evidence)];

@@ -7,7 +7,7 @@ use crate::physics::friction::Dissipation;
 use crate::run::simulation::EventKind;
 
 /// The event.
-pub(super) fn course(evidence: &Evidence) -> Vec<Fact> {
+pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = vec![start(evidence)];
     facts.extend(mean_theta(evidence));
     facts.extend(loops(evidence));

@@ -99,7 +99,7 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
         .filter_map(|cycle| Some((cycle.means[2], roots(&top, cycle)?)));
     let known: Vec<(f64, [f64; 2])> = known.collect();
     if !known.is_empty() && known.len() < cycles.len() {
-        // Of a part of the run nothing is said that reads as if it held for all.
+        // A finding about a part of the run must not read as if it held for all.
         return None;
     }
     if known.is_empty() {

@@ -42,7 +42,7 @@ pub struct Lacking {
     pub missing: String,
 }
 
-/// A run that a figure says nothing of, whatever it has recorded.
+/// A run that a figure does not apply to, whatever it has recorded.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LeftOut {
     /// Name of the run.

@@ -8,7 +8,7 @@ use crate::analysis::plot::shape::Point;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
 use crate::run::scenario::Scenario;
-use crate::telemetry::fields::{NUTATION, NumberField, POSE, nutation, state};
+use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, POSE, nutation};
 use crate::telemetry::{Message, Topic, Topics};
 use std::ops::ControlFlow;
 
@@ -18,18 +18,6 @@ const LONGEST: f64 = 2.0;
 
 /// The longest time between two nutations that is rounding, as a part of the period.
 const GAP: f64 = 0.01;
-
-/// Quantities of the state with their least and greatest values in a nutation.
-const ENVELOPES: [[NumberField; 3]; 4] = [
-    [state::THETA, nutation::THETA_MIN, nutation::THETA_MAX],
-    [
-        state::THETA_DOT,
-        nutation::THETA_DOT_MIN,
-        nutation::THETA_DOT_MAX,
-    ],
-    [state::PHI_DOT, nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX],
-    [state::PSI_DOT, nutation::PSI_DOT_MIN, nutation::PSI_DOT_MAX],
-];
 
 /// A nutation cycle.
 struct Cycle {
@@ -224,7 +212,7 @@ impl Run {
 
     /// The least and the greatest values of a quantity of the state in each nutation, if they are recorded.
     pub(super) fn envelope(&self, field: NumberField) -> Option<[Vec<Point>; 2]> {
-        let [_, least, greatest] = ENVELOPES.iter().find(|[known, ..]| *known == field)?;
+        let [_, least, greatest] = NUTATING.iter().find(|[known, ..]| *known == field)?;
         let envelope = [least, greatest].map(|field| self.averages(*field));
         let is_there = |(_, value): &Point| value.is_finite();
         let is_recorded = envelope.iter().all(|line| line.iter().any(is_there));

@@ -46,10 +46,10 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
     let usable = width - 2.0 * MARGIN;
     // A larger frame has other numbers, which may need more room.
     let room_at = |side: f64| square(0.0, side).room_left(Y);
-    let side_beside = |room: f64| (usable - room - frame::ROOM_RIGHT).min(LARGEST);
+    let side_for = |room: f64| (usable - room - frame::ROOM_RIGHT).min(LARGEST);
     let room = room_at(0.7 * usable.min(LARGEST));
-    let room = room.max(room_at(side_beside(room)));
-    let side = side_beside(room);
+    let room = room.max(room_at(side_for(room)));
+    let side = side_for(room);
     let frame = square(MARGIN + room, side);
     for (index, (run, track)) in runs.iter().zip(&tracks).enumerate() {
         let stroke = Looks::run_in_legend(index);

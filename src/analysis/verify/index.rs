@@ -1,4 +1,4 @@
-//! The index of a file: it leads to everything in the data, and says the same as they do.
+//! The index of a file: it leads to everything in the data, and agrees with them.
 //!
 //! Readers differ in what they follow, the data or the index. A file that contradicts itself would show them different things.
 

@@ -38,7 +38,7 @@ pub(crate) struct Layout {
     pub(crate) channels: Channels,
     /// Damage between the records.
     pub(crate) losses: Vec<Loss>,
-    /// Where the data end, if the file says so.
+    /// Where the data end, if the file has it.
     pub(crate) data_end: Option<u64>,
     /// Where the footer is.
     footer: Option<RecordSpan>,

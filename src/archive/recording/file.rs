@@ -131,7 +131,7 @@ impl Recording {
         records.find(|r| r.name == name).map(|r| &r.metadata)
     }
 
-    /// Form of the recording, as `toprise.run` says, or else its channels: the encoding, whether with views, and the topics.
+    /// Form of the recording, according to `toprise.run`, or else to its channels: the encoding, whether with views, and the topics.
     /// None if both are lost.
     #[must_use]
     pub fn form(&self) -> Option<(Encoding, bool, Topics)> {
@@ -235,7 +235,7 @@ impl Recording {
         self.layout.is_ended
     }
 
-    /// SHA-256 of what the attachments of each name hold, in the order of the file; what can't be read says why.
+    /// SHA-256 of what the attachments of each name hold, in the order of the file; for what can't be read, the reason.
     pub(crate) fn attachment_digests(&self) -> BTreeMap<String, Vec<String>> {
         let mut digests: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for attachment in &self.layout.attachments {

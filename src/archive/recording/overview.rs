@@ -10,42 +10,49 @@ use crate::archive::format::Entries;
 use crate::telemetry::Message;
 use crate::telemetry::encoding::{Decoder, Row};
 use crate::telemetry::fields::{EVENTS, events};
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::Path;
 
 /// Content of an MCAP file, after reading all of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Overview {
     /// Kind of the file.
+    #[serde(rename = "state")]
     pub condition: Condition,
     /// Name of the library that wrote it.
     pub library: String,
-    /// The entries of the `toprise.run` record; `None` if the file is not a recording of toprise.
+    /// Metadata of toprise from the start of the run; absent in other files.
     pub run: Option<Entries>,
-    /// The entries of the `toprise.end` record; `None` if the run did not reach its end.
+    /// Metadata of toprise from the end of the run; absent if it was not reached.
     pub end: Option<Entries>,
-    /// The scenario as TOML.
+    /// The scenario, TOML.
     pub scenario: Option<String>,
     /// The channels, in the order of the file.
     pub channels: Vec<ChannelOverview>,
     /// The events.
     pub events: Vec<EventOverview>,
     /// Parts that can't be read.
+    #[serde(skip)]
     pub losses: Vec<Loss>,
 }
 
 /// A channel of a file.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, JsonSchema)]
 pub struct ChannelOverview {
     /// MCAP channel id.
+    #[serde(skip)]
     pub id: u16,
-    /// Topic.
+    /// Its topic.
     pub topic: String,
-    /// Encoding of its messages.
-    pub encoding: String,
-    /// Name of its message type, empty if it has none.
+    /// The name of its message type; empty if it has none.
     pub schema: String,
+    /// The encoding of its messages.
+    pub encoding: String,
     /// Number of messages.
     pub messages: u64,
+    /// Mean rate of the messages, Hz; absent for fewer than two.
+    pub rate_hz: Option<f64>,
     /// Bytes of all messages.
     pub bytes: u64,
     /// Time of the first message, ns.
@@ -55,9 +62,7 @@ pub struct ChannelOverview {
 }
 
 impl ChannelOverview {
-    /// Mean rate of the messages, Hz; `None` for fewer than two.
-    #[must_use]
-    pub fn rate(&self) -> Option<f64> {
+    fn rate_hz(&self) -> Option<f64> {
         let span = self.last_ns.saturating_sub(self.first_ns);
         (self.messages > 1 && span > 0).then(|| (self.messages - 1) as f64 * 1e9 / span as f64)
     }
@@ -73,13 +78,13 @@ impl ChannelOverview {
 }
 
 /// An event of a recording.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct EventOverview {
-    /// Kind.
+    /// Its kind.
     pub name: String,
     /// When, s.
     pub time: f64,
-    /// What happened, in a sentence.
+    /// The event, in a sentence.
     pub description: String,
 }
 
@@ -113,6 +118,9 @@ impl Overview {
             {
                 events.take(message.data);
             }
+        }
+        for channel in &mut counted {
+            channel.rate_hz = channel.rate_hz();
         }
         let mut losses = recording.losses().to_vec();
         losses.extend_from_slice(reader.losses());

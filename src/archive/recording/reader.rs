@@ -184,7 +184,7 @@ impl<'r> Reader<'r> {
         self.order.as_ref()?.misplaced()
     }
 
-    /// Whether each chunk begins where the one before has ended, as their heads say.
+    /// Whether each chunk begins where the one before has ended, according to their heads.
     fn are_sections_in_order(&self) -> bool {
         let mut last = 0;
         self.recording.layout.sections.iter().all(|section| {

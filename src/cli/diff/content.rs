@@ -78,7 +78,7 @@ fn setup(report: &Report, all: bool) -> Section {
     let rows: Vec<_> = rows
         .take(if all { usize::MAX } else { MOST_ROWS })
         .collect();
-    section.table(table(&["", "A", "B"], rows, 3));
+    section.table(Table::new(&["", "A", "B"], rows, 3));
     for (only, letter) in setup.topics_only_in.iter().zip(["A", "B"]) {
         if !only.is_empty() {
             section.line(format!("only {letter} has {}", some(only)));
@@ -111,7 +111,7 @@ fn findings(report: &Report, all: bool) -> Section {
     let shown = report.findings.iter().filter(|f| all || f.differs());
     let most = if all { usize::MAX } else { MOST_ROWS };
     let rows: Vec<_> = shown.take(most).map(|f| f.cells().to_vec()).collect();
-    section.table(table(&["", "A", "B", "B − A"], rows, 1));
+    section.table(Table::new(&["", "A", "B", "B − A"], rows, 1));
     section
 }
 
@@ -141,7 +141,7 @@ fn topics(report: &Report) -> Section {
         "other",
         "unmatched",
     ];
-    section.table(table(&header, rows, 2));
+    section.table(Table::new(&header, rows, 2));
     section
 }
 
@@ -172,7 +172,7 @@ fn others(topics: &[TopicBytes]) -> Section {
         "only B",
         "first",
     ];
-    section.table(table(&header, topics.iter().map(row).collect(), 2));
+    section.table(Table::new(&header, topics.iter().map(row).collect(), 2));
     section
 }
 
@@ -203,7 +203,7 @@ fn fields(channel: &ChannelDifference) -> Section {
         ]
     };
     let header = ["field", "largest B − A", "at", "RMS", "relative"];
-    section.table(table(&header, differing.map(row).collect(), 1));
+    section.table(Table::new(&header, differing.map(row).collect(), 1));
     section
 }
 
@@ -223,7 +223,7 @@ fn averages(report: &Report) -> Section {
         ]
     });
     let header = ["", "A", "B", "largest B − A", "at"];
-    section.table(table(&header, rows.collect(), 1));
+    section.table(Table::new(&header, rows.collect(), 1));
     section
 }
 
@@ -246,7 +246,7 @@ fn models(report: &Report) -> Section {
         ]
     });
     let header = ["", "largest", "at", "RMS", "RMS of A's own"];
-    section.table(table(&header, rows.collect(), 1));
+    section.table(Table::new(&header, rows.collect(), 1));
     section
 }
 
@@ -265,7 +265,7 @@ fn integrators(report: &Report) -> Section {
         ]
     });
     let header = ["", "tolerance", "mean θ [rad]", "events [s]"];
-    section.table(table(&header, rows.to_vec(), 2));
+    section.table(Table::new(&header, rows.to_vec(), 2));
     section
 }
 
@@ -294,14 +294,6 @@ fn notes(report: &Report, all: bool) -> Section {
         section.line(format!("More: --all shows {more}every field{viewer}."));
     }
     section
-}
-
-fn table(header: &[&str], rows: Vec<Vec<String>>, left: usize) -> Table {
-    Table {
-        header: header.iter().map(|name| (*name).to_owned()).collect(),
-        rows,
-        left,
-    }
 }
 
 /// A list, cut short.

@@ -1,10 +1,10 @@
 //! The arguments of `toprise run`.
 
-use crate::archive::given::{is_recording, values};
+use crate::archive::input::{self, is_recording};
 use crate::archive::publish::Existing;
 use crate::archive::writer::Form;
 use crate::cli::arguments::{Override, parse_override};
-use crate::cli::given::checked;
+use crate::cli::input::checked;
 #[cfg(feature = "rerun")]
 use crate::cli::report::WrittenFile;
 #[cfg(feature = "rerun")]
@@ -80,7 +80,7 @@ pub(crate) struct RunArguments {
 
 impl RunArguments {
     /// The keys and values that are run, before any is set.
-    pub(super) fn given(&self) -> Result<Values, Error> {
+    pub(super) fn values(&self) -> Result<Values, Error> {
         #[cfg(feature = "sweep")]
         if let Some(row) = self.row {
             return Ok(values_of_row(&self.scenario, row)?);
@@ -93,12 +93,12 @@ impl RunArguments {
             let table = self.scenario.display();
             bail!("{table} is a table: name the row to run, as in --row 42");
         }
-        Ok(values(&self.scenario)?)
+        Ok(input::values(&self.scenario)?)
     }
 
     /// The scenario that is run.
-    pub(super) fn scenario(&self, given: Values) -> Result<Scenario, Error> {
-        checked(&self.scenario, given, &self.overrides)
+    pub(super) fn scenario(&self, values: Values) -> Result<Scenario, Error> {
+        checked(&self.scenario, values, &self.overrides)
     }
 
     /// Refuses to write an MCAP file under the name of a Rerun recording.
@@ -113,7 +113,7 @@ impl RunArguments {
         }
     }
 
-    /// Note on a Rerun recording that is not written, though --no-rrd was not given.
+    /// Note on a Rerun recording that is not written, though --no-rrd is not set.
     #[cfg_attr(not(feature = "rerun"), allow(clippy::unused_self))]
     pub(super) fn note_on_rrd(&self) -> Option<&'static str> {
         #[cfg(feature = "rerun")]
@@ -126,7 +126,7 @@ impl RunArguments {
     /// Name of the files: that of the recording that is run again or of the scenario, with its changes, as in
     /// `paper_k0.02`. Where these are too long, the beginning of the scenario's digest stands for them: the name alone is that
     /// of another run.
-    pub(super) fn stem(&self, scenario: &Scenario, given: &Values) -> String {
+    pub(super) fn stem(&self, scenario: &Scenario, base: &Values) -> String {
         /// The length of names that can still be read in a list.
         const LONGEST: usize = 60;
         let file = self.scenario.file_name().and_then(OsStr::to_str);
@@ -143,7 +143,7 @@ impl RunArguments {
         if let Some(row) = self.row {
             stem += &format!("_row{row}");
         }
-        for (key, value) in scenario.changes(given) {
+        for (key, value) in scenario.changes(base) {
             let key = key.short_name();
             stem += &match value {
                 None => format!("_no-{key}"),
@@ -162,7 +162,7 @@ impl RunArguments {
 
     /// The Rerun recording next to a recording that is there already; none if the arguments name another.
     #[cfg(feature = "rerun")]
-    pub(super) fn rrd_beside(&self, mcap: Option<&WrittenFile>) -> Option<WrittenFile> {
+    pub(super) fn adjacent_rrd(&self, mcap: Option<&WrittenFile>) -> Option<WrittenFile> {
         let mcap = mcap.filter(|_| self.rrd.is_none())?;
         let path = Path::new(&mcap.path).with_extension("rrd");
         let bytes = path.metadata().ok()?.len();
@@ -177,7 +177,7 @@ impl RunArguments {
     /// The form of the MCAP file and the topics in it: those of a recording that is run again, unless the arguments name
     /// others.
     pub(super) fn form(&self) -> Result<(Form, Topics), Error> {
-        let recorded = crate::archive::given::form(&self.scenario);
+        let recorded = input::form(&self.scenario);
         let (mut form, mut topics) = recorded.unwrap_or_default();
         form.encoding = self.encoding.unwrap_or(form.encoding);
         form.views &= !self.no_views;

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 
-/// Where recordings go if nothing else is said.
+/// The directory for recordings, unless the arguments name a file.
 const DIRECTORY: &str = "recordings";
 
 /// The files of a run, before it begins.

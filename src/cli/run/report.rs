@@ -20,14 +20,22 @@ const SLOWEST: f64 = 1e4;
 pub(super) struct Finished {
     pub(super) end: RunEnd,
     pub(super) counts: Tally,
-    pub(super) mcap: WrittenFile,
-    /// Whether the MCAP file was not there before.
-    pub(super) is_new: bool,
-    /// SHA-256 of its content.
-    pub(super) digest: String,
-    pub(super) rrd: Option<WrittenFile>,
+    pub(super) recorded: Recorded,
     /// Whether a Rerun recording was wanted but could not be written.
     pub(super) is_rrd_lost: bool,
+}
+
+/// The recordings of a run.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub(super) struct Recorded {
+    /// The MCAP file.
+    pub(super) mcap: WrittenFile,
+    /// Whether it was written now; otherwise it was there already, with the same bytes.
+    pub(super) is_new: bool,
+    /// The Rerun recording; absent if there is none.
+    pub(super) rrd: Option<WrittenFile>,
+    /// SHA-256 of the recording's content.
+    pub(super) content_digest: String,
 }
 
 /// Outcome of a run, and its recordings.
@@ -58,14 +66,8 @@ pub(crate) struct RunReport {
     evaluations: u64,
     /// Duration, s.
     wall_time: f64,
-    /// The MCAP file.
-    mcap: WrittenFile,
-    /// Whether it was written now; otherwise it was there already, with the same bytes.
-    is_new: bool,
-    /// The Rerun recording; absent if there is none.
-    rrd: Option<WrittenFile>,
-    /// SHA-256 of the recording's content.
-    content_digest: String,
+    #[serde(flatten)]
+    recorded: Recorded,
 }
 
 impl RunReport {
@@ -75,13 +77,7 @@ impl RunReport {
         finished: &Finished,
         wall: Duration,
     ) -> Self {
-        let Finished {
-            end,
-            counts,
-            mcap,
-            rrd,
-            ..
-        } = finished;
+        let (end, counts) = (&finished.end, &finished.counts);
         let changes = scenario.changes(base);
         Self {
             scenario: scenario.name().to_owned(),
@@ -98,10 +94,7 @@ impl RunReport {
             steps_rejected: end.statistics.rejected,
             evaluations: end.statistics.evaluations,
             wall_time: wall.as_secs_f64(),
-            mcap: mcap.clone(),
-            is_new: finished.is_new,
-            rrd: rrd.clone(),
-            content_digest: finished.digest.clone(),
+            recorded: finished.recorded.clone(),
         }
     }
 
@@ -114,19 +107,23 @@ impl RunReport {
         ];
         facts.extend(under("events", self.event_lines(top)));
         facts.extend([("logged", self.logged()), ("took", self.took())]);
-        let files = std::iter::once(&self.mcap).chain(&self.rrd);
+        let recorded = &self.recorded;
+        let files = std::iter::once(&recorded.mcap).chain(&recorded.rrd);
         let files = files.map(WrittenFile::line);
         let lines = files.chain(not_written.map(str::to_owned)).collect();
-        let label = if self.is_new { "wrote" } else { "files" };
+        let label = if recorded.is_new { "wrote" } else { "files" };
         facts.extend(under(label, lines));
-        if !self.is_new {
+        if !recorded.is_new {
             facts.push((
                 "",
-                format!("{} was there already, with the same bytes", self.mcap.path),
+                format!(
+                    "{} was there already, with the same bytes",
+                    recorded.mcap.path
+                ),
             ));
         }
-        facts.push(("content", format!("sha-256 {}", self.content_digest)));
-        if let Some(rrd) = &self.rrd {
+        facts.push(("content", format!("sha-256 {}", recorded.content_digest)));
+        if let Some(rrd) = &recorded.rrd {
             facts.push(("open it", format!("rerun {}", rrd.path)));
             facts.push(("", "(the viewer: pip install rerun-sdk==0.36.3)".to_owned()));
         }
@@ -162,18 +159,13 @@ impl RunReport {
     }
 
     fn energy_balance(&self) -> String {
-        let Outcome {
-            energy_at_start,
-            energy,
-            friction_work,
-            ..
-        } = self.outcome;
+        let energy = &self.outcome.energy;
         format!(
             "{} J → {} J ({} J, friction did {} J)",
-            number(energy_at_start, 6),
-            number(energy, 6),
-            number(energy - energy_at_start, 6),
-            number(friction_work, 6)
+            number(energy.at_start, 6),
+            number(energy.at_end, 6),
+            number(energy.at_end - energy.at_start, 6),
+            number(energy.friction_work, 6)
         )
     }
 

@@ -1,7 +1,7 @@
 //! Variables without a singularity: orientation as a quaternion and angular momentum.
 
 use super::fixed::{self, FixedPeg};
-use super::formulation::{Entry, Formulation, Guard, Passage};
+use super::formulation::{Entry, Formulation, Guard, Transition};
 use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, integrals, with_integrals};
 use super::lean::Lean;
 use super::model::Model;
@@ -132,7 +132,7 @@ impl<const N: usize> FixedPeg<N> for BodyRotation {
 }
 
 impl<const N: usize> Formulation<N> for BodyRotation {
-    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Passage>) {
+    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Transition>) {
         let state = Self::state(start.angles, start.rates, model);
         fixed::start(Self::new(*model), state, start, may_hold)
     }

@@ -7,7 +7,7 @@
 
 use super::bounds::EulerBounds;
 use super::fixed::{self, FixedPeg};
-use super::formulation::{Entry, Formulation, Guard, Passage};
+use super::formulation::{Entry, Formulation, Guard, Transition};
 use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, first_of, integrals, with_integrals};
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
@@ -166,7 +166,7 @@ impl<const N: usize> FixedPeg<N> for EulerAngles {
 }
 
 impl<const N: usize> Formulation<N> for EulerAngles {
-    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Passage>) {
+    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Transition>) {
         let state = Self::state(start.angles, start.rates, model);
         fixed::start(Self::new(*model), state, start, may_hold)
     }

@@ -1,7 +1,7 @@
 //! The phases of a top whose peg's centre stays in place: it slides, or turns about the vertical as a whole.
 
 use super::bounds::EulerBounds;
-use super::formulation::{Entry, Formulation, Guard, Passage};
+use super::formulation::{Entry, Formulation, Guard, Transition};
 use super::model::Model;
 use super::motion::{Motion, Start};
 use super::support::Phase;
@@ -28,7 +28,7 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     state: [f64; N],
     start: &Start,
     may_hold: bool,
-) -> (F, [f64; N], Option<Passage>) {
+) -> (F, [f64; N], Option<Transition>) {
     let model = formulation.model();
     let tilt = Tilt::from_rates(start.angles.theta, start.rates);
     let at_rest = may_hold && model.contact(&tilt).slip_speed == 0.0;
@@ -37,7 +37,7 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
         (
             formulation.in_phase(Phase::Holding),
             state,
-            Some(Passage::Holds),
+            Some(Transition::Holds),
         )
     } else {
         (formulation, state, None)
@@ -79,14 +79,14 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
     reference: Euler,
 ) -> Entry<F, N> {
     let motion: Motion = formulation.motion(state, reference);
-    let (passage, phase) = match guard {
+    let (transition, phase) = match guard {
         Guard::Slip if formulation.model().grip(&motion.tilt).holds() => {
-            (Passage::Holds, Phase::Holding)
+            (Transition::Holds, Phase::Holding)
         }
-        Guard::Slip => (Passage::SlipStops, Phase::Sliding),
-        Guard::Regular => (Passage::BecomesSingular, Phase::Sliding),
+        Guard::Slip => (Transition::SlipStops, Phase::Sliding),
+        Guard::Regular => (Transition::BecomesSingular, Phase::Sliding),
         Guard::Grip | Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::Rolling => {
-            (Passage::SlipResumes, Phase::Sliding)
+            (Transition::SlipResumes, Phase::Sliding)
         }
     };
     let formulation = formulation.in_phase(phase);
@@ -94,7 +94,7 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
         formulation,
         state: formulation.rested(state),
         delay: 0.0,
-        passage,
+        transition,
         motion,
         first_step: f64::INFINITY,
     }

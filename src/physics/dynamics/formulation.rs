@@ -30,7 +30,7 @@ pub enum Guard {
 
 /// Transition at the end of a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Passage {
+pub enum Transition {
     /// The contact point stops slipping, but nothing holds it.
     SlipStops,
     /// The contact point is held.
@@ -65,7 +65,7 @@ pub struct Entry<F, const N: usize> {
     /// Time after the end of the phase before, s: the short time until the contact point rests.
     pub delay: f64,
     /// The transition.
-    pub passage: Passage,
+    pub transition: Transition,
     /// The motion that goes with that.
     pub motion: Motion,
     /// The first step is not longer than this, s.
@@ -83,7 +83,7 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
 
     /// The equations, the state and what happens where the motion starts. Only if `may_hold` friction can hold the peg of
     /// a top that turns as a whole from the start.
-    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Passage>);
+    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Transition>);
 
     /// The motion that a state describes. `reference` are Euler angles of a moment ago, from which φ
     /// and ψ go on without jumps of whole turns.

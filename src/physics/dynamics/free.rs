@@ -12,7 +12,7 @@ pub use self::state::FreeRotation;
 use self::state::{CONTROLLED, Parts, put, quaternion, turning, vector};
 
 use super::fixed::NO_SLIP;
-use super::formulation::{Entry, Formulation, Guard, Passage};
+use super::formulation::{Entry, Formulation, Guard, Transition};
 use super::integrals::{integrals, with_integrals};
 use super::model::Model;
 use super::motion::{Dissipated, Motion, Peg, Start};
@@ -98,7 +98,11 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         }
     }
 
-    fn start(model: &Model, start: &Start, _may_hold: bool) -> (Self, [f64; N], Option<Passage>) {
+    fn start(
+        model: &Model,
+        start: &Start,
+        _may_hold: bool,
+    ) -> (Self, [f64; N], Option<Transition>) {
         let Start {
             angles,
             rates,
@@ -133,8 +137,8 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let slip = flying.parts(&state).contact_velocity();
         let at_rest = hypot(slip.x, slip.y) <= NO_SLIP;
         let formulation = flying.on_table(&state, at_rest);
-        let passage = (formulation.phase == Phase::Holding).then_some(Passage::Rolls);
-        (formulation, state, passage)
+        let transition = (formulation.phase == Phase::Holding).then_some(Transition::Rolls);
+        (formulation, state, transition)
     }
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {
@@ -241,40 +245,40 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         reference: Euler,
     ) -> Result<Entry<Self, N>, IntegrateError> {
         let (mut delay, mut state) = (0.0, self.completed(y));
-        let (formulation, passage) = match guard {
+        let (formulation, transition) = match guard {
             Guard::Slip => {
                 (state, delay) = self.rested(y);
                 let next = self.on_table(&state, true);
-                let passage = match next.phase {
-                    Phase::Holding => Passage::Rolls,
-                    Phase::Sliding => Passage::SlipStops,
-                    Phase::Flying => Passage::LiftsOff,
+                let transition = match next.phase {
+                    Phase::Holding => Transition::Rolls,
+                    Phase::Sliding => Transition::SlipStops,
+                    Phase::Flying => Transition::LiftsOff,
                 };
-                (next, passage)
+                (next, transition)
             }
             Guard::Grip => {
                 let next = self.departing(&state);
-                let passage = match next.phase {
-                    Phase::Flying => Passage::LiftsOff,
-                    Phase::Sliding | Phase::Holding => Passage::RollEnds,
+                let transition = match next.phase {
+                    Phase::Flying => Transition::LiftsOff,
+                    Phase::Sliding | Phase::Holding => Transition::RollEnds,
                 };
-                (next, passage)
+                (next, transition)
             }
-            Guard::NormalForce => (self.in_phase(Phase::Flying), Passage::LiftsOff),
+            Guard::NormalForce => (self.in_phase(Phase::Flying), Transition::LiftsOff),
             Guard::Gap => {
-                let (next, after, passage) = self.after_impact(&state)?;
+                let (next, after, transition) = self.after_impact(&state)?;
                 state = after;
-                (next, passage)
+                (next, transition)
             }
-            Guard::Mobility => (*self, Passage::Jams),
-            Guard::Rolling => (*self, Passage::Pivots),
-            Guard::Regular => (*self, Passage::BecomesSingular),
+            Guard::Mobility => (*self, Transition::Jams),
+            Guard::Rolling => (*self, Transition::Pivots),
+            Guard::Regular => (*self, Transition::BecomesSingular),
         };
         Ok(Entry {
             formulation,
             state,
             delay,
-            passage,
+            transition,
             motion: formulation.motion(&state, reference),
             first_step: formulation.first_step(&state),
         })

@@ -286,17 +286,17 @@ pub(super) fn impact(
     before: Vector3<f64>,
     restitution: f64,
 ) -> Result<Impact, IntegrateError> {
-    let mut course = Course::new(body, before, restitution)?;
+    let mut collision = Collision::new(body, before, restitution)?;
     for _ in 0..MOST_STEPS {
-        if let Some(end) = course.step()? {
+        if let Some(end) = collision.step()? {
             return Ok(end);
         }
     }
-    let t = course.integrator.t();
+    let t = collision.integrator.t();
     Err(IntegrateError::StepSizeUnderflow { t, step: 0.0 })
 }
 
-struct Course<'a> {
+struct Collision<'a> {
     integrator: Dop853<Process<'a>, SIZE>,
     restitution: f64,
     /// The work of compression, negative, once that is over.
@@ -304,7 +304,7 @@ struct Course<'a> {
     watches: Vec<(Mark, SignTracker)>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> Collision<'a> {
     fn new(
         body: &'a FreeBody<'a>,
         before: Vector3<f64>,
@@ -329,7 +329,7 @@ impl<'a> Course<'a> {
             relative: 1e-14,
             absolute: 1e-15,
         };
-        let mut course = Self {
+        let mut collision = Self {
             integrator: Dop853::new(process, 0.0, start, tolerances, Direction::Forward)?,
             restitution: if speed < slowest_bounce(restitution) {
                 0.0
@@ -339,8 +339,8 @@ impl<'a> Course<'a> {
             compression: None,
             watches: Vec::new(),
         };
-        course.watch();
-        Ok(course)
+        collision.watch();
+        Ok(collision)
     }
 
     /// Looks for what can come next.

@@ -27,6 +27,10 @@ struct Chart {
 }
 
 impl Chart {
+    const fn legend(self, legend: Corner2D) -> Self {
+        Self { legend, ..self }
+    }
+
     /// The largest magnitude that is not a peak of singular angles, of rates and accelerations of φ and ψ.
     fn bound(&self, identity: &Identity) -> Option<f64> {
         let spin = identity.geometry.spin;
@@ -38,24 +42,23 @@ impl Chart {
     }
 }
 
-const fn chart(name: &'static str, contents: &'static [Plot], legend: Corner2D) -> Chart {
+const fn chart(name: &'static str, contents: &'static [Plot]) -> Chart {
     Chart {
         name,
         contents,
-        legend,
+        legend: Corner2D::RightTop,
     }
 }
 
 const THETA: Chart = chart(
     "θ, inclination",
     &[state::THETA.plot(), nutation::THETA_MEAN.plot()],
-    Corner2D::RightTop,
 );
 const THETA_DOT: Chart = chart(
     "dθ/dt",
     &[state::THETA_DOT.plot(), nutation::THETA_DOT_MEAN.plot()],
-    Corner2D::LeftTop,
-);
+)
+.legend(Corner2D::LeftTop);
 const PHI_DOT: Chart = chart(
     "dφ/dt and the slow root of regular precession",
     &[
@@ -63,46 +66,37 @@ const PHI_DOT: Chart = chart(
         nutation::PHI_DOT_MEAN.plot(),
         precession::SLOW_ROOT.plot(),
     ],
-    Corner2D::LeftTop,
-);
+)
+.legend(Corner2D::LeftTop);
 const PSI_DOT: Chart = chart(
     "dψ/dt, spin",
     &[state::PSI_DOT.plot(), nutation::PSI_DOT_MEAN.plot()],
-    Corner2D::RightTop,
 );
 const TORQUE: Chart = chart(
     "Friction torque, node frame",
     &[torque::FRICTION_NODE.plot()],
-    Corner2D::LeftBottom,
-);
+)
+.legend(Corner2D::LeftBottom);
 const THETA_DDOT: Chart = chart(
     "d²θ/dt² term by term",
     &[
         acceleration::THETA_DDOT_FRICTIONAL.plot(),
         state::THETA_DDOT.plot(),
     ],
-    Corner2D::RightBottom,
-);
+)
+.legend(Corner2D::RightBottom);
 const SLIP: Chart = chart(
     "Slip velocity at the contact, world axes",
     &[contact::SLIP_SPEED.plot(), contact::SLIP_WORLD.plot()],
-    Corner2D::RightTop,
 );
-const ENERGY: Chart = chart(
-    "Total and kinetic energy",
-    &[energy::TOTAL.plot()],
-    Corner2D::LeftBottom,
-);
+const ENERGY: Chart =
+    chart("Total and kinetic energy", &[energy::TOTAL.plot()]).legend(Corner2D::LeftBottom);
 const MOMENTUM: Chart = chart(
     "Angular momentum, vertical and axial",
     &[momentum::VERTICAL.plot()],
-    Corner2D::RightTop,
 );
-const CENTER: Chart = chart(
-    "Centre of mass",
-    &[center_of_mass::POSITION.plot()],
-    Corner2D::LeftTop,
-);
+const CENTER: Chart =
+    chart("Centre of mass", &[center_of_mass::POSITION.plot()]).legend(Corner2D::LeftTop);
 
 /// The rise of a top with a fixed peg.
 const RISE: [Chart; 8] = [
@@ -119,49 +113,27 @@ const TRAVEL: [Chart; 8] = [
     chart(
         "Regime: 1 slides, 0 rolls or sticks, 2 flies",
         &[contact::REGIME.plot()],
-        Corner2D::RightTop,
     ),
-    chart(
-        "Height of the peg above the table",
-        &[free_peg::GAP.plot()],
-        Corner2D::RightTop,
-    ),
+    chart("Height of the peg above the table", &[free_peg::GAP.plot()]),
     TORQUE,
     ENERGY,
 ];
 
 /// Events of a free peg on the table and above it.
 const TABLE: [Chart; 6] = [
-    chart(
-        "Normal force",
-        &[contact::NORMAL_FORCE.plot()],
-        Corner2D::RightTop,
-    ),
+    chart("Normal force", &[contact::NORMAL_FORCE.plot()]),
     chart(
         "Energy lost since the start",
         &[free_peg::LOST_SLIDING.plot()],
-        Corner2D::LeftTop,
-    ),
-    chart(
-        "Velocity of the peg's centre",
-        &[free_peg::VELOCITY.plot()],
-        Corner2D::RightTop,
-    ),
+    )
+    .legend(Corner2D::LeftTop),
+    chart("Velocity of the peg's centre", &[free_peg::VELOCITY.plot()]),
     chart(
         "Velocity of the centre of mass",
         &[center_of_mass::VELOCITY.plot()],
-        Corner2D::RightTop,
     ),
-    chart(
-        "Jellett's integral",
-        &[free_peg::JELLETT.plot()],
-        Corner2D::RightTop,
-    ),
-    chart(
-        "Routh's integral",
-        &[free_peg::ROUTH.plot()],
-        Corner2D::RightTop,
-    ),
+    chart("Jellett's integral", &[free_peg::JELLETT.plot()]),
+    chart("Routh's integral", &[free_peg::ROUTH.plot()]),
 ];
 
 /// The Euler rates of a top with a free peg.
@@ -175,42 +147,22 @@ const MORE: [Chart; 8] = [
             acceleration::PHI_DDOT_FRICTIONAL.plot(),
             state::PHI_DDOT.plot(),
         ],
-        Corner2D::LeftTop,
-    ),
+    )
+    .legend(Corner2D::LeftTop),
     chart(
         "d²ψ/dt² term by term",
         &[
             acceleration::PSI_DDOT_FRICTIONAL.plot(),
             state::PSI_DDOT.plot(),
         ],
-        Corner2D::LeftTop,
-    ),
-    chart(
-        "dφ/dt − slow root",
-        &[precession::EXCESS.plot()],
-        Corner2D::LeftTop,
-    ),
-    chart(
-        "Nutation period",
-        &[nutation::PERIOD.plot()],
-        Corner2D::LeftTop,
-    ),
-    chart(
-        "Gravity torque, node frame",
-        &[torque::GRAVITY_NODE.plot()],
-        Corner2D::RightTop,
-    ),
+    )
+    .legend(Corner2D::LeftTop),
+    chart("dφ/dt − slow root", &[precession::EXCESS.plot()]).legend(Corner2D::LeftTop),
+    chart("Nutation period", &[nutation::PERIOD.plot()]).legend(Corner2D::LeftTop),
+    chart("Gravity torque, node frame", &[torque::GRAVITY_NODE.plot()]),
     MOMENTUM,
-    chart(
-        "Work of friction",
-        &[energy::FRICTION_WORK.plot()],
-        Corner2D::RightTop,
-    ),
-    chart(
-        "Power of friction",
-        &[energy::FRICTION_POWER.plot()],
-        Corner2D::RightBottom,
-    ),
+    chart("Work of friction", &[energy::FRICTION_WORK.plot()]),
+    chart("Power of friction", &[energy::FRICTION_POWER.plot()]).legend(Corner2D::RightBottom),
 ];
 
 /// The messages of the layout.

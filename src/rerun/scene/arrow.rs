@@ -20,7 +20,6 @@ const LABEL_NS: u64 = 10_000_000;
 
 /// Quantity and look of an arrow.
 pub(super) struct ArrowKind {
-    entity: &'static str,
     label: &'static str,
     color: u32,
     vector: VectorField,
@@ -44,7 +43,6 @@ enum Origin {
 /// All kinds of arrows.
 pub(super) const ARROWS: [ArrowKind; 5] = [
     ArrowKind {
-        entity: "scene/slip_velocity",
         label: "slip velocity",
         color: palette::SKY,
         vector: contact::SLIP_WORLD,
@@ -54,7 +52,6 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         is_compared: false,
     },
     ArrowKind {
-        entity: "scene/friction_force",
         label: "friction force",
         color: palette::ORANGE,
         vector: contact::FRICTION_FORCE,
@@ -64,7 +61,6 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         is_compared: true,
     },
     ArrowKind {
-        entity: "scene/gravity_torque",
         label: "gravity torque",
         color: palette::GREEN,
         vector: torque::GRAVITY_BODY,
@@ -74,7 +70,6 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         is_compared: false,
     },
     ArrowKind {
-        entity: "scene/friction_torque",
         label: "friction torque",
         color: palette::VERMILLION,
         vector: torque::FRICTION_BODY,
@@ -84,7 +79,6 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
         is_compared: false,
     },
     ArrowKind {
-        entity: "scene/angular_momentum",
         label: "angular momentum",
         color: palette::YELLOW,
         vector: momentum::WORLD,
@@ -96,6 +90,10 @@ pub(super) const ARROWS: [ArrowKind; 5] = [
 ];
 
 impl ArrowKind {
+    fn entity(&self) -> String {
+        format!("scene/{}", self.label.replace(' ', "_"))
+    }
+
     /// Whether there is anything to draw: without friction its arrows have no length.
     fn exists(&self, identity: &Identity, look: &Look) -> bool {
         identity.has(self.vector.topic())
@@ -152,7 +150,7 @@ impl Arrow {
 
     fn new(kind: &'static ArrowKind, geometry: &Geometry, look: &Look) -> Self {
         let proportions = Proportions::new(&geometry.top);
-        let entity = look.entity(kind.entity);
+        let entity = look.entity(&kind.entity());
         let shortest = 0.15 * proportions.size();
         Self {
             kind,
@@ -171,7 +169,7 @@ impl Arrow {
 
     /// Sends colours, thickness and label.
     pub(super) fn dress(&self, outlet: &mut Outlet) {
-        let entity = self.look.entity(self.kind.entity);
+        let entity = self.look.entity(&self.kind.entity());
         let color = Color::from_u32(self.look.color(self.kind.color, 0));
         let arrow = Arrows3D::update_fields()
             .with_colors([color])

@@ -53,7 +53,7 @@ impl Scenario {
     /// Checks that `values` are complete and fit together.
     ///
     /// # Errors
-    /// The first key that is missing, has no meaning here, or contradicts another.
+    /// The first key that is missing, does not apply here, or contradicts another.
     pub fn new(mut values: Values) -> Result<Self, ScenarioError> {
         values.put("format", FORMAT)?;
         values.check_presence()?;
@@ -313,11 +313,11 @@ impl Scenario {
                 ["initial.center_x_dot", "initial.center_y_dot"],
             ),
         ] {
-            let given = |keys: [&'static str; 2]| {
+            let set_key = |keys: [&'static str; 2]| {
                 keys.into_iter().find(|key| self.values.get(key).is_some())
             };
-            if let (Some(key), Some(other)) = (given(of_peg), given(of_center)) {
-                let reason = format!("{other} is given too; give one of peg and centre of mass");
+            if let (Some(key), Some(other)) = (set_key(of_peg), set_key(of_center)) {
+                let reason = format!("{other} is set too; set one of peg and centre of mass");
                 return conflict(key, &reason);
             }
         }
@@ -326,7 +326,7 @@ impl Scenario {
                 if self.values.get(key).is_some() {
                     return conflict(
                         key,
-                        "a tippe top (top.center_distance < 0) neither rises nor falls but turns over; use stop.duration",
+                        "a tippe top (top.center_distance < 0) neither rises nor falls but inverts; use stop.duration",
                     );
                 }
             }

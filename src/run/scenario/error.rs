@@ -61,7 +61,7 @@ pub enum ScenarioError {
     },
     /// A key that is ignored with, or without, the value of another.
     #[error(
-        "{key} has no meaning {circumstance}: set {other} = {needed}, or remove {key} (--set {key}= on the command line)"
+        "{key} does not apply {circumstance}: set {other} = {needed}, or remove {key} (--set {key}= on the command line)"
     )]
     Inapplicable {
         /// The key.

@@ -1,4 +1,4 @@
-//! The table of everything that a scenario says: one row per key.
+//! The table of everything that a scenario defines: one row per key.
 
 use super::key::Key;
 use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Text};

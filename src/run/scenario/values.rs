@@ -76,7 +76,7 @@ impl Values {
         Ok(())
     }
 
-    /// Removes a key that says what would hold without it.
+    /// Removes a key whose value is that which holds without it.
     pub(super) fn remove(&mut self, path: &str) {
         self.0.remove(path);
     }
@@ -249,7 +249,7 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
         value: value
             .as_float()
             .map_or_else(|| excerpt(&value.to_string()), typed),
-        expected: format!("{}{}", key.kind, as_meant(key, value)),
+        expected: format!("{}{}", allowed(key), as_meant(key, value)),
     };
     if key.kind.is_text() {
         let text = value.as_str().ok_or_else(wrong_type)?;
@@ -275,6 +275,17 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
         Ok(Value::Number(number))
     } else {
         Err(out_of_range(key, &typed(number)))
+    }
+}
+
+/// The values that a key may have, with its unit.
+fn allowed(key: &Key) -> String {
+    match key.kind {
+        // It names the unit itself.
+        Kind::Nanoseconds => key.kind.to_string(),
+        Kind::Any | Kind::Between(..) | Kind::Text | Kind::Name | Kind::Choice(_) => {
+            format!("{}{}", key.kind, key.in_unit())
+        }
     }
 }
 
@@ -306,7 +317,7 @@ fn out_of_range(key: &Key, value: &str) -> ScenarioError {
     ScenarioError::OutOfRange {
         key: key.path,
         value: excerpt(value),
-        allowed: format!("{}{near}", key.kind),
+        allowed: format!("{}{near}", allowed(key)),
     }
 }
 

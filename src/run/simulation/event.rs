@@ -1,6 +1,6 @@
 //! Events of a top, and reasons why a run ends.
 
-use crate::physics::dynamics::{Motion, Passage};
+use crate::physics::dynamics::{Motion, Transition};
 use crate::physics::top::Top;
 use crate::run::listed::listed;
 use schemars::JsonSchema;
@@ -84,20 +84,20 @@ impl EventKind {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// The event of a passage; none where the phases imply it.
-    pub(super) fn of(passage: &Passage) -> Option<Self> {
-        match passage {
-            Passage::Holds => Some(Self::Stick),
-            Passage::SlipStops => Some(Self::SlipStops),
-            Passage::SlipResumes => Some(Self::SlipResumes),
-            Passage::BecomesSingular => Some(Self::Singular),
-            Passage::Jams => Some(Self::Jam),
-            Passage::Pivots => Some(Self::Pivot),
-            Passage::Rolls
-            | Passage::RollEnds
-            | Passage::LiftsOff
-            | Passage::Bounces(_)
-            | Passage::Lands(_) => None,
+    /// The event of a transition; none where the phases imply it.
+    pub(super) fn of(transition: &Transition) -> Option<Self> {
+        match transition {
+            Transition::Holds => Some(Self::Stick),
+            Transition::SlipStops => Some(Self::SlipStops),
+            Transition::SlipResumes => Some(Self::SlipResumes),
+            Transition::BecomesSingular => Some(Self::Singular),
+            Transition::Jams => Some(Self::Jam),
+            Transition::Pivots => Some(Self::Pivot),
+            Transition::Rolls
+            | Transition::RollEnds
+            | Transition::LiftsOff
+            | Transition::Bounces(_)
+            | Transition::Lands(_) => None,
         }
     }
 

@@ -12,7 +12,7 @@ use super::watch::{
     Meaning, Watch, accelerations, envelope, is_steady_at_knots, keep_signs, watches,
 };
 use crate::physics::dynamics::{
-    Entry, EulerBounds, Formulation, Guard, Model, Motion, Passage, Phase,
+    Entry, EulerBounds, Formulation, Guard, Model, Motion, Phase, Transition,
 };
 use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope};
 use crate::physics::kinematics::Euler;
@@ -20,7 +20,7 @@ use crate::run::scenario::{OnStick, Scenario, Stop};
 
 /// A run, whatever its formulation.
 pub(super) trait RecordStream {
-    /// The next record; `None` after the last, or once `carry_on`, which is asked before each step, says no.
+    /// The next record; `None` after the last, or once `carry_on`, which is called before each step, returns false.
     fn next_record(
         &mut self,
         carry_on: &mut dyn FnMut() -> bool,
@@ -85,11 +85,12 @@ enum End<F, const N: usize> {
 impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     pub(super) fn new(scenario: &Scenario, detail: Detail) -> Result<Self, SimulationError> {
         let may_hold = scenario.stop.on_stick == OnStick::Continue;
-        let (formulation, state, passage) = F::start(&scenario.model, &scenario.start(), may_hold);
+        let (formulation, state, transition) =
+            F::start(&scenario.model, &scenario.start(), may_hold);
         let motion = formulation.motion(&state, scenario.angles);
         let mut queue = Queue::default();
         queue.push(Pending::Event(EventKind::Start, 0.0, motion));
-        let kind = passage.as_ref().and_then(EventKind::of);
+        let kind = transition.as_ref().and_then(EventKind::of);
         queue.extend(kind.map(|kind| Pending::Event(kind, 0.0, motion)));
         let mut end = None;
         if motion.phase == Phase::Holding && scenario.model.support.is_free() {
@@ -315,21 +316,21 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             .map_err(|_| SimulationError::Impact { time })?;
         let at = time + entry.delay;
         self.note_entry(&entry, system.phase(), at);
-        let stop = match entry.passage {
-            Passage::BecomesSingular => Some(StopReason::Singular),
-            Passage::Jams => Some(StopReason::Jam),
-            Passage::Pivots => Some(StopReason::Pivot),
+        let stop = match entry.transition {
+            Transition::BecomesSingular => Some(StopReason::Singular),
+            Transition::Jams => Some(StopReason::Jam),
+            Transition::Pivots => Some(StopReason::Pivot),
             _ if stops_at_rest && entry.formulation.phase() == Phase::Holding => {
                 Some(StopReason::SlipStopped)
             }
-            Passage::SlipStops
-            | Passage::Holds
-            | Passage::SlipResumes
-            | Passage::Rolls
-            | Passage::RollEnds
-            | Passage::LiftsOff
-            | Passage::Bounces(_)
-            | Passage::Lands(_) => None,
+            Transition::SlipStops
+            | Transition::Holds
+            | Transition::SlipResumes
+            | Transition::Rolls
+            | Transition::RollEnds
+            | Transition::LiftsOff
+            | Transition::Bounces(_)
+            | Transition::Lands(_) => None,
         };
         let end = match stop {
             None => End::Enter(entry),
@@ -343,7 +344,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn note_entry(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
         let motion = entry.motion;
         let event = |kind| Pending::Event(kind, time, motion);
-        self.queue.extend(EventKind::of(&entry.passage).map(event));
+        self.queue
+            .extend(EventKind::of(&entry.transition).map(event));
         if !self.model().support.is_free() {
             return;
         }
@@ -354,7 +356,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         if before != Phase::Flying && after == Phase::Flying {
             self.queue.push(event(EventKind::LiftOff));
         }
-        if let Passage::Bounces(hit) | Passage::Lands(hit) = &entry.passage {
+        if let Transition::Bounces(hit) | Transition::Lands(hit) = &entry.transition {
             self.bounces += 1;
             let landing = Landing {
                 bounce: self.bounces,
@@ -462,7 +464,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 
     /// Goes on after all records of a step have been handed out: stops, enters another phase, or takes a step. False if
-    /// `carry_on` says no.
+    /// `carry_on` returns false.
     fn advance(&mut self, carry_on: &mut dyn FnMut() -> bool) -> Result<bool, SimulationError> {
         let went_on = match self.end {
             Some((time, End::Stop(reason, after))) => {
@@ -551,7 +553,11 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
 
 /// The motion that an impact leaves behind; none where a phase begins without one.
 fn after_impact<F, const N: usize>(entry: &Entry<F, N>) -> Option<Motion> {
-    matches!(entry.passage, Passage::Bounces(_) | Passage::Lands(_)).then_some(entry.motion)
+    matches!(
+        entry.transition,
+        Transition::Bounces(_) | Transition::Lands(_)
+    )
+    .then_some(entry.motion)
 }
 
 /// Seconds of whole nanoseconds: correctly rounded.

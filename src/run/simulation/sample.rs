@@ -31,6 +31,29 @@ pub struct Sample {
     pub accelerations: Accelerations,
     /// The Euler accelerations, rad/s²: their sum, and with a free peg what its acceleration adds.
     pub euler_accelerations: Euler,
+    /// Orientation, angular velocity and place.
+    pub pose: Pose,
+    /// Torques about the peg's centre.
+    pub torque: Torques,
+    /// State of the contact, in the lean frame.
+    pub contact: Contact,
+    /// Slip and friction at the point of contact.
+    pub slip: Slip,
+    /// Energies.
+    pub energy: Energies,
+    /// Integrals since the start.
+    pub integrals: Integrals,
+    /// Angular momentum about the peg's centre.
+    pub momentum: Momenta,
+    /// Regular precession at this inclination and spin.
+    pub precession: Precession,
+    /// Quantities of a free peg.
+    pub free: Option<FreeSample>,
+}
+
+/// Orientation, angular velocity and place of a top.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
     /// Orientation: turns body components into world components.
     pub world_from_body: UnitQuaternion<f64>,
     /// Direction of the symmetry axis, world.
@@ -41,42 +64,69 @@ pub struct Sample {
     pub omega_world: Vector3<f64>,
     /// Position of the peg's centre in the world, m; the table is z = 0.
     pub peg_position: Vector3<f64>,
-    /// Torque of gravity about the peg's centre, N m.
-    pub gravity_torque: Frames,
-    /// Torque of friction about the peg's centre, N m.
-    pub friction_torque: Frames,
-    /// Their sum, N m.
-    pub total_torque: Frames,
-    /// State of the contact, in the lean frame.
-    pub contact: Contact,
+}
+
+/// Torques about the peg's centre, N m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Torques {
+    /// Torque of gravity.
+    pub gravity: Frames,
+    /// Torque of friction.
+    pub friction: Frames,
+    /// Their sum.
+    pub total: Frames,
+}
+
+/// Slip and friction at the point of contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slip {
     /// Slip velocity in body axes, m/s.
-    pub slip_body: Vector3<f64>,
+    pub body: Vector3<f64>,
     /// Slip velocity in the world, m/s.
-    pub slip_world: Vector3<f64>,
+    pub world: Vector3<f64>,
     /// Friction force in the world, N.
     pub friction_force: Vector3<f64>,
     /// The contact point in the world, m.
     pub contact_point: Vector3<f64>,
+}
+
+/// Energies, and the power of friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Energies {
     /// Kinetic energy, J.
-    pub kinetic_energy: f64,
+    pub kinetic: f64,
     /// Potential energy, J; zero at the height of the peg's centre.
-    pub potential_energy: f64,
+    pub potential: f64,
     /// Power of friction, W.
     pub friction_power: f64,
-    /// Integrals since the start.
-    pub integrals: Integrals,
-    /// Angular momentum about the vertical, kg m²/s.
-    pub vertical_momentum: f64,
-    /// Angular momentum about the symmetry axis, kg m²/s.
-    pub axial_momentum: f64,
-    /// Angular momentum in the world, kg m²/s.
-    pub momentum_world: Vector3<f64>,
-    /// The rates of regular precession at this inclination and spin, where they are real.
-    pub precession_roots: Option<PrecessionRoots>,
+}
+
+impl Energies {
+    /// Total energy, J.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.potential
+    }
+}
+
+/// Angular momentum about the peg's centre, kg m²/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Momenta {
+    /// About the vertical.
+    pub vertical: f64,
+    /// About the symmetry axis.
+    pub axial: f64,
+    /// The vector in the world.
+    pub world: Vector3<f64>,
+}
+
+/// Regular precession at an inclination and a spin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Precession {
+    /// Its rates, where they are real.
+    pub roots: Option<PrecessionRoots>,
     /// Above 1 a strong top, below 1 a weak one: see [`crate::physics::top::Top::strength_ratio`].
     pub strength_ratio: f64,
-    /// Quantities of a free peg.
-    pub free: Option<FreeSample>,
 }
 
 impl Sample {
@@ -117,28 +167,40 @@ impl Sample {
             tilt,
             accelerations: model.accelerations(&contact, &tilt),
             euler_accelerations: model.euler_accelerations(&contact, motion),
-            world_from_body,
-            axis: world(&Vector3::new(tilt.sin, 0.0, tilt.cos)),
-            omega_body: frames(&tilt.omega_lean).body,
-            omega_world: world(&tilt.omega_lean),
-            peg_position,
-            gravity_torque: frames(&gravity),
-            friction_torque: frames(&friction),
-            total_torque: frames(&(gravity + friction)),
-            slip_body: frames(&contact.slip).body,
-            slip_world: world(&contact.slip),
-            friction_force: world(&contact.force),
+            pose: Pose {
+                world_from_body,
+                axis: world(&Vector3::new(tilt.sin, 0.0, tilt.cos)),
+                omega_body: frames(&tilt.omega_lean).body,
+                omega_world: world(&tilt.omega_lean),
+                peg_position,
+            },
+            torque: Torques {
+                gravity: frames(&gravity),
+                friction: frames(&friction),
+                total: frames(&(gravity + friction)),
+            },
+            slip: Slip {
+                body: frames(&contact.slip).body,
+                world: world(&contact.slip),
+                friction_force: world(&contact.force),
+                contact_point: peg_position - Vector3::new(0.0, 0.0, top.peg_radius),
+            },
             contact,
-            contact_point: peg_position - Vector3::new(0.0, 0.0, top.peg_radius),
-            kinetic_energy: model.kinetic_energy(motion),
-            potential_energy: model.potential_energy(motion),
-            friction_power: model.friction_power(&contact, &tilt),
+            energy: Energies {
+                kinetic: model.kinetic_energy(motion),
+                potential: model.potential_energy(motion),
+                friction_power: model.friction_power(&contact, &tilt),
+            },
             integrals,
-            vertical_momentum: momentum_lean.z,
-            axial_momentum: momentum_node.z,
-            momentum_world: world(&momentum_lean),
-            precession_roots: model.precession_roots(motion),
-            strength_ratio: model.nutating_top().strength_ratio(&tilt),
+            momentum: Momenta {
+                vertical: momentum_lean.z,
+                axial: momentum_node.z,
+                world: world(&momentum_lean),
+            },
+            precession: Precession {
+                roots: model.precession_roots(motion),
+                strength_ratio: model.nutating_top().strength_ratio(&tilt),
+            },
             free,
         }
     }
@@ -151,11 +213,5 @@ impl Sample {
             Some(Phase::Sliding) | None if self.contact.slip_speed > 0.0 => 1.0,
             Some(Phase::Holding | Phase::Sliding) | None => 0.0,
         }
-    }
-
-    /// Total energy, J.
-    #[must_use]
-    pub fn energy(&self) -> f64 {
-        self.kinetic_energy + self.potential_energy
     }
 }

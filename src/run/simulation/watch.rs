@@ -252,7 +252,7 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
         watch(Meaning::NutationRate, NUTATION_FLOOR.1),
         watch(Meaning::Precession, 0.0),
     ];
-    // A tippe top has no upright position to be too weak for, and turns over where another falls.
+    // A tippe top has no upright position to be too weak for, and inverts where another falls.
     if model.top.center_distance > 0.0 {
         let fallen = stop.theta_fallen.unwrap_or(FRAC_PI_2);
         watches.push(watch(Meaning::Strength, 0.0));

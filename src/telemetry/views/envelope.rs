@@ -1,19 +1,7 @@
 //! The ranges of what nutates.
 
-use crate::telemetry::fields::{NUTATION, NumberField, nutation, state};
+use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
 use crate::telemetry::message::Message;
-
-/// Quantities of the state with their least and greatest values in a nutation.
-const NUTATING: [[NumberField; 3]; 4] = [
-    [state::THETA, nutation::THETA_MIN, nutation::THETA_MAX],
-    [
-        state::THETA_DOT,
-        nutation::THETA_DOT_MIN,
-        nutation::THETA_DOT_MAX,
-    ],
-    [state::PHI_DOT, nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX],
-    [state::PSI_DOT, nutation::PSI_DOT_MIN, nutation::PSI_DOT_MAX],
-];
 
 /// For how many periods after a nutation its ranges stand for the motion, unless the next one ends before.
 const LASTING: f64 = 2.0;
@@ -64,7 +52,7 @@ impl Envelope {
 mod tests {
     use super::*;
     use crate::telemetry::channel::channels;
-    use crate::telemetry::fields::STATE;
+    use crate::telemetry::fields::{STATE, state};
 
     fn state(envelope: &mut Envelope, sequence: u32) {
         let channel = STATE.index();

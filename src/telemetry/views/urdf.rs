@@ -22,7 +22,7 @@ const MATERIALS: [(&str, &str); 5] = [
 const LAYERS: u32 = 8;
 const DISC_LAYERS: u32 = 9;
 
-/// The description of a robot that is a top, with the link `top`. `is_free` says whether the peg is
+/// The description of a robot that is a top, with the link `top`. `is_free`: whether the peg is
 /// free.
 pub(super) fn urdf(proportions: &Proportions, scales: &Scales, is_free: bool) -> String {
     let legend = legend(scales, is_free);

@@ -118,7 +118,7 @@ fn a_regularised_law_is_compared_after_the_rise() {
     );
     let lost = [&x, &y].map(|run| {
         let [first, last] = [run.samples.first(), run.samples.last()].map(Option::unwrap);
-        let energy = |s: &Sample| s.kinetic_energy + s.potential_energy;
+        let energy = |s: &Sample| s.energy.kinetic + s.energy.potential;
         energy(first) - energy(last)
     });
     for (found, lost) in values(&report, "energy lost by 20").into_iter().zip(lost) {
@@ -194,7 +194,7 @@ fn val_energies_are_compared_at_samples() {
     let found = values(&report, "energy lost by 4.0000 s");
     for (scenario, found) in runs.iter().zip(found) {
         let run = Run::of(scenario);
-        let energy = |s: &Sample| s.kinetic_energy + s.potential_energy;
+        let energy = |s: &Sample| s.energy.kinetic + s.energy.potential;
         let [first, last] = [run.samples.first(), run.samples.last()].map(Option::unwrap);
         assert_near(
             "energy",

@@ -4,7 +4,7 @@ use crate::analysis::plot::range::extremes;
 use crate::analysis::plot::ticks::Scale;
 use crate::physics::math::log10;
 
-/// Values that differ at least by this factor are drawn over their logarithms, if their spacing says nothing else.
+/// Values that differ at least by this factor are drawn over their logarithms, unless their spacing is another.
 const LOGARITHMIC: f64 = 30.0;
 
 /// Colours show logarithms from here on: evenly spread over the values, all below a tenth of the greatest would share a
@@ -127,7 +127,7 @@ mod tests {
             (vec![1.0, 4.0, 30.0], [true, true]),
             (vec![0.0, 4.0, 100.0], [false, false]),
             (vec![-1.0, 4.0, 100.0], [false, false]),
-            // A grid says how it is spaced.
+            // A grid shows its spacing.
             (vec![1.0, 2.0, 4.0], [true, false]),
             (vec![1.0, 20.5, 40.0], [false, true]),
             (vec![f64::NAN], [false, false]),

@@ -66,10 +66,10 @@ impl Bar {
     }
 
     /// Draws the bar next to a frame.
-    pub(super) fn draw(&self, drawing: &mut Drawing, beside: Bounds, axis: &MapAxis) {
-        let left = beside.right + BAR_GAP;
+    pub(super) fn draw(&self, drawing: &mut Drawing, frame: Bounds, axis: &MapAxis) {
+        let left = frame.right + BAR_GAP;
         let right = left + BAR;
-        let bounds = Bounds::between((left, beside.top), (right, beside.bottom));
+        let bounds = Bounds::between((left, frame.top), (right, frame.bottom));
         let (scale, range) = (&self.scale, self.values.range());
         let step = bounds.height() / SHADES as f64;
         let area = |index: usize| {

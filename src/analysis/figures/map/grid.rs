@@ -106,16 +106,16 @@ impl<'a> Grid<'a> {
         for cell in 0..self.cells.len() {
             let (column, row) = (cell % self.columns, cell / self.columns);
             let corner = (xs[column + 1], ys[row + 1]);
-            let beside = (loops(column + 1, row), (corner.0, ys[row]), (1.0, 0.0));
+            let right = (loops(column + 1, row), (corner.0, ys[row]), (1.0, 0.0));
             let above = (loops(column, row + 1), (xs[column], corner.1), (0.0, 1.0));
-            for (other, from, (right, up)) in [beside, above] {
+            for (other, from, (x, y)) in [right, above] {
                 if let Some((here, there)) = loops(column, row).zip(other)
                     && here != there
                 {
                     let sign = if there { 1.0 } else { -1.0 };
                     borders.push(Border {
                         ends: [from, corner],
-                        toward: (sign * right, sign * up),
+                        toward: (sign * x, sign * y),
                     });
                 }
             }

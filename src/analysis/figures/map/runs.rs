@@ -47,7 +47,7 @@ pub struct Map {
 
 const NO_OUTCOME: &str = "no outcome";
 
-/// The columns of times of what every top may do sooner or later, so that none says "not yet". What a fixed peg never does is
+/// The columns of times of what every top may do sooner or later, so that none means "not yet". What a fixed peg never does is
 /// not among them.
 const AWAITED: [&str; 3] = ["rise_time", "weak_time", "loop_time"];
 

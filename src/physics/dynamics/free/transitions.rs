@@ -2,7 +2,7 @@
 
 use super::state::{CONTROLLED, Departure, FreeRotation};
 use crate::physics::dynamics::fixed::NO_SLIP;
-use crate::physics::dynamics::formulation::Passage;
+use crate::physics::dynamics::formulation::Transition;
 use crate::physics::dynamics::impact::{Impact, impact};
 use crate::physics::dynamics::reaction::{FreeBody, Reaction};
 use crate::physics::dynamics::support::{Phase, Support};
@@ -88,9 +88,9 @@ impl FreeRotation {
     pub(super) fn after_impact<const N: usize>(
         &self,
         y: &[f64; N],
-    ) -> Result<(Self, [f64; N], Passage), IntegrateError> {
+    ) -> Result<(Self, [f64; N], Transition), IntegrateError> {
         let Support::FreePeg { restitution } = self.model.support else {
-            return Ok((*self, *y, Passage::LiftsOff));
+            return Ok((*self, *y, Transition::LiftsOff));
         };
         let parts = self.parts(y);
         let body = self.body(parts.tilt);
@@ -113,20 +113,20 @@ impl FreeRotation {
         state[CONTROLLED + 1] += hit.friction_loss;
         let flying = self.in_phase(Phase::Flying);
         if hit.after.z > 0.0 {
-            return Ok((flying, state, Passage::Bounces(hit)));
+            return Ok((flying, state, Transition::Bounces(hit)));
         }
         let next = self.on_table(&state, hit.is_held);
-        let passage = if next.phase == Phase::Flying {
-            Passage::Bounces(hit)
+        let transition = if next.phase == Phase::Flying {
+            Transition::Bounces(hit)
         } else {
-            Passage::Lands(hit)
+            Transition::Lands(hit)
         };
         let landed = if hit.is_held {
             Phase::Holding
         } else {
             Phase::Sliding
         };
-        Ok((next, self.in_phase(landed).completed(&state), passage))
+        Ok((next, self.in_phase(landed).completed(&state), transition))
     }
 
     /// The state after the peg has touched the table without approaching it, and how the motion goes on. Where it flies on,
@@ -135,20 +135,20 @@ impl FreeRotation {
         &self,
         y: &[f64; N],
         velocity: Vector3<f64>,
-    ) -> (Self, [f64; N], Passage) {
+    ) -> (Self, [f64; N], Transition) {
         let next = if velocity.z > 0.0 {
             *self
         } else {
             self.on_table(y, false)
         };
-        let passage = if next.phase == Phase::Flying {
-            Passage::LiftsOff
+        let transition = if next.phase == Phase::Flying {
+            Transition::LiftsOff
         } else {
-            Passage::Lands(Impact::without_approach(velocity))
+            Transition::Lands(Impact::without_approach(velocity))
         };
         let mut state = next.completed(y);
         state[9] = -self.parts(y).arm.up;
-        (next, state, passage)
+        (next, state, transition)
     }
 
     /// The longest that the first step in flight may be, s: about as long as the flight, if the peg falls back at once. A

@@ -11,7 +11,7 @@ use thiserror::Error;
 
 /// Why a word names no scenario.
 #[derive(Debug, Error)]
-pub enum GivenError {
+pub enum InputError {
     /// There is no preset of this name.
     #[error(transparent)]
     UnknownPreset(ScenarioError),
@@ -59,32 +59,32 @@ pub fn is_recording(word: &Path) -> bool {
 /// Reads the scenario that a word means: a preset, a file, or the scenario of a recording.
 ///
 /// # Errors
-/// [`GivenError`] if there is none, or a key of it is wrong; whether it is complete is not checked.
-pub fn values(word: &Path) -> Result<Values, GivenError> {
+/// [`InputError`] if there is none, or a key of it is wrong; whether it is complete is not checked.
+pub fn values(word: &Path) -> Result<Values, InputError> {
     let is_file = has_extension(word, "toml") || is_like_a_file(word) || word.exists();
     if is_preset(word) || !is_file {
         let preset = Preset::find(&word.to_string_lossy());
         let values = preset.and_then(Preset::values);
-        return values.map_err(GivenError::UnknownPreset);
+        return values.map_err(InputError::UnknownPreset);
     }
-    Values::from_toml(&text(word)?).map_err(|reason| GivenError::Scenario {
+    Values::from_toml(&text(word)?).map_err(|reason| InputError::Scenario {
         path: word.to_owned(),
         reason,
     })
 }
 
 /// The text of a scenario file, or of the scenario that a recording was made from.
-fn text(word: &Path) -> Result<String, GivenError> {
+fn text(word: &Path) -> Result<String, InputError> {
     let path = word.to_owned();
     let is_named_so = has_extension(word, "mcap") || has_extension(word, "partial");
     if !is_named_so && !is_mcap(word) {
-        return read_file(word).map_err(|reason| GivenError::Io { path, reason });
+        return read_file(word).map_err(|reason| InputError::Io { path, reason });
     }
     match Recording::open(word) {
         Ok(recording) => recording
             .scenario_text()
-            .map_err(|reason| GivenError::NoScenario { path, reason }),
-        Err(reason) => Err(GivenError::Recording { path, reason }),
+            .map_err(|reason| InputError::NoScenario { path, reason }),
+        Err(reason) => Err(InputError::Recording { path, reason }),
     }
 }
 

@@ -2,21 +2,21 @@
 
 use super::arguments::Override;
 use crate::analysis::subject::Subject;
-use crate::archive::given::{is_recording, values};
+use crate::archive::input::{is_recording, values};
 use crate::archive::recording::Recording;
 use crate::run::scenario::{Scenario, Values};
 use anyhow::{Context as _, Error, bail};
 use std::path::Path;
 
 /// A run on the command line.
-pub(super) enum Given {
+pub(super) enum Input {
     /// A recording that is read.
     Recording(Box<Recording>),
     /// A scenario that is simulated now.
     Scenario(Box<Scenario>),
 }
 
-impl Given {
+impl Input {
     pub(super) fn subject(&self) -> Subject<'_> {
         match self {
             Self::Recording(recording) => Subject::Recording(recording),
@@ -36,10 +36,10 @@ impl Given {
 /// Opens the run that a word means: a preset, a scenario file, or else a recording.
 ///
 /// `common` keys are set in scenarios alone; `own` keys are refused for recordings.
-pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result<Given, Error> {
+pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result<Input, Error> {
     if !is_recording(word) {
         let scenario = scenario(word, &[common, own].concat())?;
-        return Ok(Given::Scenario(Box::new(scenario)));
+        return Ok(Input::Scenario(Box::new(scenario)));
     }
     let name = || word.display().to_string();
     if let Some((key, _)) = own.first() {
@@ -49,7 +49,7 @@ pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result
         );
     }
     let recording = Recording::open(word).with_context(name)?;
-    Ok(Given::Recording(Box::new(recording)))
+    Ok(Input::Recording(Box::new(recording)))
 }
 
 /// Reads the scenario that a word means, a preset, a file or the one in a recording, and sets some of its keys.
@@ -64,9 +64,7 @@ pub(super) fn checked(
     overrides: &[Override],
 ) -> Result<Scenario, Error> {
     for (key, value) in overrides {
-        values
-            .set(key, value)
-            .with_context(|| format!("--set {key}={value}"))?;
+        values.set(key, value)?;
     }
     Scenario::new(values).with_context(|| word.display().to_string())
 }
