@@ -34,6 +34,7 @@ pub(super) type Override = (String, String);
 pub(super) fn parse_override(text: &str) -> Result<Override, String> {
     text.split_once('=')
         .map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned()))
+        .filter(|(key, _)| !key.is_empty())
         .ok_or_else(|| "must be KEY=VALUE, as in friction.k=0.02".to_owned())
 }
 
@@ -66,5 +67,6 @@ mod tests {
         assert_eq!(parse_override("name=a=b"), set("name", "a=b"));
         assert_eq!(parse_override("stop.duration="), set("stop.duration", ""));
         assert!(parse_override("friction.k").is_err());
+        assert!(parse_override("=3").is_err());
     }
 }

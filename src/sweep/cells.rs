@@ -1,10 +1,10 @@
 //! Cells of Arrow's columns: numbers and words, whichever of the many types a library writes them in.
 
 use crate::run::scenario::Value;
-use arrow_array::Array;
 use arrow_array::cast::AsArray as _;
 use arrow_array::types::Float64Type;
-use arrow_cast::cast;
+use arrow_array::{Array, ArrayRef};
+use arrow_cast::{CastOptions, cast_with_options};
 use arrow_schema::{ArrowError, DataType};
 
 /// A number or a word for each row; none where a cell is empty.
@@ -34,6 +34,15 @@ pub fn cells(column: &dyn Array) -> Result<Cells, String> {
         }
     };
     cells.map_err(|error| error.to_string())
+}
+
+/// The column as another type. A value that has none there is an error, not an empty cell.
+fn cast(column: &dyn Array, kind: &DataType) -> Result<ArrayRef, ArrowError> {
+    let options = CastOptions {
+        safe: false,
+        ..CastOptions::default()
+    };
+    cast_with_options(column, kind, &options)
 }
 
 fn words(column: &dyn Array) -> Result<Cells, ArrowError> {
@@ -117,6 +126,12 @@ mod tests {
         let column = Decimal32Array::from(vec![12]);
         let column = column.with_precision_and_scale(9, -2).unwrap();
         assert_eq!(cells(&column).unwrap(), [number(1200.0)]);
+        let column = Decimal128Array::from(vec![3, 12]);
+        let column = column.with_precision_and_scale(9, 1).unwrap();
+        let places = Int8Array::from(vec![Some(1), None, Some(0)]);
+        let column = DictionaryArray::new(places, Arc::new(column));
+        let expected = [number(1.2), None, number(0.3)];
+        assert_eq!(cells(&column).unwrap(), expected);
     }
 
     #[test]

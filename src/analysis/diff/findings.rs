@@ -8,7 +8,7 @@ use super::pairing::Paired;
 use crate::analysis::history::{PegSummary, RunSummary};
 use crate::analysis::phrase::{duration, moment, signed_duration, significant};
 use crate::run::simulation::EventKind;
-use crate::telemetry::fields::{energy, nutation};
+use crate::telemetry::fields::{NumberField, energy, nutation, state};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -27,6 +27,8 @@ pub struct Finding {
     pub difference: Option<f64>,
     /// Uncertainty of the difference; absent if it is not known.
     pub uncertainty: Option<f64>,
+    /// What the errors of the two integrations alone can make of the difference; absent if it is not known.
+    pub integration_error: Option<f64>,
 }
 
 impl Finding {
@@ -37,11 +39,20 @@ impl Finding {
             a,
             b,
             difference: a.zip(b).map(|(a, b)| b - a),
-            uncertainty: None,
+            ..Self::default()
         }
     }
 
-    fn within(self, uncertainty: Option<f64>) -> Self {
+    /// With this error of the integrations, which is the whole uncertainty where no other is known.
+    fn computed_within(self, error: Option<f64>) -> Self {
+        Self {
+            uncertainty: self.uncertainty.or(error),
+            integration_error: error,
+            ..self
+        }
+    }
+
+    fn uncertain_by(self, uncertainty: Option<f64>) -> Self {
         Self {
             uncertainty,
             ..self
@@ -55,10 +66,14 @@ impl Finding {
 }
 
 impl Finding {
-    /// Whether the numbers differ, or only one run has one.
+    /// Whether the numbers differ by more than the errors of the integrations, or only one run has one.
     #[must_use]
     pub fn differs(&self) -> bool {
-        self.a != self.b || self.difference.is_some_and(|difference| difference != 0.0)
+        let error = self.integration_error.unwrap_or(0.0);
+        match self.difference {
+            Some(difference) => difference.abs() > error,
+            None => self.a != self.b,
+        }
     }
 
     /// The cells of a table: what is compared with its unit, A's and B's number, B − A with its uncertainty.
@@ -122,14 +137,26 @@ pub(super) struct Evidence<'e> {
     pub(super) floor: Option<&'e Floor>,
 }
 
+impl Evidence<'_> {
+    /// The errors of both integrations of a field together.
+    fn error_of(&self, field: NumberField) -> Option<f64> {
+        self.floor?.of(&field.to_string())
+    }
+
+    /// The errors of both integrations of an event's time together, s.
+    fn error_of_time(&self) -> Option<f64> {
+        self.floor.map(Floor::event_time)
+    }
+}
+
 /// All findings, the most important first.
 pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
     let summaries = [0, 1].map(|side| evidence.paired.runs[side].history.summary());
-    let mut found = vec![end(&summaries)];
+    let mut found = vec![end(&summaries).computed_within(evidence.error_of_time())];
     found.extend(crossing(evidence));
     found.push(rise(evidence));
     found.extend(happenings(evidence));
-    found.extend(peg(&summaries));
+    found.extend(peg(evidence, &summaries));
     found.extend(averages(evidence));
     found.push(energy_lost(evidence));
     found.extend(torque(evidence));
@@ -164,7 +191,8 @@ fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
     let found = LevelCrossing::find(&a.history, &b.history, integrators)?;
     let what = format!("mean θ crosses {} rad", significant(found.level, 3));
     let times = found.times.map(Some);
-    Some(Finding::new(what, "s", times).within(Some(found.uncertainty)))
+    let crossing = Finding::new(what, "s", times).uncertain_by(Some(found.uncertainty));
+    Some(crossing.computed_within(evidence.error_of_time()))
 }
 
 /// When θ itself first reaches the level of both. Which dip of the nutation does is a matter of chance.
@@ -178,52 +206,53 @@ fn rise(evidence: &Evidence<'_>) -> Finding {
         let [earliest, latest] = ripple(&runs[side].history, risen[side]?)?;
         Some(earliest.abs().max(latest.abs()))
     };
-    let errors = evidence.floor.map_or(0.0, Floor::event_time);
+    let errors = evidence.error_of_time();
     let uncertainty = by_nutation(0).zip(by_nutation(1));
+    let uncertainty = uncertainty.map(|(a, b)| a + b + errors.unwrap_or(0.0));
     let what = format!("θ first reaches {} rad", significant(level, 3));
-    Finding::new(what, "s", risen).within(uncertainty.map(|(a, b)| a + b + errors))
+    let rise = Finding::new(what, "s", risen).uncertain_by(uncertainty);
+    rise.computed_within(errors)
 }
 
 /// Events of only one run, and those of both at different times.
 fn happenings(evidence: &Evidence<'_>) -> Vec<Finding> {
     let histories = evidence.paired.runs.each_ref().map(|run| &run.history);
-    let errors = evidence.floor.map(Floor::event_time);
+    let errors = evidence.error_of_time();
     let time = |kind: EventKind| histories.map(|run| run.first(kind).map(|event| event.time));
     let count = |kind| histories.map(|run| Some(run.events_of(kind).count() as f64));
     let is_tippe = histories.iter().any(|run| run.is_of_tippe_top());
     let mut found = Vec::new();
     if is_tippe {
         let inverted = histories.map(|run| run.inverted);
-        found.push(Finding::new("inverts", "s", inverted).within(errors));
+        found.push(Finding::new("inverts", "s", inverted).computed_within(errors));
     }
     // A tippe top precesses backward without loops.
     let loops = count(EventKind::LoopingBegins);
     if !is_tippe && loops != [Some(0.0); 2] {
         let first = time(EventKind::LoopingBegins);
-        found.push(Finding::new("first loops", "s", first).within(errors));
+        found.push(Finding::new("first loops", "s", first).computed_within(errors));
         found.push(Finding::new("loops", "", loops));
     }
     for (kind, what) in HAPPENINGS {
-        found.push(Finding::new(what, "s", time(kind)).within(errors));
+        found.push(Finding::new(what, "s", time(kind)).computed_within(errors));
     }
     found
 }
 
 /// Events of free pegs.
-fn peg(summaries: &[RunSummary; 2]) -> Vec<Finding> {
+fn peg(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Vec<Finding> {
     let pegs = summaries.each_ref().map(|run| run.peg.as_ref());
     if pegs == [None, None] {
         return Vec::new();
     }
     let of = |get: fn(&PegSummary) -> Option<f64>| pegs.map(|peg| peg.and_then(get));
     let hops = of(|peg| peg.hops.map(|count| count as f64));
+    let first_roll = of(|peg| peg.first_roll);
+    let rolls_at = of(|peg| peg.rolls_to_end_at);
     let mut found = vec![
-        Finding::new("first rolls", "s", of(|peg| peg.first_roll)),
-        Finding::new(
-            "rolls to the end, from θ",
-            "rad",
-            of(|peg| peg.rolls_to_end_at),
-        ),
+        Finding::new("first rolls", "s", first_roll).computed_within(evidence.error_of_time()),
+        Finding::new("rolls to the end, from θ", "rad", rolls_at)
+            .computed_within(evidence.error_of(state::THETA)),
     ];
     if hops.iter().flatten().any(|count| *count > 0.0) {
         found.insert(0, Finding::new("flights", "", hops));
@@ -238,13 +267,9 @@ fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
     };
     let mean = |field, name: &str| {
         let deviation = averaged.of(field)?;
-        let floor = (field == nutation::THETA_MEAN).then(|| {
-            let floor = evidence.floor?;
-            Some(floor.a.theta_mean + floor.b.theta_mean)
-        });
         let what = format!("{name} at {}", moment(deviation.at));
         let found = Finding::new(what, &deviation.unit, deviation.values.map(Some));
-        Some(found.within(floor.flatten()))
+        Some(found.computed_within(evidence.error_of(field)))
     };
     let runs = &evidence.paired.runs;
     let is_tippe = runs.iter().any(|run| run.history.is_of_tippe_top());
@@ -258,14 +283,22 @@ fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
         .into_iter()
         .take(if is_tippe { 1 } else { 3 })
         .filter_map(|(field, name)| mean(field, name));
-    let phase = averaged.phase.as_ref().map(|phase| Finding {
-        what: format!("nutations ahead at {}", moment(phase.at)),
-        difference: Some(phase.ahead),
-        ..Finding::default()
+    let phase = averaged.phase.as_ref().map(|phase| {
+        let last = runs[0].history.cycles.last();
+        let of_start = evidence.error_of(nutation::START).zip(last);
+        let ahead = Finding {
+            what: format!("nutations ahead at {}", moment(phase.at)),
+            difference: Some(phase.ahead),
+            ..Finding::default()
+        };
+        ahead.computed_within(of_start.map(|(error, last)| error / last.period))
     });
     let amplitudes = averaged.amplitudes.map(|amplitudes| {
         let what = format!("nutation amplitude of θ̇ at {}", moment(averaged.to));
-        Finding::new(what, "rad/s", amplitudes.map(Some))
+        let bounds = [nutation::THETA_DOT_MIN, nutation::THETA_DOT_MAX];
+        let [least, greatest] = bounds.map(|bound| evidence.error_of(bound));
+        let error = least.zip(greatest).map(|(a, b)| 0.5 * (a + b));
+        Finding::new(what, "rad/s", amplitudes.map(Some)).computed_within(error)
     });
     means.chain(phase).chain(amplitudes).collect()
 }
@@ -292,7 +325,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Finding {
         return Finding::default();
     }
     let errors = errors[0].zip(errors[1]).map(|(a, b)| a + b);
-    Finding::new(what, "J", lost).within(errors)
+    Finding::new(what, "J", lost).computed_within(errors)
 }
 
 /// Difference of the models' friction torques at the states of A.
@@ -301,9 +334,7 @@ fn torque(evidence: &Evidence<'_>) -> Option<Finding> {
     Some(Finding {
         what: "friction torque at A's states, at most".to_owned(),
         unit: torque.unit.clone(),
-        a: None,
-        b: None,
         difference: Some(torque.largest),
-        uncertainty: None,
+        ..Finding::default()
     })
 }

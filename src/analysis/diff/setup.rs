@@ -2,7 +2,7 @@
 
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Recording;
-use crate::run::scenario::KEYS;
+use crate::run::scenario::{KEYS, Value};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -95,6 +95,9 @@ fn flatten(prefix: &str, table: &toml::Table, flat: &mut Flat) {
             toml::Value::Table(inner) => flatten(&format!("{path}."), inner, flat),
             toml::Value::String(text) => {
                 flat.insert(path, text.clone());
+            }
+            toml::Value::Float(number) => {
+                flat.insert(path, Value::Number(*number).typed());
             }
             value => {
                 flat.insert(path, value.to_string());

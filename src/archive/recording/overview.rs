@@ -40,9 +40,6 @@ pub struct Overview {
 /// A channel of a file.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, JsonSchema)]
 pub struct ChannelOverview {
-    /// MCAP channel id.
-    #[serde(skip)]
-    pub id: u16,
     /// Its topic.
     pub topic: String,
     /// The name of its message type; empty if it has none.
@@ -102,7 +99,6 @@ impl Overview {
     #[must_use]
     pub fn of(recording: &Recording) -> Self {
         let of_channel = |channel: &FileChannel| ChannelOverview {
-            id: channel.id,
             topic: channel.topic.clone(),
             encoding: channel.encoding.clone(),
             schema: channel.schema_name().to_owned(),

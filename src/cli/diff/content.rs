@@ -111,6 +111,9 @@ fn findings(report: &Report, all: bool) -> Section {
     let shown = report.findings.iter().filter(|f| all || f.differs());
     let most = if all { usize::MAX } else { MOST_ROWS };
     let rows: Vec<_> = shown.take(most).map(|f| f.cells().to_vec()).collect();
+    if rows.is_empty() && report.floor.is_some() && report.is_of_other_scenarios() {
+        section.line("No average, event or energy differs by more than the integrators' errors.");
+    }
     section.table(Table::new(&["", "A", "B", "B − A"], rows, 1));
     section
 }

@@ -91,7 +91,7 @@ impl fmt::Display for Kind {
             Self::Between(low, high) => {
                 write!(f, "a number from {} to {}", typed(*low), typed(*high))
             }
-            Self::Nanoseconds => write!(f, "a whole number of nanoseconds from 1e-9 to 3600 s"),
+            Self::Nanoseconds => write!(f, "a time in whole nanoseconds from 1e-9 to 3600"),
         }
     }
 }

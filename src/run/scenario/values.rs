@@ -280,13 +280,7 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
 
 /// The values that a key may have, with its unit.
 fn allowed(key: &Key) -> String {
-    match key.kind {
-        // It names the unit itself.
-        Kind::Nanoseconds => key.kind.to_string(),
-        Kind::Any | Kind::Between(..) | Kind::Text | Kind::Name | Kind::Choice(_) => {
-            format!("{}{}", key.kind, key.in_unit())
-        }
-    }
+    format!("{}{}", key.kind, key.in_unit())
 }
 
 /// A text in degrees in radians, and a number with a comma with a point; empty for anything else.
