@@ -7,6 +7,8 @@
 pub(crate) mod decimate;
 pub(crate) mod drawing;
 pub(crate) mod frame;
+#[cfg(test)]
+mod glossary_tests;
 pub(crate) mod legend;
 pub(crate) mod page;
 mod png;

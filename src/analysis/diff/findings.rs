@@ -7,7 +7,7 @@ use super::floor::{Floor, IntegratorError};
 use super::pairing::Paired;
 use crate::analysis::history::{PegSummary, RunSummary};
 use crate::analysis::phrase::{duration, moment, signed_duration, significant};
-use crate::run::simulation::EventKind;
+use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::fields::{NumberField, energy, nutation, state};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -152,7 +152,7 @@ impl Evidence<'_> {
 /// All findings, the most important first.
 pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
     let summaries = [0, 1].map(|side| evidence.paired.runs[side].history.summary());
-    let mut found = vec![end(&summaries).computed_within(evidence.error_of_time())];
+    let mut found = vec![end(evidence, &summaries)];
     found.extend(crossing(evidence));
     found.push(rise(evidence));
     found.extend(happenings(evidence));
@@ -168,18 +168,18 @@ fn both<T>(items: &[T; 2], of: impl Fn(&T) -> Option<f64>) -> [Option<f64>; 2] {
     [of(&items[0]), of(&items[1])]
 }
 
-fn end(summaries: &[RunSummary; 2]) -> Finding {
+fn end(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Finding {
     let reasons = summaries.each_ref().map(|run| run.stop_reason.as_deref());
     let what = match reasons {
         [Some(a), Some(b)] if a == b => format!("ends ({a})"),
         [Some(a), Some(b)] => format!("ends ({a}, {b})"),
         _ => "ends".to_owned(),
     };
-    Finding::new(
-        what.replace('_', " "),
-        "s",
-        both(summaries, |c| c.stop_time),
-    )
+    // How long a run may last is exact.
+    let are_events = reasons != [Some(StopReason::Duration.name()); 2];
+    let error = evidence.error_of_time().filter(|_| are_events);
+    let times = both(summaries, |c| c.stop_time);
+    Finding::new(what.replace('_', " "), "s", times).computed_within(error)
 }
 
 /// When the averaged motions cross a common level.
