@@ -31,6 +31,8 @@ pub(super) struct LevelCrossing {
     pub(super) times: [f64; 2],
     /// Uncertainty of the difference of these times, s.
     pub(super) uncertainty: f64,
+    /// The part of it that the integrators' errors have, s.
+    pub(super) integration_error: f64,
 }
 
 impl LevelCrossing {
@@ -68,7 +70,7 @@ impl LevelCrossing {
             Some([a.first_reaches(level)?, b.first_reaches(level)?])
         };
         let times = reach(level)?;
-        let mut uncertainty = 0.0_f64;
+        let (mut uncertainty, mut integration_error) = (0.0_f64, 0.0);
         for side in 0..2 {
             let (curve, time) = (&curves[side], times[side]);
             let slope = curve.slope(time)?.abs();
@@ -83,6 +85,7 @@ impl LevelCrossing {
                 return None;
             }
             uncertainty += error / slope;
+            integration_error += integrators[side] / slope;
         }
         let shift = times[1] - times[0];
         for near in [level - NEARBY * descent, level + NEARBY * descent] {
@@ -93,6 +96,7 @@ impl LevelCrossing {
             level: sign * level,
             times,
             uncertainty,
+            integration_error,
         })
     }
 }

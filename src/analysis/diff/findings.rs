@@ -192,7 +192,7 @@ fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
     let what = format!("mean θ crosses {} rad", significant(found.level, 3));
     let times = found.times.map(Some);
     let crossing = Finding::new(what, "s", times).uncertain_by(Some(found.uncertainty));
-    Some(crossing.computed_within(evidence.error_of_time()))
+    Some(crossing.computed_within(evidence.floor.map(|_| found.integration_error)))
 }
 
 /// When θ itself first reaches the level of both. Which dip of the nutation does is a matter of chance.
