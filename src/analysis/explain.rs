@@ -39,7 +39,7 @@ use thiserror::Error;
 
 /// The topics that an explanation needs.
 const NEEDED: [Topic; 4] = [STATE, ACCELERATION, ENERGY, EVENTS];
-/// Why a run can't be explained.
+/// The reason why a run can't be explained.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ExplainError {
     /// A file of others.
@@ -98,9 +98,9 @@ pub struct Happening {
     pub name: String,
     /// Number of times.
     pub count: u64,
-    /// When it happened first, s.
+    /// Time of the first, s.
     pub first: f64,
-    /// When it happened last, s.
+    /// Time of the last, s.
     pub last: f64,
     /// The description of the first.
     pub description: String,

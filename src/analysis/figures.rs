@@ -59,7 +59,7 @@ pub struct Figure {
     uses: &'static [Need],
     /// The pegs that the figure applies to.
     pegs: Pegs,
-    /// Why the figure does not apply to this run; none if it does.
+    /// The reason why the figure does not apply to this run; none if it does.
     does_not_apply: fn(&Run) -> Option<&'static str>,
     draw: fn(&[&Run], f64) -> Drawing,
 }
@@ -71,7 +71,7 @@ enum Pegs {
     All,
     /// Those that are held: what it shows would be something else for a free one.
     Held {
-        /// Why it does not apply to a free one.
+        /// The reason why it does not apply to a free one.
         because: &'static str,
     },
     /// Those that are free: a held one stays where it is.
@@ -297,7 +297,7 @@ impl Figure {
         self.needs.iter().find_map(|need| run.missing(need))
     }
 
-    /// Why the figure does not apply to a run, whatever the run has recorded.
+    /// The reason why the figure does not apply to a run, whatever the run has recorded.
     #[must_use]
     pub fn does_not_apply(&self, run: &Run) -> Option<&'static str> {
         match self.pegs {

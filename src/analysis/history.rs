@@ -58,11 +58,11 @@ pub(crate) struct RunHistory {
     pub(crate) energies: Energies,
     /// The angular momentum about the vertical, kg m²/s.
     pub(crate) vertical_momentum: Option<Constancy>,
-    /// When θ first passed π/2 from below, s, between two samples.
+    /// Time at which θ first passed π/2 from below, s, between two samples.
     pub(crate) inverted: Option<f64>,
     /// Length of the path slipped, m.
     pub(crate) slip_path: Option<f64>,
-    /// When θ first fell to the level that was asked for.
+    /// Time at which θ first fell to the level that was asked for.
     pub(crate) rise: FirstCrossing,
     /// The phases of a free peg.
     pub(crate) peg: Option<PegHistory>,
@@ -191,7 +191,7 @@ impl RunHistory {
         self.end.as_ref()?.get(key).map(String::as_str)
     }
 
-    /// When the run ended, s: as the end record has it, or else at the last message.
+    /// Time at which the run ended, s: as the end record has it, or else at the last message.
     pub(crate) fn stop_time(&self) -> Option<f64> {
         let known = self.end_entry(STOP_TIME).and_then(|time| time.parse().ok());
         known.or_else(|| Some(self.last_ns? as f64 / 1e9))

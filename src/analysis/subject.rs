@@ -189,7 +189,7 @@ impl Undecodable {
     }
 }
 
-/// Why a simulation is not continued.
+/// The reason why a simulation is not continued.
 enum Stopped {
     Telemetry(TelemetryError),
     Unwanted,

@@ -1,11 +1,11 @@
-//! Why files, messages and scenarios can't be read.
+//! The reasons why files, messages and scenarios can't be read.
 
 use crate::run::scenario::ScenarioError;
 use crate::telemetry::encoding::DecodeError;
 use std::io;
 use thiserror::Error;
 
-/// Why a file can't be read at all.
+/// The reason why a file can't be read at all.
 #[derive(Debug, Error)]
 pub enum RecordingError {
     /// The file system refused.
@@ -28,7 +28,7 @@ pub enum RecordingError {
     TwoChannels(String),
 }
 
-/// Why a message can't be decoded.
+/// The reason why a message can't be decoded.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{topic} message {sequence} at {} s: {reason}", *time_ns as f64 / 1e9)]
 pub struct MessageError {
@@ -42,7 +42,7 @@ pub struct MessageError {
     pub reason: DecodeError,
 }
 
-/// Why a recording gives no scenario.
+/// The reason why a recording gives no scenario.
 #[derive(Debug, Error)]
 pub enum NoScenario {
     /// The file has no attachment with a scenario.

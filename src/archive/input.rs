@@ -9,7 +9,7 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a word names no scenario.
+/// The reason why a word names no scenario.
 #[derive(Debug, Error)]
 pub enum InputError {
     /// There is no preset of this name.
@@ -28,7 +28,7 @@ pub enum InputError {
     Recording {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         reason: RecordingError,
     },
     /// The recording has no scenario.
@@ -36,7 +36,7 @@ pub enum InputError {
     NoScenario {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         reason: NoScenario,
     },
     /// The file's text is no scenario.

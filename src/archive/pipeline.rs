@@ -172,7 +172,7 @@ pub struct McapSink(Pipeline<BufWriter<Draft>>);
 /// A finished file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Archived {
-    /// Where it is.
+    /// Its place.
     pub path: PathBuf,
     /// Its size.
     pub bytes: u64,

@@ -496,7 +496,7 @@ pub fn is_same_file(one: &Path, other: &Path) -> bool {
     place(one) == place(other) || identity(one).is_some_and(|one| identity(other) == Some(one))
 }
 
-/// Where a file is, or would be: its name in its directory, which is resolved. A link that has the name itself is not
+/// The place of a file, existing or not: its name in its directory, which is resolved. A link that has the name itself is not
 /// followed: it would be replaced.
 fn place(path: &Path) -> PathBuf {
     let directory = resolved(directory_of(path));

@@ -1,4 +1,4 @@
-//! Where messages go: MCAP files, Rerun, memory.
+//! The destinations of messages: MCAP files, Rerun, memory.
 
 use crate::run::simulation::{Record, RunEnd, Simulation, SimulationError, StopReason};
 use crate::telemetry::{Message, Telemetry, TelemetryError};
@@ -22,7 +22,7 @@ pub trait Sink {
     fn flush(&mut self) -> Result<(), SinkError>;
 }
 
-/// Why messages can't be stored.
+/// The reason why messages can't be stored.
 #[derive(Debug, Error)]
 pub enum SinkError {
     /// The file can't be made, because something is there that must not be lost.
@@ -38,7 +38,7 @@ pub enum SinkError {
     Name {
         /// The name.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         reason: &'static str,
     },
     /// The file is one that is read, or the other one that is written.
@@ -76,7 +76,7 @@ pub enum SinkError {
     },
 }
 
-/// Why a run could not be recorded to its end.
+/// The reason why a run could not be recorded to its end.
 #[derive(Debug, Error)]
 pub enum RecordError {
     /// The motion could not be computed further.

@@ -202,9 +202,9 @@ struct Entry {
     header: MessageHeader,
     /// Its channel in the table, if it is one of them.
     channel: Option<usize>,
-    /// Where its encoded bytes end.
+    /// The end of its encoded bytes.
     data_end: usize,
-    /// Where its content ends.
+    /// The end of its content.
     content_end: usize,
 }
 

@@ -40,7 +40,7 @@ pub(super) fn print_error(error: &str) {
 /// A file that a command wrote.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub(super) struct WrittenFile {
-    /// Where it is.
+    /// Its place.
     pub(super) path: String,
     /// Its size.
     pub(super) bytes: u64,
@@ -74,7 +74,7 @@ pub(super) fn file_line(path: &str, size: u64) -> String {
 /// A part of a file that can't be read.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub(super) struct LossReport {
-    /// Where it starts in the file, bytes.
+    /// Its start in the file, bytes.
     pub(super) offset: u64,
     /// Length, bytes.
     pub(super) length: u64,
@@ -82,7 +82,7 @@ pub(super) struct LossReport {
     pub(super) from_ns: Option<u64>,
     /// Messages are lost up to this time, ns; absent if the end is not known.
     pub(super) to_ns: Option<u64>,
-    /// Why it can't be read.
+    /// The reason why it can't be read.
     pub(super) reason: String,
 }
 

@@ -39,7 +39,7 @@ struct VerifiedFile {
     /// The result; absent if the file could not be read.
     #[serde(flatten)]
     report: Option<Report>,
-    /// Why the file could not be read; absent if it could.
+    /// The reason why the file could not be read; absent if it could.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
 }

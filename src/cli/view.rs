@@ -122,7 +122,7 @@ impl ViewArguments {
         })
     }
 
-    /// Where the Rerun recording with a name goes.
+    /// The destination of the Rerun recording with a name.
     fn rrd_of(&self, name: &str) -> Option<PathBuf> {
         let path = self.rrd.as_ref()?;
         let is_directory = path.is_dir() || path.as_os_str().to_string_lossy().ends_with('/');

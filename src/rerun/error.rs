@@ -6,7 +6,7 @@ use rerun::log::ChunkError;
 
 use crate::archive::sink::SinkError;
 
-/// Why a Rerun recording can't be written.
+/// The reason why a Rerun recording can't be written.
 #[derive(Debug, thiserror::Error)]
 pub enum RerunError {
     /// The system refused to write the file or to start a thread.

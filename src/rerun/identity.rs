@@ -102,7 +102,7 @@ impl Identity {
         self
     }
 
-    /// Where a viewer keeps the recording.
+    /// The store that a viewer keeps the recording in.
     pub(super) fn store(&self) -> StoreId {
         store(&self.name, &self.recording_id)
     }

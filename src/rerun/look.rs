@@ -1,4 +1,4 @@
-//! Where entities stand in a recording, and how they look.
+//! The entities of a recording, and their look.
 //!
 //! In a recording of one run, colours distinguish quantities. Where two runs are compared, colours distinguish the runs:
 //! each has one in the scene, the plots and the log of events, and their difference has a third.

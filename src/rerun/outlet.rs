@@ -1,4 +1,4 @@
-//! Where the chunks of a recording go: into a file, to a viewer, or to both.
+//! The destinations of the chunks of a recording: a file, to a viewer, or to both.
 //!
 //! Neither can stop the other, or the run. What happens to the viewer becomes a warning; an error of the file is kept
 //! for [`Outlet::finish`].
@@ -13,7 +13,7 @@ use super::message::{Ids, opening, rows, single_row};
 use super::rrd::RrdFile;
 use super::viewer::{Live, LiveDestination};
 
-/// Where a recording goes. With neither, nothing is kept.
+/// The destinations of a recording. With neither, nothing is kept.
 #[derive(Debug, Default)]
 pub struct Destinations {
     /// An empty file, opened for writing, for an `.rrd` recording.

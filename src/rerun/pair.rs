@@ -33,7 +33,7 @@ impl PairIdentity {
         }
     }
 
-    /// Where a viewer keeps the recording.
+    /// The store that a viewer keeps the recording in.
     pub(super) fn store(&self) -> StoreId {
         store(&self.name, &self.recording_id)
     }

@@ -106,7 +106,7 @@ impl Scene {
         self.peg
     }
 
-    /// Where a point of the peg is drawn that is at `lowest` while the peg is on the table: hops may be drawn higher than they
+    /// The drawn place of a point of the peg that is at `lowest` while the peg is on the table: hops may be drawn higher than they
     /// are.
     fn drawn(&self, point: Vector3<f64>, lowest: f64) -> Vector3<f64> {
         let height = lowest + self.geometry.hop_scale * (point.z - lowest);

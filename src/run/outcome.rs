@@ -16,15 +16,15 @@ use std::f64::consts::TAU;
 /// Outcome of a run. SI units and radians.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// Why the run ended.
+    /// The reason for the run's end.
     pub stop_reason: StopReason,
     /// When, s.
     pub stop_time: f64,
-    /// When the top had risen, s: θ fell to `stop.theta_risen`. None if it did not.
+    /// Time of the rise, s: θ fell to `stop.theta_risen`. None if it did not.
     pub rise_time: Option<f64>,
-    /// When the spin first became too weak to hold an upright top, s. None if it did not.
+    /// Time at which the spin first became too weak to hold an upright top, s. None if it did not.
     pub weak_time: Option<f64>,
-    /// When the axis first began to loop, s: the precession of a tippe top, when it first turned backward. None if it did not.
+    /// Time of the first loop, s; of a tippe top, of the precession's first turn backward. None if there was none.
     pub loop_time: Option<f64>,
     /// Number of times the axis began to loop; of a tippe top: the precession turned backward.
     pub loops: u64,
@@ -60,9 +60,9 @@ pub struct EnergyChange {
 /// Outcome of a free peg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeOutcome {
-    /// When the peg first began to roll, s. None if it did not.
+    /// Time at which the peg first began to roll, s. None if it did not.
     pub roll_time: Option<f64>,
-    /// When a tippe top inverted, its axis passing the horizontal, s. None if it did not, and of other tops.
+    /// Time at which a tippe top inverted, its axis passing the horizontal, s. None if it did not, and of other tops.
     pub inversion_time: Option<f64>,
     /// Number of times the peg left the table.
     pub hops: u64,
@@ -128,7 +128,7 @@ impl Outcome {
         }
     }
 
-    /// How the run ended and, of a tippe top, that it inverted.
+    /// The end of the run and, for a tippe top, that it inverted.
     #[must_use]
     pub fn sentence(&self) -> String {
         let inversion = self.free.and_then(|free| free.inversion_time);

@@ -21,7 +21,7 @@ pub struct Counts {
 pub struct RowError {
     /// The number of the row.
     pub run: u64,
-    /// Why it has no outcome.
+    /// The reason why it has no outcome.
     pub error: String,
 }
 

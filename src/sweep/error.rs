@@ -7,7 +7,7 @@ use std::io;
 use std::path::Path;
 use thiserror::Error;
 
-/// Why a sweep can't be started, or was not finished.
+/// The reason why a sweep can't be started, or was not finished.
 #[derive(Debug, Error)]
 pub enum SweepError {
     /// The spec of the sweep is wrong.
@@ -35,7 +35,7 @@ pub enum SweepError {
     Row {
         /// The number of the row.
         run: u64,
-        /// Why it failed.
+        /// The reason for the failure.
         error: String,
     },
     /// The Parquet writer failed.

@@ -1,4 +1,4 @@
-//! Where the points of a sample lie: each a function of the seed, the row and the dimension alone.
+//! The points of a sample: each a function of the seed, the row and the dimension alone.
 
 use super::sobol::{DIMENSIONS, Sobol};
 use super::words;

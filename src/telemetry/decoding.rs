@@ -25,7 +25,7 @@ impl Row {
     }
 }
 
-/// Why a channel or message of a file can't be decoded.
+/// The reason why a channel or message of a file can't be decoded.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum DecodeError {
     /// An encoding that is neither JSON nor protobuf.
@@ -98,7 +98,7 @@ impl FieldDifferences {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Object<K>(pub(super) Vec<(K, Target<K>)>);
 
-/// Where a member goes.
+/// The destination of a member.
 #[derive(Clone, Debug)]
 pub(super) enum Target<K> {
     Seconds,
@@ -123,7 +123,7 @@ impl<K> Object<K> {
         }
     }
 
-    /// Where the member stands whose key `is` it; members mostly come in order, so at `next`.
+    /// The place of the member whose key `is` it; members mostly come in order, so at `next`.
     #[inline]
     pub(super) fn position(&self, next: usize, is: impl Fn(&K) -> bool) -> Option<usize> {
         let is_at = |position: &usize| self.0.get(*position).is_some_and(|(key, _)| is(key));

@@ -327,7 +327,7 @@ impl<'de> Visitor<'de> for Filling<'_> {
 #[derive(Clone, Copy)]
 struct Name<'a> {
     object: &'a Object<String>,
-    /// Where it is, if the members come in order.
+    /// Its place, if the members come in order.
     next: usize,
 }
 

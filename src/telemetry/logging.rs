@@ -8,7 +8,7 @@ use crate::physics::dynamics::Support;
 use crate::run::simulation::Record;
 use thiserror::Error;
 
-/// Why a record can't be turned into messages.
+/// The reason why a record can't be turned into messages.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TelemetryError {
     /// A quantity is infinite or not a number.

@@ -1,4 +1,4 @@
-//! When the averaged motions of two runs cross a level of θ, and the effect of the nutation on the first crossing.
+//! The times at which the averaged motions of two runs cross a level of θ, and the effect of the nutation on the first crossing.
 //!
 //! θ averaged over each nutation is a curve through the middles of the cycles. The times at which both curves cross a
 //! common level show which run is ahead. When θ itself first reaches a level is a staircase, in contrast: it depends on
@@ -27,7 +27,7 @@ const LEFT_OUT: f64 = 4.0;
 pub(super) struct LevelCrossing {
     /// The level, rad.
     pub(super) level: f64,
-    /// When A and B cross it, s.
+    /// The times at which A and B cross it, s.
     pub(super) times: [f64; 2],
     /// Uncertainty of the difference of these times, s.
     pub(super) uncertainty: f64,

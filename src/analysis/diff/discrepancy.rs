@@ -47,7 +47,7 @@ pub struct Residual {
     pub unit: String,
     /// The largest magnitude of the difference.
     pub largest: f64,
-    /// When it was largest, s.
+    /// Time of the largest, s.
     pub at: f64,
     /// Root of the mean square of the difference.
     pub rms: f64,

@@ -1,9 +1,9 @@
-//! Why two runs can't be compared.
+//! The reasons why two runs can't be compared.
 
 use crate::archive::sink::SinkError;
 use thiserror::Error;
 
-/// Why two runs can't be compared.
+/// The reason why two runs can't be compared.
 #[derive(Debug, Error)]
 pub enum DiffError {
     /// A tolerance can't be understood.

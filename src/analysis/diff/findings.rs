@@ -27,7 +27,7 @@ pub struct Finding {
     pub difference: Option<f64>,
     /// Uncertainty of the difference; absent if it is not known.
     pub uncertainty: Option<f64>,
-    /// What the errors of the two integrations alone can make of the difference; absent if it is not known.
+    /// Error of the difference due to the two integrations alone; absent if it is not known.
     pub integration_error: Option<f64>,
 }
 
@@ -182,7 +182,7 @@ fn end(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Finding {
     Finding::new(what.replace('_', " "), "s", times).computed_within(error)
 }
 
-/// When the averaged motions cross a common level.
+/// The times at which the averaged motions cross a common level.
 fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
     let [a, b] = &evidence.paired.runs;
     let integrators = evidence
@@ -195,7 +195,7 @@ fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
     Some(crossing.computed_within(evidence.floor.map(|_| found.integration_error)))
 }
 
-/// When θ itself first reaches the level of both. Which dip of the nutation does is a matter of chance.
+/// The times at which θ itself first reaches the level of both. Which dip of the nutation does is a matter of chance.
 fn rise(evidence: &Evidence<'_>) -> Finding {
     let Some(level) = evidence.level else {
         return Finding::default();

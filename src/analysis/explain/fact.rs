@@ -55,7 +55,7 @@ pub enum Fact {
     Loops {
         /// Number of times.
         count: u64,
-        /// When the first loop begins, s.
+        /// Time at which the first loop begins, s.
         first: f64,
     },
     /// The contact point stops slipping.
@@ -67,7 +67,7 @@ pub enum Fact {
     Hops {
         /// Number, from lift-off to landing.
         count: u64,
-        /// When it first lifts off, s.
+        /// Time at which it first lifts off, s.
         first: f64,
     },
     /// Impacts of the peg.
@@ -86,7 +86,7 @@ pub enum Fact {
     },
     /// The peg rolls for some of the time.
     RollsAtTimes {
-        /// When first, s.
+        /// Time of the first, s.
         first: f64,
         /// For how long in all, s.
         duration: f64,

@@ -38,7 +38,7 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     facts
 }
 
-/// Why the axis moved.
+/// The causes of the motion of the axis.
 pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     let peg = evidence.summary.peg.as_ref();
     let deviation = peg.and_then(|peg| peg.jellett_deviation);
@@ -50,7 +50,7 @@ pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     jellett.into_iter().collect()
 }
 
-/// Where the energy went.
+/// The losses of energy.
 pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = held::balance(evidence);
     let peg = evidence.summary.peg.as_ref();

@@ -76,7 +76,7 @@ pub(super) fn loops(evidence: &Evidence) -> Option<Fact> {
     })
 }
 
-/// Why the axis moved.
+/// The causes of the motion of the axis.
 pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     let friction = &evidence.scenario.model.friction;
     let mut facts: Vec<Fact> = precession::regular(evidence).into_iter().collect();
@@ -92,7 +92,7 @@ pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     facts
 }
 
-/// Where the energy went.
+/// The losses of energy.
 pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = balance(evidence);
     let path = evidence.summary.slip_path.filter(|path| *path > 0.0);

@@ -20,9 +20,9 @@ const STEADY: f64 = 0.05;
 /// The averaged motion in several nutations.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Stage {
-    /// When it begins, s.
+    /// Time of its beginning, s.
     pub from: f64,
-    /// When it ends, s.
+    /// Time of its end, s.
     pub to: f64,
     /// Number of nutations.
     pub nutations: u64,

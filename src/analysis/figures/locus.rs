@@ -129,7 +129,7 @@ fn traces(runs: &[&Run]) -> Vec<Trace> {
 /// The ends of several paths are magnified together if they take at most this multiple of the room of the smallest.
 const MAGNIFIED_TOGETHER: f64 = 4.0;
 
-/// Where squares are drawn: in rows, from left to right.
+/// The places of squares in the drawing: in rows, from left to right.
 struct Grid {
     columns: usize,
     /// The width of a column, mm.

@@ -8,7 +8,7 @@ use crate::telemetry::fields::nutation;
 pub(crate) struct Cycle {
     /// Its number, from 0.
     pub(crate) number: f64,
-    /// When it begins, s.
+    /// Time of its beginning, s.
     pub(crate) start: f64,
     /// Its duration, s.
     pub(crate) period: f64,
@@ -44,7 +44,7 @@ impl Cycle {
         }
     }
 
-    /// When it ends, s.
+    /// Time of its end, s.
     pub(crate) fn end(&self) -> f64 {
         self.start + self.period
     }

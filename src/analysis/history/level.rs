@@ -1,4 +1,4 @@
-//! When θ first falls to a level, found from the samples of a run.
+//! The time at which θ first falls to a level, found from the samples of a run.
 //!
 //! Of two runs with different `stop.theta_risen` one has no event at a level that both reach: there the crossing is found
 //! between the samples.

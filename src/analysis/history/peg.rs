@@ -27,7 +27,7 @@ pub enum PegPhase {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interval {
     pub(crate) phase: PegPhase,
-    /// When it begins and ends, s.
+    /// Times of its beginning and its end, s.
     pub(crate) from: f64,
     pub(crate) to: f64,
     /// Inclination θ when it begins, rad; NaN at the start of the run.
@@ -228,13 +228,13 @@ pub struct PegSummary {
     pub impacts: Option<u64>,
     /// The energy that these took, J.
     pub impact_loss: Option<f64>,
-    /// When the peg was first in the air, s; 0 if the run begins so.
+    /// Time at which the peg was first in the air, s; 0 if the run begins so.
     pub first_flight: Option<f64>,
     /// Time in the air, impacts between bounces included, s.
     pub time_in_air: Option<f64>,
     /// Height above the table of the highest sample, m.
     pub highest: Option<f64>,
-    /// When the peg first rolled, s.
+    /// Time at which the peg first rolled, s.
     pub first_roll: Option<f64>,
     /// Time in which the peg rolled, s.
     pub time_rolling: Option<f64>,

@@ -7,11 +7,11 @@ use serde::Serialize;
 /// A summary of a run. Numbers that were not recorded are absent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct RunSummary {
-    /// Why the run ended.
+    /// The reason for the run's end.
     pub stop_reason: Option<String>,
-    /// When the run ended, s.
+    /// Time of its end, s.
     pub stop_time: Option<f64>,
-    /// When the top had risen, s.
+    /// Time at which the top had risen, s.
     pub rise_time: Option<f64>,
     /// Number of nutation cycles.
     pub nutations: Option<u64>,

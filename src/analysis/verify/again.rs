@@ -10,7 +10,7 @@ use crate::telemetry::{Telemetry, TelemetryError};
 /// A message that the run gives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Expected {
-    /// Where its channel stands in the opening.
+    /// The place of its channel in the opening.
     pub(super) channel: usize,
     pub(super) sequence: u32,
     pub(super) time_ns: u64,
@@ -30,7 +30,7 @@ pub(super) struct Again {
 
 impl Again {
     /// # Errors
-    /// Why the scenario can't be simulated.
+    /// The reason why the scenario can't be simulated.
     pub(super) fn start(
         scenario: &Scenario,
         telemetry: Telemetry,

@@ -74,7 +74,7 @@ struct Survey {
     /// The groups of the summary as they stand there, and as its offsets name them.
     groups: Vec<SummaryOffset>,
     named: Vec<SummaryOffset>,
-    /// Where the summary begins, once the data are over, and where its offsets do.
+    /// The beginnings of the summary, once the data are over, and of its offsets.
     summary: Option<u64>,
     offsets: u64,
 }

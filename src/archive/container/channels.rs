@@ -99,7 +99,7 @@ impl Channels {
         self.list.is_empty()
     }
 
-    /// Where the channel with an id stands in the list.
+    /// The place of the channel with an id in the list.
     pub(crate) fn position(&self, id: u16) -> Option<usize> {
         self.positions.get(&id).copied()
     }

@@ -1,4 +1,4 @@
-//! Where everything is in a file.
+//! The layout of a file.
 
 use super::channels::Channels;
 use super::loss::{Loss, Span};
@@ -18,14 +18,14 @@ const MOST_LOSSES: usize = 1000;
 /// Records outside of chunks are read in sections of about this size.
 const LOOSE_SECTION: u64 = 1 << 20;
 
-/// Where an attachment stands, and its name.
+/// The place of an attachment, and its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct AttachmentSpan {
     pub(crate) name: String,
     pub(crate) place: RecordSpan,
 }
 
-/// Where everything is in a file.
+/// The layout of a file.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
     /// Name of the library that wrote the file.
@@ -38,9 +38,9 @@ pub(crate) struct Layout {
     pub(crate) channels: Channels,
     /// Damage between the records.
     pub(crate) losses: Vec<Loss>,
-    /// Where the data end, if the file has it.
+    /// The end of the data, if the file has it.
     pub(crate) data_end: Option<u64>,
-    /// Where the footer is.
+    /// The place of the footer.
     footer: Option<RecordSpan>,
     /// Whether the file ends as an MCAP file does.
     pub(crate) is_ended: bool,

@@ -24,7 +24,7 @@ impl fmt::Display for Span {
 /// A part of a file that can't be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Loss {
-    /// Where it starts in the file, bytes.
+    /// Its start in the file, bytes.
     pub offset: u64,
     /// Length, bytes.
     pub length: u64,
@@ -32,7 +32,7 @@ pub struct Loss {
     pub span: Option<Span>,
     /// Whether it was left unread, though it may be whole.
     pub is_unread: bool,
-    /// Why it can't be read, or was left unread.
+    /// The reason why it can't be read, or was left unread.
     pub reason: String,
 }
 

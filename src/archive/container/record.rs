@@ -9,12 +9,12 @@ use std::io;
 /// Length of a record's opcode and length field.
 pub(crate) const HEAD: u64 = 9;
 
-/// Where a top-level record stands in a file.
+/// The place of a top-level record in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct RecordSpan {
     /// Kind of the record.
     pub(crate) opcode: u8,
-    /// Where it starts.
+    /// Its start.
     pub(crate) offset: u64,
     /// Its length with opcode and length field.
     pub(crate) length: u64,

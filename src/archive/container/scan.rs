@@ -191,7 +191,7 @@ impl<'a> Scanner<'a> {
 mod tests {
     use super::*;
 
-    /// What is found in a file whose only record is a message that claims a body so much longer than it is.
+    /// The sections found in a file whose only record is a message that claims a body so much longer than it is.
     fn found(excess: u64) -> Vec<Found> {
         const BODY: u64 = 30;
         let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();

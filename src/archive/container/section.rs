@@ -18,7 +18,7 @@ const PIECE: u64 = 1 << 22;
 /// A part of a file that holds messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Section {
-    /// Where it starts.
+    /// Its start.
     pub(crate) offset: u64,
     /// Length, bytes.
     pub(crate) length: u64,
@@ -28,7 +28,7 @@ pub(crate) struct Section {
     pub(crate) span: Option<(u64, u64)>,
 }
 
-/// Why a section can't be read.
+/// The reason why a section can't be read.
 #[derive(Debug, Error)]
 pub(crate) enum SectionError {
     #[error(transparent)]

@@ -59,7 +59,7 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Where it is.
+    /// Its place.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path

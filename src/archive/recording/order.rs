@@ -79,7 +79,7 @@ impl Order {
         }
     }
 
-    /// Where a message stands among others: by its time, and at one time by channel and number, as toprise writes them.
+    /// The place of a message among others: by its time, and at one time by channel and number, as toprise writes them.
     /// Those of others with one time stay in the order of the file.
     pub(super) fn rank(&self, channel: usize, head: &MessageRecord<'_>) -> (u64, usize, u32) {
         match self.channels[channel].rule {

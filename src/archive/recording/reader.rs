@@ -37,7 +37,7 @@ impl Selection {
 pub struct Undecoded<'a> {
     /// Its channel.
     pub channel: &'a FileChannel,
-    /// Where that stands among the channels of the recording.
+    /// Its place among the channels of the recording.
     pub position: usize,
     /// Sequence number.
     pub sequence: u32,
@@ -80,7 +80,7 @@ pub struct Reader<'r> {
     buffers: Buffers,
     /// The records of the batch that is being read.
     records: Vec<u8>,
-    /// Where the wanted messages start in them, and how many of these have been given.
+    /// The places of the wanted messages in them, and how many of these have been given.
     starts: Vec<u32>,
     given: usize,
     /// Treatment of each of the file's channels.

@@ -23,7 +23,7 @@ pub struct Series {
     pub losses: Vec<Loss>,
 }
 
-/// Why there is no such series.
+/// The reason why there is no such series.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SeriesError {
     /// The recording has no such channel.

@@ -14,7 +14,7 @@ use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Where the comparison is shown.
+/// The viewer or file that shows the comparison.
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct ShowArguments {
     /// Write a Rerun recording of both runs and their differences into this file.

@@ -87,7 +87,7 @@ impl Pace {
     }
 }
 
-/// When the moment `time_ns` of a run has come, from its beginning on. A speed near zero makes it later than a
+/// The instant at which the moment `time_ns` of a run has come, from its beginning on. A speed near zero makes it later than a
 /// duration can be.
 fn due(time_ns: u64, speed: f64) -> Duration {
     let seconds = time_ns as f64 / 1e9 / speed;

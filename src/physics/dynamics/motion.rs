@@ -13,7 +13,7 @@ pub struct Motion {
     pub angles: Euler,
     /// Inclination and angular velocity.
     pub tilt: Tilt,
-    /// Where the peg is and how it moves.
+    /// Position and velocity of the peg.
     pub peg: Peg,
     /// Phase of the contact point.
     pub phase: Phase,

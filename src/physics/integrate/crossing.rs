@@ -1,4 +1,4 @@
-//! Where a function changes its sign within a step.
+//! The points at which a function changes its sign within a step.
 
 /// Fractions of a step at which it is usual to evaluate the functions that [`SignTracker`] watches.
 pub const KNOTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -366,7 +366,7 @@ fn extreme_point(
     }
 }
 
-/// Where `g` changes its sign between 0 and 1, given its values there: one is positive, the other is not.
+/// The point between 0 and 1 at which `g` changes its sign, given its values there: one is positive, the other is not.
 #[must_use]
 pub fn zero(start: f64, end: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
     let (from, to) = (Point { s: 0.0, g: start }, Point { s: 1.0, g: end });
@@ -374,7 +374,7 @@ pub fn zero(start: f64, end: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
     root(from, to, new_sign, &mut g)
 }
 
-/// Where `g` gets the sign `new_sign` (±1) between two points; `to` has it.
+/// The point between two others at which `g` gets the sign `new_sign` (±1); `to` has it.
 ///
 /// The ITP method (I. F. D. Oliveira, R. H. C. Takahashi, *An enhancement of the bisection method average
 /// performance preserving minmax optimality*, ACM Trans. Math. Softw. 47 (2021) 5): superlinear on smooth
@@ -409,7 +409,7 @@ fn root(from: Point, to: Point, new_sign: f64, g: &mut impl FnMut(f64) -> f64) -
     b.s
 }
 
-/// Where to look next in a bracket: the secant's zero, nudged toward the middle so that the bracket shrinks
+/// The next point to look at in a bracket: the secant's zero, nudged toward the middle so that the bracket shrinks
 /// from both sides, but so close to the middle that the bracket gets narrower than `allowed_width`.
 fn itp_point(a: Point, b: Point, nudge: f64, allowed_width: f64) -> f64 {
     let width = b.s - a.s;

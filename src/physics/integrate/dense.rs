@@ -4,7 +4,7 @@
 /// slope at both ends (Hairer, Nørsett, Wanner, II.6).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dense<const N: usize> {
-    /// Where the step starts.
+    /// The start of the step.
     pub t0: f64,
     /// Its length, negative for steps backward. The step ends at exactly `t0 + h`.
     pub h: f64,

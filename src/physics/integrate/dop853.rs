@@ -30,7 +30,7 @@ const WEIGHT_OF_THIRD: f64 = 0.01;
 /// would shorten every step.
 const DENSE_ALLOWANCE: f64 = 10.0;
 
-/// Where the dense output is checked, as a fraction of the step: near the stage at 7/9. There its slope is that at a
+/// Place of the check of the dense output, as a fraction of the step: near the stage at 7/9. There its slope is that at a
 /// more exact state, so its defect is what the derivative changes by over its error, which is large there too.
 const CHECKED_AT: f64 = 0.8;
 

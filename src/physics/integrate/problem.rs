@@ -65,7 +65,7 @@ impl Statistics {
     }
 }
 
-/// Why an integration can't go on.
+/// The reason why an integration can't go on.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum IntegrateError {
     /// The tolerances ask for a step that t can't resolve: the solution is singular or discontinuous
@@ -74,7 +74,7 @@ pub enum IntegrateError {
         "no step from t = {t:?} on is short enough: the solution is singular or discontinuous there"
     )]
     StepSizeUnderflow {
-        /// Where the last accepted step ended.
+        /// The end of the last accepted step.
         t: f64,
         /// The step, with its sign, that would have been tried next.
         step: f64,

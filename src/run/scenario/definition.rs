@@ -45,7 +45,7 @@ pub struct Scenario {
     pub tolerances: Tolerances,
     /// Time between samples, ns.
     pub sample_period_ns: u64,
-    /// When the run ends.
+    /// The conditions that end the run.
     pub stop: Stop,
 }
 

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why a text is not a scenario that can be run. Each message names the key, the value and what is
+/// The reason why a text is not a scenario that can be run. Each message names the key, the value and what is
 /// allowed.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ScenarioError {

@@ -96,7 +96,7 @@ impl fmt::Display for Kind {
     }
 }
 
-/// When a scenario has to, or may, have a key.
+/// The condition under which a scenario has to, or may, have a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Presence {
     /// Always.
@@ -120,7 +120,7 @@ pub struct Key {
     pub unit: &'static str,
     /// Allowed values.
     pub kind: Kind,
-    /// When it is there.
+    /// The condition under which it is there.
     pub presence: Presence,
     /// Its meaning.
     pub meaning: &'static str,

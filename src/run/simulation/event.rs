@@ -230,7 +230,7 @@ impl EventKind {
 }
 
 listed! {
-    /// Why a run ended.
+    /// The reason for a run's end.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
     #[serde(rename_all = "snake_case")]
     pub enum StopReason {
@@ -275,7 +275,7 @@ impl StopReason {
         }
     }
 
-    /// Why the run ended, as a sentence.
+    /// The reason for the run's end, as a sentence.
     #[must_use]
     pub fn sentence(self) -> &'static str {
         match self {

@@ -21,9 +21,9 @@ const PERIOD_FACTOR: f64 = 2.0;
 pub struct NutationCycle {
     /// Counts the cycles from 0.
     pub index: u32,
-    /// When it began, s.
+    /// Time of its beginning, s.
     pub start: f64,
-    /// When it ended, s.
+    /// Time of its end, s.
     pub end: f64,
     /// The end rounded to nanoseconds.
     pub time_ns: u64,
@@ -61,7 +61,7 @@ pub(super) struct NutationTracker {
     /// Since the last maximum of θ̇, or since the motion began, which is no beginning of a cycle.
     open: OpenCycle,
     has_begun: bool,
-    /// When an impact has made the motion jump, s, and the rates after it, until it is known whether a cycle ends there.
+    /// Time at which an impact made the motion jump, s, and the rates after it, until it is known whether a cycle ends there.
     jump: Option<(f64, Euler)>,
 }
 

@@ -38,7 +38,7 @@ pub(super) struct Queue {
     pub(super) cycles: u32,
     /// Impacts that have been handed out.
     pub(super) impacts: u32,
-    /// When a tippe top inverted, s.
+    /// Time at which a tippe top inverted, s.
     pub(super) inversion: Option<f64>,
 }
 
@@ -62,7 +62,7 @@ impl Queue {
         self.pending.retain(|pending| pending.time_ns() <= limit);
     }
 
-    /// When the next one happened, ns.
+    /// Time of the next one, ns.
     pub(super) fn next_time_ns(&self) -> Option<u64> {
         self.pending.front().map(Pending::time_ns)
     }

@@ -22,7 +22,7 @@ pub enum Record {
 }
 
 impl Record {
-    /// When it happens, ns.
+    /// Its time, ns.
     #[must_use]
     pub fn time_ns(&self) -> u64 {
         match self {
@@ -34,7 +34,7 @@ impl Record {
     }
 }
 
-/// Why a simulation can't go on.
+/// The reason why a simulation can't go on.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SimulationError {
     /// The integrator gave up.
@@ -71,9 +71,9 @@ pub enum SimulationError {
 /// End of a run, and its counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunEnd {
-    /// Why it ended.
+    /// The reason for its end.
     pub stop: StopReason,
-    /// When it ended, s.
+    /// The time of its end, s.
     pub time: f64,
     /// The motion at that moment.
     pub motion: Motion,
@@ -83,7 +83,7 @@ pub struct RunEnd {
     pub energy_at_start: f64,
     /// Number of samples.
     pub samples: u64,
-    /// When a tippe top inverted, its axis passing the horizontal, s.
+    /// Time at which a tippe top inverted, its axis passing the horizontal, s.
     pub inversion_time: Option<f64>,
     /// Number of events.
     pub events: u64,

@@ -57,7 +57,7 @@ pub(super) struct Runner<F, const N: usize> {
     bounces: u32,
     progress: Progress,
     energy_at_start: f64,
-    /// Where the step is left before its end, once that is known.
+    /// The time at which the step is left before its end, once that is known.
     end: Option<(f64, End<F, N>)>,
     /// The time up to which records have been handed out, and the motion there.
     last: (f64, Motion),
@@ -73,7 +73,7 @@ struct LoopSettings {
     sense: f64,
 }
 
-/// Why a step is left before its end.
+/// The reason why a step is left before its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum End<F, const N: usize> {
     /// The run is over. After an impact this is the motion then; otherwise it is that which the step has there.

@@ -11,9 +11,9 @@ pub struct EventCount {
     pub name: EventKind,
     /// Number of times.
     pub count: u64,
-    /// When it happened first, s.
+    /// Time of the first, s.
     pub first_time: f64,
-    /// When it happened last, s.
+    /// Time of the last, s.
     pub last_time: f64,
 }
 
@@ -50,7 +50,7 @@ impl Tally {
         self.find(kind).map_or(0, |known| known.count)
     }
 
-    /// When this kind happened first, s; none if it did not.
+    /// Time of the first of this kind, s; none if there was none.
     #[must_use]
     pub fn first(&self, kind: EventKind) -> Option<f64> {
         self.find(kind).map(|known| known.first_time)

@@ -39,7 +39,7 @@ impl Trace {
         }
     }
 
-    /// Where the last part of the path begins, which is drawn magnified.
+    /// The beginning of the last part of the path, which is drawn magnified.
     pub(super) fn end(&self) -> usize {
         let (first, last) = extremes(self.times.iter().copied());
         let from = last - END * (last - first);

@@ -19,7 +19,7 @@ pub(super) struct Along {
     is_log: bool,
     /// Each different value once, in order.
     values: Vec<f64>,
-    /// Where these are drawn: neighbours that differ too little may be drawn at one place.
+    /// Their places in the drawing: neighbours that differ too little may be drawn at one place.
     pub(super) levels: Vec<f64>,
 }
 
@@ -54,7 +54,7 @@ impl Along {
         along
     }
 
-    /// Where a value is drawn.
+    /// The place of a value in the drawing.
     pub(super) fn place(&self, value: f64) -> f64 {
         if self.is_log { log10(value) } else { value }
     }

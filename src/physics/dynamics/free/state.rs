@@ -47,7 +47,7 @@ pub struct FreeRotation {
 pub(super) enum Departure {
     /// In this direction, in the lean frame.
     Toward(Vector3<f64>),
-    /// Where the friction that held it gives way. It grows too weak by ever more, from nothing, so that the direction
+    /// The state where the friction that held it gives way. It grows too weak by ever more, from nothing, so that the direction
     /// follows the motion from the start.
     GivingWay,
 }
