@@ -12,6 +12,7 @@ mod decoding;
 pub mod digest;
 pub mod encoding;
 pub mod fields;
+mod handle;
 pub mod json;
 mod logging;
 mod message;
@@ -25,8 +26,9 @@ mod topic;
 pub mod views;
 mod wire;
 
-pub use self::channel::{ChannelInfo, Content, Leaf, Member, channels};
+pub use self::channel::{ChannelInfo, Content, Leaf, Member};
 pub use self::logging::{Telemetry, TelemetryError};
 pub use self::message::{Message, Numbers};
 pub use self::quantity::Quantity;
+pub use self::table::channels;
 pub use self::topic::{Topic, Topics, UnknownTopic};

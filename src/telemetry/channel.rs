@@ -1,8 +1,6 @@
-//! The channels as sinks and readers see them: the table without the functions that fill it.
+//! Channels as sinks and readers see them: the table without the functions that fill it.
 
 use super::quantity::Quantity;
-use super::table::{Channel, EVENTS, Field, IMPACTS, NUTATION, SAMPLES, Source};
-use std::sync::OnceLock;
 
 /// A channel: a stream of messages with the same fields.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,86 +106,5 @@ impl ChannelInfo {
     #[must_use]
     pub fn number_index(&self, path: &str) -> Option<usize> {
         self.numbers.iter().position(|leaf| leaf.path == path)
-    }
-}
-
-/// All channels, in table order.
-pub fn channels() -> &'static [ChannelInfo] {
-    static CHANNELS: OnceLock<Vec<ChannelInfo>> = OnceLock::new();
-    CHANNELS.get_or_init(|| {
-        let samples = SAMPLES.iter().map(|channel| info(channel, true));
-        let others = [
-            info(&NUTATION, false),
-            info(&EVENTS, false),
-            info(&IMPACTS, false),
-        ];
-        samples.chain(others).collect()
-    })
-}
-
-fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
-    let (texts, numbers): (Vec<_>, Vec<_>) = channel
-        .fields
-        .iter()
-        .partition(|field| matches!(field.source, Source::Text(_)));
-    let leaves = |fields: Vec<&Field<S>>| fields.into_iter().flat_map(leaves).collect();
-    let mut numbers: Vec<Leaf> = leaves(numbers);
-    for field in channel.fields {
-        let find = |name: &str| numbers.iter().position(|leaf| leaf.path == name);
-        if let (Some(number), Some(derivative)) = (find(field.name), field.derivative) {
-            numbers[number].derivative = find(derivative);
-        }
-    }
-    ChannelInfo {
-        topic: channel.topic,
-        schema: channel.schema,
-        meaning: channel.meaning,
-        texts: leaves(texts),
-        numbers,
-        is_sampled,
-        is_optional: channel.present.is_some(),
-        is_of_free_peg: channel.is_of_free_peg,
-    }
-}
-
-fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
-    let components: &[&str] = match field.source {
-        Source::Number(_) | Source::Text(_) => &[""],
-        Source::Vector(_) => &[".x", ".y", ".z"],
-        Source::Rotation(_) => &[".x", ".y", ".z", ".w"],
-    };
-    let leaf = |component: &&str| Leaf {
-        path: format!("{}{component}", field.name),
-        quantity: field.quantity,
-        unit: field.quantity.unit(),
-        frame: field.frame,
-        meaning: field.meaning,
-        plot: field.plot,
-        is_component: components.len() > 1,
-        derivative: None,
-    };
-    components.iter().map(leaf).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_are_unique_and_objects_are_contiguous() {
-        for channel in channels() {
-            let mut closed: Vec<&str> = Vec::new();
-            for leaf in channel.leaves() {
-                let parent = leaf.path.split('.').next().unwrap_or_default();
-                if closed.last() != Some(&parent) {
-                    assert!(!closed.contains(&parent), "{} {}", channel.topic, leaf.path);
-                    closed.push(parent);
-                }
-            }
-            let mut paths: Vec<_> = channel.leaves().map(|leaf| &leaf.path).collect();
-            paths.sort();
-            paths.dedup();
-            assert_eq!(paths.len(), channel.leaves().count(), "{}", channel.topic);
-        }
     }
 }

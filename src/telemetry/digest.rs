@@ -1,7 +1,7 @@
 //! The content digest: a fingerprint of the recorded data, however the file is encoded and packed.
 
-use super::channel::channels;
 use super::message::Message;
+use super::table::channels;
 use crate::run::scenario::hex;
 use sha2::{Digest as _, Sha256};
 

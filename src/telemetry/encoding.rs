@@ -1,11 +1,12 @@
 //! The encodings that messages of a recording can have, each way.
 
-use super::channel::{ChannelInfo, channels};
+use super::channel::ChannelInfo;
 pub use super::decoding::{DecodeError, FieldDifferences, Row};
 use super::json::{JsonDecoder, JsonEncoder};
 use super::message::Message;
 use super::protobuf::{ProtobufDecoder, ProtobufEncoder, file_descriptor_set};
 use super::schema::json_schema;
+use super::table::channels;
 use crate::run::listed::listed;
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,8 +1,10 @@
 //! The messages of a run: the table applied to its records.
 
-use super::channel::channels;
 use super::message::Message;
-use super::table::{Channel, EVENTS, IMPACTS, NUTATION, SAMPLES, Source};
+use super::table::channels;
+use super::table::{
+    Channel, EVENTS, IMPACTS, NUTATION, SAMPLES, Source, events, impacts, nutation,
+};
 use super::topic::{Topic, Topics};
 use crate::physics::dynamics::Support;
 use crate::run::simulation::Record;
@@ -92,16 +94,16 @@ impl Telemetry {
                 Ok(())
             }
             Record::Nutation(cycle) => {
-                let at = (SAMPLES.len(), cycle.index, cycle.time_ns);
-                self.message(&NUTATION, at, cycle.as_ref(), &mut emit)
+                let at = (NUTATION.index(), cycle.index, cycle.time_ns);
+                self.message(&nutation::CHANNEL, at, cycle.as_ref(), &mut emit)
             }
             Record::Event(event) => {
-                let at = (SAMPLES.len() + 1, event.index, event.time_ns);
-                self.message(&EVENTS, at, event.as_ref(), &mut emit)
+                let at = (EVENTS.index(), event.index, event.time_ns);
+                self.message(&events::CHANNEL, at, event.as_ref(), &mut emit)
             }
             Record::Impact(landing) => {
-                let at = (SAMPLES.len() + 2, landing.index, landing.time_ns);
-                self.message(&IMPACTS, at, landing.as_ref(), &mut emit)
+                let at = (IMPACTS.index(), landing.index, landing.time_ns);
+                self.message(&impacts::CHANNEL, at, landing.as_ref(), &mut emit)
             }
         }
     }

@@ -1,12 +1,17 @@
-//! The table of channels: the one place that defines what is logged.
+//! The table of channels: the one place that defines what is logged, and the handles of its fields.
 
+use super::channel::{ChannelInfo, Leaf};
+use super::handle::{NumberField, RotationField, TextField, VectorField};
 use super::quantity::Quantity::{
     self, Acceleration, Angle, Direction, Energy, Flag, Force, Impulse, Jellett, Length,
     LinearAcceleration, Momentum, Number, Orientation, Power, Rate, ReferenceRate, Text, Time,
     Torque, Velocity,
 };
+use super::topic::Topic;
+use crate::physics::dynamics::Support;
 use crate::run::simulation::{Event, FreeSample, Landing, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
+use std::sync::OnceLock;
 
 /// The version of the telemetry: of what is recorded, and how it is computed. A change of a channel, or of its
 /// numbers for a motion, raises it.
@@ -68,295 +73,337 @@ pub enum Source<S> {
     Text(fn(&S) -> &str),
 }
 
-const BODY: &str = "body";
-const WORLD: &str = "world";
-const NODE: &str = "node: x line of nodes, y perpendicular n × e_N, z symmetry axis";
+/// Frames of vectors.
+mod frame {
+    pub const BODY: &str = "body";
+    pub const WORLD: &str = "world";
+    pub const NODE: &str = "node: x line of nodes, y perpendicular n × e_N, z symmetry axis";
+}
 
-const fn number<S>(
-    name: &'static str,
-    quantity: Quantity,
-    meaning: &'static str,
-    get: fn(&S) -> f64,
-) -> Field<S> {
-    Field {
-        name,
-        quantity,
-        frame: "",
-        meaning,
-        plot: name,
-        derivative: None,
-        source: Source::Number(get),
+impl<S> Channel<S> {
+    /// Only the recordings of tops with a free peg have it.
+    const fn of_free_peg(mut self) -> Self {
+        self.is_of_free_peg = true;
+        self
+    }
+
+    /// Only these values make a message.
+    const fn present_if(mut self, present: fn(&S) -> bool) -> Self {
+        self.present = Some(present);
+        self
     }
 }
 
-const fn vector<S>(
-    name: &'static str,
-    quantity: Quantity,
-    frame: &'static str,
-    meaning: &'static str,
-    get: fn(&S) -> Vector3<f64>,
-) -> Field<S> {
-    Field {
-        name,
-        quantity,
-        frame,
-        meaning,
-        plot: name,
-        derivative: None,
-        source: Source::Vector(get),
+impl<S> Field<S> {
+    const fn new(
+        name: &'static str,
+        quantity: Quantity,
+        meaning: &'static str,
+        source: Source<S>,
+    ) -> Self {
+        let (frame, plot, derivative) = ("", name, None);
+        Self {
+            name,
+            quantity,
+            frame,
+            meaning,
+            plot,
+            derivative,
+            source,
+        }
+    }
+
+    const fn number(
+        name: &'static str,
+        quantity: Quantity,
+        meaning: &'static str,
+        get: fn(&S) -> f64,
+    ) -> Self {
+        Self::new(name, quantity, meaning, Source::Number(get))
+    }
+
+    const fn vector(
+        name: &'static str,
+        quantity: Quantity,
+        frame: &'static str,
+        meaning: &'static str,
+        get: fn(&S) -> Vector3<f64>,
+    ) -> Self {
+        let mut field = Self::new(name, quantity, meaning, Source::Vector(get));
+        field.frame = frame;
+        field
+    }
+
+    const fn rotation(
+        name: &'static str,
+        meaning: &'static str,
+        get: fn(&S) -> UnitQuaternion<f64>,
+    ) -> Self {
+        Self::new(name, Orientation, meaning, Source::Rotation(get))
+    }
+
+    const fn text(name: &'static str, meaning: &'static str, get: fn(&S) -> &str) -> Self {
+        Self::new(name, Text, meaning, Source::Text(get))
+    }
+
+    /// Shows the field in a plot together with others.
+    const fn in_plot(mut self, plot: &'static str) -> Self {
+        self.plot = plot;
+        self
+    }
+
+    /// Names the field's time derivative.
+    const fn with_derivative(mut self, derivative: &'static str) -> Self {
+        self.derivative = Some(derivative);
+        self
     }
 }
 
-const fn text<S>(name: &'static str, meaning: &'static str, get: fn(&S) -> &str) -> Field<S> {
-    Field {
-        name,
-        quantity: Text,
-        frame: "",
-        meaning,
-        plot: name,
-        derivative: None,
-        source: Source::Text(get),
+/// The kinds of handles, by the names of the kinds of fields in the table.
+#[allow(non_camel_case_types)]
+mod handle {
+    pub type number = super::NumberField;
+    pub type vector = super::VectorField;
+    pub type rotation = super::RotationField;
+    pub type text = super::TextField;
+}
+
+/// The index of a field in messages, among the numbers or the texts.
+const fn index<S>(fields: &[Field<S>], place: usize) -> usize {
+    let (mut numbers, mut texts, mut at) = (0, 0, 0);
+    while at < place {
+        match fields[at].source {
+            Source::Number(_) => numbers += 1,
+            Source::Vector(_) => numbers += 3,
+            Source::Rotation(_) => numbers += 4,
+            Source::Text(_) => texts += 1,
+        }
+        at += 1;
+    }
+    match fields[place].source {
+        Source::Text(_) => texts,
+        Source::Number(_) | Source::Vector(_) | Source::Rotation(_) => numbers,
     }
 }
 
-/// Shows a field in a plot together with others.
-const fn together<S>(plot: &'static str, mut field: Field<S>) -> Field<S> {
-    field.plot = plot;
-    field
+/// Declares channels by what their messages are made from. Each becomes a row of a table, a [`Topic`], and a module with the handles of
+/// its fields.
+macro_rules! channels {
+    ($(
+        $(#[$doc:meta])*
+        $TABLE:ident: $Source:ty {
+            $($TOPIC:ident $fields:ident: channel($topic:literal, $schema:literal, $meaning:literal)
+                $(.$option:ident($($value:expr)?))* {
+                $($HANDLE:ident = $kind:ident($($argument:expr),*)$(.$method:ident($text:literal))*;)*
+            })*
+        }
+    )*) => {
+        /// The channels in the order of their indices.
+        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
+        enum Order { $($($TOPIC),*),* }
+
+        $(
+            $(#[$doc])*
+            pub const $TABLE: &[Channel<$Source>] = &[$($fields::CHANNEL),*];
+
+            $(
+                #[doc = concat!("`", $topic, "`.")]
+                pub const $TOPIC: Topic = Topic::at(Order::$TOPIC as usize);
+
+                #[doc = concat!("The fields of `", $topic, "`.")]
+                pub mod $fields {
+                    use super::*;
+
+                    /// The fields in the order of the channel.
+                    #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
+                    enum Place { $($HANDLE),* }
+
+                    pub(crate) const CHANNEL: Channel<$Source> = Channel::<$Source> {
+                        topic: $topic,
+                        schema: $schema,
+                        meaning: $meaning,
+                        is_of_free_peg: false,
+                        present: None,
+                        fields: &[$(Field::<$Source>::$kind($($argument),*)$(.$method($text))*),*],
+                    }$(.$option($($value)?))*;
+
+                    $(
+                        #[doc = concat!("Handle of a field of `", $topic, "`.")]
+                        pub const $HANDLE: handle::$kind = {
+                            let place = Place::$HANDLE as usize;
+                            let index = index(CHANNEL.fields, place);
+                            handle::$kind::new($TOPIC, index, CHANNEL.fields[place].plot)
+                        };
+                    )*
+                }
+            )*
+        )*
+    };
 }
 
-/// Names the time derivative of a field.
-const fn with_derivative<S>(derivative: &'static str, mut field: Field<S>) -> Field<S> {
-    field.derivative = Some(derivative);
-    field
+channels! {
+    /// The channels that have a message for each sample.
+    SAMPLES: Sample {
+        STATE state: channel("/top/state", "toprise.State",
+            "Euler angles (z-x-z), their rates and accelerations; where the axis is exactly vertical, φ and the rates are those with which it leaves the vertical, or else φ is kept and φ̇ is 0; φ̈ is 0 there") {
+            PHI = number("phi", Angle, "precession angle φ, about the vertical, unwrapped", |s| s.angles.phi).with_derivative("phi_dot");
+            THETA = number("theta", Angle, "nutation angle (inclination) θ, about the line of nodes", |s| s.angles.theta).with_derivative("theta_dot");
+            PSI = number("psi", Angle, "spin angle ψ, about the symmetry axis, unwrapped", |s| s.angles.psi).with_derivative("psi_dot");
+            PHI_DOT = number("phi_dot", Rate, "precession rate φ̇", |s| s.tilt.rates.phi).with_derivative("phi_ddot");
+            THETA_DOT = number("theta_dot", Rate, "nutation rate θ̇", |s| s.tilt.rates.theta).with_derivative("theta_ddot");
+            PSI_DOT = number("psi_dot", Rate, "spin rate ψ̇", |s| s.tilt.rates.psi).with_derivative("psi_ddot");
+            PHI_DDOT = number("phi_ddot", Acceleration, "precession acceleration φ̈", |s| s.euler_accelerations.phi);
+            THETA_DDOT = number("theta_ddot", Acceleration, "nutation acceleration θ̈", |s| s.euler_accelerations.theta);
+            PSI_DDOT = number("psi_ddot", Acceleration, "spin acceleration ψ̈", |s| s.euler_accelerations.psi);
+        }
+        POSE pose: channel("/top/pose", "toprise.Pose",
+            "orientation, symmetry axis, angular velocity and position") {
+            ORIENTATION = rotation("orientation", "unit quaternion that turns body components into world components", |s| s.pose.world_from_body);
+            AXIS = vector("axis", Direction, frame::WORLD, "direction of the symmetry axis", |s| s.pose.axis);
+            OMEGA_BODY = vector("omega_body", Rate, frame::BODY, "angular velocity ω", |s| s.pose.omega_body);
+            OMEGA_WORLD = vector("omega_world", Rate, frame::WORLD, "angular velocity ω", |s| s.pose.omega_world);
+            PEG_POSITION = vector("peg_position", Length, frame::WORLD, "centre of the peg; the table is z = 0", |s| s.pose.peg_position);
+        }
+        TORQUE torque: channel("/top/torque", "toprise.Torque",
+            "torques about the centre of the peg") {
+            GRAVITY_BODY = vector("gravity_body", Torque, frame::BODY, "torque of gravity", |s| s.torque.gravity.body);
+            FRICTION_BODY = vector("friction_body", Torque, frame::BODY, "torque of friction", |s| s.torque.friction.body);
+            TOTAL_BODY = vector("total_body", Torque, frame::BODY, "sum of the torques", |s| s.torque.total.body);
+            GRAVITY_NODE = vector("gravity_node", Torque, frame::NODE, "torque of gravity", |s| s.torque.gravity.node);
+            FRICTION_NODE = vector("friction_node", Torque, frame::NODE, "torque of friction", |s| s.torque.friction.node);
+            TOTAL_NODE = vector("total_node", Torque, frame::NODE, "sum of the torques", |s| s.torque.total.node);
+        }
+        ACCELERATION acceleration: channel("/top/acceleration", "toprise.Acceleration",
+            "the terms of the equations of motion: why the top rises at this instant, and what they have added up to") {
+            THETA_DDOT_GYROSCOPIC = number("theta_ddot.gyroscopic", Acceleration, "−(I_z/I_x) φ̇ sin θ (ψ̇ + φ̇ cos θ)", |s| s.accelerations.gyroscopic.theta).in_plot("theta_ddot");
+            THETA_DDOT_CENTRIFUGAL = number("theta_ddot.centrifugal", Acceleration, "φ̇² sin θ cos θ", |s| s.accelerations.inertial.theta).in_plot("theta_ddot");
+            THETA_DDOT_GRAVITATIONAL = number("theta_ddot.gravitational", Acceleration, "(M g l/I_x) sin θ", |s| s.accelerations.gravitational.theta).in_plot("theta_ddot");
+            THETA_DDOT_FRICTIONAL = number("theta_ddot.frictional", Acceleration, "torque of friction about the line of nodes over I_x", |s| s.accelerations.frictional.theta).in_plot("theta_ddot");
+            PHI_DDOT_GYROSCOPIC = number("phi_ddot.gyroscopic", Acceleration, "(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ)/sin θ", |s| s.accelerations.gyroscopic.phi).in_plot("phi_ddot");
+            PHI_DDOT_CORIOLIS = number("phi_ddot.coriolis", Acceleration, "−2 θ̇ φ̇ cos θ/sin θ", |s| s.accelerations.inertial.phi).in_plot("phi_ddot");
+            PHI_DDOT_FRICTIONAL = number("phi_ddot.frictional", Acceleration, "the term of friction, k M g R ψ̇ cos θ/(I_x |ω_⊥|) in the paper", |s| s.accelerations.frictional.phi).in_plot("phi_ddot");
+            PSI_DDOT_GYROSCOPIC = number("psi_ddot.gyroscopic", Acceleration, "−(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ) cos θ/sin θ", |s| s.accelerations.gyroscopic.psi).in_plot("psi_ddot");
+            PSI_DDOT_CORIOLIS = number("psi_ddot.coriolis", Acceleration, "2 θ̇ φ̇ cos² θ/sin θ + θ̇ φ̇ sin θ", |s| s.accelerations.inertial.psi).in_plot("psi_ddot");
+            PSI_DDOT_FRICTIONAL = number("psi_ddot.frictional", Acceleration, "the term of friction, −k M g R ψ̇ (cos² θ/I_x + sin² θ/I_z)/|ω_⊥| in the paper", |s| s.accelerations.frictional.psi).in_plot("psi_ddot");
+            PHI_DOT_GYROSCOPIC = number("phi_dot.gyroscopic", Rate, "what the gyroscopic term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_gyroscopic).in_plot("phi_dot");
+            PHI_DOT_CORIOLIS = number("phi_dot.coriolis", Rate, "what the Coriolis term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_coriolis).in_plot("phi_dot");
+            PHI_DOT_FRICTIONAL = number("phi_dot.frictional", Rate, "what the frictional term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_frictional).in_plot("phi_dot");
+            PSI_DOT_FRICTIONAL = number("psi_dot.frictional", Rate, "what the frictional term of ψ̈ has changed ψ̇ by since the start", |s| s.integrals.terms.psi_frictional);
+        }
+        CONTACT contact: channel("/top/contact", "toprise.Contact",
+            "slip and forces at the point of contact") {
+            SLIP_BODY = vector("slip_body", Velocity, frame::BODY, "slip velocity of the contact point over the table", |s| s.slip.body);
+            SLIP_WORLD = vector("slip_world", Velocity, frame::WORLD, "slip velocity of the contact point over the table", |s| s.slip.world);
+            SLIP_SPEED = number("slip_speed", Velocity, "magnitude of the slip velocity", |s| s.contact.slip_speed);
+            FRICTION_FORCE = vector("friction_force", Force, frame::WORLD, "friction force of the law; the ablations of the equations do not follow from a force and leave it as it is", |s| s.slip.friction_force);
+            NORMAL_FORCE = number("normal_force", Force, "normal force of the table", |s| s.contact.normal_force);
+            CONTACT_POINT = vector("contact_point", Length, frame::WORLD, "the point of contact", |s| s.slip.contact_point);
+            SLIP_PATH = number("slip_path", Length, "length of the path slipped since the start", |s| s.integrals.slip_path);
+            REGIME = number("regime", Flag, "1 slipping, 0 not slipping", Sample::regime);
+            SLIP_WORK = number("slip_work", Energy, "work of the friction force along the path slipped since the start", |s| s.integrals.slip_work);
+        }
+        ENERGY energy: channel("/top/energy", "toprise.Energy",
+            "energies and what friction takes") {
+            KINETIC = number("kinetic", Energy, "kinetic energy", |s| s.energy.kinetic).in_plot("mechanical");
+            POTENTIAL = number("potential", Energy, "potential energy, zero at the height of the peg's centre", |s| s.energy.potential);
+            TOTAL = number("total", Energy, "total energy", |s| s.energy.total()).in_plot("mechanical");
+            FRICTION_POWER = number("friction_power", Power, "power of the torque of friction", |s| s.energy.friction_power);
+            FRICTION_WORK = number("friction_work", Energy, "work of friction since the start", |s| s.integrals.friction_work);
+            FRICTION_WORK_NODE = vector("friction_work_node", Energy, frame::NODE, "work of friction about each axis since the start", |s| s.integrals.work_node);
+        }
+        MOMENTUM momentum: channel("/top/momentum", "toprise.Momentum",
+            "angular momentum about the centre of the peg") {
+            VERTICAL = number("vertical", Momentum, "about the vertical", |s| s.momentum.vertical).in_plot("components");
+            AXIAL = number("axial", Momentum, "about the symmetry axis", |s| s.momentum.axial).in_plot("components");
+            WORLD = vector("world", Momentum, frame::WORLD, "angular momentum", |s| s.momentum.world);
+        }
+        PRECESSION precession: channel("/top/precession", "toprise.Precession",
+            "regular precession at this inclination and spin rate; no message where its rates are not real").present_if(|s| s.precession.roots.is_some()) {
+            SLOW_ROOT = number("slow_root", ReferenceRate, "slow rate of regular precession", |s| s.precession.roots.map_or(f64::NAN, |r| r.slow));
+            FAST_ROOT = number("fast_root", ReferenceRate, "fast rate of regular precession", |s| s.precession.roots.map_or(f64::NAN, |r| r.fast));
+            EXCESS = number("excess", ReferenceRate, "φ̇ less the slow rate", |s| s.precession.roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow));
+            STRENGTH_RATIO = number("strength_ratio", Number, "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.precession.strength_ratio);
+        }
+        CENTER_OF_MASS center_of_mass: channel("/top/center_of_mass", "toprise.CenterOfMass",
+            "the centre of mass of a top with a free peg").of_free_peg().present_if(|s| s.free.is_some()) {
+            POSITION = vector("position", Length, frame::WORLD, "position", |s| of_free(s, |f| f.center));
+            VELOCITY = vector("velocity", Velocity, frame::WORLD, "velocity", |s| of_free(s, |f| f.center_velocity));
+            ACCELERATION = vector("acceleration", LinearAcceleration, frame::WORLD, "acceleration", |s| of_free(s, |f| f.center_acceleration));
+            ANGULAR_MOMENTUM = vector("angular_momentum", Momentum, frame::WORLD, "angular momentum about it", |s| of_free(s, |f| f.central_momentum));
+        }
+        FREE_PEG free_peg: channel("/top/free_peg", "toprise.FreePeg",
+            "what a free peg does on the table and above it").of_free_peg().present_if(|s| s.free.is_some()) {
+            GAP = number("gap", Length, "height of the peg above the table", |s| number_of_free(s, |f| f.gap));
+            VELOCITY = vector("velocity", Velocity, frame::WORLD, "velocity of the peg's centre", |s| of_free(s, |f| f.peg_velocity));
+            JELLETT = number("jellett", Jellett, "Jellett's integral l L_n + R L_z′ about the centre of mass, which no force at the point of contact changes", |s| number_of_free(s, |f| f.jellett));
+            ROUTH = number("routh", Momentum, "Routh's integral, constant while a peg rolls without losses", |s| number_of_free(s, |f| f.routh));
+            TRANSLATIONAL = number("translational", Energy, "kinetic energy of the centre of mass; the rest is that of the rotation about it", |s| number_of_free(s, |f| f.translational_energy));
+            LOST_SLIDING = number("lost.sliding", Energy, "energy that friction has taken along the path slipped since the start", |s| -s.integrals.slip_work).in_plot("lost");
+            LOST_LOSSES = number("lost.losses", Energy, "energy that rolling resistance, drilling and air have taken since the start", |s| number_of_free(s, |f| f.dissipated.losses)).in_plot("lost");
+            LOST_RESTITUTION = number("lost.restitution", Energy, "energy lost by compression and restitution in impacts since the start", |s| number_of_free(s, |f| f.dissipated.impact_normal)).in_plot("lost");
+            LOST_IMPACT_FRICTION = number("lost.impact_friction", Energy, "energy lost by friction in impacts since the start", |s| number_of_free(s, |f| f.dissipated.impact_friction)).in_plot("lost");
+            DRIVEN_THETA_DDOT = number("driven.theta_ddot", Acceleration, "what the acceleration of the peg adds to the terms of θ̈", |s| number_of_free(s, |f| f.driven.theta)).in_plot("driven");
+            DRIVEN_PHI_DDOT = number("driven.phi_ddot", Acceleration, "what the acceleration of the peg adds to the terms of φ̈", |s| number_of_free(s, |f| f.driven.phi)).in_plot("driven");
+            DRIVEN_PSI_DDOT = number("driven.psi_ddot", Acceleration, "what the acceleration of the peg adds to the terms of ψ̈", |s| number_of_free(s, |f| f.driven.psi)).in_plot("driven");
+        }
+    }
+
+    /// The channel with a message for each nutation, at its end.
+    CYCLES: NutationCycle {
+        NUTATION nutation: channel("/top/nutation", "toprise.Nutation",
+            "each nutation, from one maximum of θ̇ to the next: the averaged motion") {
+            CYCLE = number("cycle", Number, "number of the cycle, from 0", |c| f64::from(c.index));
+            START = number("start", Time, "when the cycle began", |c| c.start);
+            PERIOD = number("period", Time, "its duration", NutationCycle::period);
+            THETA_MIN = number("theta_min", Angle, "least θ in it", |c| c.theta_min).in_plot("theta_range");
+            THETA_MAX = number("theta_max", Angle, "greatest θ in it", |c| c.theta_max).in_plot("theta_range");
+            THETA_MEAN = number("theta_mean", Angle, "mean of θ", |c| c.theta_mean);
+            THETA_DOT_MEAN = number("theta_dot_mean", Rate, "mean of θ̇", |c| c.mean_rates.theta);
+            PHI_DOT_MEAN = number("phi_dot_mean", Rate, "mean of φ̇", |c| c.mean_rates.phi);
+            PSI_DOT_MEAN = number("psi_dot_mean", Rate, "mean of ψ̇", |c| c.mean_rates.psi);
+            THETA_DOT_MIN = number("theta_dot_min", Rate, "least θ̇ in it", |c| c.least_rates.theta).in_plot("theta_dot_range");
+            THETA_DOT_MAX = number("theta_dot_max", Rate, "greatest θ̇ in it", |c| c.greatest_rates.theta).in_plot("theta_dot_range");
+            PHI_DOT_MIN = number("phi_dot_min", Rate, "least φ̇ in it", |c| c.least_rates.phi).in_plot("phi_dot_range");
+            PHI_DOT_MAX = number("phi_dot_max", Rate, "greatest φ̇ in it", |c| c.greatest_rates.phi).in_plot("phi_dot_range");
+            PSI_DOT_MIN = number("psi_dot_min", Rate, "least ψ̇ in it", |c| c.least_rates.psi).in_plot("psi_dot_range");
+            PSI_DOT_MAX = number("psi_dot_max", Rate, "greatest ψ̇ in it", |c| c.greatest_rates.psi).in_plot("psi_dot_range");
+            PHI_DDOT_FRICTIONAL_MEAN = number("phi_ddot_frictional_mean", Acceleration, "mean of the frictional term of φ̈", |c| c.mean_phi_frictional);
+        }
+    }
+
+    /// The channel with a message for each event.
+    EVENT: Event {
+        EVENTS events: channel("/events", "toprise.Event",
+            "what happened, and the state at that moment") {
+            NAME = text("name", "kind of event", |e| e.kind.name());
+            DESCRIPTION = text("description", "a sentence for people", |e| &e.description);
+            TIME = number("time", Time, "when, more exactly than the timestamp", |e| e.time);
+            PHI = number("phi", Angle, "precession angle φ", |e| e.motion.angles.phi);
+            THETA = number("theta", Angle, "nutation angle (inclination) θ", |e| e.motion.angles.theta);
+            PSI = number("psi", Angle, "spin angle ψ", |e| e.motion.angles.psi);
+            PHI_DOT = number("phi_dot", Rate, "precession rate φ̇", |e| e.motion.tilt.rates.phi);
+            THETA_DOT = number("theta_dot", Rate, "nutation rate θ̇", |e| e.motion.tilt.rates.theta);
+            PSI_DOT = number("psi_dot", Rate, "spin rate ψ̇", |e| e.motion.tilt.rates.psi);
+        }
+    }
+
+    /// The channel with a message for each impact of a free peg.
+    LANDINGS: Landing {
+        IMPACTS impacts: channel("/top/impact", "toprise.Impact",
+            "each impact of a free peg on the table").of_free_peg() {
+            TIME = number("time", Time, "when, more exactly than the timestamp", |i| i.time);
+            BOUNCE = number("bounce", Number, "impacts since the peg left the table, or since the start, this one counted", |i| f64::from(i.bounce));
+            STAYS = number("stays", Number, "1 if the peg stays on the table, 0 if it bounces", |i| f64::from(u8::from(i.stays)));
+            POINT = vector("point", Length, frame::WORLD, "the point of contact", |i| i.point);
+            IMPULSE = vector("impulse", Impulse, frame::WORLD, "impulse of the table", |i| i.impulse);
+            BEFORE = vector("before", Velocity, frame::WORLD, "velocity of the contact point before: its horizontal part is the slip", |i| i.before);
+            AFTER = vector("after", Velocity, frame::WORLD, "velocity of the contact point after", |i| i.after);
+            RESTITUTION = number("restitution", Number, "coefficient of restitution that acted", |i| i.restitution);
+            LOST_RESTITUTION = number("lost.restitution", Energy, "energy lost by compression and restitution", |i| i.normal_loss).in_plot("lost");
+            LOST_FRICTION = number("lost.friction", Energy, "energy lost by friction", |i| i.friction_loss).in_plot("lost");
+        }
+    }
 }
-
-/// The channels that have a message for each sample.
-#[rustfmt::skip]
-pub const SAMPLES: &[Channel<Sample>] = &[
-    Channel {
-        topic: "/top/state", schema: "toprise.State",
-        meaning: "Euler angles (z-x-z), their rates and accelerations; where the axis is exactly vertical, φ and the rates are those with which it leaves the vertical, or else φ is kept and φ̇ is 0; φ̈ is 0 there",
-        is_of_free_peg: false,
-        present: None,
-        fields: &[
-            with_derivative("phi_dot", number("phi", Angle, "precession angle φ, about the vertical, unwrapped", |s| s.angles.phi)),
-            with_derivative("theta_dot", number("theta", Angle, "nutation angle (inclination) θ, about the line of nodes", |s| s.angles.theta)),
-            with_derivative("psi_dot", number("psi", Angle, "spin angle ψ, about the symmetry axis, unwrapped", |s| s.angles.psi)),
-            with_derivative("phi_ddot", number("phi_dot", Rate, "precession rate φ̇", |s| s.tilt.rates.phi)),
-            with_derivative("theta_ddot", number("theta_dot", Rate, "nutation rate θ̇", |s| s.tilt.rates.theta)),
-            with_derivative("psi_ddot", number("psi_dot", Rate, "spin rate ψ̇", |s| s.tilt.rates.psi)),
-            number("phi_ddot", Acceleration, "precession acceleration φ̈", |s| s.euler_accelerations.phi),
-            number("theta_ddot", Acceleration, "nutation acceleration θ̈", |s| s.euler_accelerations.theta),
-            number("psi_ddot", Acceleration, "spin acceleration ψ̈", |s| s.euler_accelerations.psi),
-        ],
-    },
-    Channel {
-        topic: "/top/pose", schema: "toprise.Pose",
-        meaning: "orientation, symmetry axis, angular velocity and position",
-        is_of_free_peg: false,
-        present: None,
-        fields: &[
-            Field { name: "orientation", quantity: Orientation, frame: "", plot: "orientation", derivative: None,
-                meaning: "unit quaternion that turns body components into world components",
-                source: Source::Rotation(|s| s.pose.world_from_body) },
-            vector("axis", Direction, WORLD, "direction of the symmetry axis", |s| s.pose.axis),
-            vector("omega_body", Rate, BODY, "angular velocity ω", |s| s.pose.omega_body),
-            vector("omega_world", Rate, WORLD, "angular velocity ω", |s| s.pose.omega_world),
-            vector("peg_position", Length, WORLD, "centre of the peg; the table is z = 0", |s| s.pose.peg_position),
-        ],
-    },
-    Channel {
-        topic: "/top/torque", schema: "toprise.Torque",
-        meaning: "torques about the centre of the peg",
-        is_of_free_peg: false,
-        present: None,
-        fields: &[
-            vector("gravity_body", Torque, BODY, "torque of gravity", |s| s.torque.gravity.body),
-            vector("friction_body", Torque, BODY, "torque of friction", |s| s.torque.friction.body),
-            vector("total_body", Torque, BODY, "sum of the torques", |s| s.torque.total.body),
-            vector("gravity_node", Torque, NODE, "torque of gravity", |s| s.torque.gravity.node),
-            vector("friction_node", Torque, NODE, "torque of friction", |s| s.torque.friction.node),
-            vector("total_node", Torque, NODE, "sum of the torques", |s| s.torque.total.node),
-        ],
-    },
-    Channel {
-        topic: "/top/acceleration", schema: "toprise.Acceleration",
-        meaning: "the terms of the equations of motion: why the top rises at this instant, and what they have added up to",
-        is_of_free_peg: false,
-        present: None,
-        fields: &[
-            together("theta_ddot", number("theta_ddot.gyroscopic", Acceleration, "−(I_z/I_x) φ̇ sin θ (ψ̇ + φ̇ cos θ)", |s| s.accelerations.gyroscopic.theta)),
-            together("theta_ddot", number("theta_ddot.centrifugal", Acceleration, "φ̇² sin θ cos θ", |s| s.accelerations.inertial.theta)),
-            together("theta_ddot", number("theta_ddot.gravitational", Acceleration, "(M g l/I_x) sin θ", |s| s.accelerations.gravitational.theta)),
-            together("theta_ddot", number("theta_ddot.frictional", Acceleration, "torque of friction about the line of nodes over I_x", |s| s.accelerations.frictional.theta)),
-            together("phi_ddot", number("phi_ddot.gyroscopic", Acceleration, "(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ)/sin θ", |s| s.accelerations.gyroscopic.phi)),
-            together("phi_ddot", number("phi_ddot.coriolis", Acceleration, "−2 θ̇ φ̇ cos θ/sin θ", |s| s.accelerations.inertial.phi)),
-            together("phi_ddot", number("phi_ddot.frictional", Acceleration, "the term of friction, k M g R ψ̇ cos θ/(I_x |ω_⊥|) in the paper", |s| s.accelerations.frictional.phi)),
-            together("psi_ddot", number("psi_ddot.gyroscopic", Acceleration, "−(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ) cos θ/sin θ", |s| s.accelerations.gyroscopic.psi)),
-            together("psi_ddot", number("psi_ddot.coriolis", Acceleration, "2 θ̇ φ̇ cos² θ/sin θ + θ̇ φ̇ sin θ", |s| s.accelerations.inertial.psi)),
-            together("psi_ddot", number("psi_ddot.frictional", Acceleration, "the term of friction, −k M g R ψ̇ (cos² θ/I_x + sin² θ/I_z)/|ω_⊥| in the paper", |s| s.accelerations.frictional.psi)),
-            together("phi_dot", number("phi_dot.gyroscopic", Rate, "what the gyroscopic term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_gyroscopic)),
-            together("phi_dot", number("phi_dot.coriolis", Rate, "what the Coriolis term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_coriolis)),
-            together("phi_dot", number("phi_dot.frictional", Rate, "what the frictional term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_frictional)),
-            number("psi_dot.frictional", Rate, "what the frictional term of ψ̈ has changed ψ̇ by since the start", |s| s.integrals.terms.psi_frictional),
-        ],
-    },
-    Channel {
-        topic: "/top/contact", schema: "toprise.Contact",
-        meaning: "slip and forces at the point of contact",
-        is_of_free_peg: false,
-        present: None,
-        fields: &[
-            vector("slip_body", Velocity, BODY, "slip velocity of the contact point over the table", |s| s.slip.body),
-            vector("slip_world", Velocity, WORLD, "slip velocity of the contact point over the table", |s| s.slip.world),
-            number("slip_speed", Velocity, "magnitude of the slip velocity", |s| s.contact.slip_speed),
-            vector("friction_force", Force, WORLD, "friction force of the law; the ablations of the equations do not follow from a force and leave it as it is", |s| s.slip.friction_force),
-            number("normal_force", Force, "normal force of the table", |s| s.contact.normal_force),
-            vector("contact_point", Length, WORLD, "the point of contact", |s| s.slip.contact_point),
-            number("slip_path", Length, "length of the path slipped since the start", |s| s.integrals.slip_path),
-            number("regime", Flag, "1 slipping, 0 not slipping", Sample::regime),
-            number("slip_work", Energy, "work of the friction force along the path slipped since the start", |s| s.integrals.slip_work),
-        ],
-    },
-    Channel {
-        topic: "/top/energy", schema: "toprise.Energy",
-        meaning: "energies and what friction takes",
-        is_of_free_peg: false,
-        present: None,
-        fields: &[
-            together("mechanical", number("kinetic", Energy, "kinetic energy", |s| s.energy.kinetic)),
-            number("potential", Energy, "potential energy, zero at the height of the peg's centre", |s| s.energy.potential),
-            together("mechanical", number("total", Energy, "total energy", |s| s.energy.total())),
-            number("friction_power", Power, "power of the torque of friction", |s| s.energy.friction_power),
-            number("friction_work", Energy, "work of friction since the start", |s| s.integrals.friction_work),
-            vector("friction_work_node", Energy, NODE, "work of friction about each axis since the start", |s| s.integrals.work_node),
-        ],
-    },
-    Channel {
-        topic: "/top/momentum", schema: "toprise.Momentum",
-        meaning: "angular momentum about the centre of the peg",
-        is_of_free_peg: false,
-        present: None,
-        fields: &[
-            together("components", number("vertical", Momentum, "about the vertical", |s| s.momentum.vertical)),
-            together("components", number("axial", Momentum, "about the symmetry axis", |s| s.momentum.axial)),
-            vector("world", Momentum, WORLD, "angular momentum", |s| s.momentum.world),
-        ],
-    },
-    Channel {
-        topic: "/top/precession", schema: "toprise.Precession",
-        meaning: "regular precession at this inclination and spin rate; no message where its rates are not real",
-        is_of_free_peg: false,
-        present: Some(|s| s.precession.roots.is_some()),
-        fields: &[
-            number("slow_root", ReferenceRate, "slow rate of regular precession", |s| s.precession.roots.map_or(f64::NAN, |r| r.slow)),
-            number("fast_root", ReferenceRate, "fast rate of regular precession", |s| s.precession.roots.map_or(f64::NAN, |r| r.fast)),
-            number("excess", ReferenceRate, "φ̇ less the slow rate", |s| s.precession.roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow)),
-            number("strength_ratio", Number, "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.precession.strength_ratio),
-        ],
-    },
-    Channel {
-        topic: "/top/center_of_mass", schema: "toprise.CenterOfMass",
-        meaning: "the centre of mass of a top with a free peg",
-        is_of_free_peg: true,
-        present: Some(|s| s.free.is_some()),
-        fields: &[
-            vector("position", Length, WORLD, "position", |s| of_free(s, |f| f.center)),
-            vector("velocity", Velocity, WORLD, "velocity", |s| of_free(s, |f| f.center_velocity)),
-            vector("acceleration", LinearAcceleration, WORLD, "acceleration", |s| of_free(s, |f| f.center_acceleration)),
-            vector("angular_momentum", Momentum, WORLD, "angular momentum about it", |s| of_free(s, |f| f.central_momentum)),
-        ],
-    },
-    Channel {
-        topic: "/top/free_peg", schema: "toprise.FreePeg",
-        meaning: "what a free peg does on the table and above it",
-        is_of_free_peg: true,
-        present: Some(|s| s.free.is_some()),
-        fields: &[
-            number("gap", Length, "height of the peg above the table", |s| number_of_free(s, |f| f.gap)),
-            vector("velocity", Velocity, WORLD, "velocity of the peg's centre", |s| of_free(s, |f| f.peg_velocity)),
-            number("jellett", Jellett, "Jellett's integral l L_n + R L_z′ about the centre of mass, which no force at the point of contact changes", |s| number_of_free(s, |f| f.jellett)),
-            number("routh", Momentum, "Routh's integral, constant while a peg rolls without losses", |s| number_of_free(s, |f| f.routh)),
-            number("translational", Energy, "kinetic energy of the centre of mass; the rest is that of the rotation about it", |s| number_of_free(s, |f| f.translational_energy)),
-            together("lost", number("lost.sliding", Energy, "energy that friction has taken along the path slipped since the start", |s| -s.integrals.slip_work)),
-            together("lost", number("lost.losses", Energy, "energy that rolling resistance, drilling and air have taken since the start", |s| number_of_free(s, |f| f.dissipated.losses))),
-            together("lost", number("lost.restitution", Energy, "energy lost by compression and restitution in impacts since the start", |s| number_of_free(s, |f| f.dissipated.impact_normal))),
-            together("lost", number("lost.impact_friction", Energy, "energy lost by friction in impacts since the start", |s| number_of_free(s, |f| f.dissipated.impact_friction))),
-            together("driven", number("driven.theta_ddot", Acceleration, "what the acceleration of the peg adds to the terms of θ̈", |s| number_of_free(s, |f| f.driven.theta))),
-            together("driven", number("driven.phi_ddot", Acceleration, "what the acceleration of the peg adds to the terms of φ̈", |s| number_of_free(s, |f| f.driven.phi))),
-            together("driven", number("driven.psi_ddot", Acceleration, "what the acceleration of the peg adds to the terms of ψ̈", |s| number_of_free(s, |f| f.driven.psi))),
-        ],
-    },
-];
-
-/// The channel with a message for each nutation, at its end.
-#[rustfmt::skip]
-pub const NUTATION: Channel<NutationCycle> = Channel {
-    topic: "/top/nutation", schema: "toprise.Nutation",
-    meaning: "each nutation, from one maximum of θ̇ to the next: the averaged motion",
-    is_of_free_peg: false,
-    present: None,
-    fields: &[
-        number("cycle", Number, "number of the cycle, from 0", |c| f64::from(c.index)),
-        number("start", Time, "when the cycle began", |c| c.start),
-        number("period", Time, "its duration", NutationCycle::period),
-        together("theta_range", number("theta_min", Angle, "least θ in it", |c| c.theta_min)),
-        together("theta_range", number("theta_max", Angle, "greatest θ in it", |c| c.theta_max)),
-        number("theta_mean", Angle, "mean of θ", |c| c.theta_mean),
-        number("theta_dot_mean", Rate, "mean of θ̇", |c| c.mean_rates.theta),
-        number("phi_dot_mean", Rate, "mean of φ̇", |c| c.mean_rates.phi),
-        number("psi_dot_mean", Rate, "mean of ψ̇", |c| c.mean_rates.psi),
-        together("theta_dot_range", number("theta_dot_min", Rate, "least θ̇ in it", |c| c.least_rates.theta)),
-        together("theta_dot_range", number("theta_dot_max", Rate, "greatest θ̇ in it", |c| c.greatest_rates.theta)),
-        together("phi_dot_range", number("phi_dot_min", Rate, "least φ̇ in it", |c| c.least_rates.phi)),
-        together("phi_dot_range", number("phi_dot_max", Rate, "greatest φ̇ in it", |c| c.greatest_rates.phi)),
-        together("psi_dot_range", number("psi_dot_min", Rate, "least ψ̇ in it", |c| c.least_rates.psi)),
-        together("psi_dot_range", number("psi_dot_max", Rate, "greatest ψ̇ in it", |c| c.greatest_rates.psi)),
-        number("phi_ddot_frictional_mean", Acceleration, "mean of the frictional term of φ̈", |c| c.mean_phi_frictional),
-    ],
-};
-
-/// The channel with a message for each event.
-#[rustfmt::skip]
-pub const EVENTS: Channel<Event> = Channel {
-    topic: "/events", schema: "toprise.Event",
-    meaning: "what happened, and the state at that moment",
-    is_of_free_peg: false,
-    present: None,
-    fields: &[
-        text("name", "kind of event", |e| e.kind.name()),
-        text("description", "a sentence for people", |e| &e.description),
-        number("time", Time, "when, more exactly than the timestamp", |e| e.time),
-        number("phi", Angle, "precession angle φ", |e| e.motion.angles.phi),
-        number("theta", Angle, "nutation angle (inclination) θ", |e| e.motion.angles.theta),
-        number("psi", Angle, "spin angle ψ", |e| e.motion.angles.psi),
-        number("phi_dot", Rate, "precession rate φ̇", |e| e.motion.tilt.rates.phi),
-        number("theta_dot", Rate, "nutation rate θ̇", |e| e.motion.tilt.rates.theta),
-        number("psi_dot", Rate, "spin rate ψ̇", |e| e.motion.tilt.rates.psi),
-    ],
-};
-
-/// The channel with a message for each impact of a free peg.
-#[rustfmt::skip]
-pub const IMPACTS: Channel<Landing> = Channel {
-    topic: "/top/impact", schema: "toprise.Impact",
-    meaning: "each impact of a free peg on the table",
-    is_of_free_peg: true,
-    present: None,
-    fields: &[
-        number("time", Time, "when, more exactly than the timestamp", |i| i.time),
-        number("bounce", Number, "impacts since the peg left the table, or since the start, this one counted", |i| f64::from(i.bounce)),
-        number("stays", Number, "1 if the peg stays on the table, 0 if it bounces", |i| f64::from(u8::from(i.stays))),
-        vector("point", Length, WORLD, "the point of contact", |i| i.point),
-        vector("impulse", Impulse, WORLD, "impulse of the table", |i| i.impulse),
-        vector("before", Velocity, WORLD, "velocity of the contact point before: its horizontal part is the slip", |i| i.before),
-        vector("after", Velocity, WORLD, "velocity of the contact point after", |i| i.after),
-        number("restitution", Number, "coefficient of restitution that acted", |i| i.restitution),
-        together("lost", number("lost.restitution", Energy, "energy lost by compression and restitution", |i| i.normal_loss)),
-        together("lost", number("lost.friction", Energy, "energy lost by friction", |i| i.friction_loss)),
-    ],
-};
 
 /// A vector that only a free peg has.
 fn of_free(sample: &Sample, get: fn(&FreeSample) -> Vector3<f64>) -> Vector3<f64> {
@@ -367,4 +414,117 @@ fn of_free(sample: &Sample, get: fn(&FreeSample) -> Vector3<f64>) -> Vector3<f64
 /// A number that only a free peg has.
 fn number_of_free(sample: &Sample, get: fn(&FreeSample) -> f64) -> f64 {
     sample.free.as_ref().map_or(f64::NAN, get)
+}
+
+/// All channels, in table order.
+pub fn channels() -> &'static [ChannelInfo] {
+    static CHANNELS: OnceLock<Vec<ChannelInfo>> = OnceLock::new();
+    CHANNELS.get_or_init(|| {
+        let samples = SAMPLES.iter().map(|channel| info(channel, true));
+        let cycles = CYCLES.iter().map(|channel| info(channel, false));
+        let events = EVENT.iter().map(|channel| info(channel, false));
+        let landings = LANDINGS.iter().map(|channel| info(channel, false));
+        samples
+            .chain(cycles)
+            .chain(events)
+            .chain(landings)
+            .collect()
+    })
+}
+
+fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
+    let (texts, numbers): (Vec<_>, Vec<_>) = channel
+        .fields
+        .iter()
+        .partition(|field| matches!(field.source, Source::Text(_)));
+    let leaves = |fields: Vec<&Field<S>>| fields.into_iter().flat_map(leaves).collect();
+    let mut numbers: Vec<Leaf> = leaves(numbers);
+    for field in channel.fields {
+        let find = |name: &str| numbers.iter().position(|leaf| leaf.path == name);
+        if let (Some(number), Some(derivative)) = (find(field.name), field.derivative) {
+            numbers[number].derivative = find(derivative);
+        }
+    }
+    ChannelInfo {
+        topic: channel.topic,
+        schema: channel.schema,
+        meaning: channel.meaning,
+        texts: leaves(texts),
+        numbers,
+        is_sampled,
+        is_optional: channel.present.is_some(),
+        is_of_free_peg: channel.is_of_free_peg,
+    }
+}
+
+fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
+    let components: &[&str] = match field.source {
+        Source::Number(_) | Source::Text(_) => &[""],
+        Source::Vector(_) => &[".x", ".y", ".z"],
+        Source::Rotation(_) => &[".x", ".y", ".z", ".w"],
+    };
+    let leaf = |component: &&str| Leaf {
+        path: format!("{}{component}", field.name),
+        quantity: field.quantity,
+        unit: field.quantity.unit(),
+        frame: field.frame,
+        meaning: field.meaning,
+        plot: field.plot,
+        is_component: components.len() > 1,
+        derivative: None,
+    };
+    components.iter().map(leaf).collect()
+}
+
+impl Topic {
+    /// The topic with this name, for names that are known only when the program runs.
+    #[must_use]
+    pub fn find(name: &str) -> Option<Self> {
+        Self::all().find(|topic| topic.name() == name)
+    }
+
+    /// All topics, in table order.
+    pub fn all() -> impl ExactSizeIterator<Item = Self> {
+        (0..channels().len()).map(Self::at)
+    }
+
+    /// Its name, as in `/top/state`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.info().topic
+    }
+
+    /// The topics that runs with this support have, in table order.
+    pub fn all_with(support: Support) -> impl Iterator<Item = Self> {
+        Self::all().filter(move |topic| support.is_free() || !topic.info().is_of_free_peg)
+    }
+
+    /// The channel.
+    #[must_use]
+    pub fn info(self) -> &'static ChannelInfo {
+        &channels()[self.index()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_unique_and_objects_are_contiguous() {
+        for channel in channels() {
+            let mut closed: Vec<&str> = Vec::new();
+            for leaf in channel.leaves() {
+                let parent = leaf.path.split('.').next().unwrap_or_default();
+                if closed.last() != Some(&parent) {
+                    assert!(!closed.contains(&parent), "{} {}", channel.topic, leaf.path);
+                    closed.push(parent);
+                }
+            }
+            let mut paths: Vec<_> = channel.leaves().map(|leaf| &leaf.path).collect();
+            paths.sort();
+            paths.dedup();
+            assert_eq!(paths.len(), channel.leaves().count(), "{}", channel.topic);
+        }
+    }
 }

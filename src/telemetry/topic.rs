@@ -1,8 +1,5 @@
 //! Topics: names of the table's channels.
 
-use super::channel::{ChannelInfo, channels};
-use super::table::{EVENTS, IMPACTS, NUTATION, SAMPLES};
-use crate::physics::dynamics::Support;
 use crate::run::nearest::near;
 use std::fmt;
 use thiserror::Error;
@@ -17,45 +14,10 @@ impl Topic {
         Self(index)
     }
 
-    /// The topic with this name, for names that are known only when the program runs.
-    #[must_use]
-    pub fn find(name: &str) -> Option<Self> {
-        Self::all().find(|topic| topic.name() == name)
-    }
-
-    /// All topics, in table order.
-    pub fn all() -> impl ExactSizeIterator<Item = Self> {
-        (0..channels().len()).map(Self)
-    }
-
     /// The channel's index in [`channels`], as in [`Message::channel`](super::Message::channel).
     #[must_use]
     pub const fn index(self) -> usize {
         self.0
-    }
-
-    /// Its name, as in `/top/state`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        const AFTER_SAMPLES: usize = SAMPLES.len();
-        const LAST_BUT_ONE: usize = AFTER_SAMPLES + 1;
-        match self.0 {
-            AFTER_SAMPLES => NUTATION.topic,
-            LAST_BUT_ONE => EVENTS.topic,
-            index if index < AFTER_SAMPLES => SAMPLES[index].topic,
-            _ => IMPACTS.topic,
-        }
-    }
-
-    /// The topics that runs with this support have, in table order.
-    pub fn all_with(support: Support) -> impl Iterator<Item = Self> {
-        Self::all().filter(move |topic| support.is_free() || !topic.info().is_of_free_peg)
-    }
-
-    /// The channel.
-    #[must_use]
-    pub fn info(self) -> &'static ChannelInfo {
-        &channels()[self.0]
     }
 }
 

@@ -51,7 +51,7 @@ impl Envelope {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::telemetry::channel::channels;
+    use crate::telemetry::channels;
     use crate::telemetry::fields::{STATE, state};
 
     fn state(envelope: &mut Envelope, sequence: u32) {

@@ -1,0 +1,295 @@
+//! Handles of fields and plots: they read values from messages, and know names and units.
+
+use super::channel::Leaf;
+use super::message::{Message, Numbers};
+use super::topic::Topic;
+use nalgebra::{Quaternion, Vector3};
+use std::fmt;
+
+/// The handle of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct NumberField {
+    topic: Topic,
+    index: usize,
+    plot: &'static str,
+}
+
+impl NumberField {
+    /// The number with this index in the messages of a channel, which this plot shows.
+    pub(super) const fn new(topic: Topic, index: usize, plot: &'static str) -> Self {
+        Self { topic, index, plot }
+    }
+
+    /// The number at `path` of the channel `topic`, for names that are known only when the program runs.
+    #[must_use]
+    pub fn find(topic: &str, path: &str) -> Option<Self> {
+        let mut numbers = Topic::find(topic)?.numbers();
+        numbers.find(|number| number.path() == path)
+    }
+
+    /// Its channel.
+    #[must_use]
+    pub const fn topic(self) -> Topic {
+        self.topic
+    }
+
+    /// Its index in [`Message::numbers`].
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.index
+    }
+
+    /// The plot that shows it.
+    #[must_use]
+    pub const fn plot(self) -> Plot {
+        Plot {
+            topic: self.topic,
+            name: self.plot,
+        }
+    }
+
+    /// Its row of the table.
+    #[must_use]
+    pub fn leaf(self) -> &'static Leaf {
+        &self.topic.info().numbers[self.index]
+    }
+
+    /// Its path in a message, as in `theta` or `omega_body.x`.
+    #[must_use]
+    pub fn path(self) -> &'static str {
+        &self.leaf().path
+    }
+
+    /// Its unit, empty for pure numbers.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        self.leaf().unit
+    }
+
+    /// Its value in some rows; NaN if they don't have it.
+    #[inline]
+    #[must_use]
+    pub fn of(self, rows: &impl Numbers) -> f64 {
+        let row = rows.numbers(self.topic);
+        row.and_then(|row| row.get(self.index).copied())
+            .unwrap_or(f64::NAN)
+    }
+}
+
+/// Topic and path, as in `/top/state.theta`.
+impl fmt::Display for NumberField {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}", self.topic, self.path())
+    }
+}
+
+impl Topic {
+    /// The handles of the numbers of a message.
+    pub fn numbers(self) -> impl Iterator<Item = NumberField> {
+        let leaves = self.info().numbers.iter().enumerate();
+        leaves.map(move |(index, leaf)| NumberField {
+            topic: self,
+            index,
+            plot: leaf.plot,
+        })
+    }
+}
+
+/// The handle of a vector: three numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct VectorField(NumberField);
+
+impl VectorField {
+    /// The vector whose first number has this index.
+    pub(super) const fn new(topic: Topic, index: usize, plot: &'static str) -> Self {
+        Self(NumberField::new(topic, index, plot))
+    }
+
+    /// Its x component.
+    #[must_use]
+    pub const fn x(self) -> NumberField {
+        part(self.0, 0)
+    }
+
+    /// Its y component.
+    #[must_use]
+    pub const fn y(self) -> NumberField {
+        part(self.0, 1)
+    }
+
+    /// Its z component.
+    #[must_use]
+    pub const fn z(self) -> NumberField {
+        part(self.0, 2)
+    }
+
+    /// Its components x, y, z.
+    #[must_use]
+    pub const fn components(self) -> [NumberField; 3] {
+        [self.x(), self.y(), self.z()]
+    }
+
+    /// Its channel.
+    #[must_use]
+    pub const fn topic(self) -> Topic {
+        self.0.topic
+    }
+
+    /// The plot that shows it.
+    #[must_use]
+    pub const fn plot(self) -> Plot {
+        self.0.plot()
+    }
+
+    /// Its value in some rows; NaN if they don't have it.
+    #[inline]
+    #[must_use]
+    pub fn of(self, rows: &impl Numbers) -> Vector3<f64> {
+        Vector3::from(self.components().map(|component| component.of(rows)))
+    }
+}
+
+/// The handle of an orientation: the four numbers of a quaternion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct RotationField(NumberField);
+
+impl RotationField {
+    /// The orientation whose first number has this index.
+    pub(super) const fn new(topic: Topic, index: usize, plot: &'static str) -> Self {
+        Self(NumberField::new(topic, index, plot))
+    }
+
+    /// Its components x, y, z, w.
+    #[must_use]
+    pub const fn components(self) -> [NumberField; 4] {
+        [
+            part(self.0, 0),
+            part(self.0, 1),
+            part(self.0, 2),
+            part(self.0, 3),
+        ]
+    }
+
+    /// Its channel.
+    #[must_use]
+    pub const fn topic(self) -> Topic {
+        self.0.topic
+    }
+
+    /// Its value in some rows, as it was recorded; NaN if they don't have it.
+    #[inline]
+    #[must_use]
+    pub fn of(self, rows: &impl Numbers) -> Quaternion<f64> {
+        let [x, y, z, w] = self.components().map(|component| component.of(rows));
+        Quaternion::new(w, x, y, z)
+    }
+}
+
+/// The handle of a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TextField {
+    topic: Topic,
+    index: usize,
+}
+
+impl TextField {
+    /// The text with this index in the messages of a channel.
+    pub(super) const fn new(topic: Topic, index: usize, _: &'static str) -> Self {
+        Self { topic, index }
+    }
+
+    /// Its channel.
+    #[must_use]
+    pub const fn topic(self) -> Topic {
+        self.topic
+    }
+
+    /// Its index in [`Message::texts`].
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.index
+    }
+
+    /// Its path in a message.
+    #[must_use]
+    pub fn path(self) -> &'static str {
+        &self.topic.info().texts[self.index].path
+    }
+
+    /// Its value in a message; empty if the message doesn't have it.
+    #[inline]
+    #[must_use]
+    pub fn of<'a>(self, message: &Message<'a>) -> &'a str {
+        match message.texts.get(self.index) {
+            Some(text) if message.channel == self.topic.index() => text,
+            _ => "",
+        }
+    }
+}
+
+/// A plot of a channel: the numbers that are shown together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Plot {
+    topic: Topic,
+    name: &'static str,
+}
+
+impl Plot {
+    /// The plots of a channel, in table order.
+    #[must_use]
+    pub fn all(topic: Topic) -> Vec<Self> {
+        let mut plots: Vec<Self> = Vec::new();
+        for leaf in &topic.info().numbers {
+            if plots.iter().all(|plot| plot.name != leaf.plot) {
+                let name = leaf.plot;
+                plots.push(Self { topic, name });
+            }
+        }
+        plots
+    }
+
+    /// The unit of its numbers.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        self.numbers().next().map_or("", NumberField::unit)
+    }
+
+    /// Its numbers, in table order.
+    pub fn numbers(self) -> impl Iterator<Item = NumberField> {
+        let leaves = self.topic.info().numbers.iter().enumerate();
+        leaves
+            .filter(move |(_, leaf)| leaf.plot == self.name)
+            .map(move |(index, leaf)| NumberField {
+                topic: self.topic,
+                index,
+                plot: leaf.plot,
+            })
+    }
+
+    /// Its channel.
+    #[must_use]
+    pub const fn topic(self) -> Topic {
+        self.topic
+    }
+
+    /// Its name within the channel.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.name
+    }
+}
+
+/// Topic and name, as in `/top/energy/mechanical`.
+impl fmt::Display for Plot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.topic, self.name)
+    }
+}
+
+/// The number that stands `offset` places behind another.
+const fn part(field: NumberField, offset: usize) -> NumberField {
+    NumberField {
+        index: field.index + offset,
+        ..field
+    }
+}
