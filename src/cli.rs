@@ -18,6 +18,7 @@ mod laws;
 mod numbers;
 mod output;
 mod page;
+mod parallel;
 mod presets;
 mod progress;
 mod report;
@@ -36,7 +37,6 @@ mod viewer;
 use crate::analysis;
 use anyhow::Error;
 use arguments::Format;
-use clap::error::{ContextKind, ContextValue};
 use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use done::Done;
 use schemars::{JsonSchema, schema_for};
@@ -200,7 +200,7 @@ pub fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(answer) => {
             output::set_up(false, wanted(&words, "--color"), wanted(&words, "--format"));
-            return print_usage(&with_tip(answer));
+            return print_usage(&answer);
         }
     };
     output::set_up(arguments.quiet, arguments.color, arguments.format);
@@ -234,25 +234,6 @@ fn wanted<V: ValueEnum + Default>(words: &[OsString], option: &str) -> V {
     let value = value.and_then(|value| value.strip_prefix('=').or_else(|| words.next()));
     let value = value.and_then(|value| V::from_str(value, false).ok());
     value.unwrap_or_default()
-}
-
-/// Points to `--kinds` where `--format` is asked for a kind of figure.
-fn with_tip(mut error: clap::Error) -> clap::Error {
-    let begins_with = |kind, part: &str| {
-        let text = error.get(kind).map(ToString::to_string);
-        text.is_some_and(|text| text.starts_with(part))
-    };
-    let is_format = begins_with(ContextKind::InvalidArg, "--format");
-    if is_format
-        && ["svg", "png"]
-            .iter()
-            .any(|kind| begins_with(ContextKind::InvalidValue, kind))
-    {
-        let tip = "--format is the output format of the report; 'toprise figures --kinds svg' chooses the kinds of figures";
-        let tips = ContextValue::StyledStrs(vec![tip.into()]);
-        error.insert(ContextKind::Suggested, tips);
-    }
-    error
 }
 
 /// Prints the help, the version, or what is wrong with the arguments.
@@ -376,16 +357,5 @@ mod tests {
             assert!(parse(&words).is_err(), "{line}");
             assert_eq!(wanted::<ColorChoice>(&words, "--color"), color, "{line}");
         }
-    }
-
-    #[test]
-    fn a_kind_of_figure_is_no_form_of_the_answer() {
-        let message = |line: &str| {
-            let error = Arguments::try_parse_from(line.split(' ')).unwrap_err();
-            with_tip(error).to_string()
-        };
-        assert!(message("toprise figures paper --format svg").contains("--kinds svg"));
-        assert!(!message("toprise figures paper --format xml").contains("--kinds"));
-        assert!(!message("toprise figures paper --kinds pdf").contains("--format"));
     }
 }

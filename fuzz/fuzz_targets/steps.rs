@@ -32,7 +32,7 @@ pub fn recording(data: &[u8], scratch: &Path) {
     }
     told(&format!("{overview:?}"));
     let mut reader = recording.reader(Selection::default());
-    while let Some(message) = reader.next_of_any() {
+    while let Some(message) = reader.next() {
         if let Err(error) = message {
             told(&error.to_string());
         }

@@ -1,7 +1,7 @@
 //! Subjects of analysis: runs that were recorded, or that are simulated now. Their messages are the same.
 
 use crate::archive::format::end_entries;
-use crate::archive::recording::{Any, Condition, Entries, Reader, Recording, Selection};
+use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::Simulation;
 use crate::telemetry::{Message, Telemetry, TelemetryError, Topic, Topics};
@@ -129,18 +129,6 @@ fn read(
         Topics::All => names(&recording.topics()),
         Topics::Only(topics) => names(topics),
     };
-    read_any(recording, topics, &mut |message, bytes| match message {
-        Any::Decoded(message) => take(&message, bytes),
-        Any::Other(_) => ControlFlow::Continue(()),
-    })
-}
-
-/// Passes the messages of topics of a recording, whatever they are, to `take` as [`Subject::read`] does.
-fn read_any(
-    recording: &Recording,
-    topics: Vec<String>,
-    take: &mut dyn FnMut(Any<'_>, u64) -> ControlFlow<()>,
-) -> Ended {
     let selection = Selection {
         topics: Topics::Only(topics),
         ..Selection::default()
@@ -149,9 +137,9 @@ fn read_any(
     let mut reader = recording.reader(selection).in_order_of_time();
     loop {
         let bytes = reader.progress();
-        match reader.next_of_any() {
+        match reader.next() {
             Some(Ok(message)) => {
-                if take(message, bytes).is_break() {
+                if take(&message, bytes).is_break() {
                     break;
                 }
             }

@@ -25,7 +25,7 @@ pub use self::condition::Condition;
 pub use self::file::Recording;
 pub use self::order::Misplaced;
 pub use self::overview::{ChannelOverview, EventOverview, Overview};
-pub use self::reader::{Any, Reader, Selection, Undecoded};
+pub use self::reader::{Reader, Selection, Undecoded};
 pub use self::series::{Columns, Series, SeriesError};
 pub use crate::archive::container::channels::{FileChannel, FileSchema};
 pub use crate::archive::container::loss::{Loss, Span};

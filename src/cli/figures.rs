@@ -9,6 +9,7 @@ use super::done::Done;
 use super::input::{Input, open};
 use super::output;
 use super::page::{Page, Section};
+use super::parallel;
 use super::progress::Progress;
 use super::report;
 use super::table::Table;
@@ -24,7 +25,6 @@ use clap::{Args, ValueEnum};
 #[cfg(feature = "sweep")]
 use std::path::Path;
 use std::path::PathBuf;
-use std::thread;
 
 /// Arguments of `toprise figures`.
 #[derive(Args, Debug, PartialEq)]
@@ -277,21 +277,11 @@ fn runs(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<Run>, E
     let inputs = inputs(arguments, figures)?;
     let bytes = inputs.iter().map(|(_, input)| input.bytes()).sum();
     let progress = Progress::of_bytes("reading", bytes);
-    let read = |name: &str, input: &Input| {
+    let runs = parallel::map(&inputs, |(name, input)| {
         Run::read(input.subject(), name, figures, &|bytes| progress.add(bytes))
-    };
-    let runs = thread::scope(|scope| {
-        let read = &read;
-        let start = |(name, input)| scope.spawn(move || read(name, input));
-        let threads: Vec<_> = inputs
-            .iter()
-            .map(|(name, input)| start((name, input)))
-            .collect();
-        let joined = threads.into_iter().map(thread::ScopedJoinHandle::join);
-        joined.collect::<Result<Vec<_>, _>>()
     });
     progress.finish();
-    runs.or_else(|panic| std::panic::resume_unwind(panic))
+    Ok(runs)
 }
 
 /// The runs on the command line with their names in legends.

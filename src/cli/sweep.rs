@@ -13,23 +13,16 @@ use crate::archive::input::read_file;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, Table,
-    Watch, is_in_row, left_to_do, parts_directory, run, threads,
+    Watch, is_in_row, left_to_do, parts_directory, run,
 };
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 pub(crate) use report::SweepReport;
-use report::{Asked, about, summary};
+use report::{Asked, summary};
 use std::panic;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-
-/// The time spent on runs from which that of the others is estimated.
-const TRIAL: Duration = Duration::from_millis(500);
-/// The most of such runs.
-const TRIAL_RUNS: u64 = 16;
-/// At most one run in a hundred is tried beforehand, and none before a sweep of fewer: trials are run one after the other.
-const RUNS_PER_TRIAL: u64 = 100;
 
 /// The most threads.
 const MOST_JOBS: u64 = 1024;
@@ -88,7 +81,7 @@ pub(super) struct SweepArguments {
     #[arg(long)]
     fail_fast: bool,
 
-    /// Print the number of runs and the time that they will take, and write nothing.
+    /// Print the number of runs that are left, and write nothing.
     #[arg(long)]
     dry_run: bool,
 }
@@ -122,20 +115,14 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         ));
     }
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
-    // Where nothing is written there is nothing to end in order.
-    let interrupt = if arguments.dry_run {
-        Interrupt::default()
-    } else {
-        Interrupt::watch()?
-    };
+    let interrupt = Interrupt::watch()?;
     let carry_on = || !interrupt.is_asked();
     let computed = quietly(|| {
-        let estimate = arguments.estimate(&sweep, left, &carry_on);
         if arguments.dry_run {
-            return Ok((Finished::default(), estimate));
+            return Ok(Finished::default());
         }
         if left > 0 {
-            output::note(&announcement(&sweep, left, estimate));
+            output::note(&announcement(&sweep, left));
         }
         let tally = Tally::new(left);
         let watch = Watch {
@@ -144,13 +131,12 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         };
         let finished = run(&sweep, &arguments.output, &arguments.options(), &watch);
         tally.progress.finish();
-        finished.map(|finished| (finished, estimate))
+        finished
     });
-    let (finished, estimate) = computed?;
+    let finished = computed?;
     let asked = Asked {
         dry_run: arguments.dry_run,
         shard: arguments.shard,
-        threads: arguments.threads(left),
         left,
         computing: began.elapsed(),
     };
@@ -164,7 +150,6 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
         errors: finished.counts.errors,
         first_error: finished.counts.first_error,
         interrupted: finished.is_interrupted,
-        estimate: estimate.filter(|_| arguments.dry_run),
         wall_time: began.elapsed().as_secs_f64(),
     };
     reports::print(&report, || report.page(&asked))?;
@@ -226,43 +211,6 @@ impl SweepArguments {
         }
     }
 
-    /// The number of threads for some runs.
-    fn threads(&self, runs: u64) -> usize {
-        threads(self.options().threads, runs)
-    }
-
-    /// Estimated time for the remaining rows, s, from some of them; none if there are none or few, or the user
-    /// asked for an end.
-    fn estimate(
-        &self,
-        sweep: &Sweep,
-        left: u64,
-        carry_on: &(dyn Fn() -> bool + Sync),
-    ) -> Option<f64> {
-        let began = Instant::now();
-        let watch = Watch {
-            // A single run may take long.
-            carry_on: &|| carry_on() && began.elapsed() < 2 * TRIAL,
-            done: &|_| {},
-        };
-        let rows = sweep.spec().rows();
-        let worth = if self.dry_run {
-            left
-        } else {
-            left / RUNS_PER_TRIAL
-        };
-        let tried = TRIAL_RUNS.min(worth);
-        let mut done = 0;
-        while done < tried && began.elapsed() < TRIAL {
-            // Spread over the sweep, beginning in its middle.
-            let row = (rows / 2 + done * rows / tried) % rows;
-            sweep.batch(row..row + 1, &watch)?;
-            done += 1;
-        }
-        let mean = began.elapsed().as_secs_f64() / done as f64;
-        (done > 0).then(|| mean * left as f64 / self.threads(left) as f64)
-    }
-
     fn table_file(&self) -> Option<WrittenFile> {
         let bytes = self.output.metadata().ok()?.len();
         Some(WrittenFile::new(&self.output, bytes))
@@ -282,15 +230,14 @@ fn quietly<T>(task: impl FnOnce() -> T) -> T {
     result
 }
 
-fn announcement(sweep: &Sweep, left: u64, estimate: Option<f64>) -> String {
+fn announcement(sweep: &Sweep, left: u64) -> String {
     let runs = counted(sweep.spec().rows(), "run");
     let left = if left == sweep.spec().rows() {
         String::new()
     } else {
         format!(", {} of them left", count(left))
     };
-    let estimate = estimate.map_or_else(String::new, |seconds| format!("; {}", about(seconds)));
-    format!("{runs}{left}{estimate}")
+    format!("{runs}{left}")
 }
 
 /// Shows how far the sweep has come, and how the runs came out.

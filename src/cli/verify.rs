@@ -5,7 +5,7 @@ use super::numbers::count;
 use super::page::{Page, Section, Tone};
 use super::progress::Progress;
 use super::table::Table;
-use super::{output, report};
+use super::{output, parallel, report};
 use crate::analysis::verify::{Report, Verdict, verify as check};
 use crate::archive::recording::{Condition, Recording, RecordingError};
 use anyhow::Error;
@@ -13,9 +13,6 @@ use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 /// Arguments of `toprise verify`.
 #[derive(Args, Debug, Default, PartialEq)]
@@ -63,32 +60,12 @@ pub(super) fn verify(arguments: &VerifyArguments) -> Result<Done, Error> {
 fn check_all(files: &[PathBuf]) -> Vec<Answer> {
     let size = |file: &PathBuf| file.metadata().map_or(0, |metadata| metadata.len());
     let progress = Progress::of_bytes("verifying", files.iter().map(size).sum());
-    let next = AtomicUsize::new(0);
-    let answers: Vec<Mutex<Option<Answer>>> = files.iter().map(|_| Mutex::new(None)).collect();
-    let work = || {
-        loop {
-            let position = next.fetch_add(1, Ordering::Relaxed);
-            let Some(file) = files.get(position) else {
-                break;
-            };
-            let recording = Recording::open(file);
-            let answer = recording.map(|recording| check(&recording, &|bytes| progress.add(bytes)));
-            if let Ok(mut slot) = answers[position].lock() {
-                *slot = Some(answer);
-            }
-        }
-    };
-    let workers = thread::available_parallelism().map_or(1, usize::from);
-    thread::scope(|scope| {
-        for _ in 0..workers.min(files.len()) {
-            scope.spawn(work);
-        }
+    let answers = parallel::map(files, |file| {
+        let recording = Recording::open(file);
+        recording.map(|recording| check(&recording, &|bytes| progress.add(bytes)))
     });
     progress.finish();
-    let slots = answers
-        .into_iter()
-        .filter_map(|slot| slot.into_inner().ok());
-    slots.flatten().collect()
+    answers
 }
 
 impl VerifyReport {

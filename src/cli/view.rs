@@ -246,9 +246,7 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
     let context = || path.display().to_string();
     let identity = Identity {
         is_alone: arguments.files.len() == 1 || arguments.rrd.is_some(),
-        ..identity(recording, name)
-            .with_context(context)?
-            .with_hops_drawn(arguments.viewer.hop_scale)
+        ..identity(recording, name).with_context(context)?
     };
     let existing = Existing::forced(arguments.force);
     let draft = arguments.rrd_of(name).map(|rrd| Draft::new(&rrd, existing));

@@ -28,18 +28,6 @@ pub(super) struct ViewerArguments {
     #[arg(long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true,
           default_missing_value = "127.0.0.1:9090")]
     serve: Option<SocketAddr>,
-
-    /// Draw the height of a free peg above the table by this factor: 1000 makes hops of micrometres visible.
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = parse_factor)]
-    pub(super) hop_scale: f64,
-}
-
-/// Reads a factor by which hops are drawn higher.
-fn parse_factor(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|factor: &f64| (1.0..=1e9).contains(factor))
-        .ok_or_else(|| "must be a factor from 1 to 1e9".to_owned())
 }
 
 /// A viewer to show something in.

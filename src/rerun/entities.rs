@@ -31,7 +31,7 @@ impl Entities {
         if has_scene {
             about += &arrow::explanation(identity, look);
             if identity.geometry.is_free {
-                about += &contact_path::explanation(&identity.geometry);
+                about += contact_path::EXPLANATION;
             }
         }
         outlet.send_static(look.entity(ABOUT), &TextDocument::from_markdown(about));

@@ -19,8 +19,6 @@ pub struct Geometry {
     pub spin: f64,
     /// Whether the peg is free to travel, and to leave the table.
     pub is_free: bool,
-    /// The factor by which the height of the peg above the table is drawn larger.
-    pub hop_scale: f64,
 }
 
 /// Playback of a recording in a viewer.
@@ -87,19 +85,11 @@ impl Identity {
                     .omega_lean
                     .norm(),
                 is_free: model.support.is_free(),
-                hop_scale: 1.0,
             },
             topics,
             playback,
             is_alone: true,
         }
-    }
-
-    /// Draws heights of the peg above the table larger by a factor: hops of micrometres become visible.
-    #[must_use]
-    pub fn with_hops_drawn(mut self, factor: f64) -> Self {
-        self.geometry.hop_scale = factor;
-        self
     }
 
     /// The store that a viewer keeps the recording in.

@@ -34,7 +34,6 @@ pub(super) struct Scene {
     path: Option<ContactPath>,
     /// Target of the camera, of the only run with a free peg.
     focus: Option<Focus>,
-    geometry: Geometry,
     /// Orientation (world from body) of the last pose.
     orientation: Option<UnitQuaternion<f64>>,
     /// Centre of the peg at the last pose, in the world frame, m.
@@ -64,7 +63,6 @@ impl Scene {
             arrows: Arrow::all(identity, look),
             path: (geometry.is_free && identity.has(CONTACT)).then(|| ContactPath::new(look)),
             focus,
-            geometry: *geometry,
             orientation: None,
             peg: geometry.top.peg_radius * Vector3::z(),
             contact: Vector3::zeros(),
@@ -83,15 +81,14 @@ impl Scene {
         if message.topic() == POSE {
             let orientation = UnitQuaternion::new_unchecked(fields::ORIENTATION.of(message));
             self.orientation = Some(orientation);
-            let radius = self.geometry.top.peg_radius;
-            self.peg = self.drawn(fields::PEG_POSITION.of(message), radius);
+            self.peg = fields::PEG_POSITION.of(message);
             self.pose.write(message, orientation, self.peg, outlet);
             if let Some(focus) = &mut self.focus {
                 focus.write(message.time_ns, self.peg, outlet);
             }
         }
         if message.topic() == CONTACT {
-            self.contact = self.drawn(contact::CONTACT_POINT.of(message), 0.0);
+            self.contact = contact::CONTACT_POINT.of(message);
             if let Some(path) = &mut self.path {
                 path.write(message, self.contact, outlet);
             }
@@ -104,13 +101,6 @@ impl Scene {
     /// Centre of the peg as it is drawn, in the world frame, m.
     pub(super) fn peg(&self) -> Vector3<f64> {
         self.peg
-    }
-
-    /// The drawn place of a point of the peg that is at `lowest` while the peg is on the table: hops may be drawn higher than they
-    /// are.
-    fn drawn(&self, point: Vector3<f64>, lowest: f64) -> Vector3<f64> {
-        let height = lowest + self.geometry.hop_scale * (point.z - lowest);
-        Vector3::new(point.x, point.y, height)
     }
 }
 

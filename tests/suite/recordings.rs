@@ -14,7 +14,7 @@ use toprise::analysis::verify::{Verdict, verify};
 use toprise::archive::format::end_entries;
 use toprise::archive::memory::{MemorySink, Owned};
 use toprise::archive::recording::{
-    Any, Condition, Overview, Recording, RecordingError, Selection, SeriesError,
+    Condition, Overview, Recording, RecordingError, Selection, SeriesError,
 };
 use toprise::archive::replay::replay;
 use toprise::archive::writer::{Form, McapWriter};
@@ -257,7 +257,7 @@ fn kinds_of_files_are_told_apart() {
     assert_eq!(recording.condition(), Condition::Foreign);
     assert_eq!(recording.library(), "somebody");
     let mut reader = recording.reader(Selection::default());
-    assert!(matches!(reader.next_of_any(), Some(Ok(Any::Other(m))) if m.data == b"{\"x\":1}"));
+    assert!(matches!(reader.next_undecoded(), Some(m) if m.data == b"{\"x\":1}"));
     assert_eq!(verified(&path).verdict, Verdict::Different);
 
     // A version of toprise that had other fields and other channels.

@@ -1337,37 +1337,6 @@ fn pipes_and_devices_are_refused_at_once() {
     assert_eq!(fs::read_dir(folder).unwrap().count(), 2);
 }
 
-/// Where nothing is written nothing is left half done: the end comes at once.
-#[cfg(target_os = "linux")]
-#[test]
-fn an_interrupted_dry_run_has_no_result() {
-    let interrupted = || {
-        // What a shell starts in the background has signals ignored, as has what `nohup` starts, and hands that on.
-        let child = std::process::Command::new("env")
-            .args(["--default-signal", env!("CARGO_BIN_EXE_toprise")])
-            .args(["sweep", "frictionless", "--dry-run"])
-            .args(["--set", "stop.duration=3600"])
-            .stdout(std::process::Stdio::piped())
-            .spawn()
-            .unwrap();
-        // One thread waits for signals, and others compute: then runs are being tried.
-        let tasks = format!("/proc/{}/task", child.id());
-        while fs::read_dir(&tasks).unwrap().count() < 3 {
-            std::thread::yield_now();
-        }
-        let mut kill = std::process::Command::new("kill");
-        let sent = kill.args(["-INT", &child.id().to_string()]).status();
-        assert!(sent.unwrap().success());
-        child.wait_with_output().unwrap()
-    };
-    // Runs are tried for a second, which may be over on a machine that has much to do.
-    let outputs = std::iter::repeat_with(interrupted).take(5);
-    let mut in_time = outputs.filter(|output| output.status.code() != Some(0));
-    let output = in_time.next().expect("the signal has an effect");
-    assert_eq!(output.status.code(), Some(130));
-    assert!(output.stdout.is_empty());
-}
-
 /// A table of others, one of whose columns has a dot in its name.
 fn drawn_over(folder: &Path, values: [f64; 3]) -> (i32, String) {
     let numbers = |values: [f64; 3]| Arc::new(Float64Array::from(values.to_vec())) as ArrayRef;

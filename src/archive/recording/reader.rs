@@ -49,15 +49,6 @@ pub struct Undecoded<'a> {
     pub data: &'a [u8],
 }
 
-/// A message of a channel of the table, or of another.
-#[derive(Clone, Copy, Debug)]
-pub enum Any<'a> {
-    /// A message of a channel of the table.
-    Decoded(Message<'a>),
-    /// A message of another channel.
-    Other(Undecoded<'a>),
-}
-
 /// Sections that overlap in time are put in order together as long as they take no more bytes than this.
 const LARGEST_BATCH: usize = 1 << 26;
 
@@ -264,26 +255,10 @@ impl<'r> Reader<'r> {
     pub fn next(&mut self) -> Option<Result<Message<'_>, MessageError>> {
         loop {
             let at = self.advance()?;
-            if matches!(self.plans[at.channel], Plan::Decode { .. }) {
-                return self.decode(&at);
+            if let Some(filled) = self.fill_row(&at) {
+                return Some(filled.map(|channel| self.message(&at, channel)));
             }
         }
-    }
-
-    /// The next message, decoded if its channel is of the table.
-    ///
-    /// After an error reading can go on: it is about one message.
-    pub fn next_of_any(&mut self) -> Option<Result<Any<'_>, MessageError>> {
-        let at = self.advance()?;
-        if !matches!(self.plans[at.channel], Plan::Decode { .. }) {
-            return Some(Ok(Any::Other(self.undecoded(&at))));
-        }
-        Some(self.decode(&at)?.map(Any::Decoded))
-    }
-
-    fn decode(&mut self, at: &At) -> Option<Result<Message<'_>, MessageError>> {
-        let filled = self.fill_row(at)?;
-        Some(filled.map(|channel| self.message(at, channel)))
     }
 
     /// Decodes a message into the row, and returns its channel of the table, if it has one.

@@ -46,7 +46,7 @@ impl ShowArguments {
         if !subjects.iter().all(|subject| subject.is_ours()) {
             bail!("Rerun shows recordings of toprise here; one of these is another file");
         }
-        let identity = identity(subjects, self.viewer.hop_scale)?;
+        let identity = identity(subjects)?;
         let draft = self.rrd.as_ref().map(|rrd| Draft::new(rrd, existing));
         let draft = draft.transpose()?;
         let destinations = Destinations {
@@ -68,7 +68,7 @@ impl ShowArguments {
     }
 }
 
-fn identity([a, b]: [Subject<'_>; 2], hop_scale: f64) -> Result<PairIdentity, Error> {
+fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
     let is_same_name = a.name() == b.name();
     let of = |subject: Subject<'_>, letter: &str| {
         let scenario = subject.scenario().with_context(|| {
@@ -79,10 +79,12 @@ fn identity([a, b]: [Subject<'_>; 2], hop_scale: f64) -> Result<PairIdentity, Er
         } else {
             subject.name()
         };
-        Ok::<_, Error>(
-            Identity::of(&name, &scenario, subject.topics(), Playback::FromStart)
-                .with_hops_drawn(hop_scale),
-        )
+        Ok::<_, Error>(Identity::of(
+            &name,
+            &scenario,
+            subject.topics(),
+            Playback::FromStart,
+        ))
     };
     let (a, b) = (of(a, "A")?, of(b, "B")?);
     Ok(PairIdentity {

@@ -87,5 +87,4 @@ pub(super) fn identity(
         topics.collect(),
         playback,
     )
-    .with_hops_drawn(arguments.viewer.hop_scale)
 }

@@ -29,8 +29,6 @@ pub(crate) struct SweepReport {
     pub(super) first_error: Option<RowError>,
     /// Whether the sweep was interrupted.
     pub(super) interrupted: bool,
-    /// Estimated time for the remaining runs, s, from a few of them; absent unless asked for.
-    pub(super) estimate: Option<f64>,
     /// Duration, s.
     pub(super) wall_time: f64,
 }
@@ -41,8 +39,6 @@ pub(super) struct Asked {
     pub(super) dry_run: bool,
     /// The share that was to be computed.
     pub(super) shard: Option<Shard>,
-    /// Number of threads.
-    pub(super) threads: usize,
     /// Number of runs that were left to compute.
     pub(super) left: u64,
     /// Time of the computation.
@@ -75,10 +71,6 @@ impl SweepReport {
         }
         if asked.dry_run {
             facts.push(("left", counted(asked.left, "run")));
-            if let Some(seconds) = self.estimate {
-                let threads = asked.threads;
-                facts.push(("time", format!("{}, {threads} at once", about(seconds))));
-            }
         } else {
             let computing = asked.computing.as_secs_f64();
             let computed = match self.computed {
@@ -135,16 +127,5 @@ impl SweepReport {
         } else {
             (runs, Tone::Good)
         }
-    }
-}
-
-/// A time that is not known well.
-pub(super) fn about(seconds: f64) -> String {
-    match seconds {
-        ..1.0 => "less than a second".to_owned(),
-        ..100.0 => format!("about {} s", number(seconds, 0)),
-        ..6000.0 => format!("about {} min", number(seconds / 60.0, 0)),
-        ..360_000.0 => format!("about {} h", number(seconds / 3600.0, 1)),
-        _ => format!("about {} days", number(seconds / 86_400.0, 1)),
     }
 }

@@ -7,7 +7,6 @@ use rerun::{Color, Radius};
 use super::strips::Strips;
 use super::trail;
 use crate::rerun::entity::{CONTACT_PATH_NAME, CONTACT_PATHS};
-use crate::rerun::identity::Geometry;
 use crate::rerun::look::Look;
 use crate::rerun::outlet::Outlet;
 use crate::rerun::palette;
@@ -20,19 +19,9 @@ const PIECE_NS: u64 = 10_000_000;
 /// Time between two points of a piece, in ns.
 const POINT_NS: u64 = 1_000_000;
 
-/// Colours of the paths, and the scale of hops, in Markdown.
-pub(crate) fn explanation(geometry: &Geometry) -> String {
-    let mut text = "\n\n## Path of the contact point\n\nBlue where it slides, green where it rolls or sticks, vermillion \
-                    where the peg is in the air.\n"
-        .to_owned();
-    if geometry.hop_scale != 1.0 {
-        text += &format!(
-            "\nThe scene shows the height of the peg above the table {} times as large as it is.\n",
-            geometry.hop_scale
-        );
-    }
-    text
-}
+/// Colours of the paths, in Markdown.
+pub(crate) const EXPLANATION: &str = "\n\n## Path of the contact point\n\nBlue where it slides, green where it rolls or \
+                                      sticks, vermillion where the peg is in the air.\n";
 
 /// The path of the lowest point of the peg: in one colour where it slides, in another where it rolls or sticks, in a
 /// third where it flies.
