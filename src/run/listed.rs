@@ -1,14 +1,26 @@
 //! Enums that list their variants.
 
-/// Declares an enum and lists its variants, so that none is forgotten.
+/// Declares an enum whose variants have names, and lists them, so that none is forgotten.
 macro_rules! listed {
-    ($(#[$of_enum:meta])* pub enum $Name:ident { $($(#[$of_variant:meta])* $Variant:ident,)+ }) => {
+    ($(#[$of_enum:meta])* pub enum $Name:ident { $($(#[$of_variant:meta])* $Variant:ident = $name:literal,)+ }) => {
         $(#[$of_enum])*
         pub enum $Name { $($(#[$of_variant])* $Variant,)+ }
 
         impl $Name {
             /// All of them.
-            pub const ALL: [Self; [$(stringify!($Variant)),+].len()] = [$(Self::$Variant),+];
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$Variant),+];
+
+            /// Its name in recordings.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$Variant => $name),+ }
+            }
+
+            /// The one with this name in recordings.
+            #[must_use]
+            pub fn find(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|one| one.name() == name)
+            }
         }
     };
 }

@@ -4,6 +4,7 @@
 //! [`COLUMNS`] is the one table of what an outcome consists of: names, units, kinds and meanings of Parquet columns,
 //! JSON members and documents follow from it.
 
+use self::ColumnKind::{Integer, Text};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, RunEnd, SimulationError, StopReason, Tally, tallied};
@@ -258,36 +259,7 @@ impl Column {
     }
 }
 
-const fn text(
-    name: &'static str,
-    meaning: &'static str,
-    read: fn(&Outcome) -> Option<Cell>,
-) -> Column {
-    let (unit, kind) = ("", ColumnKind::Text);
-    Column {
-        name,
-        unit,
-        kind,
-        meaning,
-        read,
-    }
-}
-
-const fn integer(
-    name: &'static str,
-    meaning: &'static str,
-    read: fn(&Outcome) -> Option<Cell>,
-) -> Column {
-    let (unit, kind) = ("", ColumnKind::Integer);
-    Column {
-        name,
-        unit,
-        kind,
-        meaning,
-        read,
-    }
-}
-
+/// A column of real numbers.
 const fn number(
     name: &'static str,
     unit: &'static str,
@@ -304,45 +276,50 @@ const fn number(
     }
 }
 
-fn counted(count: u64) -> Option<Cell> {
-    i64::try_from(count).ok().map(Cell::Integer)
+/// A column of something without a unit.
+const fn other(
+    name: &'static str,
+    kind: ColumnKind,
+    meaning: &'static str,
+    read: fn(&Outcome) -> Option<Cell>,
+) -> Column {
+    Column {
+        kind,
+        ..number(name, "", meaning, read)
+    }
 }
 
-#[allow(
-    clippy::unnecessary_wraps,
-    reason = "the type of a cell that may be absent"
-)]
-fn real(number: f64) -> Option<Cell> {
-    Some(Cell::Number(number))
+fn counted(count: u64) -> Option<Cell> {
+    i64::try_from(count).ok().map(Cell::Integer)
 }
 
 /// Columns of an outcome, in the order in which tables have it.
 #[rustfmt::skip]
 pub const COLUMNS: &[Column] = &[
-    text("stop_reason", "why the run ended", |o| Some(Cell::Text(o.stop_reason.name()))),
-    number("stop_time", "s", "when the run ended", |o| real(o.stop_time)),
+    other("stop_reason", Text, "why the run ended", |o| Some(Cell::Text(o.stop_reason.name()))),
+    number("stop_time", "s", "when the run ended", |o| Some(Cell::Number(o.stop_time))),
     number("rise_time", "s", "when the top had risen: θ fell to stop.theta_risen; null if it did not",
         |o| o.rise_time.map(Cell::Number)),
     number("weak_time", "s", "when the spin first became too weak to hold an upright top; null if it did not, or was from the start",
         |o| o.weak_time.map(Cell::Number)),
     number("loop_time", "s", "when the axis first began to loop (of a tippe top: the precession turned backward); null if it did not",
         |o| o.loop_time.map(Cell::Number)),
-    integer("loops", "how often the axis began to loop (of a tippe top: the precession turned backward)", |o| counted(o.loops)),
-    integer("nutations", "number of whole nutation cycles", |o| counted(o.nutations)),
-    number("theta", "rad", "inclination θ at the end", |o| real(o.theta)),
-    number("phi_dot", "rad/s", "precession rate φ̇ at the end", |o| real(o.rates.phi)),
-    number("theta_dot", "rad/s", "nutation rate θ̇ at the end", |o| real(o.rates.theta)),
-    number("psi_dot", "rad/s", "spin rate ψ̇ at the end", |o| real(o.rates.psi)),
-    number("turns", "", "turns of precession from start to end", |o| real(o.turns)),
-    number("energy_at_start", "J", "total energy at the start", |o| real(o.energy.at_start)),
-    number("energy", "J", "total energy at the end", |o| real(o.energy.at_end)),
-    number("friction_work", "J", "work of friction: negative where it took energy", |o| real(o.energy.friction_work)),
-    number("slip_path", "m", "path that the contact point slipped", |o| real(o.slip_path)),
+    other("loops", Integer, "how often the axis began to loop (of a tippe top: the precession turned backward)", |o| counted(o.loops)),
+    other("nutations", Integer, "number of whole nutation cycles", |o| counted(o.nutations)),
+    number("theta", "rad", "inclination θ at the end", |o| Some(Cell::Number(o.theta))),
+    number("phi_dot", "rad/s", "precession rate φ̇ at the end", |o| Some(Cell::Number(o.rates.phi))),
+    number("theta_dot", "rad/s", "nutation rate θ̇ at the end", |o| Some(Cell::Number(o.rates.theta))),
+    number("psi_dot", "rad/s", "spin rate ψ̇ at the end", |o| Some(Cell::Number(o.rates.psi))),
+    number("turns", "", "turns of precession from start to end", |o| Some(Cell::Number(o.turns))),
+    number("energy_at_start", "J", "total energy at the start", |o| Some(Cell::Number(o.energy.at_start))),
+    number("energy", "J", "total energy at the end", |o| Some(Cell::Number(o.energy.at_end))),
+    number("friction_work", "J", "work of friction: negative where it took energy", |o| Some(Cell::Number(o.energy.friction_work))),
+    number("slip_path", "m", "path that the contact point slipped", |o| Some(Cell::Number(o.slip_path))),
     number("roll_time", "s", "when the peg first began to roll; null if it did not, and with a fixed peg",
         |o| o.free?.roll_time.map(Cell::Number)),
     number("inversion_time", "s", "when a tippe top inverted: its axis passed the horizontal; null if it did not, and of other tops",
         |o| o.free?.inversion_time.map(Cell::Number)),
-    integer("hops", "how often the peg left the table; null with a fixed peg", |o| counted(o.free?.hops)),
-    integer("impacts", "number of impacts on the table; null with a fixed peg", |o| counted(o.free?.impacts)),
-    integer("steps", "steps of the integrator", |o| counted(o.steps)),
+    other("hops", Integer, "how often the peg left the table; null with a fixed peg", |o| counted(o.free?.hops)),
+    other("impacts", Integer, "number of impacts on the table; null with a fixed peg", |o| counted(o.free?.impacts)),
+    other("steps", Integer, "steps of the integrator", |o| counted(o.steps)),
 ];

@@ -17,22 +17,13 @@ listed! {
     #[serde(rename_all = "snake_case")]
     pub enum Encoding {
         /// JSON with JSON Schema: read everywhere.
-        Json,
+        Json = "json",
         /// Protocol Buffers: smaller, faster, plotted by Rerun.
-        Protobuf,
+        Protobuf = "protobuf",
     }
 }
 
 impl Encoding {
-    /// Its name in MCAP channels.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Json => "json",
-            Self::Protobuf => "protobuf",
-        }
-    }
-
     /// Its purpose, as in the help.
     #[must_use]
     pub fn meaning(self) -> &'static str {
@@ -49,14 +40,6 @@ impl Encoding {
             Self::Json => "jsonschema",
             Self::Protobuf => "protobuf",
         }
-    }
-
-    /// The encoding with this name.
-    #[must_use]
-    pub fn find(name: &str) -> Option<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|encoding| encoding.name() == name)
     }
 
     /// The schema of a channel's messages, as it stands in recordings.

@@ -29,48 +29,48 @@ listed! {
     #[serde(rename_all = "snake_case")]
     pub enum EventKind {
         /// The run begins.
-        Start,
+        Start = "start",
         /// θ has fallen to `stop.theta_risen`.
-        Risen,
+        Risen = "risen",
         /// θ has grown to `stop.theta_fallen`, or to π/2.
-        Fallen,
+        Fallen = "fallen",
         /// θ passes a minimum.
-        NutationMinimum,
+        NutationMinimum = "nutation_minimum",
         /// θ passes a maximum.
-        NutationMaximum,
+        NutationMaximum = "nutation_maximum",
         /// θ passes a minimum within 0.01 rad of zero: the axis swings through the vertical.
-        UprightPassage,
+        UprightPassage = "upright_passage",
         /// The precession turns retrograde: the axis makes loops.
-        LoopingBegins,
+        LoopingBegins = "looping_begins",
         /// The precession turns back to its normal sense.
-        LoopingEnds,
+        LoopingEnds = "looping_ends",
         /// The spin has become too weak to hold an upright top: a² = 4 M g l / I_x (Klein and Sommerfeld).
-        WeakTop,
+        WeakTop = "weak_top",
         /// The spin has become strong enough again: the reverse of [`EventKind::WeakTop`].
-        StrongTop,
+        StrongTop = "strong_top",
         /// The contact point has stopped slipping.
-        SlipStops,
+        SlipStops = "slip_stops",
         /// The contact point has stopped slipping, and friction holds it: the top turns about the vertical as a
         /// whole.
-        Stick,
+        Stick = "stick",
         /// Friction does not hold the contact point any longer.
-        SlipResumes,
+        SlipResumes = "slip_resumes",
         /// A top whose contact point sticks has stopped turning too.
-        Rest,
+        Rest = "rest",
         /// The Euler angles have become singular: sin θ is nearly 0.
-        Singular,
+        Singular = "singular",
         /// The peg leaves the table.
-        LiftOff,
+        LiftOff = "lift_off",
         /// The peg is on the table again, after one impact or several.
-        Landing,
+        Landing = "landing",
         /// The peg begins to roll.
-        RollBegins,
+        RollBegins = "roll_begins",
         /// The peg rolls no longer.
-        RollEnds,
+        RollEnds = "roll_ends",
         /// The peg jams: no force of the table keeps it out of it.
-        Jam,
+        Jam = "jam",
         /// The top turns about the vertical only; rolling resistance holds it.
-        Pivot,
+        Pivot = "pivot",
     }
 }
 
@@ -78,12 +78,6 @@ listed! {
 pub const UPRIGHT: f64 = 0.01;
 
 impl EventKind {
-    /// The kind with this name in recordings; none for a name of another version.
-    #[must_use]
-    pub fn find(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-
     /// The event of a transition; none where the phases imply it.
     pub(super) fn of(transition: &Transition) -> Option<Self> {
         match transition {
@@ -135,34 +129,6 @@ impl EventKind {
             | Self::RollEnds
             | Self::Jam
             | Self::Pivot => None,
-        }
-    }
-
-    /// The name in recordings.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Start => "start",
-            Self::Risen => "risen",
-            Self::Fallen => "fallen",
-            Self::NutationMinimum => "nutation_minimum",
-            Self::NutationMaximum => "nutation_maximum",
-            Self::UprightPassage => "upright_passage",
-            Self::LoopingBegins => "looping_begins",
-            Self::LoopingEnds => "looping_ends",
-            Self::WeakTop => "weak_top",
-            Self::StrongTop => "strong_top",
-            Self::SlipStops => "slip_stops",
-            Self::Stick => "stick",
-            Self::SlipResumes => "slip_resumes",
-            Self::Rest => "rest",
-            Self::Singular => "singular",
-            Self::LiftOff => "lift_off",
-            Self::Landing => "landing",
-            Self::RollBegins => "roll_begins",
-            Self::RollEnds => "roll_ends",
-            Self::Jam => "jam",
-            Self::Pivot => "pivot",
         }
     }
 
@@ -235,46 +201,29 @@ listed! {
     #[serde(rename_all = "snake_case")]
     pub enum StopReason {
         /// θ fell to `stop.theta_risen`.
-        Risen,
+        Risen = "risen",
         /// θ grew to `stop.theta_fallen`.
-        Fallen,
+        Fallen = "fallen",
         /// `stop.duration` is over.
-        Duration,
+        Duration = "duration",
         /// The contact point stopped slipping; `stop.on_stick = "continue"` goes on.
-        SlipStopped,
+        SlipStopped = "slip_stopped",
         /// The contact point sticks and the top has stopped turning: nothing will change.
-        Rest,
+        Rest = "rest",
         /// The Euler angles became singular; the `body` formulation goes on there.
-        Singular,
+        Singular = "singular",
         /// The free peg jammed: no force of the table keeps it out of it.
-        Jam,
+        Jam = "jam",
         /// The top with a free peg turns about the vertical only, held by rolling resistance.
-        Pivot,
+        Pivot = "pivot",
         /// Nothing in the scenario ended the run: it was broken off.
-        Interrupted,
+        Interrupted = "interrupted",
         /// The integrator could not go on.
-        Failed,
+        Failed = "failed",
     }
 }
 
 impl StopReason {
-    /// The name in recordings.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Risen => "risen",
-            Self::Fallen => "fallen",
-            Self::Duration => "duration",
-            Self::SlipStopped => "slip_stopped",
-            Self::Rest => "rest",
-            Self::Singular => "singular",
-            Self::Jam => "jam",
-            Self::Pivot => "pivot",
-            Self::Interrupted => "interrupted",
-            Self::Failed => "failed",
-        }
-    }
-
     /// The reason for the run's end, as a sentence.
     #[must_use]
     pub fn sentence(self) -> &'static str {
