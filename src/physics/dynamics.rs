@@ -16,7 +16,6 @@
 
 mod accelerations;
 mod body;
-mod bounds;
 mod euler;
 mod fixed;
 mod formulation;
@@ -31,7 +30,6 @@ mod support;
 
 pub use accelerations::Accelerations;
 pub use body::BodyRotation;
-pub use bounds::EulerBounds;
 pub use euler::EulerAngles;
 pub use formulation::{Entry, Formulation, Guard, Transition};
 pub use free::FreeRotation;

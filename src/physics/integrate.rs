@@ -21,6 +21,6 @@ mod dop853;
 mod problem;
 
 pub use crossing::{Crossing, KNOTS, SignTracker, Slope, zero};
-pub use dense::{Bounds, Dense};
+pub use dense::Dense;
 pub use dop853::Dop853;
 pub use problem::{Direction, IntegrateError, Statistics, System, Tolerances};

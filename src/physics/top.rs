@@ -233,13 +233,7 @@ impl Top {
     /// it is weak and an upright top would not stay so (Klein and Sommerfeld; the paper, section 3).
     #[must_use]
     pub fn strength_ratio(&self, tilt: &Tilt) -> f64 {
-        self.strength_ratio_at(tilt.axial_rate())
-    }
-
-    /// [`Top::strength_ratio`] at an angular velocity about the symmetry axis, rad/s.
-    #[must_use]
-    pub fn strength_ratio_at(&self, axial_rate: f64) -> f64 {
-        let a = self.axial_moment * axial_rate / self.transverse_moment;
+        let a = self.axial_moment * tilt.axial_rate() / self.transverse_moment;
         // Of a tippe top: turned over, its centre of mass is above that of its sphere.
         let moment = self.gravity_moment().abs();
         a.abs() / (4.0 * moment / self.transverse_moment).sqrt()

@@ -5,14 +5,13 @@
     reason = "the rates go from the stages to the equations in registers only if what is between is unrolled"
 )]
 
-use super::bounds::EulerBounds;
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entry, Formulation, Guard, Transition};
 use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, first_of, integrals, with_integrals};
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
-use crate::physics::integrate::{Dense, IntegrateError, System};
+use crate::physics::integrate::{IntegrateError, System};
 use crate::physics::kinematics::{Euler, Tilt, world_from_body};
 use nalgebra::UnitQuaternion;
 
@@ -188,11 +187,6 @@ impl<const N: usize> Formulation<N> for EulerAngles {
         angles(y)
     }
 
-    #[inline]
-    fn bounds<const M: usize>(&self, step: &Dense<M>) -> Option<EulerBounds> {
-        Some(EulerBounds::of(step))
-    }
-
     fn world_from_body(&self, y: &[f64; N]) -> UnitQuaternion<f64> {
         world_from_body(angles(y))
     }
@@ -215,10 +209,6 @@ impl<const N: usize> Formulation<N> for EulerAngles {
 
     fn guard(&self, guard: Guard, motion: &Motion) -> f64 {
         fixed::guard(&self.model, guard, &motion.tilt)
-    }
-
-    fn guard_is_positive(&self, guard: Guard, bounds: &EulerBounds) -> bool {
-        fixed::guard_is_positive(&self.model, guard, bounds)
     }
 
     fn enter(

@@ -1,6 +1,5 @@
 //! The phases of a top whose peg's centre stays in place: it slides, or turns about the vertical as a whole.
 
-use super::bounds::EulerBounds;
 use super::formulation::{Entry, Formulation, Guard, Transition};
 use super::model::Model;
 use super::motion::{Motion, Start};
@@ -52,22 +51,6 @@ pub(super) fn guard(model: &Model, guard: Guard, tilt: &Tilt) -> f64 {
         Guard::Regular => tilt.sin - SINGULAR,
         // What a fixed peg does not do.
         Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::Rolling => f64::NAN,
-    }
-}
-
-/// Whether bounds show that a guard is positive throughout: see [`Formulation::guard_is_positive`].
-pub(super) fn guard_is_positive(model: &Model, guard: Guard, bounds: &EulerBounds) -> bool {
-    let least_sine = bounds.least_sine();
-    match guard {
-        Guard::Slip => {
-            // The slip velocity has the components −R θ̇ and R ψ̇ sin θ.
-            let across = least_sine * bounds.psi_dot.magnitude().least;
-            let along = bounds.theta_dot.magnitude().least;
-            let faster = if across > along { across } else { along };
-            model.top.peg_radius * faster > 2.0 * NO_SLIP
-        }
-        Guard::Regular => least_sine > 2.0 * SINGULAR,
-        Guard::Grip | Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::Rolling => false,
     }
 }
 

@@ -1,11 +1,10 @@
 //! The interface of a choice of variables: equations, phases, and transitions between them.
 
-use super::bounds::EulerBounds;
 use super::impact::Impact;
 use super::model::Model;
 use super::motion::{Motion, Start};
 use super::support::Phase;
-use crate::physics::integrate::{Dense, IntegrateError, System, Tolerances};
+use crate::physics::integrate::{IntegrateError, System, Tolerances};
 use crate::physics::kinematics::Euler;
 use nalgebra::UnitQuaternion;
 
@@ -101,11 +100,6 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     /// The Euler angles of [`Formulation::motion`].
     fn angles(&self, state: &[f64; N], reference: Euler) -> Euler;
 
-    /// Bounds of the inclination and the rates within a step, where they are easy to have.
-    fn bounds<const M: usize>(&self, _step: &Dense<M>) -> Option<EulerBounds> {
-        None
-    }
-
     /// The orientation in a state: turns body components into world components.
     fn world_from_body(&self, state: &[f64; N]) -> UnitQuaternion<f64>;
 
@@ -120,11 +114,6 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
 
     /// The value of a guard.
     fn guard(&self, guard: Guard, motion: &Motion) -> f64;
-
-    /// Whether bounds show that a guard is positive throughout; false if they are too wide.
-    fn guard_is_positive(&self, _guard: Guard, _bounds: &EulerBounds) -> bool {
-        false
-    }
 
     /// The transition where a guard has fallen to zero. `reference` as for [`Formulation::motion`].
     ///

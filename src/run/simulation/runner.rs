@@ -8,12 +8,8 @@ use super::queue::{Pending, Queue, to_nanoseconds};
 use super::record::{Record, RunEnd, SimulationError};
 use super::sample::Sample;
 use super::tally::Tally;
-use super::watch::{
-    Meaning, Watch, accelerations, envelope, is_steady_at_knots, keep_signs, watches,
-};
-use crate::physics::dynamics::{
-    Entry, EulerBounds, Formulation, Guard, Model, Motion, Phase, Transition,
-};
+use super::watch::{Meaning, Watch, accelerations, envelope, keep_signs, watches};
+use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Phase, Transition};
 use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{OnStick, Scenario, Stop};
@@ -158,14 +154,6 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(())
     }
 
-    /// Whether bounds show that a watched function keeps its sign throughout a step.
-    #[inline]
-    fn is_quiet(&self, watch: &Watch, bounds: &EulerBounds) -> bool {
-        let (system, sense) = (self.integrator.system(), self.settings.sense);
-        let keeps = |positive| watch.meaning.keeps_sign(positive, system, sense, bounds);
-        watch.tracker.sign().is_some_and(keeps)
-    }
-
     /// Gives watches back the signs that they had where a step is left, before these crossings, which never come.
     fn take_back(&mut self, crossings: impl DoubleEndedIterator<Item = (f64, Meaning, Slope)>) {
         // From the last to the first: what holds is the sign before the first.
@@ -183,31 +171,20 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// All zeros of the watched functions in a step, in the order of time.
     fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, Meaning, Slope)> {
         let (system, sense) = (self.integrator.system(), self.settings.sense);
-        let bounds = system.bounds(dense);
-        let mut motions = None;
+        let motions = self.motions_at_knots(dense);
         let mut watches = std::mem::take(&mut self.watches);
         let mut found: Vec<Crossing> = Vec::new();
         let mut all = Vec::new();
-        for watch in &mut watches {
-            let looks_closer = watch.meaning == Meaning::NutationRate && self.detail == Detail::All;
-            let is_quiet = |bounds| self.is_quiet(watch, bounds);
-            if !looks_closer && bounds.as_ref().is_some_and(is_quiet) {
-                continue;
-            }
-            let Watch { meaning, tracker } = watch;
+        for Watch { meaning, tracker } in &mut watches {
             let meaning = *meaning;
-            let motions = motions.get_or_insert_with(|| self.motions_at_knots(dense));
+            let looks_closer = meaning == Meaning::NutationRate && self.detail == Detail::All;
             let values = if looks_closer {
                 let of = |motion: &Motion| accelerations(system.model(), motion);
                 let at_knots = motions.each_ref().map(of);
                 envelope(|s| of(&self.motion_alone(dense, s)), &at_knots, &mut all);
                 at_knots.each_ref().map(|acceleration| acceleration.theta)
-            } else if meaning == Meaning::NutationRate
-                && is_steady_at_knots(dense.h, motions, tracker.sign())
-            {
-                continue;
             } else {
-                meaning.values(system, sense, motions)
+                meaning.values(system, sense, &motions)
             };
             tracker.scan(
                 &KNOTS,

@@ -1,7 +1,7 @@
 //! Watched functions of the motion, whose zeros mean something.
 
-use crate::physics::dynamics::{EulerBounds, Formulation, Guard, Model, Motion, Phase};
-use crate::physics::integrate::{Bounds, KNOTS, SignTracker, Slope, zero};
+use crate::physics::dynamics::{Formulation, Guard, Model, Motion, Phase};
+use crate::physics::integrate::{KNOTS, SignTracker, Slope, zero};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::Stop;
 use std::f64::consts::FRAC_PI_2;
@@ -70,60 +70,6 @@ impl Meaning {
             Self::Turning => each(motions, |m| sense * m.tilt.omega_lean.z),
         }
     }
-
-    /// Whether bounds show that the watched function keeps this sign throughout a step; false if they are too wide.
-    #[inline]
-    pub fn keeps_sign<F: Formulation<N>, const N: usize>(
-        self,
-        positive: bool,
-        system: &F,
-        sense: f64,
-        bounds: &EulerBounds,
-    ) -> bool {
-        let is_inclined = || bounds.least_sine() > 0.0;
-        match self {
-            Self::Nutation => bounds.theta_dot.have_sign(positive) && is_inclined(),
-            Self::NutationRate => is_steady(positive, bounds),
-            Self::Precession => {
-                bounds.phi_dot.have_sign(positive == (sense > 0.0)) && is_inclined()
-            }
-            Self::Strength => {
-                let (top, rate) = (system.model().nutating_top(), bounds.axial_rate());
-                let (weakest, strongest) = (rate.least, rate.greatest);
-                if positive {
-                    weakest > 0.0 && top.strength_ratio_at(weakest) > 1.0 + STRENGTH_ROUNDING
-                } else {
-                    top.strength_ratio_at(strongest) < 1.0 - STRENGTH_ROUNDING
-                }
-            }
-            Self::Risen(limit) | Self::Fallen(limit) => is_beyond(limit, positive, bounds),
-            Self::Inversion => is_beyond(FRAC_PI_2, positive, bounds),
-            Self::Guard(guard) => positive && system.guard_is_positive(guard, bounds),
-            Self::Envelope | Self::Turning => false,
-        }
-    }
-}
-
-/// Whether θ stays above a limit in rad, or below it if not `positive`.
-fn is_beyond(limit: f64, positive: bool, bounds: &EulerBounds) -> bool {
-    if positive {
-        bounds.theta.least > limit
-    } else {
-        limit > bounds.theta.greatest
-    }
-}
-
-/// Far more than the strength ratio is rounded by.
-const STRENGTH_ROUNDING: f64 = 1e-9;
-
-/// Whether θ̈ keeps this sign in a step, as far as the slope of θ̇ shows: its bounds have the sign, are farther from zero than
-/// a quarter of what they are from one another, and far beyond noise and rounding. So are most steps, as a nutation takes
-/// twenty; their accelerations need not be computed.
-#[inline]
-fn is_steady(positive: bool, bounds: &EulerBounds) -> bool {
-    let slope = bounds.theta_dot_slope;
-    let Bounds { least, greatest } = slope.magnitude();
-    slope.have_sign(positive) && 4.0 * least > greatest - least && least > 10.0 * NUTATION_FLOOR.1
 }
 
 /// The Euler accelerations in a motion, rad/s².
@@ -163,37 +109,6 @@ pub(super) fn envelope(
             }
         }
     }
-}
-
-/// [`is_steady`] without bounds: by the slopes, at the knots, of the polynomial through the θ̇ there.
-pub(super) fn is_steady_at_knots(h: f64, motions: &[Motion; 5], sign: Option<bool>) -> bool {
-    let Some(positive) = sign else {
-        return false;
-    };
-    let rates = motions.each_ref().map(|motion| motion.tilt.rates.theta);
-    let scale = if positive { 1.0 } else { -1.0 } / (3.0 * h);
-    // The derivatives of the quartic through five equidistant points: 12 times the spacing is 3 h.
-    let slopes = [
-        [-25.0, 48.0, -36.0, 16.0, -3.0],
-        [-3.0, -10.0, 18.0, -6.0, 1.0],
-        [1.0, -8.0, 0.0, 8.0, -1.0],
-        [-1.0, 6.0, -18.0, 10.0, 3.0],
-        [3.0, -16.0, 36.0, -48.0, 25.0],
-    ]
-    .map(|weights| {
-        let terms = weights
-            .iter()
-            .zip(&rates)
-            .map(|(weight, rate)| weight * rate);
-        scale * terms.sum::<f64>()
-    });
-    let least = slopes.iter().copied().fold(f64::INFINITY, f64::min);
-    let greatest = slopes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let largest = rates
-        .iter()
-        .fold(0.0_f64, |most, rate| most.max(rate.abs()));
-    let rounding = 128.0 * f64::EPSILON * largest * scale.abs();
-    least > greatest - least && least > 10.0 * NUTATION_FLOOR.1 && least > 1e3 * rounding
 }
 
 /// Lets watches go on with the signs that those of the phase before have seen.
