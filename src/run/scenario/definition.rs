@@ -256,97 +256,73 @@ impl Scenario {
     /// Checks of keys that only one kind of support allows.
     fn check_support(&self) -> Result<(), ScenarioError> {
         let distance = self.model.top.center_distance;
+        if !self.model.support.is_free() {
+            let allowed =
+                "a finite number > 0; negative with support.kind = \"free\" for a tippe top";
+            return ensure(distance > 0.0, || {
+                out_of_range("top.center_distance", distance, allowed)
+            });
+        }
         let conflict = |key: &'static str, reason: &str| {
             let value = self.values.get(key);
-            Err(ScenarioError::Conflict {
+            conflict(
                 key,
-                value: value.map_or_else(String::new, ToString::to_string),
-                reason: reason.to_owned(),
-            })
+                value.map_or_else(String::new, ToString::to_string),
+                reason,
+            )
         };
-        if !self.model.support.is_free() {
-            return if distance > 0.0 {
-                Ok(())
-            } else {
-                Err(ScenarioError::OutOfRange {
-                    key: "top.center_distance",
-                    value: typed(distance),
-                    allowed:
-                        "a finite number > 0; negative with support.kind = \"free\" for a tippe top"
-                            .to_owned(),
-                })
-            };
-        }
-        if distance == 0.0 || distance <= -self.model.top.peg_radius {
-            return conflict(
-                "top.center_distance",
-                "must not be 0, and above −top.peg_radius: the centre of mass of a tippe top is inside its sphere",
-            );
-        }
-        let needs = [
-            (
-                self.formulation == FormulationKind::Euler,
-                "formulation = \"body\"",
-            ),
-            (
-                self.model.friction.dissipation != Dissipation::Full,
-                "friction.dissipation = \"full\"",
-            ),
-            (
-                self.stop.duration.is_none(),
-                "stop.duration, because it may roll for ever",
-            ),
-        ];
-        let needs: Vec<_> = needs.iter().filter(|(is_unmet, _)| *is_unmet).collect();
-        if !needs.is_empty() {
-            let needs: Vec<_> = needs.iter().map(|(_, need)| *need).collect();
+        ensure(
+            distance != 0.0 && distance > -self.model.top.peg_radius,
+            || {
+                conflict(
+                    "top.center_distance",
+                    "must not be 0, and above −top.peg_radius: the centre of mass of a tippe top is inside its sphere",
+                )
+            },
+        )?;
+        let is_euler = self.formulation == FormulationKind::Euler;
+        let is_part = self.model.friction.dissipation != Dissipation::Full;
+        let is_endless = self.stop.duration.is_none();
+        let needs: Vec<&str> = [
+            is_euler.then_some("formulation = \"body\""),
+            is_part.then_some("friction.dissipation = \"full\""),
+            is_endless.then_some("stop.duration, because it may roll for ever"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        ensure(needs.is_empty(), || {
             let reason = format!("a free top also needs {}", needs.join(", "));
-            return conflict("support.kind", &reason);
-        }
-        for (of_peg, of_center) in [
-            (
-                ["initial.peg_x", "initial.peg_y"],
-                ["initial.center_x", "initial.center_y"],
-            ),
-            (
-                ["initial.peg_x_dot", "initial.peg_y_dot"],
-                ["initial.center_x_dot", "initial.center_y_dot"],
-            ),
-        ] {
-            let set_key = |keys: [&'static str; 2]| {
-                keys.into_iter().find(|key| self.values.get(key).is_some())
-            };
+            conflict("support.kind", &reason)
+        })?;
+        let set_key =
+            |keys: [&'static str; 2]| keys.into_iter().find(|key| self.values.get(key).is_some());
+        for (of_peg, of_center) in PLACES {
             if let (Some(key), Some(other)) = (set_key(of_peg), set_key(of_center)) {
                 let reason = format!("{other} is set too; set one of peg and centre of mass");
-                return conflict(key, &reason);
+                return Err(conflict(key, &reason));
             }
         }
-        if distance < 0.0 {
-            for key in ["stop.theta_risen", "stop.theta_fallen"] {
-                if self.values.get(key).is_some() {
-                    return conflict(
-                        key,
-                        "a tippe top (top.center_distance < 0) neither rises nor falls but inverts; use stop.duration",
-                    );
-                }
-            }
+        let limit = set_key(["stop.theta_risen", "stop.theta_fallen"]);
+        match limit.filter(|_| distance < 0.0) {
+            Some(key) => Err(conflict(
+                key,
+                "a tippe top (top.center_distance < 0) neither rises nor falls but inverts; use stop.duration",
+            )),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     fn check_body(&self) -> Result<(), ScenarioError> {
         let top = &self.model.top;
         let offset = top.mass * top.center_distance * top.center_distance;
-        if top.transverse_moment <= offset {
-            return Err(ScenarioError::OutOfRange {
-                key: "top.transverse_moment",
-                value: typed(top.transverse_moment),
-                allowed: format!(
-                    "more than {} kg m² = top.mass · top.center_distance²: so much the mass has at the centre of mass alone",
-                    typed(offset)
-                ),
-            });
-        }
+        ensure(top.transverse_moment > offset, || {
+            let allowed = format!(
+                "more than {} kg m² = top.mass · top.center_distance²: so much the mass has at the centre of mass alone",
+                typed(offset)
+            );
+            out_of_range("top.transverse_moment", top.transverse_moment, allowed)
+        })?;
         // No body has a larger axial moment than twice its transverse one, about any point of its axis;
         // the centre of mass is the hardest.
         let limit = 2.0 * top.transverse_moment;
@@ -357,116 +333,119 @@ impl Scenario {
                 "2 · (top.transverse_moment − top.mass · top.center_distance²), twice the transverse moment about the centre of mass",
             ),
         ] {
-            if top.axial_moment > limit {
-                return Err(ScenarioError::OutOfRange {
-                    key: "top.axial_moment",
-                    value: typed(top.axial_moment),
-                    allowed: format!(
-                        "at most {} kg m² = {what}: no rigid body exceeds it",
-                        typed(limit)
-                    ),
-                });
-            }
+            ensure(top.axial_moment <= limit, || {
+                let allowed = format!(
+                    "at most {} kg m² = {what}: no rigid body exceeds it",
+                    typed(limit)
+                );
+                out_of_range("top.axial_moment", top.axial_moment, allowed)
+            })?;
         }
         Ok(())
     }
 
     fn check_start(&self) -> Result<(), ScenarioError> {
         let theta = self.angles.theta;
-        if self.formulation == FormulationKind::Euler && !(theta > 0.0 && theta < PI) {
-            return Err(ScenarioError::OutOfRange {
-                key: "initial.theta",
-                value: typed(theta),
-                allowed: "between 0 and π with formulation = \"euler\", which is singular there; \
-                          formulation = \"body\" allows both"
-                    .to_owned(),
-            });
-        }
+        let is_singular = theta <= 0.0 || theta >= PI;
+        ensure(
+            !is_singular || self.formulation == FormulationKind::Body,
+            || {
+                let allowed = "between 0 and π with formulation = \"euler\", which is singular there; \
+                           formulation = \"body\" allows both";
+                out_of_range("initial.theta", theta, allowed)
+            },
+        )?;
         let drops_terms = self.model.friction.dissipation.drops_euler_terms();
-        if drops_terms && !self.is_frictionless() && self.stop.theta_risen.is_none() {
-            return Err(ScenarioError::Conflict {
-                key: "friction.dissipation",
-                value: self.word("friction.dissipation").to_owned(),
-                reason: "divides by sin θ and needs stop.theta_risen to end before upright"
-                    .to_owned(),
-            });
-        }
-        for (key, limit, wrong) in [
-            (
-                "stop.theta_risen",
-                self.stop.theta_risen,
-                self.stop.theta_risen.is_some_and(|limit| theta <= limit),
-            ),
-            (
-                "stop.theta_fallen",
-                self.stop.theta_fallen,
-                self.stop.theta_fallen.is_some_and(|limit| theta >= limit),
-            ),
-        ] {
-            if wrong {
-                return Err(ScenarioError::Conflict {
-                    key,
-                    value: typed(limit.unwrap_or_default()),
-                    reason: format!(
-                        "the top starts beyond it, at initial.theta = {}",
-                        typed(theta)
-                    ),
-                });
+        let is_endless = drops_terms && !self.is_frictionless() && self.stop.theta_risen.is_none();
+        ensure(!is_endless, || {
+            let reason = "divides by sin θ and needs stop.theta_risen to end before upright";
+            let word = self.word("friction.dissipation");
+            conflict("friction.dissipation", word, reason)
+        })?;
+        let is_beyond = |limit: &f64| theta <= *limit;
+        let risen = self.stop.theta_risen.filter(is_beyond);
+        let fallen = self.stop.theta_fallen.filter(|limit| theta >= *limit);
+        let risen = risen.map(|limit| ("stop.theta_risen", limit));
+        match risen.or(fallen.map(|limit| ("stop.theta_fallen", limit))) {
+            Some((key, limit)) => {
+                let start = typed(theta);
+                let reason = format!("the top starts beyond it, at initial.theta = {start}");
+                Err(conflict(key, typed(limit), reason))
             }
+            None => Ok(()),
         }
-        Ok(())
     }
 
     fn check_sticking(&self) -> Result<(), ScenarioError> {
-        let conflict = |reason: &str| {
-            Err(ScenarioError::Conflict {
-                key: "stop.on_stick",
-                value: "continue".to_owned(),
-                reason: reason.to_owned(),
-            })
-        };
-        if !self.model.friction.can_stick() {
-            return conflict(
+        let conflict = |reason: &str| conflict("stop.on_stick", "continue", reason);
+        ensure(self.model.friction.can_stick(), || {
+            conflict(
                 "this friction never holds the contact point at rest; friction.law = \"coulomb\" or \
                  \"stribeck\" and rolling.arm do, if friction.dissipation is \"full\"",
-            );
-        }
-        if self.stop.duration.is_none() {
-            return conflict("a top may stick for ever; set stop.duration");
-        }
-        Ok(())
+            )
+        })?;
+        ensure(self.stop.duration.is_some(), || {
+            conflict("a top may stick for ever; set stop.duration")
+        })
     }
 
     fn check_end(&self) -> Result<(), ScenarioError> {
-        let Stop {
-            theta_risen,
-            theta_fallen,
-            duration,
-            on_stick,
-        } = self.stop;
-        if on_stick == OnStick::Continue && !self.model.support.is_free() {
+        let stop = &self.stop;
+        if stop.on_stick == OnStick::Continue && !self.model.support.is_free() {
             self.check_sticking()?;
         }
-        let Some(duration) = duration else {
-            let by_angle = theta_risen.is_some() || theta_fallen.is_some();
-            return if by_angle && !self.is_frictionless() {
-                Ok(())
-            } else {
-                Err(ScenarioError::NeverStops)
-            };
+        let Some(duration) = stop.duration else {
+            let by_angle = stop.theta_risen.is_some() || stop.theta_fallen.is_some();
+            let ends = by_angle && !self.is_frictionless();
+            return ensure(ends, || ScenarioError::NeverStops);
         };
-        if duration * 1e9 / self.sample_period_ns as f64 > f64::from(u32::MAX) {
-            return Err(ScenarioError::OutOfRange {
-                key: "sampling.period",
-                value: typed(self.sample_period_ns as f64 / 1e9),
-                allowed: format!(
-                    "long enough for at most {} samples in stop.duration = {} s",
-                    u32::MAX,
-                    typed(duration)
-                ),
-            });
-        }
-        Ok(())
+        let samples = duration * 1e9 / self.sample_period_ns as f64;
+        ensure(samples <= f64::from(u32::MAX), || {
+            let allowed = format!(
+                "long enough for at most {} samples in stop.duration = {} s",
+                u32::MAX,
+                typed(duration)
+            );
+            let period = self.sample_period_ns as f64 / 1e9;
+            out_of_range("sampling.period", period, allowed)
+        })
+    }
+}
+
+/// Keys of the position and of the velocity: those of the peg and of the centre of mass exclude each other.
+const PLACES: [([&str; 2], [&str; 2]); 2] = [
+    (
+        ["initial.peg_x", "initial.peg_y"],
+        ["initial.center_x", "initial.center_y"],
+    ),
+    (
+        ["initial.peg_x_dot", "initial.peg_y_dot"],
+        ["initial.center_x_dot", "initial.center_y_dot"],
+    ),
+];
+
+/// The error unless a condition holds.
+fn ensure(holds: bool, error: impl FnOnce() -> ScenarioError) -> Result<(), ScenarioError> {
+    if holds { Ok(()) } else { Err(error()) }
+}
+
+fn out_of_range(key: &'static str, value: f64, allowed: impl Into<String>) -> ScenarioError {
+    ScenarioError::OutOfRange {
+        key,
+        value: typed(value),
+        allowed: allowed.into(),
+    }
+}
+
+fn conflict(
+    key: &'static str,
+    value: impl Into<String>,
+    reason: impl Into<String>,
+) -> ScenarioError {
+    ScenarioError::Conflict {
+        key,
+        value: value.into(),
+        reason: reason.into(),
     }
 }
 
