@@ -1,4 +1,4 @@
-//! Questions asked of runs: whether a recording can be trusted, how two runs differ, what happened and how it looks.
+//! Analysis of runs: verify, diff, explain, figures.
 
 pub mod diff;
 pub mod explain;

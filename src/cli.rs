@@ -1,14 +1,13 @@
-//! The program: its commands, how they end, and what they print.
+//! The command-line program.
 //!
-//! Each command is a file with its arguments, its report and its function. `input` opens the runs that are named;
-//! `report` prints a report as JSON, or as a `page`; everything is printed through `output`.
+//! Each command is a file with its arguments, its report and its function. `input` opens the runs named on the command
+//! line; `report` prints a report as JSON or as a `page`; all output goes through `output`.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
 mod completions;
 mod diff;
-mod done;
 mod explain;
 mod figures;
 mod info;
@@ -24,6 +23,7 @@ mod progress;
 mod report;
 mod run;
 mod schema;
+mod status;
 #[cfg(feature = "sweep")]
 mod sweep;
 mod table;
@@ -36,36 +36,44 @@ mod viewer;
 
 use crate::analysis;
 use anyhow::Error;
-use arguments::Format;
+use arguments::{Format, OUTPUT};
 use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum};
-use done::Done;
 use schemars::{JsonSchema, schema_for};
+use status::Status;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Simulate how a spinning top rises, record every torque, and find out why.
+/// Simulate and record the motion of a spinning top, and explain why it rises.
 ///
-/// A heavy symmetric top with a spherical peg stands up because its peg slips on the table. toprise integrates this motion
-/// and records the state, torques, terms of the accelerations and slip velocity of the contact point: in an MCAP file that
-/// anyone can reproduce bit for bit, and for the Rerun viewer, where you scrub through the rise.
+/// A spinning top rises because its round peg slips on the table. toprise integrates this motion and records the state,
+/// the torques, the terms of the accelerations and the slip velocity in an MCAP file (reproducible bit for bit) and for
+/// the Rerun viewer.
 ///
-/// Where a command takes a run, name a preset (`toprise presets` lists them), a scenario file (TOML; `toprise presets paper
-/// > mine.toml` writes one to start from) or a recording (MCAP). Units are SI and radians.
+/// A run is given as a preset (see `toprise presets`), a scenario file (TOML; create one with `toprise presets paper >
+/// mine.toml`) or a recording (MCAP). Units are SI and radians.
 #[derive(Debug, Parser)]
 #[command(name = "toprise", version, after_help = EXAMPLES, after_long_help = MORE)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
 
-    /// Output format.
-    #[arg(long, global = true, value_enum, default_value_t, display_order = 899)]
+    /// Output format: text, json or markdown
+    #[arg(
+        long,
+        global = true,
+        value_enum,
+        default_value_t,
+        hide_possible_values = true,
+        help_heading = OUTPUT,
+        display_order = 899
+    )]
     format: Format,
 
-    /// Print nothing but errors; JSON and Markdown are printed if they are asked for.
-    #[arg(short, long, global = true, display_order = 900)]
+    /// Print only errors (and the report, with --format json or markdown)
+    #[arg(short, long, global = true, help_heading = OUTPUT, display_order = 900)]
     quiet: bool,
 
-    /// When to use colours; auto is on a terminal, unless `NO_COLOR` is set.
+    /// Use colours: auto, always or never [auto: on a terminal, unless NO_COLOR is set]
     #[arg(
         long,
         global = true,
@@ -73,12 +81,13 @@ struct Arguments {
         value_enum,
         default_value_t,
         hide_possible_values = true,
+        help_heading = OUTPUT,
         display_order = 901
     )]
     color: ColorChoice,
 }
 
-/// The command line's definition, from which help pages, completions and other documents can be made.
+/// The clap definition of the command line, for help pages and completions.
 #[must_use]
 pub fn command() -> clap::Command {
     Arguments::command()
@@ -86,101 +95,107 @@ pub fn command() -> clap::Command {
 
 const EXAMPLES: &str = "\
 Start with:
-  toprise run                        the rise of the paper's top, into recordings/
-  toprise explain paper              why it rises
+  toprise run                        simulate the paper's run, record it in recordings/
+  toprise explain paper              explain why the top rises
   toprise --help                     more examples, and the exit codes";
 
 const MORE: &str = "\
-Simulate and look:
+Simulate and view:
   toprise run                              the rise of the paper's top, into recordings/
-  toprise run full-coulomb --spawn         another preset, live in the Rerun viewer
-  toprise run --set friction.k=0.02        one value changed
-  toprise presets paper > mine.toml        a scenario file to start from
+  toprise run full-coulomb --spawn         another preset, shown live in the Rerun viewer
+  toprise run --set friction.k=0.02        change one value
+  toprise presets paper > mine.toml        write a scenario file to edit
   toprise run mine.toml -o mine.mcap
-  toprise view recordings/*.mcap           recordings again in the Rerun viewer
+  toprise view recordings/*.mcap           open recordings in the Rerun viewer
 
-Ask questions:
+Analyse:
   toprise explain paper                    why the top rises
-  toprise diff paper full-coulomb          how another friction model changes the run
+  toprise diff paper full-coulomb          compare two friction models
   toprise diff a.mcap b.mcap --rel 1e-9    compare with a tolerance
   toprise figures                          the paper's figures, and more, as SVG and PNG
   toprise sweep paper --over friction.k=0.005..0.1/64log -o k.parquet
 
 Manage recordings:
-  toprise info recordings/paper.mcap       list the content
+  toprise info recordings/paper.mcap       list the contents
   toprise verify recordings/*.mcap         run the scenarios again and compare
   toprise run a.mcap --encoding protobuf   repeat a run in another encoding
-  toprise run a.mcap.partial               repeat an interrupted run, to its end
+  toprise run a.mcap.partial               repeat an interrupted run from the start
 
-For programs: every command takes --format json, and `toprise schema --write DIR` writes
+For scripts: every command accepts --format json, and `toprise schema --write DIR` writes
 the JSON Schemas of reports and of the messages in recordings.
 
 Exit codes:
-  0  done; recordings verified, runs equal
+  0  success; recordings verified, runs equal
   1  verification failed, or runs differ
   2  bad usage, unreadable input or failed output
-  3  incomplete: interrupted, parts of a file unreadable, runs compared in parts,
+  3  partial result: interrupted, file partly unreadable, runs compared in part,
      or the motion could not be computed to its end
   130  interrupted without a result";
 
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Simulate a scenario and record it.
-    ///
-    /// Exit codes: 0 recorded, 2 bad scenario or failed output, 3 recorded in part: interrupted, or the motion could not be
-    /// computed further.
+    #[command(
+        after_help = "Exit codes: 0 recorded, 2 invalid scenario or failed output, 3 recorded in part (interrupted, or the integration failed)."
+    )]
     Run(run::RunArguments),
     /// Show recordings in the Rerun viewer, with the layout of `toprise run`.
     ///
-    /// Starts a viewer unless --connect, --serve or --rrd is there.
-    ///
-    /// Exit codes: 0 shown, 2 unreadable or no viewer, 3 shown in parts: interrupted, or parts of a file unreadable.
+    /// Starts a viewer unless --connect, --serve or --rrd is given.
     #[cfg(feature = "rerun")]
+    #[command(
+        after_help = "Exit codes: 0 shown, 2 unreadable or no viewer, 3 shown in part (interrupted, or the file is partly unreadable)."
+    )]
     View(view::ViewArguments),
     /// Explain why the top rises or falls in a run.
     ///
-    /// The report covers what happened, why the axis moves, and where the energy goes.
-    ///
-    /// Exit codes: 0 explained, 2 unreadable or nothing to explain, 3 explained as far as it could be read.
+    /// The report lists the events, the causes of the motion of the axis, and the energy balance.
+    #[command(
+        after_help = "Exit codes: 0 explained, 2 unreadable or nothing to explain, 3 explained in part (the recording is incomplete)."
+    )]
     Explain(explain::ExplainArguments),
     /// Compare two runs: scenarios, events, averaged motion, and every field.
     ///
-    /// Each run is a recording, or a preset or scenario file that is simulated now. MCAP files of other software are compared
-    /// by topic, time and bytes.
-    ///
-    /// Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 equal as far as
-    /// compared: a run is damaged, interrupted or sampled more finely.
+    /// Each run is a recording, a preset or a scenario file. MCAP files of other software are compared by topic, time
+    /// and bytes.
+    #[command(
+        after_help = "Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 the common part is equal (a run is damaged, interrupted or has more samples)."
+    )]
     Diff(diff::DiffArguments),
-    /// Draw figures for print: those of the paper, and more.
+    /// Draw the paper's figures and others, as SVG and PNG.
     ///
-    /// figure-2, figure-3 and figure-4 are the paper's. The others show the terms of the accelerations, the rates of regular
-    /// precession, the torques, the slip and the energy; for free pegs also the track of the contact point on the table, and
-    /// the normal force with the height of the peg. Several runs are drawn over one another; figure-4 compares the others
-    /// with the first. For a sweep (--sweep FILE --x KEY), draws a map over two keys, or curves over one.
-    ///
-    /// Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn in part: a run lacks data.
+    /// figure-2, figure-3 and figure-4 are those of the paper. The others: acceleration (terms of the equations),
+    /// precession (rates of regular precession), torque, slip, energy; for free pegs also track (path of the contact
+    /// point) and hops (normal force and height). Several runs are overlaid; figure-4 compares the others with the
+    /// first. With --sweep, draws a map over two keys or curves over one. Several runs are drawn over one another;
+    /// figure-4 compares the others with the first. For a sweep (--sweep FILE --x KEY), draws a map over two keys, or
+    /// curves over one.
+    #[command(
+        after_help = "Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn in part (a run lacks data)."
+    )]
     Figures(figures::FiguresArguments),
-    /// Run a scenario for many values of its keys, and write the outcomes into a table.
+    /// Run a scenario for many values of its keys and tabulate the outcomes.
     ///
-    /// Each row of the Parquet table is a run: its values of the keys, and its outcome. The same command continues a sweep
-    /// that was interrupted, and merges one that was spread over machines with --shard. The bytes of the table don't depend
-    /// on how it was computed.
-    ///
-    /// Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs have an error instead, or the sweep
-    /// was interrupted.
+    /// Each row of the Parquet table contains the varied keys and the outcome of one run. To resume an interrupted
+    /// sweep, or to merge shards, run the same command again. The bytes of the table don't depend on threads, shards or
+    /// interruptions.
     #[cfg(feature = "sweep")]
+    #[command(
+        after_help = "Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs failed (see the column `error`), or the sweep was interrupted."
+    )]
     Sweep(sweep::SweepArguments),
     /// List the content of a recording, or of any MCAP file.
-    ///
-    /// Exit codes: 0 all could be read, 2 unreadable, 3 the recording was interrupted or damaged.
+    #[command(
+        after_help = "Exit codes: 0 everything was read, 2 unreadable, 3 the recording was interrupted or damaged."
+    )]
     Info(info::InfoArguments),
-    /// Run the scenarios of recordings again and compare the files with the result.
+    /// Verify recordings by rerunning their scenarios and comparing the files.
     ///
-    /// A file with the same bytes is verified. Otherwise the messages are compared, and the first difference is reported: time,
-    /// channel, field and both values.
-    ///
-    /// Exit codes: 0 verified, 1 different, 2 unreadable, 3 equal as far as compared: a part of a run, or recorded by
-    /// another version of toprise.
+    /// A file with identical bytes is verified. Otherwise the messages are compared and the first difference is
+    /// reported (time, channel, field, both values).
+    #[command(
+        after_help = "Exit codes: 0 verified, 1 different, 2 unreadable, 3 the common part is equal (incomplete run, or recorded by another version of toprise)."
+    )]
     Verify(verify::VerifyArguments),
     /// List the presets, or print one as a scenario file.
     Presets(presets::PresetsArguments),
@@ -199,7 +214,11 @@ pub fn main() -> ExitCode {
     let arguments = match parse(&words) {
         Ok(arguments) => arguments,
         Err(answer) => {
-            output::set_up(false, wanted(&words, "--color"), wanted(&words, "--format"));
+            output::set_up(
+                false,
+                option_or_default(&words, "--color"),
+                option_or_default(&words, "--format"),
+            );
             return print_usage(&answer);
         }
     };
@@ -210,25 +229,24 @@ pub fn main() -> ExitCode {
             let error = output::with_causes(&error);
             output::error(&error);
             report::print_error(&error);
-            Done::Unreadable.into()
+            Status::Failed.into()
         }
     }
 }
 
-/// Parses the arguments. Errors have the colours that they ask for, and lack what would
-/// steer a terminal.
+/// Parses the arguments. Errors respect --color and contain no control characters.
 fn parse(words: &[OsString]) -> Result<Arguments, clap::Error> {
     Arguments::try_parse_from(words).map_err(|answer| {
-        let harmless = words.iter().map(|word| word.to_string_lossy());
-        let harmless = harmless.map(|word| text::harmless(&word).into_owned());
-        let command = Arguments::command().color(wanted(words, "--color"));
-        let shown = command.try_get_matches_from(harmless);
+        let sanitized = words.iter().map(|word| word.to_string_lossy());
+        let sanitized = sanitized.map(|word| text::sanitized(&word).into_owned());
+        let command = Arguments::command().color(option_or_default(words, "--color"));
+        let shown = command.try_get_matches_from(sanitized);
         shown.err().unwrap_or(answer)
     })
 }
 
-/// The value of an option in arguments that may be wrong; its default where it is not set or wrong.
-fn wanted<V: ValueEnum + Default>(words: &[OsString], option: &str) -> V {
+/// The value of an option in unparsed arguments, or its default if it is missing or invalid.
+fn option_or_default<V: ValueEnum + Default>(words: &[OsString], option: &str) -> V {
     let mut words = words.iter().filter_map(|word| word.to_str());
     let value = words.find_map(|word| word.strip_prefix(option));
     let value = value.and_then(|value| value.strip_prefix('=').or_else(|| words.next()));
@@ -236,25 +254,25 @@ fn wanted<V: ValueEnum + Default>(words: &[OsString], option: &str) -> V {
     value.unwrap_or_default()
 }
 
-/// Prints the help, the version, or what is wrong with the arguments.
+/// Prints the help, the version or a usage error.
 fn print_usage(answer: &clap::Error) -> ExitCode {
     if answer.use_stderr() {
         // Without standard error there is no place for it.
         let _ = answer.print();
         let text = answer.render().to_string();
         report::print_error(text.trim_start_matches("error: ").trim_end());
-        return Done::Unreadable.into();
+        return Status::Failed.into();
     }
     match output::print_styled(&answer.render().ansi().to_string()) {
-        Ok(()) => Done::Well.into(),
+        Ok(()) => Status::Success.into(),
         Err(error) => {
             output::error(&error.to_string());
-            Done::Unreadable.into()
+            Status::Failed.into()
         }
     }
 }
 
-fn dispatch(command: Command) -> Result<Done, Error> {
+fn dispatch(command: Command) -> Result<Status, Error> {
     interrupt::handle();
     match command {
         Command::Run(arguments) => run::run(&arguments),
@@ -276,7 +294,7 @@ fn dispatch(command: Command) -> Result<Done, Error> {
     }
 }
 
-/// The JSON Schemas of what the commands answer with `--format json`, as the files of `schemas/`: names and texts.
+/// The JSON Schemas of all reports, as file names and contents for `schemas/`.
 #[must_use]
 pub fn schemas() -> Vec<(String, String)> {
     vec![
@@ -355,7 +373,11 @@ mod tests {
         ] {
             let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
             assert!(parse(&words).is_err(), "{line}");
-            assert_eq!(wanted::<ColorChoice>(&words, "--color"), color, "{line}");
+            assert_eq!(
+                option_or_default::<ColorChoice>(&words, "--color"),
+                color,
+                "{line}"
+            );
         }
     }
 }

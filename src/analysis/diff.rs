@@ -1,11 +1,10 @@
-//! The differences of two runs: in the set-up, in what happened, in the averaged motion and message by message.
+//! Comparison of two runs: scenarios, events, averaged motion, messages.
 //!
-//! [`compare`] reads two runs side by side, once, in memory that doesn't grow with the number of samples. Two nearly equal
-//! models lose the common phase of their nutation, after which differences at equal times are not due to the models;
-//! therefore the [`Report`] has averages over the nutation, compares the models along one and the same motion, and states
-//! the integrators' own errors.
+//! [`compare`] reads two runs in parallel, in one pass and constant memory. The nutations of two similar models lose
+//! phase, after which differences at equal times are meaningless. The [`Report`] therefore contains averages over the
+//! nutation, compares the models at equal states, and estimates the integration errors.
 //!
-//! Of files that toprise did not write, the messages are compared byte by byte.
+//! Messages of files not written by toprise are compared byte by byte.
 //!
 //! ```
 //! use toprise::analysis::diff::{Options, Verdict, compare};
@@ -79,7 +78,7 @@ pub fn compare<'a>(
     compare_observed(a, b, options, &mut ())
 }
 
-/// Compares two runs and shows `observer` what passes by.
+/// Like [`compare`], and passes all messages and differences to `observer`.
 ///
 /// # Errors
 /// As [`compare`], and the observer's errors.
@@ -125,7 +124,7 @@ fn compare_given(
     };
     let others = match runs {
         [Subject::Recording(a), Subject::Recording(b)] if options.topics.is_empty() => {
-            // What is made for viewers follows from the rest, and is of interest where the rest is the same.
+            // View channels are derived; compare them only if everything else is equal.
             let with_views = a.encoding() == b.encoding() && paired.is_identical();
             let [of_a, of_b] = runs.map(|run| strangers(run, with_views));
             let mut common: BTreeSet<String> = of_a.intersection(&of_b).cloned().collect();
@@ -141,7 +140,7 @@ fn compare_given(
     Ok(report)
 }
 
-/// B with A's sampling period, where neither period is a multiple of the other.
+/// B with A's sampling period, if the periods are incommensurate.
 fn resampled(runs: [Subject<'_>; 2]) -> Option<Scenario> {
     let [a, b] = [runs[0].scenario()?, runs[1].scenario()?];
     let periods = [&a, &b].map(|scenario| scenario.sample_period_ns);
@@ -185,7 +184,7 @@ fn common_topics(runs: [Subject<'_>; 2], options: &Options) -> Result<Vec<Topic>
     Ok(common.into_iter().filter(is_wanted).collect())
 }
 
-/// The topics of a recording of toprise that others have added, and also those for viewers if wanted.
+/// Foreign topics of a toprise recording, optionally with view topics.
 fn strangers(run: Subject<'_>, with_views: bool) -> BTreeSet<String> {
     let Subject::Recording(recording) = run else {
         return BTreeSet::new();

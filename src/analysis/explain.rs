@@ -1,7 +1,7 @@
-//! The explanation of a run: what happened, why the axis moved, and where the energy went.
+//! Explanation of a run: events, motion of the axis, energy balance.
 //!
-//! The argument is the paper's (V. Tanrıverdi, arXiv:2204.14060, sections 2 and 3): between the two rates of regular
-//! precession θ̈ is negative, friction drives the precession beyond the slow one, and so the top rises.
+//! It follows the argument of the paper (sections 2 and 3): between the two rates of regular precession, θ̈ is
+//! negative; friction drives the precession above the slow rate, so the top rises.
 //!
 //! ```
 //! use toprise::analysis::explain::explain;
@@ -39,17 +39,17 @@ use thiserror::Error;
 
 /// The topics that an explanation needs.
 const NEEDED: [Topic; 4] = [STATE, ACCELERATION, ENERGY, EVENTS];
-/// The reason why a run can't be explained.
+/// Error of `explain`.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ExplainError {
-    /// A file of others.
+    /// Not a toprise recording.
     #[error("not a recording of toprise")]
     Foreign,
     /// The recording has no scenario that can be used.
     #[error("{0}")]
     NoScenario(String),
     /// A channel was not recorded.
-    #[error("it has no {missing}; needed are {}", NEEDED.map(Topic::name).join(", "))]
+    #[error("it has no {missing}; required topics: {}", NEEDED.map(Topic::name).join(", "))]
     Channel {
         /// The topic.
         missing: Topic,
@@ -60,8 +60,8 @@ pub enum ExplainError {
         /// First part that could not be read.
         loss: Option<String>,
     },
-    /// The caller ended it.
-    #[error("it was interrupted before the run was read to its end")]
+    /// Cancelled by the caller.
+    #[error("interrupted")]
     Interrupted,
 }
 
@@ -73,7 +73,7 @@ pub struct Explanation {
     /// The facts, chapter by chapter.
     pub chapters: Vec<Chapter>,
     /// The kinds of events, in the order of their first times.
-    pub events: Vec<Happening>,
+    pub events: Vec<EventSummary>,
     /// The averaged motion in stages of equally many nutations.
     pub stages: Vec<Stage>,
     /// A summary of the run.
@@ -93,7 +93,7 @@ pub struct Chapter {
 
 /// Events of one kind.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct Happening {
+pub struct EventSummary {
     /// The kind of event.
     pub name: String,
     /// Number of times.
@@ -114,7 +114,7 @@ pub fn explain<'a>(subject: impl Into<Subject<'a>>) -> Result<Explanation, Expla
     explain_while(subject, &|| true)
 }
 
-/// Explains a run as long as `carry_on` agrees, which is asked at each message.
+/// Like [`explain`], but cancelled if `carry_on`, called for each message, returns false.
 ///
 /// # Errors
 /// As [`explain`], and [`ExplainError::Interrupted`].
@@ -156,7 +156,7 @@ pub fn explain_while<'a>(
         chapters: chapters
             .map(|(heading, facts)| Chapter { heading, facts })
             .collect(),
-        events: happenings(&evidence.history),
+        events: event_summaries(&evidence.history),
         stages: precession::stages(&evidence),
         summary: evidence.summary,
         losses,
@@ -224,20 +224,23 @@ fn title(evidence: &Evidence) -> String {
             evidence.scenario.title(),
             reason.sentence()
         ),
-        None => format!("{}: recorded up to t = {end}", evidence.scenario.title()),
+        None => format!(
+            "{}: incomplete, recorded until t = {end}",
+            evidence.scenario.title()
+        ),
     }
 }
 
-/// The kinds of events but for the extremes of each nutation.
-fn happenings(history: &RunHistory) -> Vec<Happening> {
-    let mut happenings: Vec<Happening> = Vec::new();
+/// Event kinds, without nutation extremes.
+fn event_summaries(history: &RunHistory) -> Vec<EventSummary> {
+    let mut event_summaries: Vec<EventSummary> = Vec::new();
     let events = history.events.iter();
     let events = events.filter_map(|event| Some((event.kind?, event)));
     for (kind, event) in events.filter(|(kind, _)| !kind.is_of_nutation()) {
-        let mut known = happenings.iter_mut();
+        let mut known = event_summaries.iter_mut();
         match known.find(|known| known.name == kind.name()) {
             Some(known) => (known.count, known.last) = (known.count + 1, event.time),
-            None => happenings.push(Happening {
+            None => event_summaries.push(EventSummary {
                 name: kind.name().to_owned(),
                 count: 1,
                 first: event.time,
@@ -246,6 +249,6 @@ fn happenings(history: &RunHistory) -> Vec<Happening> {
             }),
         }
     }
-    happenings.retain(|happening| happening.name != EventKind::Start.name());
-    happenings
+    event_summaries.retain(|summary| summary.name != EventKind::Start.name());
+    event_summaries
 }

@@ -1,5 +1,5 @@
-//! The history of a run, collected in one pass over its messages: events, nutation cycles, energy, momentum, phases of a
-//! free peg. Comparing, explaining and drawing all start from it.
+//! Run history, collected in one pass: events, nutation cycles, energy, momentum, phases of a free peg. Used by diff,
+//! explain and figures.
 
 pub(crate) mod curve;
 mod cycle;
@@ -30,19 +30,19 @@ use crate::telemetry::fields::{
 
 use std::f64::consts::FRAC_PI_2;
 
-/// Where the next cycle begins later than this part of a period after the last one, nutations were interrupted.
+/// Maximum gap between consecutive cycles, relative to the period; a larger gap interrupts the nutation.
 const BROKEN: f64 = 1e-6;
 
 /// A sample of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct State {
-    /// When, s.
+    /// Time, s.
     pub(crate) time: f64,
     /// Inclination θ, rad.
     pub(crate) theta: f64,
     /// Euler rates, rad/s.
     pub(crate) rates: Euler,
-    /// Integrals of the terms of φ̈ since the start, rad/s: gyroscopic, Coriolis, frictional; NaN where not recorded.
+    /// Integrals of the terms of φ̈ since the start, rad/s: gyroscopic, Coriolis, frictional; NaN if not recorded.
     pub(crate) terms: [f64; 3],
 }
 
@@ -58,15 +58,15 @@ pub(crate) struct RunHistory {
     pub(crate) energies: Energies,
     /// The angular momentum about the vertical, kg m²/s.
     pub(crate) vertical_momentum: Option<Constancy>,
-    /// Time at which θ first passed π/2 from below, s, between two samples.
+    /// Time of inversion (θ = π/2), s, interpolated between samples.
     pub(crate) inverted: Option<f64>,
     /// Length of the path slipped, m.
     pub(crate) slip_path: Option<f64>,
-    /// Time at which θ first fell to the level that was asked for.
+    /// First crossing of the requested θ level.
     pub(crate) rise: FirstCrossing,
     /// The phases of a free peg.
     pub(crate) peg: Option<PegHistory>,
-    /// The end record; none if the run did not reach its end.
+    /// The end record; `None` if the run did not end.
     pub(crate) end: Option<Entries>,
     /// Number of messages.
     pub(crate) messages: u64,
@@ -75,8 +75,7 @@ pub(crate) struct RunHistory {
 }
 
 impl RunHistory {
-    /// For the run of a model, if that is known. `level` is that of θ whose first crossing is
-    /// wanted, rad.
+    /// Creates an empty history; `model` is set if known. `level` is the θ level whose first crossing is recorded, rad.
     pub(crate) fn new(model: Option<Model>, level: Option<f64>) -> Self {
         let free = model.filter(|model| model.support.is_free());
         Self {
@@ -86,7 +85,7 @@ impl RunHistory {
         }
     }
 
-    /// Takes a message of the run.
+    /// Adds a message of the run.
     pub(crate) fn take(&mut self, message: &Message<'_>) {
         self.messages += 1;
         self.last_ns = self.last_ns.max(Some(message.time_ns));
@@ -164,7 +163,7 @@ impl RunHistory {
         self.events.push(event);
     }
 
-    /// Notes the end of the run.
+    /// Sets the end of the run.
     pub(crate) fn finish(&mut self, end: Option<Entries>) {
         self.end = end;
         if self.peg.is_none() {
@@ -172,8 +171,8 @@ impl RunHistory {
         }
     }
 
-    /// Leaves out what follows the nutation of a top whose peg is held: where something else was in between, the next cycle
-    /// doesn't begin where the last one ended, or lasts much longer.
+    /// For a fixed peg, drops cycles after an interruption: the next cycle does not start at the end of the last one,
+    /// or is much longer.
     fn end_with_nutation(&mut self) {
         const LONGEST: f64 = 2.0;
         let is_broken = |pair: &[Cycle]| {
@@ -191,7 +190,7 @@ impl RunHistory {
         self.end.as_ref()?.get(key).map(String::as_str)
     }
 
-    /// Time at which the run ended, s: as the end record has it, or else at the last message.
+    /// Time at which the run ended, s: from the end record, or the last message.
     pub(crate) fn stop_time(&self) -> Option<f64> {
         let known = self.end_entry(STOP_TIME).and_then(|time| time.parse().ok());
         known.or_else(|| Some(self.last_ns? as f64 / 1e9))
@@ -209,8 +208,7 @@ impl RunHistory {
             .filter(move |event| event.kind == Some(kind))
     }
 
-    /// The number of nutations over time: a curve through the beginnings of the cycles. Where nutations are interrupted
-    /// nothing counts in between.
+    /// The nutation phase (number of cycles) over time. Interruptions are not counted.
     pub(crate) fn phase(&self) -> Curve {
         let cycles = self.cycles.iter().enumerate();
         let broken_off = cycles.filter(|(index, _)| !self.goes_on_after(*index));
@@ -227,7 +225,7 @@ impl RunHistory {
         next.is_some_and(|next| (next.start - cycle.end()).abs() < BROKEN * cycle.period)
     }
 
-    /// Until when nutations follow each other without interruption, s.
+    /// End of the uninterrupted nutations, s.
     pub(crate) fn unbroken_until(&self) -> Option<f64> {
         let last = (0..self.cycles.len()).find(|index| !self.goes_on_after(*index))?;
         Some(self.cycles[last].end())
@@ -240,7 +238,7 @@ impl RunHistory {
         Curve::new(points.filter(|(_, value)| !value.is_nan()))
     }
 
-    /// Whether it is a run of a tippe top.
+    /// Whether the top is a tippe top.
     pub(crate) fn is_of_tippe_top(&self) -> bool {
         self.peg.as_ref().is_some_and(PegHistory::is_tippe)
     }

@@ -1,4 +1,4 @@
-//! Numbers, times and symbols as they stand in sentences.
+//! Formatting of numbers and times in text.
 
 /// A number rounded to `digits` significant digits; very small and very large numbers with a power of ten.
 #[must_use]
@@ -38,10 +38,10 @@ pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
     }
 }
 
-/// Units of a quantity: how many of one there are in its SI unit, with the name; the largest unit first.
+/// Units with their scale factors, largest first.
 type Units = [(f64, &'static str); 4];
 
-/// A magnitude to three digits in the largest of some units that it contains at least once.
+/// A magnitude with three digits in the largest suitable unit.
 fn in_units(value: f64, units: &Units) -> String {
     let size = value.abs();
     let rounds_to_one = |(factor, _): &&(f64, &str)| size * factor >= 0.9995;
@@ -52,7 +52,7 @@ fn in_units(value: f64, units: &Units) -> String {
     quantity(size * factor, 3, unit)
 }
 
-/// The magnitude of a time, in the unit that fits.
+/// A duration without sign, in a suitable unit.
 #[must_use]
 pub(crate) fn duration(seconds: f64) -> String {
     in_units(

@@ -1,4 +1,4 @@
-//! Subjects of analysis: runs that were recorded, or that are simulated now. Their messages are the same.
+//! Inputs of analysis: recordings, or scenarios to simulate.
 
 use crate::archive::format::end_entries;
 use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
@@ -38,8 +38,8 @@ pub struct Ended {
 }
 
 impl Subject<'_> {
-    /// Passes its messages of some topics to `take` in the order of time, each with the number of bytes of the file
-    /// that have been read since the last one, until `take` breaks it off.
+    /// Calls `take` with the messages of some topics in time order, and the number of bytes read since the last call,
+    /// until `take` breaks.
     pub fn read(
         self,
         topics: &Topics,
@@ -99,7 +99,7 @@ impl Subject<'_> {
         }
     }
 
-    /// Whether it is a run of toprise; of other files only the numbers can be compared.
+    /// Whether it is a toprise run. (Foreign files are compared by bytes.)
     #[must_use]
     pub fn is_ours(self) -> bool {
         match self {
@@ -153,7 +153,7 @@ fn read(
     }
 }
 
-/// The messages that can't be decoded: what is wrong with the first, and how many there are.
+/// Undecodable messages: first error and count.
 #[derive(Default)]
 pub(crate) struct Undecodable(Option<(String, u64)>);
 
@@ -177,7 +177,7 @@ impl Undecodable {
     }
 }
 
-/// The reason why a simulation is not continued.
+/// Reason for stopping a simulation.
 enum Stopped {
     Telemetry(TelemetryError),
     Unwanted,

@@ -1,8 +1,13 @@
-//! Arguments that several commands have.
+//! Arguments shared by several commands.
 
 use crate::telemetry::encoding::Encoding;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
+
+/// Heading in the help of the options that choose what is written.
+pub(super) const OUTPUT: &str = "Output";
+/// Heading in the help of the options of viewers.
+pub(super) const VIEWER: &str = "Viewer";
 
 /// Output format.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -10,13 +15,13 @@ pub(super) enum Format {
     /// Human-readable.
     #[default]
     Text,
-    /// Machine-readable; schemas/toprise.*Report.json describe it.
+    /// Machine-readable; described by schemas/toprise.*Report.json.
     Json,
-    /// A page in Markdown.
+    /// Markdown.
     Markdown,
 }
 
-/// Encodings have their names on the command line too.
+/// Encodings use their names as command-line values.
 impl ValueEnum for Encoding {
     fn value_variants<'a>() -> &'a [Self] {
         &Self::ALL

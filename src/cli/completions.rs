@@ -1,7 +1,7 @@
 //! `toprise completions`.
 
-use super::done::Done;
 use super::output;
+use super::status::Status;
 use anyhow::Error;
 use clap::Args;
 use clap_complete::Shell;
@@ -17,9 +17,9 @@ pub(super) struct CompletionsArguments {
 pub(super) fn completions(
     arguments: &CompletionsArguments,
     mut command: clap::Command,
-) -> Result<Done, Error> {
+) -> Result<Status, Error> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut command, "toprise", &mut script);
     output::print(&String::from_utf8_lossy(&script))?;
-    Ok(Done::Well)
+    Ok(Status::Success)
 }

@@ -4,13 +4,15 @@ mod content;
 #[cfg(feature = "rerun")]
 mod viewer;
 
+#[cfg(feature = "rerun")]
+use super::arguments::OUTPUT;
 use super::arguments::{Override, parse_override};
-use super::done::Done;
 use super::input::{Input, open};
 #[cfg(feature = "rerun")]
 use super::output;
 use super::progress::Progress;
 use super::report;
+use super::status::Status;
 #[cfg(feature = "rerun")]
 use crate::analysis::diff::Report;
 use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, compare_observed};
@@ -43,7 +45,7 @@ pub(super) struct DiffArguments {
     #[arg(long = "set-b", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides_b: Vec<Override>,
 
-    /// Show everything: each topic, the averaged motions, the integration errors.
+    /// Show every field, the averaged motion and the integration errors
     #[arg(long)]
     all: bool,
 
@@ -56,7 +58,7 @@ pub(super) struct DiffArguments {
     )]
     abs: f64,
 
-    /// Relative tolerance, as a part of the larger magnitude.
+    /// Relative tolerance (relative to the larger magnitude)
     #[arg(
         long,
         value_name = "NUMBER",
@@ -65,11 +67,11 @@ pub(super) struct DiffArguments {
     )]
     rel: f64,
 
-    /// Tolerance of some fields, as in '/top/state.theta=1e-9' or '/top/torque.*=rel:1e-6'.
+    /// Tolerance for some fields, e.g. '/top/state.theta=1e-9' or '/top/torque.*=rel:1e-6'
     #[arg(long, value_name = "PATTERN=VALUE", help_heading = "Comparison")]
     tol: Vec<String>,
 
-    /// Compare only these topics, separated by commas.
+    /// Compare only these topics (comma-separated)
     #[arg(
         long,
         value_name = "TOPICS",
@@ -78,11 +80,11 @@ pub(super) struct DiffArguments {
     )]
     topics: Vec<String>,
 
-    /// Ignore these topics and fields, as in /top/pose or '/top/state.*_ddot'.
+    /// Ignore these topics or fields, e.g. /top/pose or '/top/state.*_ddot'
     #[arg(long, value_name = "PATTERN", help_heading = "Comparison")]
     ignore: Vec<String>,
 
-    /// Skip the estimate of the integration errors, which takes most of the time.
+    /// Don't estimate integration errors (much faster)
     #[arg(long, help_heading = "Comparison")]
     no_floor: bool,
 
@@ -92,7 +94,7 @@ pub(super) struct DiffArguments {
 
     /// Replace files that exist.
     #[cfg(feature = "rerun")]
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     force: bool,
 }
 
@@ -122,14 +124,14 @@ impl DiffArguments {
         let b = open(&self.runs[1], &self.overrides, &self.overrides_b)?;
         let is_recording = |run: &Input| matches!(run, Input::Recording(_));
         if !self.overrides.is_empty() && is_recording(&a) && is_recording(&b) {
-            bail!("--set has nothing to set: both runs are recordings");
+            bail!("--set requires a preset or scenario file, but both runs are recordings");
         }
         Ok([a, b])
     }
 }
 
 /// Compares two runs.
-pub(super) fn diff(arguments: &DiffArguments) -> Result<Done, Error> {
+pub(super) fn diff(arguments: &DiffArguments) -> Result<Status, Error> {
     let options = arguments.options()?;
     #[cfg(feature = "rerun")]
     if let Some(rrd) = arguments.show.rrd() {
@@ -138,7 +140,7 @@ pub(super) fn diff(arguments: &DiffArguments) -> Result<Done, Error> {
     let [a, b] = arguments.inputs()?;
     let subjects = [&a, &b].map(Input::subject);
     let progress = Progress::of_bytes("comparing", a.bytes() + b.bytes());
-    let mut watching = Watching {
+    let mut watching = Observers {
         progress: &progress,
         #[cfg(feature = "rerun")]
         viewer: arguments
@@ -152,21 +154,21 @@ pub(super) fn diff(arguments: &DiffArguments) -> Result<Done, Error> {
     #[cfg(feature = "rerun")]
     watching.finish(&report)?;
     Ok(match report.verdict {
-        Verdict::Different => Done::Differing,
-        Verdict::Agreeing => Done::WithLosses,
-        Verdict::Identical | Verdict::SameValues | Verdict::Equal => Done::Well,
+        Verdict::Different => Status::Different,
+        Verdict::Agreeing => Status::Partial,
+        Verdict::Identical | Verdict::SameValues | Verdict::Equal => Status::Success,
     })
 }
 
-/// Everything that watches a comparison: the progress bar and the viewer.
-struct Watching<'a> {
+/// Observers of a comparison: progress bar and viewer.
+struct Observers<'a> {
     progress: &'a Progress,
     #[cfg(feature = "rerun")]
     viewer: Option<viewer::Viewer>,
 }
 
 #[cfg(feature = "rerun")]
-impl Watching<'_> {
+impl Observers<'_> {
     /// Completes the file for the viewer, and serves it if requested.
     fn finish(self, report: &Report) -> Result<(), Error> {
         let Some(viewer) = self.viewer else {
@@ -181,7 +183,7 @@ impl Watching<'_> {
     }
 }
 
-impl Observer for Watching<'_> {
+impl Observer for Observers<'_> {
     #[cfg(feature = "rerun")]
     fn message(&mut self, side: Side, message: &Message<'_>) -> Result<(), SinkError> {
         match &mut self.viewer {

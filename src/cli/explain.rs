@@ -1,13 +1,13 @@
 //! `toprise explain`.
 
 use super::arguments::{Override, parse_override};
-use super::done::Done;
 use super::input::open;
 use super::page::{Page, Part, Section};
 use super::report;
+use super::status::Status;
 use super::table::Table;
 use crate::analysis::explain::{
-    Chapter, Explanation, Fact, Happening, Stage, explain as explained,
+    Chapter, Explanation, Fact, EventSummary, Stage, explain as explained,
 };
 use crate::analysis::phrase::significant;
 use anyhow::{Context as _, Error};
@@ -21,28 +21,28 @@ pub(super) struct ExplainArguments {
     #[arg(value_name = "RUN")]
     run: PathBuf,
 
-    /// Set a key of a scenario that is simulated now, as in friction.k=0.02.
+    /// Set a key of the scenario, e.g. friction.k=0.02 (not for recordings)
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides: Vec<Override>,
 
-    /// Show everything: all kinds of events and the averaged motion in stages.
+    /// Also show all events and a table of the averaged motion
     #[arg(long)]
     all: bool,
 }
 
-/// Most kinds of events on the first page.
+/// Maximum number of event kinds without --all.
 const MOST_EVENTS: usize = 10;
 
 /// Explains a run.
-pub(super) fn explain(arguments: &ExplainArguments) -> Result<Done, Error> {
+pub(super) fn explain(arguments: &ExplainArguments) -> Result<Status, Error> {
     let input = open(&arguments.run, &[], &arguments.overrides)?;
     let context = || arguments.run.display().to_string();
     let explanation = explained(input.subject()).with_context(context)?;
     report::print(&explanation, || page(&explanation, arguments.all))?;
     Ok(if explanation.losses.is_empty() {
-        Done::Well
+        Status::Success
     } else {
-        Done::WithLosses
+        Status::Partial
     })
 }
 
@@ -76,10 +76,10 @@ fn section(chapter: &Chapter) -> Section {
 /// One line for each kind of event.
 fn events(explanation: &Explanation, all: bool) -> Section {
     let mut section = Section::new("Events");
-    let row = |event: &Happening| {
+    let row = |event: &EventSummary| {
         let again = match event.count {
             1 => String::new(),
-            count => format!("{count} times until {:.4} s", event.last),
+            count => format!("{count} times, last at {:.4} s", event.last),
         };
         let name = event.name.replace('_', " ");
         vec![format!("{:.4} s", event.first), name, again]
@@ -90,7 +90,7 @@ fn events(explanation: &Explanation, all: bool) -> Section {
     section
 }
 
-/// The averaged motion, stage by stage.
+/// Table of the averaged motion.
 fn stages(stages: &[Stage]) -> Section {
     let mut section = Section::new("Nutations");
     let header = [
@@ -99,7 +99,7 @@ fn stages(stages: &[Stage]) -> Section {
         "θ [rad]",
         "θ̇ [rad/s]",
         "φ̇ [rad/s]",
-        "slow rate",
+        "slow root",
         "ψ̇ [rad/s]",
     ];
     let row = |stage: &Stage| {

@@ -5,13 +5,14 @@ mod sweep;
 
 #[cfg(feature = "sweep")]
 use self::sweep::SweepFigure;
-use super::done::Done;
+use super::arguments::OUTPUT;
 use super::input::{Input, open};
 use super::output;
 use super::page::{Page, Section};
 use super::parallel;
 use super::progress::Progress;
 use super::report;
+use super::status::Status;
 use super::table::Table;
 use crate::analysis::figures::{
     Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, LeftOut, Run, RunLoss,
@@ -29,48 +30,46 @@ use std::path::PathBuf;
 /// Arguments of `toprise figures`.
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct FiguresArguments {
-    /// Recordings, presets or scenario files, drawn over one another; by default the paper's runs, which are
-    /// simulated.
+    /// Recordings, presets or scenario files to overlay [default: the paper's runs].
     #[arg(value_name = "RUN")]
     runs: Vec<PathBuf>,
 
-    /// The directory for the figures.
-    #[arg(short, long, value_name = "DIRECTORY", default_value = "figures")]
+    /// Output directory
+    #[arg(short, long, value_name = "DIRECTORY", default_value = "figures", help_heading = OUTPUT)]
     output: PathBuf,
 
-    /// Draw only these figures, separated by commas.
+    /// Draw only these figures (comma-separated)
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = parse_name)]
     only: Vec<String>,
 
-    /// Kinds of files, separated by commas.
+    /// File types (comma-separated)
     #[arg(
         long,
         value_enum,
         value_delimiter = ',',
         value_name = "KINDS",
-        default_value = "svg,png"
-    )]
+        default_value = "svg,png", help_heading = OUTPUT)]
     kinds: Vec<Kind>,
 
     #[cfg(feature = "sweep")]
     #[command(flatten)]
     sweep: SweepFigure,
 
-    /// Width of the figures in mm: from 130 mm on there are two columns of plots.
-    #[arg(long, value_name = "MM", default_value_t = 85.0, value_parser = parse_width)]
+    /// Width in mm; two columns of plots from 130 mm
+    #[arg(long, value_name = "MM", default_value_t = 85.0, value_parser = parse_width, help_heading = OUTPUT)]
     width: f64,
 
     /// Replace files that exist.
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     force: bool,
 }
 
 /// The kind of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Kind {
-    /// Lines at any size, for print.
+    /// Vector graphics
     Svg,
-    /// Pixels, 300 per inch.
+    /// Bitmap, 300 dpi
     Png,
 }
 
@@ -104,7 +103,7 @@ fn parse_width(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
         .filter(|width| (80.0..=400.0).contains(width))
-        .ok_or_else(|| "must be a width in mm from 80 to 400".to_owned())
+        .ok_or_else(|| "must be from 80 to 400 (mm)".to_owned())
 }
 
 /// The runs of the paper's figures: the first of all, the others only of figure 4.
@@ -115,7 +114,7 @@ const PAPER: &[&str] = &[
 ];
 
 impl FiguresArguments {
-    /// The figures to draw, of those that can be drawn of this number of runs.
+    /// The figures to draw, limited to those that apply to this number of runs.
     fn figures(&self) -> Result<Vec<&'static Figure>, Error> {
         let is_asked = |figure: &&Figure| self.only.iter().any(|name| name == figure.name);
         let runs = if self.runs.is_empty() {
@@ -128,7 +127,7 @@ impl FiguresArguments {
             let Figure {
                 name, least_runs, ..
             } = figure;
-            bail!("{name} compares runs: name {least_runs} or more, or none for the paper's");
+            bail!("{name} compares runs: give at least {least_runs} runs, or none for the paper's");
         }
         let all = FIGURES.iter().filter(has_runs);
         Ok(if self.only.is_empty() {
@@ -148,7 +147,7 @@ impl FiguresArguments {
         self.output.join(format!("{figure}.{}", kind.extension()))
     }
 
-    /// Refuses before anything is computed what would be refused after it.
+    /// Checks the output files before computing anything.
     fn check_files(&self, figures: &[&str]) -> Result<(), SinkError> {
         let all = figures
             .iter()
@@ -170,7 +169,7 @@ impl FiguresArguments {
         }
     }
 
-    /// Number of runs that a figure is drawn of: one of the paper's, unless it compares.
+    /// Number of runs in a figure: one of the paper's runs, unless the figure compares runs.
     fn count(&self, figure: &Figure, runs: usize) -> usize {
         if self.runs.is_empty() && figure.least_runs == 1 {
             1
@@ -181,7 +180,7 @@ impl FiguresArguments {
 }
 
 /// Draws figures of runs.
-pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
+pub(super) fn figures(arguments: &FiguresArguments) -> Result<Status, Error> {
     #[cfg(feature = "sweep")]
     if let Some(table) = arguments.sweep.table() {
         return sweep_figure(arguments, table);
@@ -220,7 +219,7 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
                 able.push(run);
             }
         }
-        // A comparison without one of its runs would be another.
+        // Skip comparisons with a missing run.
         let is_able = figure.least_runs == 1 || able.len() == count;
         if is_able && !able.is_empty() {
             drawn.push((figure, able));
@@ -233,7 +232,7 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
                 figure,
                 run,
                 because,
-            }) => bail!("nothing can be drawn: {figure} does not apply to {run}; {because}"),
+            }) => bail!("nothing to draw: {figure} does not apply to {run}: {because}"),
             None => bail!("nothing can be drawn"),
         }
     }
@@ -245,9 +244,9 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Done, Error> {
     }
     report::print(&report, || page(&report))?;
     Ok(if report.losses.is_empty() && report.lacking.is_empty() {
-        Done::Well
+        Status::Success
     } else {
-        Done::WithLosses
+        Status::Partial
     })
 }
 
@@ -257,7 +256,9 @@ fn warn(report: &FiguresReport) {
     }
     for lack in &report.lacking {
         let (run, figure, missing) = (&lack.run, lack.figure, &lack.missing);
-        output::warn(&format!("{run}: {figure} needs {missing}, which it lacks"));
+        output::warn(&format!(
+            "{figure} of {run} skipped: the run has no {missing}"
+        ));
     }
 }
 
@@ -267,7 +268,7 @@ fn page(report: &FiguresReport) -> Page {
     section.table(Table::of_facts(report.files.iter().map(wrote).collect()));
     for left in &report.left_out {
         let (figure, run, because) = (left.figure, &left.run, left.because);
-        section.line(format!("left out: {figure} of {run}; {because}"));
+        section.line(format!("skipped: {figure} of {run}; {because}"));
     }
     Page::of(section)
 }
@@ -341,13 +342,13 @@ fn write(
     arguments.kinds().map(write).collect()
 }
 
-/// The name and the title of what is drawn of a sweep.
+/// Name and title of the figure of a sweep.
 #[cfg(feature = "sweep")]
 const SWEEP: (&str, &str) = ("sweep", "Outcomes of the runs of a sweep");
 
 /// Draws a map or curves of a sweep.
 #[cfg(feature = "sweep")]
-fn sweep_figure(arguments: &FiguresArguments, table: &Path) -> Result<Done, Error> {
+fn sweep_figure(arguments: &FiguresArguments, table: &Path) -> Result<Status, Error> {
     arguments.check_files(&[SWEEP.0])?;
     let name = table.display().to_string();
     let map = arguments.sweep.read(table)?;
@@ -358,7 +359,7 @@ fn sweep_figure(arguments: &FiguresArguments, table: &Path) -> Result<Done, Erro
         ..FiguresReport::default()
     };
     report::print(&report, || page(&report))?;
-    Ok(Done::Well)
+    Ok(Status::Success)
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! `toprise info`.
 
-use super::done::Done;
 use super::numbers::{bytes, count};
 use super::page::{Page, Section};
 use super::report::{self, LossReport};
+use super::status::Status;
 use super::table::Table;
 use crate::archive::recording::{ChannelOverview, Condition, EventOverview, Overview};
 use crate::run::simulation::EventKind;
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Kinds of events with more of them are counted, not listed.
+/// Event kinds with more events than this are only counted.
 const RARE: u64 = 20;
 
 /// Arguments of `toprise info`.
@@ -43,7 +43,7 @@ pub(super) struct InfoReport {
 }
 
 /// Lists the content of a file.
-pub(super) fn info(arguments: &InfoArguments) -> Result<Done, Error> {
+pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
     let path = &arguments.file;
     let context = || path.display().to_string();
     let overview = Overview::read(path).with_context(context)?;
@@ -52,9 +52,9 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Done, Error> {
     let report = InfoReport::of(path, size, overview);
     report::print(&report, || report.page())?;
     Ok(if is_whole && report.losses.is_empty() {
-        Done::Well
+        Status::Success
     } else {
-        Done::WithLosses
+        Status::Partial
     })
 }
 
@@ -179,7 +179,7 @@ fn run_line(run: &BTreeMap<String, String>) -> String {
 
 fn end_line(end: &BTreeMap<String, String>) -> String {
     format!(
-        "{} at {} s: {} samples, {} nutations, {} steps",
+        "{} at {:.6} s, {} samples, {} nutations, {} steps",
         entry(end, "stop_reason"),
         entry(end, "stop_time"),
         entry(end, "samples"),

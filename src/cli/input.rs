@@ -1,4 +1,4 @@
-//! The runs that words on the command line mean, with the keys that are set in them.
+//! Opens the runs named on the command line, with overrides.
 
 use super::arguments::Override;
 use crate::analysis::subject::Subject;
@@ -12,7 +12,7 @@ use std::path::Path;
 pub(super) enum Input {
     /// A recording that is read.
     Recording(Box<Recording>),
-    /// A scenario that is simulated now.
+    /// A scenario to simulate.
     Scenario(Box<Scenario>),
 }
 
@@ -33,9 +33,9 @@ impl Input {
     }
 }
 
-/// Opens the run that a word means: a preset, a scenario file, or else a recording.
+/// Opens a run by name: a preset, a scenario file or a recording.
 ///
-/// `common` keys are set in scenarios alone; `own` keys are refused for recordings.
+/// `common` overrides are ignored for recordings; `own` overrides are an error for them.
 pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result<Input, Error> {
     if !is_recording(word) {
         let scenario = scenario(word, &[common, own].concat())?;
@@ -44,7 +44,7 @@ pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result
     let name = || word.display().to_string();
     if let Some((key, _)) = own.first() {
         bail!(
-            "{} is a recording: {key} can only be set in a scenario that is simulated now",
+            "{} is a recording: {key} can only be set for a preset or scenario file",
             name()
         );
     }
@@ -52,12 +52,12 @@ pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result
     Ok(Input::Recording(Box::new(recording)))
 }
 
-/// Reads the scenario that a word means, a preset, a file or the one in a recording, and sets some of its keys.
+/// Reads a scenario from a preset, a file or a recording, and applies overrides.
 pub(super) fn scenario(word: &Path, overrides: &[Override]) -> Result<Scenario, Error> {
     checked(word, values(word)?, overrides)
 }
 
-/// The scenario with these values, which a word means, and some of its keys set.
+/// The validated scenario with these values and overrides; `word` is named in errors.
 pub(super) fn checked(
     word: &Path,
     mut values: Values,

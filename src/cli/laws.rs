@@ -1,8 +1,8 @@
 //! `toprise laws`.
 
-use super::done::Done;
 use super::page::{Page, Section};
 use super::report;
+use super::status::Status;
 use super::table::Table;
 use crate::run::scenario::{Key, LAWS, Law};
 use anyhow::Error;
@@ -16,17 +16,17 @@ pub(super) struct LawsReport(Vec<LawReport>);
 /// A law of friction.
 #[derive(Debug, Serialize, JsonSchema)]
 struct LawReport {
-    /// Its word under `friction.law`, or the section of a scenario that adds it to any law.
+    /// Its value of `friction.law`, or the scenario section that enables it.
     name: &'static str,
-    /// Whether it adds to any law of sliding instead of being one.
+    /// Whether it is an additional loss rather than a sliding law.
     adds_to_any: bool,
     /// Force or torque.
     formula: &'static str,
-    /// The keys of a scenario that it has.
+    /// Its scenario keys.
     parameters: Vec<Parameter>,
     /// Typical values of the parameters.
     typical: &'static str,
-    /// Who wrote about it.
+    /// Literature reference.
     source: &'static str,
 }
 
@@ -37,17 +37,17 @@ struct Parameter {
     key: &'static str,
     /// Its unit; empty for a pure number.
     unit: &'static str,
-    /// Its nature.
+    /// Its description.
     meaning: &'static str,
-    /// The values that it may have.
+    /// The allowed values.
     allowed: String,
 }
 
 /// Lists the laws of friction.
-pub(super) fn laws() -> Result<Done, Error> {
+pub(super) fn laws() -> Result<Status, Error> {
     let report = LawsReport(LAWS.iter().map(LawReport::of).collect());
     report::print(&report, || report.page())?;
-    Ok(Done::Well)
+    Ok(Status::Success)
 }
 
 impl LawsReport {
@@ -61,17 +61,14 @@ impl LawsReport {
         };
         let mut symbols = Section::new("Symbols");
         symbols.line(
-            "f force, v slip velocity, N normal force, ω angular velocity, ω_⊥ its horizontal part, w_n its part \
-             along the symmetry axis n, w_t the rest, M torque about the peg's centre, z′ the vertical, R radius of \
-             the peg.",
+            "f: friction force, v: slip velocity, N: normal force, ω: angular velocity, ω_⊥: its horizontal part, \
+             w_n and w_t: its components along and across the symmetry axis n, M: torque about the peg's centre, \
+             z′: the vertical, R: radius of the peg.",
         );
         Page {
             sections: vec![
-                section("Laws of sliding: friction.law is one of them", false),
-                section(
-                    "Losses that add to any of them, each by keys of its own",
-                    true,
-                ),
+                section("Sliding friction (friction.law)", false),
+                section("Additional losses, can be combined with any law", true),
                 symbols,
             ],
             ..Page::default()

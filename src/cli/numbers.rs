@@ -1,6 +1,6 @@
 //! Numbers in reports.
 
-/// A number with `digits` after the point and the typographic minus; a huge one with its power of ten.
+/// Formats a number with `digits` decimals and a typographic minus; huge numbers in scientific notation.
 pub(super) fn number(value: f64, digits: usize) -> String {
     let text = if value.abs() < 1e15 {
         format!("{value:.digits$}")
@@ -15,7 +15,7 @@ pub(super) fn number(value: f64, digits: usize) -> String {
     }
 }
 
-/// A whole number with its thousands set apart.
+/// Formats an integer with thousands separators.
 pub(super) fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::new();
@@ -28,7 +28,7 @@ pub(super) fn count(value: u64) -> String {
     text
 }
 
-/// A number of things, as in "1 sample" and "2 samples".
+/// Formats a count with its noun: "1 sample", "2 samples".
 pub(super) fn counted(number: u64, noun: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {noun}{plural}", count(number))

@@ -1,9 +1,7 @@
-//! The one way out: whatever the program prints goes through here.
+//! All output of the program.
 //!
-//! Standard output carries the answer, standard error everything else. A stream that can't be written never ends the
-//! program in a panic. Who stops reading, as `head` does, has read enough, and the exit code is that of the command;
-//! an answer that could not be written at all is failed output. (Rust's runtime puts the null device in the place
-//! of a standard output that is closed, which can't be distinguished from one that the user chose.)
+//! Reports go to standard output, everything else to standard error. Write errors never cause a panic. A broken pipe
+//! (`head`) is not an error; a report that can't be written at all is (exit code 2).
 
 use super::arguments::Format;
 use super::text;
@@ -12,8 +10,8 @@ use clap::ColorChoice;
 use std::io::{self, IsTerminal as _, Write};
 use std::sync::OnceLock;
 
-/// The fewest columns that a report takes: narrower terminals break the lines themselves.
-const NARROWEST: usize = 60;
+/// Minimum report width; narrower terminals wrap the lines.
+const MIN_WIDTH: usize = 60;
 
 const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
@@ -21,7 +19,7 @@ const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
 /// The values of `--quiet` and `--format`.
 static OPTIONS: OnceLock<(bool, Format)> = OnceLock::new();
 
-/// Takes in the options that hold for all that is printed from here on.
+/// Sets the global output options.
 pub(super) fn set_up(quiet: bool, color: ColorChoice, format: Format) {
     let _ = OPTIONS.set((quiet, format));
     match color {
@@ -32,7 +30,7 @@ pub(super) fn set_up(quiet: bool, color: ColorChoice, format: Format) {
     .write_global();
 }
 
-/// Whether only errors are wanted.
+/// Whether --quiet is set.
 pub(super) fn is_quiet() -> bool {
     OPTIONS.get().is_some_and(|(quiet, _)| *quiet)
 }
@@ -42,27 +40,35 @@ pub(super) fn format() -> Format {
     OPTIONS.get().map_or(Format::Text, |(_, format)| *format)
 }
 
-/// The number of columns of the terminal that shows the answer; none if it goes to a file or to another program.
+/// The terminal width; `None` if standard output is not a terminal.
 pub(super) fn columns() -> Option<usize> {
     let is_terminal = io::stdout().is_terminal();
-    is_terminal.then(|| textwrap::termwidth().max(NARROWEST))
+    is_terminal.then(|| textwrap::termwidth().max(MIN_WIDTH))
 }
 
-/// Prints an answer that has no colours.
+/// Prints a plain report.
 pub(super) fn print(answer: &str) -> io::Result<()> {
-    write(&mut io::stdout().lock(), &text::harmless_lines(answer))
+    write(&mut io::stdout().lock(), &text::sanitized_lines(answer))
 }
 
-/// Prints an answer that is harmless and has colours, which are taken out where they are not wanted.
+/// Prints a styled, already sanitised report; removes colours if they are disabled.
 pub(super) fn print_styled(answer: &str) -> io::Result<()> {
-    write(&mut anstream::stdout().lock(), answer)
+    let mut stream = io::stdout().lock();
+    match anstream::stdout().current_choice() {
+        anstream::ColorChoice::Never => {
+            let plain = anstream::adapter::strip_str(answer).to_string();
+            write(&mut stream, &plain)
+        }
+        _ => write(&mut stream, answer),
+    }
 }
 
 /// Prints JSON.
 pub(super) fn print_json(json: &str) -> io::Result<()> {
-    write(&mut io::stdout().lock(), &text::harmless_json(json))
+    write(&mut io::stdout().lock(), &text::sanitized_json(json))
 }
 
+/// Writes an answer. The first write must be a single one: it shows whether there is a reader at all.
 fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
     let answer = answer.trim_end();
     if answer.is_empty() {
@@ -73,7 +79,7 @@ fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
     let rest = |written: usize| {
         let written = stream.write_all(&answer.as_bytes()[written..]);
         match written.and_then(|()| stream.flush()) {
-            // Who reads no further has read enough.
+            // A reader that stops early, as `head`, is not an error.
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             result => result,
         }
@@ -84,19 +90,19 @@ fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
     })
 }
 
-/// Says what went wrong.
+/// Prints an error.
 pub(super) fn error(what: &str) {
     print_line(&format!("{ERROR}error:{ERROR:#} "), what);
 }
 
-/// Warns of something, unless with `--quiet`.
+/// Prints a warning, unless --quiet is set.
 pub(super) fn warn(what: &str) {
     if !is_quiet() {
         print_line(&format!("{WARNING}warning:{WARNING:#} "), what);
     }
 }
 
-/// Warns of several things.
+/// Prints several warnings.
 #[cfg(feature = "rerun")]
 pub(super) fn warn_all(warnings: Vec<String>) {
     for warning in warnings {
@@ -104,7 +110,7 @@ pub(super) fn warn_all(warnings: Vec<String>) {
     }
 }
 
-/// Says what else was done; nothing with `--quiet`.
+/// Prints a note, unless --quiet is set.
 #[cfg(any(feature = "rerun", feature = "sweep"))]
 pub(super) fn note(what: &str) {
     if !is_quiet() {
@@ -112,18 +118,18 @@ pub(super) fn note(what: &str) {
     }
 }
 
-/// Says what must be known to go on, even with `--quiet`.
+/// Prints a message even with --quiet (e.g. a URL).
 #[cfg(feature = "web-viewer")]
 pub(super) fn announce(what: &str) {
     print_line("", what);
 }
 
 fn print_line(prefix: &str, what: &str) {
-    // Without standard error there is no place for it.
+    // A failing standard error is ignored.
     let _ = writeln!(anstream::stderr().lock(), "{prefix}{}", text::message(what));
 }
 
-/// An error with its causes, without those that it contains itself.
+/// An error with its chain of causes, without repetitions.
 pub(super) fn with_causes(error: &anyhow::Error) -> String {
     error
         .chain()

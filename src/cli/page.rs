@@ -1,7 +1,7 @@
 //! A human-readable report: sections with tables and sentences, as text for a terminal or as Markdown.
 
 use super::table::Table;
-use super::text::{harmless, harmless_lines};
+use super::text::{sanitized, sanitized_lines};
 use anstyle::{AnsiColor, Effects, Style};
 
 const HEADING: Style = AnsiColor::Cyan.on_default().effects(Effects::BOLD);
@@ -10,12 +10,12 @@ const WEAK: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
 const BAD: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const FAINT: Style = Style::new().effects(Effects::DIMMED);
 
-/// The widest that sentences get: longer lines are hard to read.
-const WIDEST: usize = 100;
+/// Maximum text width.
+const MAX_WIDTH: usize = 100;
 
-/// The sign of something that is as it must be.
+/// Check mark.
 pub(super) const TICK: char = '✓';
-/// The sign of something that is not.
+/// Cross mark.
 pub(super) const CROSS: char = '✗';
 
 /// A human-readable report.
@@ -23,7 +23,7 @@ pub(super) const CROSS: char = '✗';
 pub(super) struct Page {
     /// The subject, above the title.
     pub(super) subjects: Table,
-    /// The verdict in a word or two; empty if the sections speak for themselves.
+    /// The title; empty for none.
     pub(super) title: String,
     /// Tone of the title.
     pub(super) tone: Tone,
@@ -33,7 +33,7 @@ pub(super) struct Page {
     pub(super) sections: Vec<Section>,
 }
 
-/// Tone of a message.
+/// Colour of a heading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Tone {
     /// Neither good nor bad.
@@ -41,7 +41,7 @@ pub(super) enum Tone {
     Neutral,
     /// As it should be.
     Good,
-    /// Not quite as it should be.
+    /// A warning.
     Weak,
     /// Wrong.
     Bad,
@@ -65,7 +65,7 @@ pub(super) struct Section {
     pub(super) title: String,
     /// Tone of the heading.
     pub(super) tone: Tone,
-    /// Remark next to the heading.
+    /// Note next to the heading.
     pub(super) note: String,
     /// Its content.
     pub(super) parts: Vec<Part>,
@@ -76,9 +76,9 @@ pub(super) struct Section {
 pub(super) enum Part {
     /// A table.
     Table(Table),
-    /// A sentence or more.
+    /// A paragraph.
     Line(String),
-    /// Lines in another language, which stay as they are.
+    /// Verbatim text.
     Code(String),
 }
 
@@ -105,9 +105,9 @@ impl Section {
         let style = self.tone.style();
         let mut text = String::new();
         if !self.title.is_empty() {
-            text = format!("{style}{}{style:#}", harmless(&self.title));
+            text = format!("{style}{}{style:#}", sanitized(&self.title));
             if !self.note.is_empty() {
-                text += &format!("  {FAINT}{}{FAINT:#}", harmless(&self.note));
+                text += &format!("  {FAINT}{}{FAINT:#}", sanitized(&self.note));
             }
             text.push('\n');
         }
@@ -119,9 +119,9 @@ impl Section {
             }
             follows_table = is_table;
             match part {
-                Part::Table(table) => text += &with_signs(&table.text(columns)),
+                Part::Table(table) => text += &with_coloured_marks(&table.text(columns)),
                 Part::Line(line) => text += &wrapped(line, width(columns), "  ", "    "),
-                Part::Code(code) => text += &harmless_lines(code),
+                Part::Code(code) => text += &sanitized_lines(code),
             }
         }
         text
@@ -130,16 +130,16 @@ impl Section {
     fn markdown(&self) -> String {
         let mut text = String::new();
         if !self.title.is_empty() {
-            text = format!("## {}\n\n", harmless(&self.title));
+            text = format!("## {}\n\n", sanitized(&self.title));
         }
         if !self.note.is_empty() {
-            text += &format!("{}\n\n", harmless(&self.note));
+            text += &format!("{}\n\n", sanitized(&self.note));
         }
         for part in &self.parts {
             text += &match part {
                 Part::Table(table) => table.markdown() + "\n",
-                Part::Line(line) => format!("{}\n\n", harmless(line)),
-                Part::Code(code) => format!("```\n{}\n```\n\n", harmless_lines(code.trim_end())),
+                Part::Line(line) => format!("{}\n\n", sanitized(line)),
+                Part::Code(code) => format!("```\n{}\n```\n\n", sanitized_lines(code.trim_end())),
             };
         }
         text
@@ -147,7 +147,7 @@ impl Section {
 }
 
 impl Page {
-    /// A page with nothing but a section.
+    /// A page with a single section.
     pub(super) fn of(section: Section) -> Self {
         Self {
             sections: vec![section],
@@ -155,13 +155,13 @@ impl Page {
         }
     }
 
-    /// As text, for a terminal with this number of columns, with colours that are to be taken out where they are not wanted.
+    /// Renders as styled text for a terminal of this width.
     pub(super) fn text(&self, columns: Option<usize>) -> String {
         let mut blocks = vec![self.subjects.text(columns)];
         let style = self.tone.style();
         let mut head = String::new();
         if !self.title.is_empty() {
-            head = format!("{style}{}{style:#}\n", harmless(&self.title));
+            head = format!("{style}{}{style:#}\n", sanitized(&self.title));
         }
         if !self.summary.is_empty() {
             head += &wrapped(&self.summary.join(" "), width(columns), "", "");
@@ -172,14 +172,14 @@ impl Page {
         blocks.join("\n")
     }
 
-    /// For documents.
+    /// Renders as Markdown.
     pub(super) fn markdown(&self) -> String {
         let mut blocks = Vec::new();
         if !self.title.is_empty() {
-            blocks.push(format!("# {}\n\n", harmless(&self.title)));
+            blocks.push(format!("# {}\n\n", sanitized(&self.title)));
         }
         if !self.summary.is_empty() {
-            blocks.push(format!("{}\n\n", harmless(&self.summary.join(" "))));
+            blocks.push(format!("{}\n\n", sanitized(&self.summary.join(" "))));
         }
         if !self.subjects.rows.is_empty() {
             blocks.push(self.subjects.markdown() + "\n");
@@ -189,22 +189,22 @@ impl Page {
     }
 }
 
-/// The width of sentences.
+/// The text width.
 fn width(columns: Option<usize>) -> usize {
-    columns.map_or(WIDEST, |columns| columns.min(WIDEST))
+    columns.map_or(MAX_WIDTH, |columns| columns.min(MAX_WIDTH))
 }
 
-/// A sentence broken between words into lines that are not wider.
+/// Wraps text at word boundaries.
 fn wrapped(sentence: &str, width: usize, first: &str, next: &str) -> String {
     let options = textwrap::Options::new(width)
         .initial_indent(first)
         .subsequent_indent(next)
         .word_splitter(textwrap::WordSplitter::NoHyphenation);
-    textwrap::fill(&harmless(sentence), options) + "\n"
+    textwrap::fill(&sanitized(sentence), options) + "\n"
 }
 
-/// A text with its signs in colours.
-fn with_signs(text: &str) -> String {
+/// Colours check and cross marks.
+fn with_coloured_marks(text: &str) -> String {
     [(TICK, GOOD), (CROSS, BAD)]
         .into_iter()
         .fold(text.to_owned(), |text, (sign, style)| {

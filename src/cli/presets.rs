@@ -1,8 +1,8 @@
 //! `toprise presets`.
 
-use super::done::Done;
 use super::page::{Page, Part, Section};
 use super::report;
+use super::status::Status;
 use super::table::Table;
 use crate::run::scenario::{PRESETS, Preset};
 use anyhow::Error;
@@ -13,27 +13,27 @@ use serde::Serialize;
 /// Arguments of `toprise presets`.
 #[derive(Args, Debug, Default, PartialEq)]
 pub(super) struct PresetsArguments {
-    /// Preset to print as a scenario file.
+    /// Preset to print
     name: Option<String>,
 }
 
-/// The presets that were asked for.
+/// The listed presets.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct PresetsReport(Vec<PresetReport>);
 
-/// A scenario that comes with the program.
+/// A built-in scenario.
 #[derive(Debug, Serialize, JsonSchema)]
 struct PresetReport {
     /// Its name on the command line.
     name: &'static str,
-    /// Its content.
+    /// Its description.
     description: &'static str,
     /// Its scenario file, TOML.
     scenario: String,
 }
 
 /// Lists the presets, or prints one as TOML.
-pub(super) fn presets(arguments: &PresetsArguments) -> Result<Done, Error> {
+pub(super) fn presets(arguments: &PresetsArguments) -> Result<Status, Error> {
     let wanted = match &arguments.name {
         Some(name) => std::slice::from_ref(Preset::find(name)?),
         None => PRESETS,
@@ -48,7 +48,7 @@ pub(super) fn presets(arguments: &PresetsArguments) -> Result<Done, Error> {
     let report = PresetsReport(presets.collect::<Result<_, _>>()?);
     let is_one = arguments.name.is_some();
     report::print(&report, || report.page(is_one))?;
-    Ok(Done::Well)
+    Ok(Status::Success)
 }
 
 impl PresetsReport {

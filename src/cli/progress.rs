@@ -23,7 +23,7 @@ impl Progress {
         )
     }
 
-    /// Starts a line for something whose end is not known.
+    /// Starts a progress line without a total.
     pub(super) fn of_state() -> Self {
         Self::new(None, "{spinner} {msg}  [{elapsed}]")
     }
@@ -41,7 +41,7 @@ impl Progress {
         Self(bar)
     }
 
-    /// Takes in that some more bytes or runs are done.
+    /// Advances the bar.
     pub(super) fn add(&self, more: u64) {
         if more > 0 {
             self.0.inc(more);

@@ -1,4 +1,4 @@
-//! Reports: what a command found or did, as data. JSON is the data itself; text and Markdown are made from it.
+//! Reports of commands. They are serialized as JSON, or rendered as text or Markdown.
 
 use super::arguments::Format;
 use super::numbers::bytes;
@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
-/// Prints a report in the output format; text only without `--quiet`.
+/// Prints a report in the selected format; --quiet suppresses text.
 pub(super) fn print(report: &impl Serialize, page: impl FnOnce() -> Page) -> Result<(), Error> {
     match output::format() {
         Format::Text if output::is_quiet() => {}
@@ -23,16 +23,16 @@ pub(super) fn print(report: &impl Serialize, page: impl FnOnce() -> Page) -> Res
     Ok(())
 }
 
-/// A command that failed.
+/// JSON form of an error.
 #[derive(Serialize)]
 struct Failure<'a> {
     error: &'a str,
 }
 
-/// Prints an error as a report, if reports are JSON: programs find it where they expect the answer.
+/// With --format json, prints an error as JSON on standard output.
 pub(super) fn print_error(error: &str) {
     if output::format() == Format::Json {
-        // Where standard output is gone, standard error has it.
+        // The error is on standard error, too.
         let _ = print(&Failure { error }, Page::default);
     }
 }
@@ -40,7 +40,7 @@ pub(super) fn print_error(error: &str) {
 /// A file that a command wrote.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub(super) struct WrittenFile {
-    /// Its place.
+    /// Its path.
     pub(super) path: String,
     /// Its size.
     pub(super) bytes: u64,
@@ -54,7 +54,7 @@ impl WrittenFile {
         }
     }
 
-    /// Gives a draft its name.
+    /// Publishes a draft.
     pub(super) fn publish(draft: Draft) -> Result<Self, SinkError> {
         let path = draft.path().to_owned();
         Ok(Self::new(&path, draft.publish()?))
@@ -78,9 +78,9 @@ pub(super) struct LossReport {
     pub(super) offset: u64,
     /// Length, bytes.
     pub(super) length: u64,
-    /// Messages are lost from this time on, ns; absent if none are.
+    /// Start of the time span with lost messages, ns; absent if none are lost.
     pub(super) from_ns: Option<u64>,
-    /// Messages are lost up to this time, ns; absent if the end is not known.
+    /// End of that span, ns; absent if unknown.
     pub(super) to_ns: Option<u64>,
     /// The reason why it can't be read.
     pub(super) reason: String,

@@ -1,4 +1,4 @@
-//! `toprise run`: from a scenario to recordings.
+//! `toprise run`.
 
 mod arguments;
 mod files;
@@ -8,14 +8,14 @@ mod report;
 mod viewer;
 
 pub(super) use self::arguments::RunArguments;
-use self::files::{Earlier, RunFiles};
+use self::files::{ExistingRecordings, RunFiles};
 use self::pace::Pace;
 pub(super) use self::report::RunReport;
 use self::report::{Finished, Recorded};
-use super::done::Done;
 use super::interrupt::Interrupt;
 use super::output;
 use super::report::{WrittenFile, print};
+use super::status::Status;
 use crate::archive::pipeline::McapSink;
 use crate::archive::sink::{Sink, record_to_end};
 use crate::archive::writer::Form;
@@ -28,7 +28,7 @@ use anyhow::Error;
 use std::time::Instant;
 
 /// Runs a scenario and records it.
-pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
+pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     arguments.check_output()?;
     let values = arguments.values()?;
     let scenario = arguments.scenario(values.clone())?;
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     };
     let began = Instant::now();
     let asked = interrupt.clone();
-    let mut simulation = Simulation::new(&scenario)?.running_while(move || !asked.is_asked());
+    let mut simulation = Simulation::new(&scenario)?.running_while(move || !asked.is_requested());
     let preface = McapSink::preface(&scenario, &telemetry, form)?;
     let (files, earlier) =
         RunFiles::start(arguments, &arguments.stem(&scenario, &values), &preface)?;
@@ -61,13 +61,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Done, Error> {
     #[cfg(feature = "rerun")]
     target.serve_until(&interrupt);
     Ok(match finished.end.stop {
-        StopReason::Interrupted | StopReason::Failed => Done::WithLosses,
-        _ if finished.is_rrd_lost => Done::WithLosses,
-        _ => Done::Well,
+        StopReason::Interrupted | StopReason::Failed => Status::Partial,
+        _ if finished.is_rrd_lost => Status::Partial,
+        _ => Status::Success,
     })
 }
 
-/// Parts of a recorded run.
+/// Records a run.
 struct Recorder<'a> {
     arguments: &'a RunArguments,
     scenario: &'a Scenario,
@@ -78,11 +78,11 @@ struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    /// Simulates, logs, and finishes the files, however the simulation ends.
+    /// Simulates, records and finishes the files, even if the simulation fails.
     fn record(
         self,
         files: RunFiles,
-        earlier: &Earlier,
+        earlier: &ExistingRecordings,
         mut telemetry: Telemetry,
         simulation: &mut Simulation,
     ) -> Result<Finished, Error> {
@@ -107,7 +107,7 @@ impl Recorder<'_> {
         });
         pace.finish();
         let (end, error) = ended?;
-        // What was recorded up to here is good; the end record marks it as a part of a run.
+        // The records so far are valid; the end record marks the run as incomplete.
         if let Some(error) = error {
             output::warn(&error.to_string());
         }
@@ -130,7 +130,7 @@ impl Recorder<'_> {
         };
         #[cfg(not(feature = "rerun"))]
         let rrd: Result<_, Error> = Ok(None);
-        // The archive is whole without it.
+        // The MCAP file is complete without it.
         if let Err(error) = &rrd {
             output::warn(&output::with_causes(error));
         }

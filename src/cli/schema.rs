@@ -1,8 +1,8 @@
 //! `toprise schema`.
 
-use super::done::Done;
 use super::page::{Page, Part, Section};
 use super::report::{self, WrittenFile};
+use super::status::Status;
 use super::table::Table;
 use crate::archive::publish::{self, Existing};
 use crate::run::scenario;
@@ -19,19 +19,19 @@ use std::path::{Path, PathBuf};
 /// Arguments of `toprise schema`.
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct SchemaArguments {
-    /// Topic whose schema to print, as in /top/state.
+    /// Topic whose schema to print, e.g. /top/state
     topic: Option<String>,
 
-    /// Encoding whose schema to print: JSON Schema or a .proto file.
+    /// Print a JSON Schema or a .proto file
     #[arg(long, value_enum, default_value_t = Encoding::Json, requires = "topic")]
     encoding: Encoding,
 
-    /// Write all schemas, of channels, reports and scenario files, into this directory, replacing those there.
+    /// Write all schemas to this directory (overwrites existing files)
     #[arg(long, value_name = "DIRECTORY", conflicts_with = "topic")]
     write: Option<PathBuf>,
 }
 
-/// The channels that were asked for.
+/// The listed channels.
 #[derive(Debug, Default, Serialize, JsonSchema)]
 pub(super) struct SchemaReport {
     /// The channels.
@@ -47,19 +47,19 @@ struct ChannelSchema {
     topic: &'static str,
     /// The name of its message type.
     schema: &'static str,
-    /// Its content.
+    /// Its description.
     meaning: &'static str,
-    /// The language of the definition: JSON Schema for JSON, a .proto file for protobuf.
+    /// The schema language: JSON Schema or protobuf.
     encoding: Encoding,
     /// The definition of its messages.
     definition: String,
 }
 
-/// Lists the channels, prints the schema of one, or writes all, those of `reports` too.
+/// Lists the channels, prints one schema, or writes all schemas including those of `reports`.
 pub(super) fn schema(
     arguments: &SchemaArguments,
     reports: Vec<(String, String)>,
-) -> Result<Done, Error> {
+) -> Result<Status, Error> {
     let mut report = SchemaReport::default();
     match (&arguments.write, &arguments.topic) {
         (Some(directory), _) => report.written = write_all(directory, reports)?,
@@ -71,7 +71,7 @@ pub(super) fn schema(
     }
     let is_one = arguments.topic.is_some();
     report::print(&report, || report.page(is_one))?;
-    Ok(Done::Well)
+    Ok(Status::Success)
 }
 
 impl SchemaReport {

@@ -3,12 +3,12 @@
 mod report;
 
 use super::arguments::{Override, parse_override};
-use super::done::Done;
 use super::interrupt::Interrupt;
 use super::numbers::{count, counted};
 use super::output;
 use super::progress::Progress;
 use super::report::{self as reports, WrittenFile};
+use super::status::Status;
 use crate::archive::input::read_file;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
@@ -24,35 +24,35 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The most threads.
+/// Maximum number of threads.
 const MOST_JOBS: u64 = 1024;
 
 /// Arguments of `toprise sweep`.
 #[derive(Args, Debug, Default, PartialEq)]
 pub(super) struct SweepArguments {
-    /// Presets and scenario files to start from (several are the outermost axis); or the spec of a sweep, a TOML file with the
-    /// keys bases, set, over, sample or table, and max_steps.
+    /// Presets or scenario files to vary, or one sweep spec (TOML file with bases, set, over, sample or table,
+    /// max_steps).
     #[arg(value_name = "BASE", default_value = "paper")]
     bases: Vec<String>,
 
-    /// Vary a key: KEY=a..b/N for N values from a to b, KEY=a..b/Nlog for evenly spaced logarithms, KEY=x,y,z for these
-    /// (a text with a comma in quotes); with --sample KEY=a..b or KEY=a..b/log. The last of several varies fastest.
+    /// Vary a key: KEY=a..b/N (N values), KEY=a..b/Nlog (log-spaced), KEY=x,y,z (these values; quote text with commas).
+    /// With --sample: KEY=a..b or KEY=a..b/log. The last --over varies fastest.
     #[arg(long, value_name = "KEY=VALUES", value_parser = parse_override)]
     over: Vec<Override>,
 
-    /// Choose N points among the values, instead of a grid.
+    /// Sample N points instead of a grid
     #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1, u64::MAX), allow_negative_numbers = true, conflicts_with = "table")]
     sample: Option<u64>,
 
-    /// Method by which the points of a sample are chosen.
+    /// Sampling method
     #[arg(long, value_enum, default_value_t, requires = "sample")]
     method: Method,
 
-    /// Seed of the sample; 0 is the published sequence of Sobol.
+    /// Seed of the sample [default: 0, the unscrambled Sobol sequence]
     #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 0, u64::MAX), allow_negative_numbers = true, default_value = "0", requires = "sample")]
     seed: u64,
 
-    /// Take the values from a table, .parquet or .csv, whose columns are named like keys, as in `friction_k`.
+    /// Read the values from a .parquet or .csv file; its columns are keys, e.g. friction_k
     #[arg(long, value_name = "FILE", conflicts_with = "over")]
     table: Option<PathBuf>,
 
@@ -60,24 +60,23 @@ pub(super) struct SweepArguments {
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides: Vec<Override>,
 
-    /// The table to write, in Parquet.
+    /// Parquet file to write
     #[arg(short, long, value_name = "FILE", default_value = "sweep.parquet")]
     output: PathBuf,
 
-    /// Number of threads; all processors if left out.
+    /// Number of threads [default: number of processors]
     #[arg(short = 'j', long, value_name = "N", value_parser = |text: &str| whole(text, 1, MOST_JOBS), allow_negative_numbers = true)]
     jobs: Option<u64>,
 
-    /// Compute one share of N only, I from 0 to N − 1, as one of several machines; a sweep without --shard then merges
-    /// what all of them have written.
+    /// Compute only shard I (from 0) of N, e.g. on one of N machines; run without --shard to merge.
     #[arg(long, value_name = "I/N", value_parser = parse_shard, allow_hyphen_values = true)]
     shard: Option<Shard>,
 
-    /// Maximum number of integrator steps per run: beyond it, its row has an error.
+    /// Maximum number of integrator steps per run; a longer run is an error
     #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1, u64::MAX), allow_negative_numbers = true)]
     max_steps: Option<u64>,
 
-    /// End at the first row with an error, with exit code 2, also if it was computed before.
+    /// Stop at the first failed row, with exit code 2
     #[arg(long)]
     fail_fast: bool,
 
@@ -102,21 +101,21 @@ fn parse_shard(text: &str) -> Result<Shard, String> {
     });
     shard
         .filter(|shard| shard.index < shard.count)
-        .ok_or_else(|| "must be I/N, I from 0 to N − 1, as in 0/4".to_owned())
+        .ok_or_else(|| "must be I/N with I from 0 to N − 1, e.g. 0/4".to_owned())
 }
 
 /// Computes a sweep.
-pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
+pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
     let began = Instant::now();
     let sweep = Sweep::new(arguments.spec()?);
     if let Some(name) = sweep.spec().shared_name() {
         output::warn(&format!(
-            "several scenarios are called {name}, and the table can't distinguish their runs: give them other names"
+            "several scenarios have the name {name}: give them different names"
         ));
     }
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
     let interrupt = Interrupt::watch()?;
-    let carry_on = || !interrupt.is_asked();
+    let carry_on = || !interrupt.is_requested();
     let computed = quietly(|| {
         if arguments.dry_run {
             return Ok(Finished::default());
@@ -155,21 +154,21 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Done, Error> {
     reports::print(&report, || report.page(&asked))?;
     let has_losses = report.errors > 0 || report.interrupted;
     Ok(if has_losses {
-        Done::WithLosses
+        Status::Partial
     } else {
-        Done::Well
+        Status::Success
     })
 }
 
 impl SweepArguments {
-    /// The spec that the arguments make, or that of their file, where an argument counts more than the file.
+    /// The spec from the file or the arguments; arguments take precedence.
     fn spec(&self) -> Result<Spec, Error> {
         let mut spec = self.spec_of_runs()?;
         spec.most_steps = self.max_steps.or(spec.most_steps);
         Ok(spec)
     }
 
-    /// The spec as the file has it, or with the bases and designs of the arguments.
+    /// The spec from the file, or from the bases and axes given as arguments.
     fn spec_of_runs(&self) -> Result<Spec, Error> {
         if let [word] = &self.bases[..]
             && let path = Path::new(word)
@@ -197,7 +196,7 @@ impl SweepArguments {
 
     fn spec_of_file(&self, text: &str, path: &Path) -> Result<Spec, Error> {
         if !self.over.is_empty() || self.sample.is_some() || self.table.is_some() {
-            bail!("the file defines what varies: leave --over, --sample and --table out");
+            bail!("the spec file defines the axes: remove --over, --sample and --table");
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         Ok(Spec::from_toml(text, folder, &self.overrides)?)
@@ -217,7 +216,7 @@ impl SweepArguments {
     }
 }
 
-/// Does something during which panics of rows, which are recorded in the table, are not printed on standard error too.
+/// Runs a task without printing panics of rows, which are recorded in the table.
 fn quietly<T>(task: impl FnOnce() -> T) -> T {
     let before = panic::take_hook();
     panic::set_hook(Box::new(|message| {
@@ -240,7 +239,7 @@ fn announcement(sweep: &Sweep, left: u64) -> String {
     format!("{runs}{left}")
 }
 
-/// Shows how far the sweep has come, and how the runs came out.
+/// Progress display with counts of outcomes.
 struct Tally {
     progress: Progress,
     counts: Mutex<(Counts, Instant)>,

@@ -1,17 +1,16 @@
 //! Tables for a terminal and for documents.
 
-use super::text::harmless;
+use super::text::sanitized;
 use anstyle::{Effects, Style};
 use comfy_table::{
     CellAlignment, ColumnConstraint, ContentArrangement, Table as Layout, TableComponent, presets,
 };
 
 const FAINT: Style = Style::new().effects(Effects::DIMMED);
-/// Ends the header of a laid-out table; no harmless cell has it.
+/// Marks the end of the header; can't occur in sanitised cells.
 const RULE: char = '\u{1}';
 
-/// Cells in rows: the first columns hold text, which may be broken into lines, the others numbers, which line up at
-/// the right.
+/// A table. The first `left` columns contain text and may be wrapped; the others contain right-aligned numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Table {
     /// Names of the columns; none for a table without.
@@ -49,8 +48,7 @@ impl Table {
         self.header.iter().any(|name| !name.is_empty())
     }
 
-    /// As text, with two columns of space before each column, and the header faint. On a terminal with this number of
-    /// columns, texts are broken into lines where the table is too wide.
+    /// Renders as text with a dimmed header. Wraps text columns if the table is wider than the terminal.
     pub(super) fn text(&self, columns: Option<usize>) -> String {
         let mut layout = Layout::new();
         layout.load_preset(presets::NOTHING);
@@ -61,7 +59,7 @@ impl Table {
         }
         let width = self.columns();
         let cells = |row: &[String]| {
-            let cell = |at| harmless(row.get(at).map_or("", String::as_str)).into_owned();
+            let cell = |at| sanitized(row.get(at).map_or("", String::as_str)).into_owned();
             (0..width).map(cell).collect::<Vec<_>>()
         };
         if self.has_header() {
@@ -91,14 +89,14 @@ impl Table {
         text
     }
 
-    /// For documents.
+    /// Renders as Markdown.
     pub(super) fn markdown(&self) -> String {
         let columns = self.columns();
         let row = |cells: &[String]| {
             let cell = |at: usize| {
                 cells
                     .get(at)
-                    .map_or(String::new(), |cell| harmless(cell).replace('|', "\\|"))
+                    .map_or(String::new(), |cell| sanitized(cell).replace('|', "\\|"))
             };
             let cells: Vec<String> = (0..columns).map(cell).collect();
             format!("| {} |\n", cells.join(" | "))

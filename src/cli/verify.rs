@@ -1,9 +1,9 @@
 //! `toprise verify`.
 
-use super::done::Done;
 use super::numbers::count;
 use super::page::{Page, Section, Tone};
 use super::progress::Progress;
+use super::status::Status;
 use super::table::Table;
 use super::{output, parallel, report};
 use crate::analysis::verify::{Report, Verdict, verify as check};
@@ -24,7 +24,7 @@ pub(super) struct VerifyArguments {
 
 type Answer = Result<Report, RecordingError>;
 
-/// The results for recordings, in the order in which they were named.
+/// The results, in command-line order.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct VerifyReport(Vec<VerifiedFile>);
 
@@ -42,7 +42,7 @@ struct VerifiedFile {
 }
 
 /// Verifies recordings.
-pub(super) fn verify(arguments: &VerifyArguments) -> Result<Done, Error> {
+pub(super) fn verify(arguments: &VerifyArguments) -> Result<Status, Error> {
     let answers = check_all(&arguments.files);
     let files = arguments.files.iter().zip(answers);
     let files = files.map(|(file, answer)| VerifiedFile::of(file, answer));
@@ -56,7 +56,7 @@ pub(super) fn verify(arguments: &VerifyArguments) -> Result<Done, Error> {
     Ok(report.done())
 }
 
-/// Verifies all files, as many at once as there are processors.
+/// Verifies all files in parallel.
 fn check_all(files: &[PathBuf]) -> Vec<Answer> {
     let size = |file: &PathBuf| file.metadata().map_or(0, |metadata| metadata.len());
     let progress = Progress::of_bytes("verifying", files.iter().map(size).sum());
@@ -70,15 +70,15 @@ fn check_all(files: &[PathBuf]) -> Vec<Answer> {
 
 impl VerifyReport {
     /// The worst result of all files.
-    fn done(&self) -> Done {
+    fn done(&self) -> Status {
         let of_file = |file: &VerifiedFile| match file.report.as_ref().map(|r| r.verdict) {
-            Some(Verdict::Verified | Verdict::PackedOtherwise) => (0, Done::Well),
-            Some(Verdict::OtherVersion | Verdict::Incomplete) => (1, Done::WithLosses),
-            Some(Verdict::Different) => (2, Done::Differing),
-            None => (3, Done::Unreadable),
+            Some(Verdict::Verified | Verdict::PackedOtherwise) => (0, Status::Success),
+            Some(Verdict::OtherVersion | Verdict::Incomplete) => (1, Status::Partial),
+            Some(Verdict::Different) => (2, Status::Different),
+            None => (3, Status::Failed),
         };
         let worst = self.0.iter().map(of_file).max_by_key(|(rank, _)| *rank);
-        worst.map_or(Done::Well, |(_, done)| done)
+        worst.map_or(Status::Success, |(_, done)| done)
     }
 
     fn page(&self) -> Page {
@@ -115,7 +115,7 @@ fn section(file: &str, report: &Report) -> Section {
     }
     if let Some(version) = &report.recorded_by {
         let this = env!("CARGO_PKG_VERSION");
-        facts.push(("recorded by", format!("toprise {version}; this is {this}")));
+        facts.push(("recorded by", format!("toprise {version} (this is {this})")));
     }
     if let Some(equal) = report.equal {
         facts.push(("equal", format!("{} messages", count(equal))));
@@ -134,28 +134,25 @@ fn conclusion(report: &Report) -> (Tone, String) {
     match report.verdict {
         Verdict::Verified => (
             Tone::Good,
-            "verified, byte for byte what its scenario gives".to_owned(),
+            "verified (byte-identical to a new run)".to_owned(),
         ),
-        Verdict::PackedOtherwise => (
-            Tone::Good,
-            "verified, packed otherwise: other bytes, the same content".to_owned(),
-        ),
+        Verdict::PackedOtherwise => (Tone::Good, "verified (same content, repacked)".to_owned()),
         Verdict::OtherVersion => (
             Tone::Weak,
-            "recorded by another version, with the values that this one computes".to_owned(),
+            "recorded by another version; all common values match".to_owned(),
         ),
         Verdict::Incomplete => {
-            // The file may be whole, and the run in it not.
+            // A complete file can contain an incomplete run.
             let state = match report.state {
-                Condition::Whole => "a part of a run",
+                Condition::Whole => "incomplete run",
                 state => state.name(),
             };
-            let conclusion = format!("{state}: everything in it is right, but some is missing");
+            let conclusion = format!("{state}: all readable messages match, but some are missing");
             (Tone::Weak, conclusion)
         }
         Verdict::Different => (
             Tone::Bad,
-            "DIFFERENT from what its scenario gives".to_owned(),
+            "DIFFERENT from a new run of its scenario".to_owned(),
         ),
     }
 }

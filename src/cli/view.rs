@@ -1,11 +1,12 @@
-//! `toprise view`: recordings again in Rerun.
+//! `toprise view`.
 
-use super::done::Done;
+use super::arguments::OUTPUT;
 use super::interrupt::Interrupt;
 use super::output;
 use super::page::{Page, Section};
 use super::progress::Progress;
 use super::report::{self, WrittenFile};
+use super::status::Status;
 use super::table::Table;
 use super::viewer::{self, Target, ViewerArguments};
 use crate::archive::format::is_end_of;
@@ -27,26 +28,26 @@ use std::path::{Path, PathBuf};
 /// Arguments of `toprise view`.
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct ViewArguments {
-    /// Recordings (MCAP files); each becomes a recording of its own in the viewer.
+    /// Recordings (MCAP files)
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
     #[command(flatten)]
     viewer: ViewerArguments,
 
-    /// Write a Rerun recording into this file; for several recordings, into this directory.
-    #[arg(long, value_name = "PATH")]
+    /// Write to this .rrd file (or directory, for several recordings)
+    #[arg(long, value_name = "PATH", help_heading = OUTPUT)]
     rrd: Option<PathBuf>,
 
     /// Replace files that exist.
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     force: bool,
 
-    /// Show only what comes at or after this simulated time.
+    /// Start at this simulated time, s
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     from: Option<f64>,
 
-    /// Show only what comes at or before this simulated time.
+    /// End at this simulated time, s
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     to: Option<f64>,
 }
@@ -54,9 +55,9 @@ pub(super) struct ViewArguments {
 /// The recordings that were shown.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct ViewReport {
-    /// The recordings, in the order in which they were named, up to the one that was interrupted.
+    /// The recordings, in command-line order, up to the interruption.
     recordings: Vec<ShownRecording>,
-    /// Whether the user ended it before all was shown.
+    /// Whether the user interrupted the replay.
     is_interrupted: bool,
 }
 
@@ -104,7 +105,7 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
         .filter(|time: &f64| (0.0..=1e9).contains(time))
-        .ok_or_else(|| "must be a time in seconds, 0 or more, as in 12.5".to_owned())
+        .ok_or_else(|| "must be a non-negative time in seconds, e.g. 12.5".to_owned())
 }
 
 impl ViewArguments {
@@ -122,7 +123,7 @@ impl ViewArguments {
         })
     }
 
-    /// The destination of the Rerun recording with a name.
+    /// The .rrd path of a recording.
     fn rrd_of(&self, name: &str) -> Option<PathBuf> {
         let path = self.rrd.as_ref()?;
         let is_directory = path.is_dir() || path.as_os_str().to_string_lossy().ends_with('/');
@@ -132,7 +133,7 @@ impl ViewArguments {
         Some(path.join(format!("{name}.rrd")))
     }
 
-    /// Names of the files in a viewer, with numbers where they are the same.
+    /// Names of the recordings in the viewer; duplicates are numbered.
     fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         for file in &self.files {
@@ -146,7 +147,7 @@ impl ViewArguments {
 }
 
 /// Shows recordings.
-pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
+pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
     let selection = arguments.selection()?;
     let recordings = arguments
         .files
@@ -161,33 +162,33 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Done, Error> {
     let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
     let mut shown = Vec::new();
     for (recording, name) in recordings.iter().zip(arguments.names()) {
-        let way = Way {
+        let options = ReplayOptions {
             arguments,
             selection: &selection,
             target: &target,
             interrupt: &interrupt,
             progress: &progress,
         };
-        shown.push(show(recording, &name, &way)?);
-        if interrupt.is_asked() {
+        shown.push(show(recording, &name, &options)?);
+        if interrupt.is_requested() {
             break;
         }
     }
     progress.finish();
     let report = ViewReport {
         recordings: shown,
-        is_interrupted: interrupt.is_asked(),
+        is_interrupted: interrupt.is_requested(),
     };
     report::print(&report, || report.page())?;
     target.serve_until(&interrupt);
     Ok(if report.is_complete() {
-        Done::Well
+        Status::Success
     } else {
-        Done::WithLosses
+        Status::Partial
     })
 }
 
-/// Refuses to replace a recording that is shown by what is shown.
+/// Refuses to overwrite an input.
 fn refuse_input(arguments: &ViewArguments, name: &str) -> Result<(), Error> {
     if let Some(rrd) = arguments.rrd_of(name) {
         refuse_inputs(&rrd, arguments.files.iter().map(PathBuf::as_path))?;
@@ -199,7 +200,7 @@ fn open(file: &Path) -> Result<Recording, Error> {
     let recording = Recording::open(file).with_context(|| file.display().to_string())?;
     if recording.condition() == Condition::Foreign {
         bail!(
-            "{}: not a toprise recording, but written by {:?}: try `rerun {0}`",
+            "{} is not a toprise recording (written by {:?}); try `rerun {0}`",
             file.display(),
             recording.library()
         );
@@ -207,7 +208,7 @@ fn open(file: &Path) -> Result<Recording, Error> {
     Ok(recording)
 }
 
-/// The viewer that was asked for, or else one that can be started.
+/// The requested viewer, or a new one.
 fn target(arguments: &ViewArguments) -> Result<Target, Error> {
     let target = arguments.viewer.target()?;
     if arguments.rrd.is_some() || !matches!(target, Target::None) {
@@ -226,7 +227,7 @@ fn viewer_is_installed() -> bool {
 }
 
 /// Settings of a replay.
-struct Way<'a> {
+struct ReplayOptions<'a> {
     arguments: &'a ViewArguments,
     selection: &'a Selection,
     target: &'a Target,
@@ -235,13 +236,17 @@ struct Way<'a> {
 }
 
 /// Replays one recording.
-fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecording, Error> {
-    let Way {
+fn show(
+    recording: &Recording,
+    name: &str,
+    options: &ReplayOptions<'_>,
+) -> Result<ShownRecording, Error> {
+    let ReplayOptions {
         arguments,
         interrupt,
         progress,
         ..
-    } = way;
+    } = options;
     let path = recording.path();
     let context = || path.display().to_string();
     let identity = Identity {
@@ -253,7 +258,7 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
     let mut draft = draft.transpose()?;
     let destinations = Destinations {
         file: draft.as_ref().map(Draft::file).transpose()?,
-        live: way.target.live(),
+        live: options.target.live(),
     };
     let mut sink = RerunSink::new(&identity, destinations);
     let warnings = sink.take_warnings();
@@ -261,19 +266,19 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
         bail!("{}", warnings.join("; "));
     }
     output::warn_all(warnings);
-    let replayed = replay(recording, way.selection.clone(), &mut sink, |read| {
+    let replayed = replay(recording, options.selection.clone(), &mut sink, |read| {
         progress.add(read);
-        if interrupt.is_asked() {
+        if interrupt.is_requested() {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
         }
     })
     .with_context(context)?;
-    if let Some(outcome) = outcome_of(recording, way) {
+    if let Some(outcome) = outcome_of(recording, options) {
         sink.set_outcome(&outcome);
     }
-    let interrupted = draft.take_if(|_| interrupt.is_asked());
+    let interrupted = draft.take_if(|_| interrupt.is_requested());
     let rrd = viewer::complete(sink.finish(), draft)?;
     if let Some(draft) = interrupted {
         let path = draft.path().display();
@@ -291,15 +296,14 @@ fn show(recording: &Recording, name: &str, way: &Way<'_>) -> Result<ShownRecordi
     })
 }
 
-/// Outcome of the run, where the whole of a whole recording is shown: the outcome of its scenario, if that ends as the
-/// recording does.
-fn outcome_of(recording: &Recording, way: &Way<'_>) -> Option<Outcome> {
-    let is_span = way.selection.from_ns.is_some() || way.selection.to_ns.is_some();
+/// Outcome of the run, if the complete recording is shown and the scenario's outcome agrees with the recorded end.
+fn outcome_of(recording: &Recording, options: &ReplayOptions<'_>) -> Option<Outcome> {
+    let is_span = options.selection.from_ns.is_some() || options.selection.to_ns.is_some();
     if is_span || recording.condition() != Condition::Whole {
         return None;
     }
     let (scenario, end) = (recording.scenario().ok()?, recording.end()?);
-    let outcome = outcome(&scenario, || !way.interrupt.is_asked()).ok()?;
+    let outcome = outcome(&scenario, || !options.interrupt.is_requested()).ok()?;
     is_end_of(end, &outcome).then_some(outcome)
 }
 
@@ -315,23 +319,21 @@ fn identity(recording: &Recording, name: &str) -> Result<Identity, Error> {
     ))
 }
 
-/// Warns of what could not be shown.
+/// Warns about parts that could not be shown.
 fn warn(recording: &Recording, replayed: &Replayed) {
     let path = recording.path().display();
     if replayed.messages == 0 {
-        output::warn(&format!("{path}: no messages in this span of time"));
+        output::warn(&format!("{path}: no messages in this time range"));
     }
     if recording.condition() == Condition::Interrupted {
-        output::warn(&format!(
-            "{path} was interrupted: it is shown as far as it goes"
-        ));
+        output::warn(&format!("{path} is incomplete (interrupted)"));
     }
     for loss in &replayed.losses {
-        output::warn(&format!("{path}: without {loss}"));
+        output::warn(&format!("{path}: missing {loss}"));
     }
     if let Some((error, count)) = &replayed.undecodable {
         output::warn(&format!(
-            "{path}: {count} messages left out, the first: {error}"
+            "{path}: {count} messages skipped; first error: {error}"
         ));
     }
 }

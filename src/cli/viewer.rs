@@ -1,5 +1,6 @@
-//! Which Rerun viewer to show something in.
+//! Selection of the Rerun viewer.
 
+use super::arguments::VIEWER;
 use super::interrupt::Interrupt;
 use super::output;
 use super::report::WrittenFile;
@@ -10,23 +11,22 @@ use anyhow::{Context as _, Error};
 use clap::Args;
 use std::net::SocketAddr;
 
-/// Arguments of the commands that show something in a viewer.
+/// Viewer arguments.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub(super) struct ViewerArguments {
-    /// Show it in the Rerun viewer at this address.
+    /// Connect to a running Rerun viewer [default URL: local viewer]
     #[arg(long, value_name = "URL", num_args = 0..=1, require_equals = true,
           default_missing_value = "rerun+http://127.0.0.1:9876/proxy",
-          conflicts_with_all = ["spawn", "serve"])]
+          conflicts_with_all = ["spawn", "serve"], help_heading = VIEWER)]
     connect: Option<String>,
 
-    /// Start a Rerun viewer and show it there.
-    #[arg(long, conflicts_with = "serve")]
+    /// Start a Rerun viewer
+    #[arg(long, conflicts_with = "serve", help_heading = VIEWER)]
     spawn: bool,
 
-    /// Serve the web viewer at this address, and its stream at the next port, until Ctrl-C (in builds with the
-    /// feature web-viewer); 0.0.0.0 is every address of this machine.
+    /// Serve the web viewer at this address until Ctrl-C; its data uses the next port (needs the feature web-viewer).
     #[arg(long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true,
-          default_missing_value = "127.0.0.1:9090")]
+          default_missing_value = "127.0.0.1:9090", help_heading = VIEWER)]
     serve: Option<SocketAddr>,
 }
 
@@ -34,9 +34,9 @@ pub(super) struct ViewerArguments {
 pub(super) enum Target {
     /// No viewer was asked for.
     None,
-    /// A viewer that is there or can be started.
+    /// A running viewer, or one to start.
     Live(Live),
-    /// A viewer that this process serves.
+    /// A web viewer served by this process.
     #[cfg(feature = "web-viewer")]
     Served(crate::rerun::WebViewer),
 }
@@ -60,20 +60,17 @@ fn serve(address: SocketAddr) -> Result<Target, Error> {
     let viewer = crate::rerun::WebViewer::start(address).map_err(Error::msg)?;
     output::announce(&format!("serving at {}", viewer.url()));
     if !address.ip().is_loopback() {
-        output::note("from another machine, put this one's name in both places of the address");
+        output::note("from another machine, replace the host name in both parts of the URL");
     }
     Ok(Target::Served(viewer))
 }
 
 #[cfg(not(feature = "web-viewer"))]
 fn serve(_: SocketAddr) -> Result<Target, Error> {
-    anyhow::bail!(
-        "this build has no web viewer (it adds 40 MB): build it with --features web-viewer"
-    )
+    anyhow::bail!("this build has no web viewer; rebuild with --features web-viewer (adds 40 MB)")
 }
 
-/// Completes what a Rerun stream that has `ended` was written to: reports what happened to the viewer, and publishes the
-/// file, if there is one.
+/// Finishes a Rerun stream: prints viewer warnings and publishes the file, if there is one.
 pub(super) fn complete(
     ended: Result<Vec<String>, RerunError>,
     draft: Option<Draft>,
@@ -114,13 +111,13 @@ impl Target {
     pub(super) fn serve_until(self, interrupt: &Interrupt) {
         #[cfg(feature = "web-viewer")]
         if let Self::Served(viewer) = self {
-            if !interrupt.is_asked() {
+            if !interrupt.is_requested() {
                 output::note(&format!(
-                    "still serving at {}; end it with Ctrl-C",
+                    "still serving at {}; press Ctrl-C to stop",
                     viewer.url()
                 ));
             }
-            while !interrupt.is_asked() {
+            while !interrupt.is_requested() {
                 std::thread::sleep(std::time::Duration::from_millis(50));
             }
         }

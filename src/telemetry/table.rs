@@ -212,7 +212,7 @@ macro_rules! channels {
 
                 #[doc = concat!("The fields of `", $topic, "`.")]
                 pub mod $fields {
-                    use super::*;
+                    use $crate::telemetry::table::*;
 
                     /// The fields in the order of the channel.
                     #[allow(non_camel_case_types, clippy::upper_case_acronyms)]

@@ -59,7 +59,7 @@ fn a_run_that_is_recorded_is_not_written_again() {
     run(&[]);
     let text = run(&[]);
     assert!(
-        text.contains("recordings/paper_duration0.2.mcap was there already, with the same bytes"),
+        text.contains("recordings/paper_duration0.2.mcap already exists with identical content"),
         "{text}"
     );
     assert_eq!(recordings(), ["paper_duration0.2.mcap"]);
@@ -215,7 +215,7 @@ fn bad_input_is_exit_code_2_and_writes_nothing() {
         (&["run", "--set", "top.mass"], "KEY=VALUE"),
         (&["run", "--set", "friction.law=none"], "friction.k"),
         (&["run", "--topics", "/top/stat"], "/top/state"),
-        (&["run", "--realtime", "0"], "> 0"),
+        (&["run", "--realtime", "0"], "positive number"),
         (&["run", "-o", "file/run.mcap"], "file"),
         (&["run", "--format", "xml"], "xml"),
         (&["run", "--set", "initial.theta=nan"], "NaN"),
@@ -494,7 +494,7 @@ fn regress_names_that_no_recording_can_have_are_refused_at_once() {
         ("new/..", "names no file"),
         ("a.mcap/.", "names no file"),
         ("a.mcap.partial", "runs that are not complete"),
-        ("a.rrd", "write one with --rrd a.rrd"),
+        ("a.rrd", "use --rrd a.rrd"),
     ] {
         // It would take longer than the test does.
         let mut program = toprise(&directory);

@@ -706,8 +706,8 @@ fn what_is_missing_is_told_and_the_rest_is_drawn() {
         3,
     );
     for part in [
-        "some: figure-3 needs /top/pose",
-        "some: energy needs /top/energy",
+        "figure-3 of some skipped: the run has no /top/pose",
+        "energy of some skipped: the run has no /top/energy",
     ] {
         assert!(error.contains(part), "{part} is not in {error}");
     }

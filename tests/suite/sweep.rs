@@ -545,7 +545,7 @@ fn the_command_sweeps_resumes_and_reports() {
     let (code, answer, _) = toprise(folder, line);
     assert_eq!(code, 3);
     assert!(
-        answer.contains("nothing: nothing was left to do"),
+        answer.contains("0 runs (all were already computed)"),
         "{answer}"
     );
     let (code, _, told) = toprise(folder, &line.replace("0.01", "0.02"));
@@ -1086,7 +1086,7 @@ fn tables_that_others_have_written_are_drawn() {
     };
     let told = chosen("initial_theta=61");
     assert!(
-        told.contains("no run has initial_theta = 61; there are 0.25, 0.5"),
+        told.contains("no run has initial_theta = 61; values: 0.25, 0.5"),
         "{told}"
     );
     let told = chosen("scenario=papr");
@@ -1389,7 +1389,7 @@ fn scenarios_of_one_name_are_warned_of() {
         .replace("a.p", "b.p");
     let (code, _, told) = toprise(folder, &line);
     assert_eq!(code, 0);
-    assert!(told.contains("several scenarios are called one"), "{told}");
+    assert!(told.contains("several scenarios have the name one"), "{told}");
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! The averaged motions of two runs.
 //!
-//! `/top/nutation` has the means, the least and the greatest values of each nutation cycle. Each is a curve through the
-//! middles of the cycles; A's and B's curves are compared at equal times, as long as both nutate. The number of nutations
-//! that a run has done, its phase, is a curve through the beginnings of the cycles.
+//! `/top/nutation` has means and extremes of each nutation cycle. Each is treated as a curve through the midpoints of
+//! the cycles; the curves of A and B are compared at equal times while both nutate. The phase (number of nutations) is
+//! a curve through the starts of the cycles.
 
 use crate::analysis::history::curve::Curve;
 use crate::analysis::history::{Cycle, RunHistory};
@@ -27,7 +27,7 @@ pub struct Averaged {
     pub to: f64,
     /// Means, least and greatest values of θ and the rates.
     pub deviations: Vec<Deviation>,
-    /// Lead of B over A; absent where the count of nutations is interrupted.
+    /// Phase lead of B over A; absent if nutation is interrupted.
     pub phase: Option<Phase>,
     /// The nutation amplitudes of A and B (half the range of θ̇) at the last time, rad/s.
     pub amplitudes: Option<[f64; 2]>,
@@ -38,7 +38,7 @@ pub struct Averaged {
 pub struct Phase {
     /// The last beginning of a nutation that both runs reach, s.
     pub at: f64,
-    /// Nutations that B is ahead then.
+    /// Phase lead of B, nutation cycles.
     pub ahead: f64,
 }
 
@@ -57,7 +57,7 @@ pub struct Deviation {
     pub values: [f64; 2],
 }
 
-/// Compares the averaged motions; none if the runs don't nutate at the same time.
+/// Compares the averaged motions; `None` if they don't nutate at the same time.
 pub(super) fn compare(a: &RunHistory, b: &RunHistory) -> Option<Averaged> {
     let middles = [a, b].map(|history| history.of_cycles(Cycle::middle).domain());
     let [Some(of_a), Some(of_b)] = middles else {

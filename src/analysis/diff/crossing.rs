@@ -1,8 +1,8 @@
-//! The times at which the averaged motions of two runs cross a level of θ, and the effect of the nutation on the first crossing.
+//! Level crossings of the mean θ of two runs, and the effect of nutation on the first crossing.
 //!
-//! θ averaged over each nutation is a curve through the middles of the cycles. The times at which both curves cross a
-//! common level show which run is ahead. When θ itself first reaches a level is a staircase, in contrast: it depends on
-//! which dip of the nutation reaches the level.
+//! θ averaged over each nutation is a curve through the middles of the cycles. The crossing times of a common level
+//! show which run is ahead. The first crossing of θ itself is discontinuous: it depends on which nutation minimum
+//! reaches the level.
 
 use crate::analysis::history::curve::Curve;
 use crate::analysis::history::{Cycle, RunHistory};
@@ -10,16 +10,15 @@ use crate::physics::integrate::zero;
 use crate::physics::math::{atan2, cos};
 use std::f64::consts::{PI, TAU};
 
-/// The averages must change by this many times their errors, which are estimates within a factor of a few.
+/// Required ratio of the change of the averages to their error.
 const CLEAR: f64 = 10.0;
-/// Number of levels that are tried, evenly from the farthest common one to the start.
+/// Number of trial levels, evenly spaced from the farthest common level to the start.
 const LEVELS: u32 = 16;
-/// A curve crosses a level, rather than coming to rest there, if its slope is this part of its mean slope up to there.
+/// Minimum slope at a crossing, relative to the mean slope before it.
 const STEADY: f64 = 0.2;
-/// The shift must hold at levels nearby: those this part of the way before and behind.
+/// Relative distance of the neighbouring levels used to estimate the uncertainty.
 const NEARBY: f64 = 0.02;
-/// Ratio by which the error of a cubic between four points is than where the middle one of five is left out: the
-/// products of the distances are 4 and at most 0.94 (between the last two points).
+/// Ratio of the leave-one-out error to the interpolation error of a cubic.
 const LEFT_OUT: f64 = 4.0;
 
 /// A level of θ that both averaged motions cross.
@@ -31,7 +30,7 @@ pub(super) struct LevelCrossing {
     pub(super) times: [f64; 2],
     /// Uncertainty of the difference of these times, s.
     pub(super) uncertainty: f64,
-    /// The part of it that the integrators' errors have, s.
+    /// Contribution of the integration errors, s.
     pub(super) integration_error: f64,
 }
 
@@ -49,7 +48,7 @@ impl LevelCrossing {
         })
     }
 
-    /// The crossing at a part of the way from the farthest common level to the start, of sign · θ.
+    /// The crossing of sign · θ at a fraction of the way from the farthest common level to the start.
     fn at_level(
         sign: f64,
         part: f64,
@@ -79,7 +78,7 @@ impl LevelCrossing {
             let error = integrators[side]
                 + interpolation_error(curve, time)
                 + averaging_error(histories[side], time);
-            // Written so that what isn't a number doesn't pass.
+            // Also rejects NaN.
             let crosses = slope >= STEADY * mean_slope && start - level > CLEAR * error;
             if !crosses {
                 return None;
@@ -101,8 +100,8 @@ impl LevelCrossing {
     }
 }
 
-/// Two runs; where one is the beginning of the other only that: the averages that follow would bend the curve through the
-/// last of those that both have, as if they were shifted.
+/// Truncates both runs to their common cycles if one is a prefix of the other; later averages would change the
+/// interpolation.
 fn common([a, b]: [&RunHistory; 2]) -> [&RunHistory; 2] {
     let (short, long) = if a.cycles.len() <= b.cycles.len() {
         (a, b)
@@ -119,15 +118,15 @@ fn common([a, b]: [&RunHistory; 2]) -> [&RunHistory; 2] {
     }
 }
 
-/// The error of a curve between its points, estimated where the point nearest to a time is left out.
+/// Interpolation error of a curve near a time, by leave-one-out.
 fn interpolation_error(curve: &Curve, time: f64) -> f64 {
     curve
         .left_out(time)
         .map_or(0.0, |error| error.abs() / LEFT_OUT)
 }
 
-/// Remainder of it in an average over a nutation, rad: where the amplitude A changes by ΔA from one to the next, the
-/// mean of A cos 2πs over a turn is up to ΔA/2π, depending on where the turn begins.
+/// Averaging error of the mean over a nutation, rad: if the amplitude changes by ΔA per cycle, the mean of A cos 2πs is
+/// off by up to ΔA/2π.
 fn averaging_error(history: &RunHistory, time: f64) -> f64 {
     let amplitude = history.of_cycles(amplitude);
     let Some((first, last)) = amplitude.domain() else {
@@ -135,7 +134,7 @@ fn averaging_error(history: &RunHistory, time: f64) -> f64 {
     };
     let period = history.of_cycles(|cycle| cycle.period).at(time);
     let period = period.unwrap_or_default().min(last - first);
-    // Where both ends are one, they may be a rounding apart, in either order.
+    // Equal ends may differ by rounding.
     let end = time.max(first + 0.5 * period).min(last - 0.5 * period);
     let at = |time: f64| amplitude.at(time).unwrap_or_default();
     (at(end + 0.5 * period) - at(end - 0.5 * period)).abs() / TAU
@@ -146,11 +145,10 @@ fn amplitude(cycle: &Cycle) -> f64 {
     cycle.amplitude() * cycle.period / TAU
 }
 
-/// Range of the time by which θ first reaches a level after its average (negative: before), s, depending on the phase of
-/// the nutation there; none where the nutation isn't known.
+/// Range of the delay of the first crossing of θ relative to its mean, s (negative: earlier), over all nutation phases;
+/// `None` if the nutation is unknown.
 ///
-/// Amplitude and drift are taken at the first crossing and over the time by which it is early, for which a large nutation
-/// changes both.
+/// Amplitude and drift are evaluated at the first crossing, because they can change during a large lead.
 pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
     let (first, last) = history.of_cycles(Cycle::amplitude).domain()?;
     let touch = time.clamp(first, last);
@@ -176,10 +174,10 @@ pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
     range.iter().all(|time| time.is_finite()).then_some(range)
 }
 
-/// Latest first time at which θ = −x + r cos x reaches a level, as a part of r, the amplitude of θ̇ over its mean.
+/// Latest first crossing of a level by θ = −x + r cos x, relative to r (amplitude of θ̇ over its mean).
 ///
-/// Where θ falls all the time (r ≤ 1), a level is reached once, up to r later than by the average. Where it doesn't, a
-/// dip that ends just above the level leaves it to the next descent, which is early if the dips are deep.
+/// For r ≤ 1, θ is monotonic and the crossing is up to r later. For r > 1, a minimum just above the level delays the
+/// crossing to the next descent.
 fn latest(ratio: f64) -> f64 {
     if ratio <= 1.0 {
         return 1.0;

@@ -7,7 +7,7 @@ use crate::telemetry::Topic;
 use crate::telemetry::fields::{self, NumberField, pose, state};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-/// A number that is computed from others: how two directions or orientations differ.
+/// A derived difference: the angle between two directions or orientations.
 #[derive(Clone, Debug)]
 pub(super) struct Derived {
     name: &'static str,
@@ -15,7 +15,7 @@ pub(super) struct Derived {
     tally: FieldTally,
 }
 
-/// The kinds of derived numbers, with the columns of the fields that they are computed from.
+/// Kinds of derived differences, with their source columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum DerivedKind {
     /// The angle between two directions in a plane: whole turns don't count.
@@ -54,7 +54,7 @@ impl Derived {
         let direction = |name, field: NumberField| (name, DerivedKind::Direction(field.index()));
         let kinds = match topic {
             fields::STATE => vec![
-                direction("φ as a direction", state::PHI),
+                direction("φ modulo 2π", state::PHI),
                 direction("ψ as a direction", state::PSI),
             ],
             fields::POSE => {
@@ -62,10 +62,10 @@ impl Derived {
                 let axis = pose::AXIS.components().map(NumberField::index);
                 vec![
                     (
-                        "angle of the orientations",
+                        "angle between orientations",
                         DerivedKind::Orientation(orientation),
                     ),
-                    ("angle of the axes", DerivedKind::Between(axis)),
+                    ("angle between axes", DerivedKind::Between(axis)),
                 ]
             }
             _ => Vec::new(),

@@ -1,9 +1,7 @@
-//! Section e of a report: what B's model would have done along A's motion.
+//! Comparison of the models along A's motion.
 //!
-//! Both models are given the states that A went through, and their torques and accelerations there are compared, by
-//! the functions that the integrator calls. So the difference of the models shows by itself, free of the phase and the
-//! drift that it causes. Of a peg that is free those states count in which it slides: in the air there is no contact, and
-//! whether a contact point at rest rolls is no matter of its state alone.
+//! Evaluates the torques and accelerations of both models at the states of A. This shows the difference of the models,
+//! independent of phase and drift. For a free peg only sliding states are used.
 
 use super::moments::Moments;
 use crate::physics::dynamics::{Integrals, Model, Motion, Peg, Phase};
@@ -28,7 +26,7 @@ const QUANTITIES: [(&str, &str); 10] = [
     ("psi_ddot", "rad/s²"),
 ];
 
-/// Section e: what B's model does at the states that A went through, less what A's model does there.
+/// Differences B − A of the models, evaluated at states of A.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Discrepancy {
     /// Number of states.
@@ -75,8 +73,8 @@ struct ResidualSums {
     own: Moments,
 }
 
-/// Action of a model in a state: the torque of friction about the peg's centre in the node frame (N m), the frictional and
-/// the whole accelerations (rad/s²).
+/// Output of a model for a state: friction torque about the peg's centre (node frame, N m), frictional and total
+/// accelerations (rad/s²).
 fn action(model: &Model, motion: &Motion) -> [f64; QUANTITIES.len() - 1] {
     let tilt = &motion.tilt;
     let contact = model.contact_in(motion);
@@ -118,7 +116,7 @@ fn quantities(action: [f64; QUANTITIES.len() - 1]) -> [f64; QUANTITIES.len()] {
 }
 
 impl Residuals {
-    /// None where B's model does not apply to A's states: where B's peg is fixed, and A's moves.
+    /// `None` if B's model does not apply to A's states (B fixed, A free).
     pub(super) fn new(a: Model, b: Model) -> Option<Self> {
         let is_defined = b.support.is_free() || !a.support.is_free();
         is_defined.then_some(Self {

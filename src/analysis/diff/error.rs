@@ -1,4 +1,4 @@
-//! The reasons why two runs can't be compared.
+//! Errors of comparisons.
 
 use crate::archive::sink::SinkError;
 use thiserror::Error;
@@ -6,7 +6,7 @@ use thiserror::Error;
 /// The reason why two runs can't be compared.
 #[derive(Debug, Error)]
 pub enum DiffError {
-    /// A tolerance can't be understood.
+    /// An invalid tolerance.
     #[error("tolerance {text:?}: {reason}")]
     Tolerance {
         /// The tolerance as it was written.
@@ -16,15 +16,15 @@ pub enum DiffError {
     },
     /// A pattern matches no field.
     #[error("no field matches {pattern:?}; {}",
-            if near.is_empty() { "there are no fields".to_owned() } else { format!("the nearest: {near}") })]
+            if near.is_empty() { "there are no fields".to_owned() } else { format!("did you mean {near}?") })]
     UnknownField {
         /// The pattern.
         pattern: String,
         /// Fields with similar names.
         near: String,
     },
-    /// A topic was asked for that not both runs have.
-    #[error("the topic {topic} can't be compared; topics that both have: {common}")]
+    /// A requested topic is missing in one of the runs.
+    #[error("topic {topic} can't be compared; common topics: {common}")]
     UnknownTopic {
         /// The topic.
         topic: String,
@@ -32,7 +32,7 @@ pub enum DiffError {
         common: String,
     },
     /// There is nothing to compare.
-    #[error("they have no topic in common that is compared: A has {a}; B has {b}")]
+    #[error("no common topics to compare: A has {a}; B has {b}")]
     NoCommonTopics {
         /// A's topics.
         a: String,
@@ -40,18 +40,16 @@ pub enum DiffError {
         b: String,
     },
     /// One of the runs is empty.
-    #[error("{side} has no messages that can be read{}",
+    #[error("{side} has no readable messages{}",
             if losses.is_empty() { String::new() } else { format!(" ({losses})") })]
     NoMessages {
-        /// Which run, A or B.
+        /// The run, A or B.
         side: &'static str,
         /// Parts that could not be read.
         losses: String,
     },
     /// A run of toprise is compared with another file.
-    #[error(
-        "{side} is not a recording of toprise: only two such files, or two runs, can be compared"
-    )]
+    #[error("{side} is not a toprise recording; it can only be compared with another MCAP file")]
     Mixed {
         /// Which one, A or B.
         side: &'static str,

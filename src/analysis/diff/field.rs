@@ -1,4 +1,4 @@
-//! The differences of one field: its numbers in A and B over time, summed up.
+//! Statistics of the differences of one field.
 
 use super::moments::Moments;
 use super::tolerance::Tolerance;
@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Difference of one field; B − A throughout.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct FieldDifference {
-    /// The field, or what is derived.
+    /// Name of the field or derived quantity.
     pub field: String,
     /// Its unit, empty for pure numbers.
     pub unit: String,
@@ -24,21 +24,21 @@ pub struct FieldDifference {
     pub rms: f64,
     /// The largest magnitude of the field in either run.
     pub scale: f64,
-    /// The first pair that isn't equal to the last bit, s; absent if all are.
+    /// Time of the first pair that is not bit-identical, s; absent if there is none.
     pub first_different: Option<f64>,
     /// Number of pairs that differ by more than the tolerance.
     pub beyond: u64,
     /// The tolerance.
     pub tolerance: Tolerance,
-    /// The integrators' errors, A's and B's together; absent if they are not known.
+    /// Combined integration error of A and B; absent if unknown.
     pub floor: Option<f64>,
-    /// Whether the field differs, but by no more than three times the integrators' errors and rounding.
+    /// Whether the difference is below three times the integration error and rounding.
     pub is_below_floor: bool,
 }
 
-/// The integrators' errors are estimated within this factor.
+/// Safety factor of the estimated integration error.
 const UNDERESTIMATED: f64 = 3.0;
-/// Roundings of a number, ulp, that are not due to the motion.
+/// Allowance for rounding, ulp.
 const ROUNDINGS: f64 = 8.0;
 
 /// The differences of one field so far.

@@ -1,4 +1,4 @@
-//! The findings of a comparison: numbers of A and of B that belong together, the most important first.
+//! Findings of a comparison: corresponding numbers of A and B, most important first.
 
 use super::averages::Averaged;
 use super::crossing::{LevelCrossing, ripple};
@@ -12,7 +12,7 @@ use crate::telemetry::fields::{NumberField, energy, nutation, state};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A number of A and one of B that belong together.
+/// A pair of corresponding numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Finding {
     /// The compared quantity.
@@ -43,7 +43,7 @@ impl Finding {
         }
     }
 
-    /// With this error of the integrations, which is the whole uncertainty where no other is known.
+    /// Sets the integration error, which is also the uncertainty if no other is set.
     fn computed_within(self, error: Option<f64>) -> Self {
         Self {
             uncertainty: self.uncertainty.or(error),
@@ -66,7 +66,7 @@ impl Finding {
 }
 
 impl Finding {
-    /// Whether the numbers differ by more than the errors of the integrations, or only one run has one.
+    /// Whether the numbers differ by more than the integration error, or exist in one run only.
     #[must_use]
     pub fn differs(&self) -> bool {
         let error = self.integration_error.unwrap_or(0.0);
@@ -96,7 +96,7 @@ impl Finding {
             count if is_count => format!("{count:+}").replace('-', "−"),
             difference => significant(difference, 3),
         });
-        // Less than the digits that are shown is left out.
+        // Uncertainties below the displayed digits are omitted.
         let is_shown = |error: &f64| *error > NEGLIGIBLE * self.difference.unwrap_or(0.0).abs();
         let uncertainty = match self.uncertainty.filter(is_shown) {
             Some(error) if is_time => format!(" ± {}", duration(error)),
@@ -112,19 +112,19 @@ impl Finding {
     }
 }
 
-/// An uncertainty that is a smaller part of its difference is not shown.
+/// Uncertainties below this fraction of the difference are not shown.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// First event of a kind in a run, if there is one.
-const HAPPENINGS: [(EventKind, &str); 8] = [
-    (EventKind::Fallen, "falls"),
-    (EventKind::UprightPassage, "first swings through upright"),
-    (EventKind::WeakTop, "becomes weak"),
-    (EventKind::SlipStops, "first stops slipping"),
-    (EventKind::Stick, "first sticks"),
-    (EventKind::LiftOff, "first lifts off"),
-    (EventKind::Rest, "comes to rest"),
-    (EventKind::Jam, "jams"),
+const FIRST_EVENTS: [(EventKind, &str); 8] = [
+    (EventKind::Fallen, "fall"),
+    (EventKind::UprightPassage, "first upright passage"),
+    (EventKind::WeakTop, "weak top"),
+    (EventKind::SlipStops, "first slip stop"),
+    (EventKind::Stick, "first stick"),
+    (EventKind::LiftOff, "first lift-off"),
+    (EventKind::Rest, "rest"),
+    (EventKind::Jam, "jam"),
 ];
 
 /// Everything that the findings are computed from.
@@ -155,7 +155,7 @@ pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
     let mut found = vec![end(evidence, &summaries)];
     found.extend(crossing(evidence));
     found.push(rise(evidence));
-    found.extend(happenings(evidence));
+    found.extend(event_summaries(evidence));
     found.extend(peg(evidence, &summaries));
     found.extend(averages(evidence));
     found.push(energy_lost(evidence));
@@ -171,11 +171,11 @@ fn both<T>(items: &[T; 2], of: impl Fn(&T) -> Option<f64>) -> [Option<f64>; 2] {
 fn end(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Finding {
     let reasons = summaries.each_ref().map(|run| run.stop_reason.as_deref());
     let what = match reasons {
-        [Some(a), Some(b)] if a == b => format!("ends ({a})"),
+        [Some(a), Some(b)] if a == b => format!("end ({a})"),
         [Some(a), Some(b)] => format!("ends ({a}, {b})"),
         _ => "ends".to_owned(),
     };
-    // How long a run may last is exact.
+    // `stop.duration` is exact.
     let are_events = reasons != [Some(StopReason::Duration.name()); 2];
     let error = evidence.error_of_time().filter(|_| are_events);
     let times = both(summaries, |c| c.stop_time);
@@ -189,13 +189,13 @@ fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
         .floor
         .map_or([0.0; 2], |floor| [floor.a.theta_mean, floor.b.theta_mean]);
     let found = LevelCrossing::find(&a.history, &b.history, integrators)?;
-    let what = format!("mean θ crosses {} rad", significant(found.level, 3));
+    let what = format!("mean θ crossing {} rad", significant(found.level, 3));
     let times = found.times.map(Some);
     let crossing = Finding::new(what, "s", times).uncertain_by(Some(found.uncertainty));
     Some(crossing.computed_within(evidence.floor.map(|_| found.integration_error)))
 }
 
-/// The times at which θ itself first reaches the level of both. Which dip of the nutation does is a matter of chance.
+/// The first crossing times of the common level by θ, which depend on the nutation phase.
 fn rise(evidence: &Evidence<'_>) -> Finding {
     let Some(level) = evidence.level else {
         return Finding::default();
@@ -209,13 +209,13 @@ fn rise(evidence: &Evidence<'_>) -> Finding {
     let errors = evidence.error_of_time();
     let uncertainty = by_nutation(0).zip(by_nutation(1));
     let uncertainty = uncertainty.map(|(a, b)| a + b + errors.unwrap_or(0.0));
-    let what = format!("θ first reaches {} rad", significant(level, 3));
+    let what = format!("θ = {} rad (first)", significant(level, 3));
     let rise = Finding::new(what, "s", risen).uncertain_by(uncertainty);
     rise.computed_within(errors)
 }
 
 /// Events of only one run, and those of both at different times.
-fn happenings(evidence: &Evidence<'_>) -> Vec<Finding> {
+fn event_summaries(evidence: &Evidence<'_>) -> Vec<Finding> {
     let histories = evidence.paired.runs.each_ref().map(|run| &run.history);
     let errors = evidence.error_of_time();
     let time = |kind: EventKind| histories.map(|run| run.first(kind).map(|event| event.time));
@@ -224,16 +224,16 @@ fn happenings(evidence: &Evidence<'_>) -> Vec<Finding> {
     let mut found = Vec::new();
     if is_tippe {
         let inverted = histories.map(|run| run.inverted);
-        found.push(Finding::new("inverts", "s", inverted).computed_within(errors));
+        found.push(Finding::new("inversion", "s", inverted).computed_within(errors));
     }
-    // A tippe top precesses backward without loops.
+    // A tippe top can precess backward without loops.
     let loops = count(EventKind::LoopingBegins);
     if !is_tippe && loops != [Some(0.0); 2] {
         let first = time(EventKind::LoopingBegins);
-        found.push(Finding::new("first loops", "s", first).computed_within(errors));
+        found.push(Finding::new("first loop", "s", first).computed_within(errors));
         found.push(Finding::new("loops", "", loops));
     }
-    for (kind, what) in HAPPENINGS {
+    for (kind, what) in FIRST_EVENTS {
         found.push(Finding::new(what, "s", time(kind)).computed_within(errors));
     }
     found
@@ -250,12 +250,12 @@ fn peg(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Vec<Finding> {
     let first_roll = of(|peg| peg.first_roll);
     let rolls_at = of(|peg| peg.rolls_to_end_at);
     let mut found = vec![
-        Finding::new("first rolls", "s", first_roll).computed_within(evidence.error_of_time()),
-        Finding::new("rolls to the end, from θ", "rad", rolls_at)
+        Finding::new("first rolling", "s", first_roll).computed_within(evidence.error_of_time()),
+        Finding::new("θ at start of final rolling", "rad", rolls_at)
             .computed_within(evidence.error_of(state::THETA)),
     ];
     if hops.iter().flatten().any(|count| *count > 0.0) {
-        found.insert(0, Finding::new("flights", "", hops));
+        found.insert(0, Finding::new("hops", "", hops));
     }
     found
 }
@@ -278,7 +278,7 @@ fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
         (nutation::PHI_DOT_MEAN, "mean φ̇"),
         (nutation::PSI_DOT_MEAN, "mean ψ̇"),
     ];
-    // A tippe top passes by the vertical, where precession and spin can't be distinguished.
+    // For a tippe top near the vertical, precession and spin are not separable.
     let means = means
         .into_iter()
         .take(if is_tippe { 1 } else { 3 })
@@ -287,7 +287,7 @@ fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
         let last = runs[0].history.cycles.last();
         let of_start = evidence.error_of(nutation::START).zip(last);
         let ahead = Finding {
-            what: format!("nutations ahead at {}", moment(phase.at)),
+            what: format!("nutation phase lead at {}", moment(phase.at)),
             difference: Some(phase.ahead),
             ..Finding::default()
         };
@@ -309,7 +309,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Finding {
     let Some(time) = common[0].until() else {
         return Finding::default();
     };
-    let what = format!("energy lost by {}", moment(time));
+    let what = format!("energy lost until {}", moment(time));
     let field = energy::TOTAL.to_string();
     let of = |error: &IntegratorError| error.of(&field);
     let errors = match evidence.floor {
@@ -332,7 +332,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Finding {
 fn torque(evidence: &Evidence<'_>) -> Option<Finding> {
     let torque = evidence.discrepancy?.quantities.first()?;
     Some(Finding {
-        what: "friction torque at A's states, at most".to_owned(),
+        what: "max. friction torque difference at A's states".to_owned(),
         unit: torque.unit.clone(),
         difference: Some(torque.largest),
         ..Finding::default()

@@ -1,8 +1,7 @@
-//! The integrators' errors.
+//! Integration errors.
 //!
-//! Each scenario is simulated twice more, with its own tolerances and with a hundredth of them, and the two are compared
-//! like any runs. Their difference estimates the error of the coarser one. A difference between A and B below both errors
-//! together is not due to the models.
+//! Each scenario is simulated twice more, with its own tolerances and with a hundredth of them. Their difference
+//! estimates the error of the coarser run. A difference between A and B below the combined error is not significant.
 
 use super::averages;
 use super::observer::While;
@@ -20,9 +19,9 @@ use serde::Serialize;
 #[cfg(not(target_family = "wasm"))]
 use std::thread;
 
-/// By this factor the tolerances are tightened.
+/// Factor for the tightened tolerances.
 const TIGHTER: f64 = 0.01;
-/// Below this, steps are rounding.
+/// Minimum tolerances (rounding).
 const TIGHTEST_RELATIVE: f64 = 1e-14;
 const TIGHTEST_ABSOLUTE: f64 = 1e-18;
 
@@ -40,7 +39,7 @@ pub struct Floor {
 pub struct IntegratorError {
     /// The relative tolerance of the run.
     pub relative_tolerance: f64,
-    /// The tighter one that it was compared with.
+    /// The tightened relative tolerance.
     pub compared_with: f64,
     /// The largest error of each field, by its full name.
     pub fields: Vec<(String, f64)>,
@@ -70,7 +69,7 @@ impl Floor {
     }
 }
 
-/// Computes both errors up to a time (s); none if a scenario is missing or can't be tightened.
+/// Computes both errors up to a time (s); `None` if a scenario is missing or can't be tightened.
 pub(super) fn compute(
     [a, b]: [Subject<'_>; 2],
     to: f64,

@@ -1,9 +1,8 @@
-//! The root mean square of numbers of any size.
+//! Root mean square without overflow.
 
-/// The sum of the squares of some numbers, in memory that doesn't grow with their number.
+/// Streaming sum of squares.
 ///
-/// It is kept in units of a power of two that is no larger than the largest number, so squares don't overflow. Such a unit
-/// changes no digit.
+/// Scaled by a power of two near the largest number to avoid overflow without rounding.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moments {
     /// Zero as long as all numbers are.
@@ -28,7 +27,7 @@ impl Moments {
         self.squares += scaled * scaled;
     }
 
-    /// The root of the mean square of this number of numbers, those that were not added being zero.
+    /// The RMS over `count` numbers; numbers not added count as zero.
     pub(super) fn rms(&self, count: u64) -> f64 {
         let rms = (self.squares / count.max(1) as f64).sqrt() * self.unit;
         rms.min(f64::MAX)

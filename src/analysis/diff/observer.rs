@@ -4,11 +4,11 @@ use crate::archive::sink::SinkError;
 use crate::telemetry::Message;
 use crate::telemetry::side::Side;
 
-/// Sees the messages of two runs, and their differences, while they are compared.
+/// Receives the messages and differences during a comparison.
 ///
 /// Only messages of the telemetry table are shown.
 pub trait Observer {
-    /// Sees a message of one run.
+    /// Called for each message of a run.
     ///
     /// # Errors
     /// [`SinkError`] ends the comparison.
@@ -16,7 +16,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Sees B − A of a pair of messages, at A's time.
+    /// Called with the difference B − A of each pair, at A's time.
     ///
     /// # Errors
     /// [`SinkError`] ends the comparison.
@@ -27,13 +27,13 @@ pub trait Observer {
     /// Receives the number of further bytes of the files that have been read.
     fn progress(&mut self, _bytes: u64) {}
 
-    /// Returns, on other threads too, whether the comparison is still wanted.
+    /// Returns a thread-safe cancellation check.
     fn carry_on(&self) -> Box<dyn Fn() -> bool + Send + Sync> {
         Box::new(|| true)
     }
 }
 
-/// An observer that looks away.
+/// An observer that ignores everything.
 impl Observer for () {}
 
 /// An observer that ends the comparison once this returns false.

@@ -7,9 +7,9 @@ use super::tolerance::Tolerances;
 pub struct Options {
     /// The differences that count as equal.
     pub tolerances: Tolerances,
-    /// Whether to estimate the integrators' errors, by simulating each scenario again with tighter tolerances.
+    /// Whether to estimate integration errors by repeating the simulations with tighter tolerances.
     pub floor: bool,
-    /// The topics to compare; all that both have if the list is empty.
+    /// The topics to compare; all common topics if empty.
     pub topics: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Topics that are not toprise's: their messages are compared as what they are, times and bytes.
+//! Foreign topics, compared by time and bytes.
 
 use super::field::seconds;
 use crate::archive::recording::{FileChannel, Recording, Selection};
@@ -17,11 +17,11 @@ pub struct TopicBytes {
     pub equal: u64,
     /// Messages with the same time and other bytes.
     pub different: u64,
-    /// Messages of A and of B at times at which the other has none.
+    /// Unmatched messages of A and of B.
     pub unmatched: [u64; 2],
-    /// Time of the first message that differs or has no partner, s; absent if there is none.
+    /// Time of the first message that differs or is unmatched, s; absent if there is none.
     pub first: Option<f64>,
-    /// Whether encoding or schema differ: then equal bytes have another meaning.
+    /// Whether encoding or schema differ.
     pub is_described_differently: bool,
 }
 
@@ -37,12 +37,12 @@ impl TopicBytes {
     }
 }
 
-/// Messages of one time: topics and bytes.
+/// Messages at one time, by topic.
 type Messages = BTreeMap<String, Vec<Box<[u8]>>>;
 /// A time, ns, with its messages.
 type Moment = (u64, Messages);
 
-/// Compares topics that both files have; also returns what could not be read of A and of B.
+/// Compares topics that both files have; also returns the losses of A and B.
 pub(super) fn compare(
     [a, b]: [&Recording; 2],
     topics: &BTreeSet<String>,

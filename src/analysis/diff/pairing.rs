@@ -1,8 +1,8 @@
-//! Two runs read side by side, and their messages paired.
+//! Reads two runs in parallel and pairs their messages.
 //!
-//! Each run is read by a thread of its own, which hands over batches of messages. The run that is behind is taken from
-//! next, so that few messages wait for their partners. Samples are partners if they have the same time, events and
-//! impacts if they have the same number. Nutation cycles are compared as curves over time ([`super::averages`]).
+//! Each run is read by its own thread in batches. The run that is behind is advanced first, so that few messages wait.
+//! Samples are paired by time, events and impacts by number. Nutation cycles are compared as curves over time
+//! ([`super::averages`]).
 
 use super::averages;
 use super::discrepancy::Residuals;
@@ -37,7 +37,7 @@ const WAITING: usize = 4;
 pub(super) struct Paired {
     /// A and B.
     pub(super) runs: [RunData; 2],
-    /// For each topic of the table the comparison of its messages; none for topics that are not compared.
+    /// For each topic of the table the comparison of its messages; `None` for topics that are not compared.
     pub(super) topics: Vec<Option<TopicTally>>,
     /// The energies of A and of B at equal times.
     pub(super) common: [Energies; 2],
@@ -95,7 +95,7 @@ pub(super) fn read_both(
         });
         pairing.take_all(&incoming)
     })?;
-    // There are no threads: the runs are read one after the other, and kept.
+    // Without threads (WebAssembly), the runs are read sequentially and buffered.
     #[cfg(target_family = "wasm")]
     pairing.take_all(&runs.map(|run| {
         let (out, incoming) = channel();
@@ -106,7 +106,7 @@ pub(super) fn read_both(
     Ok(pairing.paired)
 }
 
-/// Passes the messages of a run to `send` in batches, until it no longer takes them.
+/// Passes the messages of a run to `send` in batches, until the receiver is gone.
 fn read(run: Subject<'_>, send: &dyn Fn(Parcel) -> bool) {
     let (mut batch, mut bytes) = (Vec::with_capacity(BATCH), 0);
     let ended = run.read(&Topics::All, &mut |message, more| {
@@ -131,7 +131,7 @@ fn read(run: Subject<'_>, send: &dyn Fn(Parcel) -> bool) {
 struct Pairing<'o> {
     observer: &'o mut dyn Observer,
     paired: Paired,
-    /// For each topic the messages of A and B that wait for their partners.
+    /// For each topic the messages of A and B that are not paired yet.
     waiting: Vec<[VecDeque<Owned>; 2]>,
     /// Times between samples, ns.
     periods: [Option<u64>; 2],
@@ -187,7 +187,7 @@ impl<'o> Pairing<'o> {
                     }
                 }
                 Ok(Parcel::End(ended)) => self.end(side, ended),
-                // Its thread has died.
+                // Its thread has panicked.
                 Err(_) => self.end(side, Ended::default()),
             }
             self.pair()?;
@@ -195,7 +195,7 @@ impl<'o> Pairing<'o> {
         Ok(())
     }
 
-    /// The run that has been read less far, unless both have ended.
+    /// The run that is behind; `None` if both have ended.
     fn behind(&self) -> Option<Side> {
         let [a, b] = &self.paired.runs;
         match [a.is_ended, b.is_ended] {
@@ -231,7 +231,7 @@ impl<'o> Pairing<'o> {
         Ok(())
     }
 
-    /// Compares all messages whose partners are there, and counts those that have none.
+    /// Compares all paired messages and counts unmatched ones.
     fn pair(&mut self) -> Result<(), DiffError> {
         for topic in Topic::all() {
             if self.paired.topics[topic.index()].is_some() {
@@ -295,7 +295,7 @@ impl<'o> Pairing<'o> {
         Ok(())
     }
 
-    /// Counts a message without a partner. Between the samples of a run that has fewer, it is passed over.
+    /// Counts an unmatched message. Extra samples of the finer run are counted separately.
     fn leave_alone(&mut self, topic: Topic, side: Side, time_ns: u64) {
         let other = self.periods[side.other().index()];
         let is_between =
@@ -307,7 +307,7 @@ impl<'o> Pairing<'o> {
         }
     }
 
-    /// Shows the differences of the averages at equal times: at the middles of A's nutations, as long as B nutates.
+    /// Reports the differences of the averages to the observer, at the midpoints of A's nutations.
     fn show_mean_differences(&mut self) -> Result<(), DiffError> {
         let [a, b] = &self.paired.runs;
         for (time_ns, sequence, numbers) in averages::differences(&a.history, &b.history) {
@@ -323,13 +323,13 @@ impl<'o> Pairing<'o> {
     }
 }
 
-/// The level of θ that both runs reach if they reach that at which they count as risen, rad.
+/// The common θ level: the larger `stop.theta_risen` of both runs, rad.
 pub(super) fn level_of_both(runs: [Subject<'_>; 2]) -> Option<f64> {
     let levels = runs.map(|run| run.scenario()?.stop.theta_risen);
     levels.into_iter().flatten().reduce(f64::max)
 }
 
-/// The fields of the table that a recording of another version lacks.
+/// Table fields missing in a recording of another version.
 fn missing_fields(run: Subject<'_>) -> BTreeSet<String> {
     let Subject::Recording(recording) = run else {
         return BTreeSet::new();

@@ -1,4 +1,4 @@
-//! The report of a comparison: numbers, from which every output format is made.
+//! The report of a comparison (data for all output formats).
 //!
 //! Differences are B − A throughout. Angles are in rad, times in s of simulated time.
 
@@ -29,15 +29,15 @@ pub struct Report {
     pub b: ComparedRun,
     /// The result as a whole.
     pub verdict: Verdict,
-    /// Whether everything could be read; if not, the verdict is about the rest.
+    /// Whether both runs were read completely; otherwise the verdict covers the readable part.
     pub is_complete: bool,
     /// The differences in the set-up.
     pub setup: SetupDifferences,
-    /// The findings, the most important first; empty for files of others.
+    /// The findings, the most important first; empty for foreign files.
     pub findings: Vec<Finding>,
     /// The topics of toprise, message by message.
     pub channels: Vec<ChannelDifference>,
-    /// Topics of others, byte by byte.
+    /// Foreign topics, compared byte by byte.
     pub others: Vec<TopicBytes>,
     /// The differences of the averaged motions; absent without nutations in common.
     pub averaged: Option<Averaged>,
@@ -54,7 +54,7 @@ pub struct Report {
 pub struct ComparedRun {
     /// The name of its scenario or of its file.
     pub name: String,
-    /// Its file; absent for a scenario that is simulated now.
+    /// Its file; absent for a scenario.
     pub file: Option<String>,
     /// The kind of file; absent for a scenario that is simulated now.
     pub state: Option<Condition>,
@@ -188,15 +188,14 @@ impl ComparedRun {
             let losses = recording.losses().iter().map(ToString::to_string);
             run.losses.splice(0..0, losses);
             if recording.condition() == Condition::Interrupted {
-                run.losses
-                    .push("the end of the run: it was interrupted".to_owned());
+                run.losses.push("end of the run (interrupted)".to_owned());
             }
         }
         run
     }
 }
 
-/// Judges the messages. Where a run is cut off, what the other has beyond is no difference.
+/// The verdict on the messages. If a run is truncated, messages beyond its end are not a difference.
 fn verdict(
     paired: &Paired,
     others: &[TopicBytes],
@@ -211,7 +210,7 @@ fn verdict(
                 .compared()
                 .any(|topic| topic.without_partner(side) > 0)
     };
-    // What only one has is a difference, unless the other was cut off.
+    // Unmatched messages are a difference, unless the other run is truncated.
     let has_more = [Side::A, Side::B]
         .into_iter()
         .any(|side| lacks(side) && !is_cut[side.other().index()]);
@@ -246,8 +245,8 @@ fn notes(runs: [Subject<'_>; 2]) -> Vec<String> {
 }
 
 impl Report {
-    /// Notes that B was simulated again with A's sampling period: the set-up is that of the runs as they were `named`, and messages that
-    /// were not compared can't be identical.
+    /// Records that B was resimulated with A's sampling period. The setup compares the original runs, and the verdict
+    /// cannot be `Identical`.
     pub(super) fn note_resampling(&mut self, named: [Subject<'_>; 2]) {
         let setup = setup::compare(named[0], named[1]);
         self.setup.scenario = setup.scenario;
@@ -257,7 +256,7 @@ impl Report {
             self.verdict = Verdict::Agreeing;
         }
         self.notes.push(
-            "B is simulated again with A's sampling period: the two have no common sampling."
+            "B was simulated again with A's sampling period, because neither sampling period is a multiple of the other."
                 .to_owned(),
         );
     }
@@ -284,7 +283,7 @@ impl Report {
         [title].into_iter().chain(keys).chain(findings).collect()
     }
 
-    /// Whether the scenarios differ in a key that changes the run.
+    /// Whether the scenarios differ (except name and description).
     #[must_use]
     pub fn is_of_other_scenarios(&self) -> bool {
         self.setup

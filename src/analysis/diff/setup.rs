@@ -1,4 +1,4 @@
-//! The differences in the set-up of two runs: keys of the scenarios, and the content of the files except their messages.
+//! Setup differences: scenario keys and file content except messages.
 
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Recording;
@@ -36,7 +36,7 @@ pub struct KeyDifference {
 }
 
 impl KeyDifference {
-    /// Whether the key has a part in what is simulated: all but name and description.
+    /// Whether the key affects the simulation (all but name and description).
     #[must_use]
     pub fn changes_the_run(&self) -> bool {
         !["name", "description"].contains(&self.key.as_str())
@@ -76,7 +76,7 @@ fn differences(a: &Flat, b: &Flat) -> Vec<KeyDifference> {
     all.into_iter().map(difference).collect()
 }
 
-/// The keys of a run's scenario, also of one that this version can't run.
+/// The scenario keys of a run, even if this version can't run it.
 fn flat_scenario(subject: Subject<'_>) -> Option<Flat> {
     let text = match subject {
         Subject::Scenario(scenario) => scenario.to_toml(),

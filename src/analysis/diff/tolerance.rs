@@ -1,22 +1,21 @@
-//! Tolerances: differences up to which two numbers count as equal.
+//! Tolerances for comparing numbers.
 
 use super::error::DiffError;
 use crate::telemetry::fields::state::THETA;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A bound on the difference of two numbers that count as equal: either bound suffices. By default the numbers must be
-/// equal.
+/// Absolute and relative tolerance; satisfying either is sufficient. The default requires bit equality.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Tolerance {
     /// Absolute tolerance, in the unit of the field.
     pub abs: f64,
-    /// Relative tolerance, as a part of the larger magnitude.
+    /// Relative tolerance, relative to the larger magnitude.
     pub rel: f64,
 }
 
 impl Tolerance {
-    /// Whether two numbers count as equal. Two that are not numbers do.
+    /// Whether two numbers are equal within the tolerance. Two NaNs are equal.
     #[must_use]
     pub fn allows(&self, a: f64, b: f64) -> bool {
         if a == b || (a.is_nan() && b.is_nan()) {
@@ -36,7 +35,7 @@ impl Tolerance {
 pub struct Tolerances {
     /// For fields that no pattern matches.
     pub general: Tolerance,
-    /// Patterns of fields with their tolerances; of several that match, the last counts.
+    /// Patterns of fields with their tolerances; the last match applies.
     pub fields: Vec<(String, Tolerance)>,
     /// Patterns of topics and fields that are ignored.
     pub ignored: Vec<String>,
@@ -46,7 +45,7 @@ impl Tolerances {
     /// Adds the tolerance of a pattern as on the command line: `PATTERN=1e-9`, or `PATTERN=abs:1e-9,rel:1e-6`.
     ///
     /// # Errors
-    /// [`DiffError::Tolerance`] naming what is wrong.
+    /// [`DiffError::Tolerance`] if the text is invalid.
     pub fn add(&mut self, text: &str) -> Result<(), DiffError> {
         let malformed = |reason: &str| DiffError::Tolerance {
             text: text.to_owned(),
@@ -55,7 +54,7 @@ impl Tolerances {
         let (pattern, bounds) = text
             .rsplit_once('=')
             .filter(|(pattern, _)| !pattern.is_empty())
-            .ok_or_else(|| malformed(&format!("it must be PATTERN=VALUE, as in {THETA}=1e-9")))?;
+            .ok_or_else(|| malformed(&format!("must be PATTERN=VALUE, e.g. {THETA}=1e-9")))?;
         let mut tolerance = Tolerance::default();
         for bound in bounds.split(',') {
             let (kind, value) = bound.split_once(':').unwrap_or(("abs", bound));
@@ -66,14 +65,16 @@ impl Tolerances {
                 _ => None,
             };
             understood.ok_or_else(|| {
-                malformed("after the = there must be a number, or abs:NUMBER and rel:NUMBER with a comma between")
+                malformed(
+                    "the value must be NUMBER, abs:NUMBER, rel:NUMBER or abs:NUMBER,rel:NUMBER",
+                )
             })?;
         }
         self.fields.push((pattern.to_owned(), tolerance));
         self.check()
     }
 
-    /// Whether all bounds are numbers that can bound something.
+    /// Checks that all tolerances are finite and not negative.
     ///
     /// # Errors
     /// [`DiffError::Tolerance`] naming the first that isn't.
@@ -88,7 +89,7 @@ impl Tolerances {
                 if !(value >= 0.0 && value.is_finite()) {
                     return Err(DiffError::Tolerance {
                         text: format!("{name}: {kind} = {value}"),
-                        reason: "it must be a finite number that is not negative".to_owned(),
+                        reason: "must be finite and not negative".to_owned(),
                     });
                 }
             }
@@ -105,7 +106,7 @@ impl Tolerances {
         last.map_or(self.general, |(_, tolerance)| *tolerance)
     }
 
-    /// Whether a topic or a field, named with its topic, doesn't count.
+    /// Whether a topic or field is ignored.
     #[must_use]
     pub fn ignores(&self, name: &str) -> bool {
         self.ignored.iter().any(|pattern| matches(pattern, name))
@@ -127,6 +128,7 @@ impl Tolerances {
             .map(|field| (likeness(field), field))
             .collect();
         near.sort_by(|(a, x), (b, y)| b.total_cmp(a).then_with(|| x.cmp(y)));
+        near.dedup();
         let near: Vec<_> = near
             .iter()
             .take(3)
@@ -145,8 +147,7 @@ pub fn full_name(topic: &str, field: &str) -> String {
     format!("{topic}.{field}")
 }
 
-/// Whether a pattern stands for a field: the field itself, or a topic or an object that it is in; `*` stands for any
-/// characters.
+/// Whether a pattern matches a field, its topic or its parent object; `*` matches any characters.
 fn matches(pattern: &str, name: &str) -> bool {
     let mut parts = pattern.split('*');
     let first = parts.next().unwrap_or_default();
@@ -162,7 +163,7 @@ fn matches(pattern: &str, name: &str) -> bool {
         is_open = true;
     }
     if is_open {
-        // What stands behind the last star must be the end of the name.
+        // The text after the last `*` must match the end of the name.
         let last = pattern.rsplit('*').next().unwrap_or_default();
         return name.ends_with(last);
     }

@@ -21,13 +21,13 @@ pub struct ChannelDifference {
     pub pairs: u64,
     /// Pairs that are the same to the last bit.
     pub identical: u64,
-    /// Messages of A and of B that lack a partner though the other run goes on beyond them.
+    /// Unmatched messages of A and of B within the time span of the other run.
     pub unmatched: [u64; 2],
     /// Messages of A and of B beyond the end of the other run.
     pub beyond: [u64; 2],
     /// Messages of A and of B between the samples of the other run, which has fewer.
     pub between: [u64; 2],
-    /// The first message without a partner, s; absent if there is none.
+    /// Time of the first unmatched message, s; absent if there is none.
     pub first_unmatched: Option<f64>,
     /// The first pair that differs by more than the tolerances.
     pub first: Option<FirstDifference>,
@@ -64,7 +64,7 @@ pub(super) struct TopicTally {
     /// Fields that only A and only B has.
     alone: [Vec<String>; 2],
     derived: Vec<Derived>,
-    /// Whether partners have the same sequence number, which counts the samples of a run.
+    /// Whether paired messages must have equal sequence numbers.
     has_sequences: bool,
     counts: [u64; 2],
     pairs: u64,
@@ -74,7 +74,7 @@ pub(super) struct TopicTally {
     between: [u64; 2],
     first_unmatched: Option<u64>,
     first: Option<FirstDifference>,
-    /// Pairs that have other texts or sequence numbers.
+    /// Pairs with different texts or sequence numbers.
     other_texts: u64,
     /// B − A of each number of the last pair; NaN where one lacks it.
     difference: Vec<f64>,
@@ -221,22 +221,22 @@ impl TopicTally {
         self.other_texts == 0 && fields.all(|field| field.tally.is_equal())
     }
 
-    /// Whether every message has a partner that is the same to the last bit.
+    /// Whether all messages are paired and bit-identical.
     pub(super) fn is_identical(&self) -> bool {
         self.identical == self.pairs && self.has_all_partners() && self.between == [0; 2]
     }
 
-    /// Whether every message has a partner, but for those between the samples of the coarser run.
+    /// Whether all messages are paired, except extra samples of the finer run.
     pub(super) fn has_all_partners(&self) -> bool {
         self.unmatched == [0; 2] && self.beyond == [0; 2]
     }
 
-    /// The number of messages of a run that lack a partner.
+    /// The number of unmatched messages of a run.
     pub(super) fn without_partner(&self, side: Side) -> u64 {
         self.unmatched[side.index()] + self.beyond[side.index()]
     }
 
-    /// Whether one run has messages between those of the other.
+    /// Whether one run is sampled more finely.
     pub(super) fn is_thinned(&self) -> bool {
         self.between != [0; 2]
     }

@@ -7,12 +7,11 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Both have the same messages, to the last bit, and nothing else differs either.
+    /// Messages are bit-identical and nothing else differs.
     Identical,
-    /// All values are the same, to the last bit, but something else differs: the encoding, attachments, metadata,
-    /// the scenario's name.
+    /// All values are bit-identical, but encoding, attachments, metadata or the scenario name differ.
     SameValues,
-    /// Both have the same messages, which agree within the tolerances; or what was not ignored is the same.
+    /// All compared messages agree within the tolerances.
     Equal,
     /// The compared parts agree within the tolerances, but not every message was compared: parts of a run can't be read, or
     /// one has samples between those of the other.
@@ -26,10 +25,10 @@ impl Verdict {
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
-            Self::Identical => "Identical, to the last bit",
-            Self::SameValues => "All values are the same, to the last bit; the files differ",
+            Self::Identical => "Identical (bit for bit)",
+            Self::SameValues => "All values identical; the files differ",
             Self::Equal => "Equal within the tolerances",
-            Self::Agreeing => "Equal as far as they were compared",
+            Self::Agreeing => "Equal in the compared part",
             Self::Different => "Different",
         }
     }

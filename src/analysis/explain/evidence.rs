@@ -1,4 +1,4 @@
-//! Everything that an explanation is made from.
+//! Input data of an explanation.
 
 use crate::analysis::history::{RunHistory, RunSummary};
 use crate::archive::format::STEPS;

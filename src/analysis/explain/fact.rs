@@ -1,4 +1,4 @@
-//! Facts of an explanation, and the only place where they become sentences.
+//! Facts of an explanation, and their text.
 
 use crate::analysis::phrase::{moment, quantity, significant};
 use schemars::JsonSchema;
@@ -19,7 +19,7 @@ pub enum Fact {
     Risen {
         /// The level, rad.
         theta: f64,
-        /// When, s.
+        /// Time, s.
         time: f64,
     },
     /// θ has reached `stop.theta_fallen`, or π/2.
@@ -31,7 +31,7 @@ pub enum Fact {
     },
     /// A tippe top's axis has passed the horizontal.
     Inverted {
-        /// When, s, between two samples.
+        /// Time, s, interpolated between samples.
         time: f64,
     },
     /// A tippe top's axis has not passed the horizontal.
@@ -39,7 +39,7 @@ pub enum Fact {
         /// The end of the run, s.
         time: f64,
     },
-    /// The inclination of the averaged motion, at first and at last.
+    /// Mean inclination in the first and last nutation.
     MeanTheta {
         /// In the first nutation, rad.
         first: f64,
@@ -74,12 +74,12 @@ pub enum Fact {
     Impacts {
         /// Number.
         count: u64,
-        /// Energy that they took, J.
+        /// Energy dissipated, J.
         lost: f64,
     },
     /// The peg rolls to the end.
     Rolls {
-        /// From when on, s.
+        /// Start time, s.
         from: f64,
         /// Inclination then, rad.
         theta: f64,
@@ -88,10 +88,10 @@ pub enum Fact {
     RollsAtTimes {
         /// Time of the first, s.
         first: f64,
-        /// For how long in all, s.
+        /// Total duration, s.
         duration: f64,
     },
-    /// Averaged over nutations, φ̇ keeps to a rate of regular precession.
+    /// The mean φ̇ follows a rate of regular precession.
     FollowsRoot {
         /// `slow` or `fast`.
         root: &'static str,
@@ -113,14 +113,14 @@ pub enum Fact {
     NoFrictionOnPrecession,
     /// The gyroscopic and Coriolis terms cancel friction's.
     TermsCancel {
-        /// The mean θ̇ at which they do, rad/s.
+        /// The mean θ̇ required for the balance, rad/s.
         demanded: f64,
         /// The mean θ̇, rad/s.
         mean: f64,
     },
     /// The model leaves out a part of friction.
     ModelPart {
-        /// The word of `friction.dissipation`.
+        /// The value of `friction.dissipation`.
         dissipation: String,
         /// Whether it drops a term of the equations rather than a torque.
         drops_term: bool,
@@ -148,7 +148,7 @@ pub enum Fact {
         /// Whether the peg hits the table.
         has_impacts: bool,
     },
-    /// Energy taken by sliding and by other losses of a free peg.
+    /// Energy dissipated by sliding and by other losses of a free peg.
     Sliding {
         /// By sliding, J.
         sliding: f64,
@@ -185,85 +185,89 @@ impl Fact {
         let rate = |rate: &f64| quantity(*rate, 4, "rad/s");
         let joule = |energy: &f64| quantity(*energy, 4, "J");
         match self {
-            Self::Start { theta, psi_dot } => format!(
-                "The top starts at θ = {} and spins at {}.",
-                angle(theta),
-                rate(psi_dot)
-            ),
+            Self::Start { theta, psi_dot } => {
+                format!("Start: θ = {}, ψ̇ = {}.", angle(theta), rate(psi_dot))
+            }
             Self::Risen { theta, time } => {
-                format!("It reaches θ = {} at {}.", angle(theta), moment(*time))
+                format!("The top reaches θ = {} at {}.", angle(theta), moment(*time))
             }
             Self::Fallen { theta, time } => {
-                format!("It falls to θ = {} at {}.", angle(theta), moment(*time))
+                format!(
+                    "The top falls to θ = {} at {}.",
+                    angle(theta),
+                    moment(*time)
+                )
             }
             Self::Inverted { time } => {
-                format!("It inverts: the axis passes the horizontal at {time:.3} s.")
+                format!("The top inverts (its axis passes the horizontal) at {time:.3} s.")
             }
             Self::NotInverted { time } => {
-                format!("It does not invert by the end at {}.", moment(*time))
+                format!(
+                    "The top does not invert before the end at {}.",
+                    moment(*time)
+                )
             }
             Self::MeanTheta { first, last } => format!(
-                "From the first nutation to the last, the mean of θ goes from {} to {}.",
+                "The mean θ changes from {} (first nutation) to {} (last nutation).",
                 angle(first),
                 angle(last)
             ),
             Self::ThetaConstant { theta } => {
-                format!("Averaged over nutations, θ stays at {}.", angle(theta))
+                format!("The mean θ is constant at {}.", angle(theta))
             }
             Self::Loops { count: 1, first } => {
-                format!("The axis begins one loop, at {}.", moment(*first))
+                format!("The axis loops once, at {}.", moment(*first))
             }
-            Self::Loops { count, first } => format!(
-                "The axis begins {count} loops, the first at {}.",
-                moment(*first)
-            ),
+            Self::Loops { count, first } => {
+                format!("The axis loops {count} times, first at {}.", moment(*first))
+            }
             Self::Sticks { time } => {
                 format!("The contact point stops slipping at {}.", moment(*time))
             }
             Self::Hops { count: 1, first } => {
-                format!("The peg is in the air once, from {} on.", moment(*first))
+                format!("The peg leaves the table once, at {}.", moment(*first))
             }
             Self::Hops { count, first } => format!(
-                "The peg hops {}, from {} on.",
+                "The peg hops {}, first at {}.",
                 times(*count),
                 moment(*first)
             ),
             Self::Impacts { count, lost } => {
                 format!(
-                    "The peg hits the table {}, which takes {}.",
+                    "The peg hits the table {}; the impacts dissipate {}.",
                     times(*count),
                     joule(lost)
                 )
             }
             Self::Rolls { from, theta } if theta.is_finite() => format!(
-                "From {} to the end it rolls, at first at θ = {}.",
+                "The peg rolls from {} to the end, starting at θ = {}.",
                 moment(*from),
                 angle(theta)
             ),
-            Self::Rolls { from, .. } => format!("From {} to the end it rolls.", moment(*from)),
+            Self::Rolls { from, .. } => format!("The peg rolls from {} to the end.", moment(*from)),
             Self::RollsAtTimes { first, duration } => format!(
-                "It first rolls at {}, and for {} in all.",
+                "The peg first rolls at {}; it rolls for {} in total.",
                 moment(*first),
                 quantity(*duration, 3, "s")
             ),
             Self::FollowsRoot { root, within } => format!(
-                "Averaged over nutations, φ̇ equals the {root} rate of regular precession within {}.",
+                "The mean φ̇ follows the {root} rate of regular precession (± {}).",
                 quantity(*within, 2, "rad/s")
             ),
             Self::FollowsNoRoot => {
-                "Averaged over nutations, φ̇ follows neither rate of regular precession.".to_owned()
+                "The mean φ̇ follows neither rate of regular precession.".to_owned()
             }
-            Self::NoRoots => "The spin is too weak for regular precession at the start.".to_owned(),
+            Self::NoRoots => "At the start, the spin is too low for regular precession.".to_owned(),
             Self::FrictionOnPrecession { friction, change } => format!(
-                "Up to the last sample, friction alone would change φ̇ by {}; φ̇ changes by {}.",
+                "The friction term of φ̈ integrates to {}; the actual change of φ̇ is {}.",
                 rate(friction),
                 quantity(*change, 3, "rad/s")
             ),
             Self::NoFrictionOnPrecession => {
-                "Friction's term in φ̈ does not change φ̇ from the start to the end.".to_owned()
+                "The friction term of φ̈ integrates to 0, within the integration error.".to_owned()
             }
             Self::TermsCancel { demanded, mean } => format!(
-                "The gyroscopic and Coriolis terms, proportional to θ̇, cancel friction's at a mean θ̇ of {}; the mean is {}.",
+                "The gyroscopic and Coriolis terms are proportional to θ̇. They balance the friction term at a mean θ̇ of {}; the observed mean is {}.",
                 rate(demanded),
                 rate(mean)
             ),
@@ -271,22 +275,26 @@ impl Fact {
                 dissipation,
                 drops_term: true,
             } => format!(
-                "The model drops a term of the equations, which is not a torque (friction.dissipation = {dissipation})."
+                "The model omits one friction term of the equations (friction.dissipation = {dissipation}); this does not correspond to a torque."
             ),
             Self::ModelPart {
                 dissipation,
                 drops_term: false,
             } => format!(
-                "The model leaves out a part of the friction torque (friction.dissipation = {dissipation})."
+                "The model omits a component of the friction torque (friction.dissipation = {dissipation})."
             ),
             Self::Energy { first, last, time } => {
-                let verb = if last < first { "falls" } else { "grows" };
+                let verb = if last < first {
+                    "decreases"
+                } else {
+                    "increases"
+                };
                 let change = joule(&(last - first).abs());
                 let until = moment(*time);
-                format!("Energy {verb} by {change} up to the last sample, at {until}.")
+                format!("Energy {verb} by {change} until {until}.")
             }
             Self::EnergyConstant { energy, deviation } => format!(
-                "Energy is {} in all samples (± {}).",
+                "Energy is constant at {} (± {}).",
                 quantity(*energy, 6, "J"),
                 quantity(*deviation, 2, "J")
             ),
@@ -294,42 +302,42 @@ impl Fact {
                 within,
                 has_impacts,
             } => format!(
-                "The work of friction{} accounts for the change within {}.",
+                "The work of friction{} equals this change (± {}).",
                 if *has_impacts { " and impacts" } else { "" },
                 quantity(*within, 2, "J")
             ),
             Self::Sliding { sliding, losses } if *losses > 0.0 => format!(
-                "Up to then, sliding takes {}; rolling resistance, drilling and air take {}.",
+                "Sliding dissipates {}; rolling resistance, drilling and air dissipate {}.",
                 joule(sliding),
                 joule(losses)
             ),
             Self::Sliding { sliding, .. } => {
-                format!("Up to then, sliding takes {}.", joule(sliding))
+                format!("Sliding dissipates {}.", joule(sliding))
             }
             Self::SlipPath { length } => format!(
-                "Up to the last sample, the contact point slips {}.",
+                "The slip path of the contact point is {} long.",
                 quantity(*length, 3, "m")
             ),
             Self::VerticalMomentum {
                 deviation,
                 is_constant: true,
             } => format!(
-                "Angular momentum about the vertical is constant to {} (relative): no torque acts about it.",
+                "The vertical angular momentum is constant (± {}, relative); no torque acts about the vertical.",
                 significant(*deviation, 2)
             ),
             Self::VerticalMomentum { deviation, .. } => format!(
-                "Angular momentum about the vertical changes by up to {} %.",
+                "The vertical angular momentum changes by up to {} %.",
                 significant(100.0 * deviation, 3)
             ),
             Self::Jellett {
                 deviation,
                 is_constant: true,
             } => format!(
-                "Jellett's integral l L_n + R L_z′ is constant to {} (relative): contact forces do not change it.",
+                "Jellett's integral l L_n + R L_z′ is constant (± {}, relative), as expected for contact forces.",
                 significant(*deviation, 2)
             ),
             Self::Jellett { deviation, .. } => format!(
-                "Jellett's integral changes by up to {} % of its terms: other torques act.",
+                "Jellett's integral changes by up to {} % of its terms, because of torques other than contact forces.",
                 significant(100.0 * deviation, 3)
             ),
         }

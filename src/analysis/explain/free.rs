@@ -1,10 +1,10 @@
-//! The explanation of a top whose peg is free.
+//! Explanation for a free peg.
 
 use super::evidence::Evidence;
 use super::fact::Fact;
 use super::held;
 
-/// The event.
+/// Facts of the summary.
 pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let history = &evidence.history;
     let end = history.stop_time().unwrap_or(0.0);

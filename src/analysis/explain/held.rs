@@ -1,4 +1,4 @@
-//! The explanation of a top whose peg is held.
+//! Explanation for a fixed peg.
 
 use super::evidence::Evidence;
 use super::fact::Fact;
@@ -52,7 +52,7 @@ pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
     })
 }
 
-/// The loops of the axis, but for cusps that are loops by rounding alone.
+/// Loops of the axis, without cusps that are loops only because of rounding.
 pub(super) fn loops(evidence: &Evidence) -> Option<Fact> {
     let history = &evidence.history;
     let is_cusp = |time: f64| {
@@ -100,7 +100,7 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     let deviation = evidence.summary.vertical_momentum_deviation;
     facts.extend(deviation.map(|deviation| Fact::VerticalMomentum {
         deviation,
-        // Of a relative deviation the size is 1.
+        // A relative deviation has scale 1.
         is_constant: deviation <= evidence.floor(1.0).max(4.0 * f64::EPSILON),
     }));
     facts

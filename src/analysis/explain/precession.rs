@@ -12,9 +12,9 @@ use std::f64::consts::PI;
 
 /// Number of stages.
 const STAGES: usize = 6;
-/// φ̇ keeps to a rate if it is always within this part of it.
+/// φ̇ follows a rate if it is always within this relative distance.
 const NEAR: f64 = 0.05;
-/// The averaged precession is steady if φ̇ changes by no more than this part of what friction would change it by.
+/// The mean precession is steady if φ̇ changes by less than this fraction of the integrated friction term.
 const STEADY: f64 = 0.05;
 
 /// The averaged motion in several nutations.
@@ -99,7 +99,7 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
         .filter_map(|cycle| Some((cycle.means[2], roots(&top, cycle)?)));
     let known: Vec<(f64, [f64; 2])> = known.collect();
     if !known.is_empty() && known.len() < cycles.len() {
-        // A finding about a part of the run must not read as if it held for all.
+        // Only report findings that hold for the whole run.
         return None;
     }
     if known.is_empty() {
@@ -139,7 +139,7 @@ pub(super) fn friction(evidence: &Evidence) -> Option<Fact> {
         .iter()
         .fold(change.abs(), |most, c| most.max(c.abs()));
     let missed = (gyroscopic + coriolis + friction - change).abs();
-    // Near the vertical the terms are too large to add up.
+    // Near the vertical the terms diverge.
     let adds_up = missed <= 5e-4 * size + evidence.floor(size);
     let is_real = |theta: f64| theta >= UPRIGHT && PI - theta >= UPRIGHT;
     if !adds_up || !is_real(first.theta) || !is_real(last.theta) {

@@ -7,7 +7,7 @@ use crate::run::simulation::EventKind;
 pub(crate) struct Event {
     /// Its kind; none for a name of another version.
     pub(crate) kind: Option<EventKind>,
-    /// When, s.
+    /// Time, s.
     pub(crate) time: f64,
     /// Inclination θ then, rad.
     pub(crate) theta: f64,

@@ -1,4 +1,4 @@
-//! The page of a comparison.
+//! The human-readable report of a comparison.
 
 use crate::analysis::diff::{
     ChannelDifference, ComparedRun, FieldDifference, KeyDifference, Report, TopicBytes, Verdict,
@@ -8,9 +8,9 @@ use crate::cli::numbers::count;
 use crate::cli::page::{Page, Section, Tone};
 use crate::cli::table::Table;
 
-/// Most rows of a table on the first page.
+/// Maximum number of table rows without --all.
 const MOST_ROWS: usize = 12;
-/// Most topics that are named in a line.
+/// Maximum number of topics listed in a line.
 const MOST_NAMED: usize = 6;
 
 /// The page: one screen, or everything.
@@ -43,9 +43,7 @@ fn subjects(report: &Report) -> Table {
         vec![
             letter.to_owned(),
             run.name.clone(),
-            run.file
-                .clone()
-                .unwrap_or_else(|| "simulated now".to_owned()),
+            run.file.clone().unwrap_or_else(|| "simulated".to_owned()),
             format!("{} messages", count(run.messages)),
         ]
     };
@@ -62,7 +60,7 @@ fn verdict(report: &Report) -> (Tone, String) {
     (tone, report.verdict.title().to_owned())
 }
 
-/// The keys in which the scenarios differ, and the facts in which the files do.
+/// Differing scenario keys and file metadata.
 fn setup(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     let setup = &report.setup;
@@ -81,12 +79,12 @@ fn setup(report: &Report, all: bool) -> Section {
     section.table(Table::new(&["", "A", "B"], rows, 3));
     for (only, letter) in setup.topics_only_in.iter().zip(["A", "B"]) {
         if !only.is_empty() {
-            section.line(format!("only {letter} has {}", some(only)));
+            section.line(format!("only in {letter}: {}", some(only)));
         }
     }
     for (only, letter) in setup.fields_only_in.iter().zip(["A", "B"]) {
         if !only.is_empty() {
-            section.line(format!("only {letter} has the fields {}", some(only)));
+            section.line(format!("fields only in {letter}: {}", some(only)));
         }
     }
     section
@@ -112,7 +110,7 @@ fn findings(report: &Report, all: bool) -> Section {
     let most = if all { usize::MAX } else { MOST_ROWS };
     let rows: Vec<_> = shown.take(most).map(|f| f.cells().to_vec()).collect();
     if rows.is_empty() && report.floor.is_some() && report.is_of_other_scenarios() {
-        section.line("No average, event or energy differs by more than the integrators' errors.");
+        section.line("No average, event or energy differs by more than the integration error.");
     }
     section.table(Table::new(&["", "A", "B", "B − A"], rows, 1));
     section
@@ -138,12 +136,7 @@ fn topics(report: &Report) -> Section {
         ]
     };
     let rows: Vec<_> = differing.map(row).collect();
-    let header = [
-        "topic",
-        "first beyond the tolerances: A, B",
-        "other",
-        "unmatched",
-    ];
+    let header = ["topic", "first difference: A, B", "different", "unmatched"];
     section.table(Table::new(&header, rows, 2));
     section
 }
@@ -170,7 +163,7 @@ fn others(topics: &[TopicBytes]) -> Section {
         "topic",
         "",
         "equal",
-        "other bytes",
+        "different",
         "only A",
         "only B",
         "first",
@@ -236,7 +229,7 @@ fn models(report: &Report) -> Section {
     };
     let mut section = Section::new("Models");
     section.note = format!(
-        "B's less A's, at {} states that A goes through",
+        "B − A, evaluated at {} states of A",
         count(discrepancy.states)
     );
     let rows = discrepancy.quantities.iter().map(|residual| {
@@ -248,7 +241,7 @@ fn models(report: &Report) -> Section {
             significant(residual.rms_a, 3),
         ]
     });
-    let header = ["", "largest", "at", "RMS", "RMS of A's own"];
+    let header = ["", "largest", "at", "RMS", "RMS of A"];
     section.table(Table::new(&header, rows.collect(), 1));
     section
 }
@@ -258,7 +251,8 @@ fn integrators(report: &Report) -> Section {
         return Section::default();
     };
     let mut section = Section::new("Integrator errors");
-    section.note = "each run against itself with tighter tolerances; ≈ marks fields below".into();
+    section.note =
+        "estimated with tighter tolerances; ≈ marks differences below the integration error".into();
     let rows = [("A", &floor.a), ("B", &floor.b)].map(|(letter, error)| {
         vec![
             letter.to_owned(),
@@ -276,7 +270,7 @@ fn notes(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     for (run, letter) in [(&report.a, "A"), (&report.b, "B")] {
         for loss in &run.losses {
-            section.line(format!("{letter} lacks {loss}"));
+            section.line(format!("{letter}: missing {loss}"));
         }
     }
     for note in &report.notes {
@@ -287,7 +281,7 @@ fn notes(report: &Report, all: bool) -> Section {
         let more = match findings.saturating_sub(MOST_ROWS) {
             0 => String::new(),
             1 => "one more finding and ".to_owned(),
-            more => format!("{more} more findings and "),
+            more => format!("{more} more findings and"),
         };
         let viewer = if cfg!(feature = "rerun") {
             ", --spawn shows both tops in Rerun"
@@ -299,7 +293,7 @@ fn notes(report: &Report, all: bool) -> Section {
     section
 }
 
-/// A list, cut short.
+/// A list, truncated.
 fn some(list: &[String]) -> String {
     match list.len().checked_sub(MOST_NAMED) {
         None | Some(0) => list.join(", "),

@@ -3,6 +3,7 @@
 use crate::analysis::diff::{Observer, Subject};
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::SinkError;
+use crate::cli::arguments::OUTPUT;
 use crate::cli::interrupt::Interrupt;
 use crate::cli::output;
 use crate::cli::report::WrittenFile;
@@ -14,18 +15,18 @@ use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use std::path::PathBuf;
 
-/// The viewer or file that shows the comparison.
+/// Viewer options of `diff`.
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct ShowArguments {
-    /// Write a Rerun recording of both runs and their differences into this file.
-    #[arg(long, value_name = "FILE")]
+    /// Write a Rerun recording of both runs and their differences to this file
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     rrd: Option<PathBuf>,
 
     #[command(flatten)]
     viewer: ViewerArguments,
 }
 
-/// A viewer, or a file for one, that is fed with a comparison.
+/// Rerun output of a comparison.
 pub(super) struct Viewer {
     sink: PairSink,
     draft: Option<Draft>,
@@ -33,7 +34,7 @@ pub(super) struct Viewer {
 }
 
 impl ShowArguments {
-    /// Opens what was asked for; nothing if nothing was.
+    /// Opens the requested outputs; `None` if there are none.
     pub(super) fn open(
         &self,
         subjects: [Subject<'_>; 2],
@@ -44,7 +45,7 @@ impl ShowArguments {
             return Ok(None);
         }
         if !subjects.iter().all(|subject| subject.is_ours()) {
-            bail!("Rerun shows recordings of toprise here; one of these is another file");
+            bail!("the viewer can only show toprise recordings; one input is another MCAP file");
         }
         let identity = identity(subjects)?;
         let draft = self.rrd.as_ref().map(|rrd| Draft::new(rrd, existing));
@@ -72,7 +73,7 @@ fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
     let is_same_name = a.name() == b.name();
     let of = |subject: Subject<'_>, letter: &str| {
         let scenario = subject.scenario().with_context(|| {
-            format!("{letter} can't be drawn: it has no scenario that this version reads")
+            format!("{letter} can't be shown: it has no scenario that this version can read")
         })?;
         let name = if is_same_name {
             scenario.title()
@@ -97,7 +98,7 @@ fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
 }
 
 impl Viewer {
-    /// Shows the report too, completes the file and reports it.
+    /// Adds the report to the recording and completes the file.
     pub(super) fn finish(mut self, markdown: &str) -> Result<(Target, Option<WrittenFile>), Error> {
         self.sink.summarize(markdown);
         let written = viewer::complete(self.sink.finish(), self.draft)?;
@@ -117,7 +118,7 @@ impl Observer for Viewer {
     }
 }
 
-/// Goes on serving, if that was asked for.
+/// Keeps serving the web viewer, if requested.
 pub(super) fn serve(target: Target) -> Result<(), Error> {
     if !matches!(target, Target::None | Target::Live(_)) {
         target.serve_until(&Interrupt::watch()?);

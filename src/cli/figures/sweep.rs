@@ -10,19 +10,19 @@ use std::path::{Path, PathBuf};
 /// Arguments for a figure of a sweep.
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct SweepFigure {
-    /// Draw the outcomes of a sweep instead, from a table of `toprise sweep`: a map over --x and --y, or curves over --x.
+    /// Draw the outcomes of a sweep: a map over --x and --y, or curves over --x
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["runs", "only"], requires = "x")]
     sweep: Option<PathBuf>,
 
-    /// The key that varies across, as in `friction_k`.
+    /// Column on the x axis, e.g. friction_k
     #[arg(long, value_name = "COLUMN", requires = "sweep")]
     x: Option<String>,
 
-    /// The key that varies upward.
+    /// Column on the y axis
     #[arg(long, value_name = "COLUMN", requires = "sweep")]
     y: Option<String>,
 
-    /// Column that colours or curves show.
+    /// Column shown as colours or curves
     #[arg(
         long,
         value_name = "COLUMN",
@@ -31,7 +31,7 @@ pub(super) struct SweepFigure {
     )]
     show: String,
 
-    /// Draw only runs with this value in a column, as in scenario=paper.
+    /// Draw only rows with this value in a column, e.g. scenario=paper
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where, requires = "sweep")]
     chosen: Vec<Override>,
 }
@@ -83,7 +83,7 @@ impl SweepFigure {
         })
     }
 
-    /// The rows of the runs that --where chooses.
+    /// The rows selected by --where.
     fn chosen(&self, columns: &Columns, table: &Path) -> Result<Vec<usize>, Error> {
         let mut rows: Vec<usize> = (0..columns.texts("scenario")?.len()).collect();
         for (name, value) in &self.chosen {
@@ -95,7 +95,7 @@ impl SweepFigure {
                 bail!(
                     "{}: no run has {name} = {value}; {}",
                     table.display(),
-                    what_is_there(left.collect(), value)
+                    existing_values(left.collect(), value)
                 );
             }
             rows = met;
@@ -104,7 +104,7 @@ impl SweepFigure {
     }
 }
 
-/// Whether a cell has the value that --where asks for, however a number is written.
+/// Whether a cell equals the --where value (numbers are compared numerically).
 fn is_value(cell: Option<&str>, value: &str) -> bool {
     cell.is_some_and(|cell| {
         let numbers = cell.parse::<f64>().ok().zip(value.parse::<f64>().ok());
@@ -112,9 +112,9 @@ fn is_value(cell: Option<&str>, value: &str) -> bool {
     })
 }
 
-/// Values of the runs where none has that of --where.
-fn what_is_there(mut cells: Vec<String>, value: &str) -> String {
-    /// Enough to see how the values are spaced, or what the words are.
+/// Existing values, for the error when --where matches no row.
+fn existing_values(mut cells: Vec<String>, value: &str) -> String {
+    /// Maximum number of values listed.
     const SHOWN: usize = 4;
     cells.sort_unstable();
     cells.dedup();
@@ -129,7 +129,7 @@ fn what_is_there(mut cells: Vec<String>, value: &str) -> String {
     cells.truncate(SHOWN);
     match (cells.len(), is_near) {
         (0, _) => "none has a value".to_owned(),
-        (_, true) => format!("the nearest are {}", cells.join(", ")),
-        (_, false) => format!("there are {}{rest}", cells.join(", ")),
+        (_, true) => format!("nearest values: {}", cells.join(", ")),
+        (_, false) => format!("values: {}{rest}", cells.join(", ")),
     }
 }

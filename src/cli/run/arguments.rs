@@ -3,7 +3,7 @@
 use crate::archive::input::{self, is_recording};
 use crate::archive::publish::Existing;
 use crate::archive::writer::Form;
-use crate::cli::arguments::{Override, parse_override};
+use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override};
 use crate::cli::input::checked;
 #[cfg(feature = "rerun")]
 use crate::cli::report::WrittenFile;
@@ -24,62 +24,61 @@ use std::path::PathBuf;
 /// Arguments of `toprise run`.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub(crate) struct RunArguments {
-    /// A preset (see `toprise presets`), a scenario file, or a recording, whose scenario is run again.
+    /// Preset, scenario file, or recording to repeat
     #[arg(default_value = "paper")]
     pub(super) scenario: PathBuf,
 
-    /// Run this row of a sweep's table, which is named in place of the scenario.
+    /// Run this row of a sweep table (SCENARIO is the .parquet file)
     #[cfg(feature = "sweep")]
     #[arg(long, value_name = "N")]
     row: Option<u64>,
 
-    /// Set a key of the scenario, as in friction.k=0.02; an empty value removes the key.
+    /// Set a key, e.g. friction.k=0.02; an empty value removes it
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     pub(super) overrides: Vec<Override>,
 
-    /// The MCAP file to write; without this option, the next free name in ./recordings, and an .rrd
-    /// file next to it.
-    #[arg(short, long, value_name = "FILE")]
+    /// MCAP file to write [default: next free name in recordings/, with an .rrd file]
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub(super) output: Option<PathBuf>,
 
-    /// Write a Rerun recording into this file.
+    /// Write a Rerun recording (.rrd) to this file
     #[cfg(feature = "rerun")]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(super) rrd: Option<PathBuf>,
 
-    /// Write no Rerun recording.
+    /// Don't write a Rerun recording
     #[cfg(feature = "rerun")]
-    #[arg(long, conflicts_with = "rrd")]
+    #[arg(long, conflicts_with = "rrd", help_heading = OUTPUT)]
     pub(super) no_rrd: bool,
 
     #[cfg(feature = "rerun")]
     #[command(flatten)]
     pub(super) viewer: ViewerArguments,
 
-    /// Encoding of the MCAP file's messages; without this option that of a recording that is run again, or json.
-    #[arg(long, value_enum)]
+    /// Message encoding [default: json, or that of the repeated recording]
+    #[arg(long, value_enum, help_heading = OUTPUT)]
     encoding: Option<Encoding>,
 
-    /// Leave out the channels that let viewers show the MCAP file by themselves.
-    #[arg(long)]
+    /// Omit the ROS 2 channels for viewers (/tf, /view/…, /log)
+    #[arg(long, help_heading = OUTPUT)]
     no_views: bool,
 
-    /// Log only these topics, separated by commas.
-    #[arg(long, value_name = "TOPICS", value_delimiter = ',')]
+    /// Record only these topics (comma-separated)
+    #[arg(long, value_name = "TOPICS", value_delimiter = ',', help_heading = OUTPUT)]
     topics: Vec<String>,
 
-    /// Run no faster than real time, or than SPEED times real time.
+    /// Limit the speed to real time, or to SPEED × real time
     #[arg(long, value_name = "SPEED", num_args = 0..=1, default_missing_value = "1",
-          value_parser = parse_speed)]
+          value_parser = parse_speed, help_heading = VIEWER)]
     pub(super) realtime: Option<f64>,
 
-    /// Replace files that exist.
-    #[arg(long)]
+    /// Overwrite existing files
+    #[arg(long, help_heading = OUTPUT)]
     pub(super) force: bool,
 }
 
 impl RunArguments {
-    /// The keys and values that are run, before any is set.
+    /// The keys and values before overrides.
     pub(super) fn values(&self) -> Result<Values, Error> {
         #[cfg(feature = "sweep")]
         if let Some(row) = self.row {
@@ -91,7 +90,7 @@ impl RunArguments {
             .is_some_and(|kind| kind == "parquet")
         {
             let table = self.scenario.display();
-            bail!("{table} is a table: name the row to run, as in --row 42");
+            bail!("{table} is a sweep table: choose a row, e.g. --row 42");
         }
         Ok(input::values(&self.scenario)?)
     }
@@ -106,28 +105,27 @@ impl RunArguments {
         let is_rrd = |path: &&PathBuf| path.extension().is_some_and(|kind| kind == "rrd");
         match self.output.as_ref().filter(is_rrd) {
             Some(path) => bail!(
-                "-o names the MCAP file, and {} is the name of a Rerun recording: write one with --rrd {0}",
+                "-o is for the MCAP file; to write the Rerun recording {}, use --rrd {0}",
                 path.display()
             ),
             None => Ok(()),
         }
     }
 
-    /// Note on a Rerun recording that is not written, though --no-rrd is not set.
+    /// Note that -o suppressed the Rerun recording.
     #[cfg_attr(not(feature = "rerun"), allow(clippy::unused_self))]
     pub(super) fn note_on_rrd(&self) -> Option<&'static str> {
         #[cfg(feature = "rerun")]
         let is_left_out = self.output.is_some() && self.rrd.is_none() && !self.no_rrd;
         #[cfg(not(feature = "rerun"))]
         let is_left_out = false;
-        is_left_out.then_some("no Rerun recording, because of -o: --rrd FILE writes one too")
+        is_left_out.then_some("no Rerun recording with -o; add --rrd FILE to write one")
     }
 
-    /// Name of the files: that of the recording that is run again or of the scenario, with its changes, as in
-    /// `paper_k0.02`. Where these are too long, the beginning of the scenario's digest stands for them: the name alone is that
-    /// of another run.
+    /// File stem: name of the repeated recording or of the scenario, with the changed keys appended, e.g.
+    /// `paper_k0.02`. If it is too long, the start of the scenario digest replaces the changes.
     pub(super) fn stem(&self, scenario: &Scenario, base: &Values) -> String {
-        /// The length of names that can still be read in a list.
+        /// Maximum length of a file stem.
         const LONGEST: usize = 60;
         let file = self.scenario.file_name().and_then(OsStr::to_str);
         let file = file.filter(|_| is_recording(&self.scenario));
@@ -160,7 +158,7 @@ impl RunArguments {
         stem
     }
 
-    /// The Rerun recording next to a recording that is there already; none if the arguments name another.
+    /// The existing Rerun recording next to an existing MCAP file, unless --rrd names another.
     #[cfg(feature = "rerun")]
     pub(super) fn adjacent_rrd(&self, mcap: Option<&WrittenFile>) -> Option<WrittenFile> {
         let mcap = mcap.filter(|_| self.rrd.is_none())?;
@@ -169,13 +167,12 @@ impl RunArguments {
         Some(WrittenFile::new(&path, bytes))
     }
 
-    /// Treatment of existing files.
+    /// Whether existing files are overwritten.
     pub(super) fn existing(&self) -> Existing {
         Existing::forced(self.force)
     }
 
-    /// The form of the MCAP file and the topics in it: those of a recording that is run again, unless the arguments name
-    /// others.
+    /// Format and topics of the MCAP file: from the repeated recording, unless set by arguments.
     pub(super) fn form(&self) -> Result<(Form, Topics), Error> {
         let recorded = input::form(&self.scenario);
         let (mut form, mut topics) = recorded.unwrap_or_default();
@@ -192,7 +189,7 @@ fn parse_speed(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
         .filter(|speed: &f64| speed.is_finite() && *speed > 0.0)
-        .ok_or_else(|| "must be a number > 0, as in 0.5".to_owned())
+        .ok_or_else(|| "must be a positive number, e.g. 0.5".to_owned())
 }
 
 #[cfg(test)]

@@ -18,30 +18,33 @@ pub(super) struct RunFiles {
     pub(super) rrd: Option<Draft>,
 }
 
-/// Recordings that had taken the names that the run tried first.
-pub(super) struct Earlier(Vec<PathBuf>);
+/// Existing recordings with the names that were tried first.
+pub(super) struct ExistingRecordings(Vec<PathBuf>);
 
 impl RunFiles {
-    /// Chooses the names, after `stem` unless the arguments have others, and starts the files with a preface.
+    /// Chooses the file names (`stem`, unless set by arguments) and creates the files, which start with a preface.
     pub(super) fn start(
         arguments: &RunArguments,
         stem: &str,
         preface: &[u8],
-    ) -> Result<(Self, Earlier), SinkError> {
+    ) -> Result<(Self, ExistingRecordings), SinkError> {
         let Some(mcap) = &arguments.output else {
             return Self::free(arguments, stem, preface);
         };
         let mcap = start(arguments, mcap, preface)?;
-        Ok((Self::with(mcap, arguments, None)?, Earlier(Vec::new())))
+        Ok((
+            Self::with(mcap, arguments, None)?,
+            ExistingRecordings(Vec::new()),
+        ))
     }
 
-    /// Starts the files of the first of `NAME`, `NAME-2`, `NAME-3`, … without existing files, even if several
-    /// runs look for one at once; of `NAME` itself if it may be replaced.
+    /// Creates the files under the first free name of `NAME`, `NAME-2`, `NAME-3`, … (or `NAME` itself with --force).
+    /// Safe if several runs start at once.
     fn free(
         arguments: &RunArguments,
         name: &str,
         preface: &[u8],
-    ) -> Result<(Self, Earlier), SinkError> {
+    ) -> Result<(Self, ExistingRecordings), SinkError> {
         let mut earlier = Vec::new();
         let mut stem = name.to_owned();
         loop {
@@ -50,11 +53,11 @@ impl RunFiles {
             let is_free = |path: &Path| !path.exists() && !partial_name(path).exists();
             if arguments.force || is_free(&mcap) && is_free(&rrd) {
                 match start(arguments, &mcap, preface) {
-                    // Another run was faster.
+                    // Another run took this name.
                     Err(SinkError::Exists { .. }) if !arguments.force => {}
                     mcap => {
                         let files = Self::with(mcap?, arguments, Some(&rrd))?;
-                        return Ok((files, Earlier(earlier)));
+                        return Ok((files, ExistingRecordings(earlier)));
                     }
                 }
             }
@@ -63,7 +66,7 @@ impl RunFiles {
         }
     }
 
-    /// The MCAP file, and the Rerun recording at `rrd` unless the arguments name another, or want none.
+    /// The MCAP file, and the Rerun recording at `rrd` unless --rrd or --no-rrd is given.
     #[cfg(feature = "rerun")]
     fn with(mcap: Draft, arguments: &RunArguments, rrd: Option<&Path>) -> Result<Self, SinkError> {
         let wanted = arguments.rrd.as_deref().or(rrd);
@@ -77,7 +80,7 @@ impl RunFiles {
         Ok(Self { mcap, rrd })
     }
 
-    /// The MCAP file; without the Rerun SDK there is no other.
+    /// The MCAP file (build without Rerun).
     #[cfg(not(feature = "rerun"))]
     #[allow(clippy::unnecessary_wraps, reason = "with the Rerun SDK it may fail")]
     fn with(mcap: Draft, _: &RunArguments, _: Option<&Path>) -> Result<Self, SinkError> {
@@ -85,13 +88,13 @@ impl RunFiles {
     }
 }
 
-/// Starts a file that holds a preface, unless it is the scenario that is run.
+/// Creates a file with a preface. Refuses to overwrite the input.
 fn start(arguments: &RunArguments, path: &Path, preface: &[u8]) -> Result<Draft, SinkError> {
     refuse_inputs(path, [arguments.scenario.as_path()])?;
     Draft::of_run(path, arguments.existing(), preface)
 }
 
-impl Earlier {
+impl ExistingRecordings {
     /// The recording with the bytes of this draft.
     pub(super) fn same_as(&self, draft: &Draft) -> Option<WrittenFile> {
         let is_same = |path: &&PathBuf| are_equal(path, draft.working_name()).unwrap_or(false);

@@ -1,4 +1,4 @@
-//! Work between records: real time, flushes, progress, an orderly end.
+//! Work done between records: real-time pacing, flushing, progress, cancellation.
 
 use crate::archive::sink::{Sink, SinkError};
 use crate::cli::interrupt::Interrupt;
@@ -8,14 +8,14 @@ use std::ops::ControlFlow;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A paced run passes on what it has this often, so that a viewer follows.
+/// Flush interval of a paced run.
 const FLUSH_EVERY: Duration = Duration::from_millis(50);
-/// Longest sleep, so that Ctrl-C is answered at once.
-const NAP: Duration = Duration::from_millis(20);
-/// Samples between two looks at the progress bar of a run that is not paced.
-const LOOK_EVERY: u32 = 1000;
+/// Longest sleep; keeps Ctrl-C responsive.
+const MAX_SLEEP: Duration = Duration::from_millis(20);
+/// Samples between updates of the progress line in an unpaced run.
+const PROGRESS_EVERY: u32 = 1000;
 
-/// Keeps a run in step with the world outside.
+/// Paces a run and handles flushing, progress and cancellation.
 pub(super) struct Pace {
     speed: Option<f64>,
     began: Instant,
@@ -25,7 +25,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Starts the clock. `speed` is simulated time per real time; none for as fast as possible.
+    /// Starts the clock. `speed` is simulated time per real time; `None` for as fast as possible.
     pub(super) fn start(speed: Option<f64>, interrupt: Interrupt) -> Self {
         let now = Instant::now();
         Self {
@@ -44,7 +44,7 @@ impl Pace {
         sinks: &mut [&mut dyn Sink],
     ) -> Result<ControlFlow<()>, SinkError> {
         if let Record::Sample(sample) = record {
-            if self.speed.is_some() || sample.index % LOOK_EVERY == 0 {
+            if self.speed.is_some() || sample.index % PROGRESS_EVERY == 0 {
                 self.progress.set_text(format!(
                     "simulated {:.2} s, θ = {:.3} rad",
                     sample.time_ns as f64 / 1e9,
@@ -53,7 +53,7 @@ impl Pace {
             }
             self.wait_for(sample.time_ns, sinks)?;
         }
-        Ok(if self.interrupt.is_asked() {
+        Ok(if self.interrupt.is_requested() {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
@@ -65,7 +65,7 @@ impl Pace {
         self.progress.finish();
     }
 
-    /// In a paced run, flushes when it is time to and sleeps until the moment of the sample has come.
+    /// In a paced run, flushes if due and sleeps until the time of the sample.
     fn wait_for(&mut self, time_ns: u64, sinks: &mut [&mut dyn Sink]) -> Result<(), SinkError> {
         let Some(speed) = self.speed else {
             return Ok(());
@@ -79,16 +79,15 @@ impl Pace {
                 self.flushed = Instant::now();
             }
             let early = due.saturating_sub(self.began.elapsed());
-            if early.is_zero() || self.interrupt.is_asked() {
+            if early.is_zero() || self.interrupt.is_requested() {
                 return Ok(());
             }
-            thread::sleep(early.min(NAP));
+            thread::sleep(early.min(MAX_SLEEP));
         }
     }
 }
 
-/// The instant at which the moment `time_ns` of a run has come, from its beginning on. A speed near zero makes it later than a
-/// duration can be.
+/// Wall time from the start at which simulated time `time_ns` is due. Saturates for very low speeds.
 fn due(time_ns: u64, speed: f64) -> Duration {
     let seconds = time_ns as f64 / 1e9 / speed;
     Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)

@@ -13,15 +13,15 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// A ratio to the simulated time above this is not reported: the simulated time is close to zero.
+/// Wall-to-simulated time ratios above this are not shown (the simulated time is almost zero).
 const SLOWEST: f64 = 1e4;
 
-/// A run that is recorded.
+/// A recorded run.
 pub(super) struct Finished {
     pub(super) end: RunEnd,
     pub(super) counts: Tally,
     pub(super) recorded: Recorded,
-    /// Whether a Rerun recording was wanted but could not be written.
+    /// Whether writing the Rerun recording failed.
     pub(super) is_rrd_lost: bool,
 }
 
@@ -30,7 +30,7 @@ pub(super) struct Finished {
 pub(super) struct Recorded {
     /// The MCAP file.
     pub(super) mcap: WrittenFile,
-    /// Whether it was written now; otherwise it was there already, with the same bytes.
+    /// Whether the file is new; otherwise an identical file already existed.
     pub(super) is_new: bool,
     /// The Rerun recording; absent if there is none.
     pub(super) rrd: Option<WrittenFile>,
@@ -43,8 +43,8 @@ pub(super) struct Recorded {
 pub(crate) struct RunReport {
     /// The name of the scenario.
     scenario: String,
-    /// The keys in which the scenario differs from the preset of its name, or from the file it was read from, with their
-    /// values; empty for a key that was removed.
+    /// Keys that differ from the preset of the same name, or from the scenario file, with their values; empty for a
+    /// removed key.
     changes: BTreeMap<&'static str, String>,
     /// SHA-256 of the scenario.
     scenario_digest: String,
@@ -60,11 +60,11 @@ pub(crate) struct RunReport {
     sample_period: f64,
     /// Number of events of each kind, in the order of their first times.
     events: Vec<EventCount>,
-    /// Steps that the integrator tried and found too long.
+    /// Number of rejected integrator steps.
     steps_rejected: u64,
     /// Evaluations of the equations of motion.
     evaluations: u64,
-    /// Duration, s.
+    /// Wall time, s.
     wall_time: f64,
     #[serde(flatten)]
     recorded: Recorded,
@@ -98,7 +98,7 @@ impl RunReport {
         }
     }
 
-    /// The human-readable summary of the run of a top that is called `name`, with a note on what is not written.
+    /// The human-readable summary of a run, with a note on files not written.
     pub(super) fn page(&self, name: &str, top: &Top, not_written: Option<&str>) -> Page {
         let mut facts = vec![
             ("state", self.angles()),
@@ -111,21 +111,24 @@ impl RunReport {
         let files = std::iter::once(&recorded.mcap).chain(&recorded.rrd);
         let files = files.map(WrittenFile::line);
         let lines = files.chain(not_written.map(str::to_owned)).collect();
-        let label = if recorded.is_new { "wrote" } else { "files" };
+        let label = if recorded.is_new { "wrote" } else { "existing" };
         facts.extend(under(label, lines));
         if !recorded.is_new {
             facts.push((
                 "",
                 format!(
-                    "{} was there already, with the same bytes",
+                    "{} already exists with identical content",
                     recorded.mcap.path
                 ),
             ));
         }
         facts.push(("content", format!("sha-256 {}", recorded.content_digest)));
         if let Some(rrd) = &recorded.rrd {
-            facts.push(("open it", format!("rerun {}", rrd.path)));
-            facts.push(("", "(the viewer: pip install rerun-sdk==0.36.3)".to_owned()));
+            facts.push(("view", format!("rerun {}", rrd.path)));
+            facts.push((
+                "",
+                "(install the viewer: pip install rerun-sdk==0.36.3)".to_owned(),
+            ));
         }
         let mut section = Section::default();
         section.table(Table::of_facts(facts));
@@ -161,7 +164,7 @@ impl RunReport {
     fn energy_balance(&self) -> String {
         let energy = &self.outcome.energy;
         format!(
-            "{} J → {} J ({} J, friction did {} J)",
+            "{} J → {} J (change {} J, work of friction {} J)",
             number(energy.at_start, 6),
             number(energy.at_end, 6),
             number(energy.at_end - energy.at_start, 6),
@@ -169,7 +172,7 @@ impl RunReport {
         )
     }
 
-    /// The kinds of events but those of nutation. What happened several times is one line, without the end of each.
+    /// One line for each kind of event except nutation extremes; repeated events are counted, and their ends omitted.
     fn event_lines(&self, top: &Top) -> Vec<String> {
         let is_shown = |event: &&EventCount| event.first_time > 0.0 && !event.name.is_of_nutation();
         let shown = self.events.iter().filter(is_shown);
@@ -202,7 +205,7 @@ impl RunReport {
     fn took(&self) -> String {
         let share = self.wall_time / self.outcome.stop_time;
         let share = if share < SLOWEST {
-            format!(", {share:.3} of the simulated time")
+            format!("({share:.3} × simulated time)")
         } else {
             String::new()
         };
@@ -211,7 +214,7 @@ impl RunReport {
     }
 }
 
-/// Lines with a label before the first.
+/// Lines, the first with a label.
 fn under(label: &'static str, lines: Vec<String>) -> impl Iterator<Item = (&'static str, String)> {
     let labels = std::iter::once(label).chain(std::iter::repeat(""));
     labels.zip(lines)

@@ -13,14 +13,14 @@ use crate::telemetry::{Telemetry, Topic};
 use anyhow::Error;
 use std::path::Path;
 
-/// Feeds Rerun, if the run asks for it.
+/// Rerun output of a run, if requested.
 pub(super) struct RunViewer {
     sink: Option<RerunSink>,
     draft: Option<Draft>,
 }
 
 impl RunViewer {
-    /// Opens what the run asks for. A viewer that can't be reached is a warning.
+    /// Opens the requested outputs. An unreachable viewer is only a warning.
     pub(super) fn open(
         identity: &Identity,
         mut draft: Option<Draft>,
@@ -51,7 +51,7 @@ impl RunViewer {
         }
     }
 
-    /// Ends the stream, and publishes the file if `there` is none; reports either.
+    /// Ends the stream and publishes the file, unless `there` already exists. Returns the file.
     pub(super) fn finish(self, there: Option<WrittenFile>) -> Result<Option<WrittenFile>, Error> {
         let Some(sink) = self.sink else {
             return Ok(None);
@@ -67,7 +67,7 @@ impl RunViewer {
     }
 }
 
-/// Description of the run for a viewer before it begins.
+/// Identity of the run, as shown in the viewer.
 pub(super) fn identity(
     arguments: &RunArguments,
     mcap: &Path,

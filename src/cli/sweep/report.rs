@@ -15,17 +15,17 @@ use std::time::Duration;
 pub(crate) struct SweepReport {
     /// Number of runs of the whole sweep.
     pub(super) runs: u64,
-    /// Number of runs that were computed now; the others were there, or are left.
+    /// Number of runs computed by this command; the others existed already or are left.
     pub(super) computed: u64,
     /// The table; absent if it is not complete.
     pub(super) table: Option<WrittenFile>,
     /// The directory of parts; absent once they are merged.
     pub(super) parts: Option<String>,
-    /// Number of runs for each reason why they stopped: of the table, or of those computed now if it is not complete.
+    /// Number of runs by stop reason, in the whole table or, if it is incomplete, in this command.
     pub(super) outcomes: BTreeMap<String, u64>,
-    /// Number of runs that have an error instead of an outcome.
+    /// Number of failed runs.
     pub(super) errors: u64,
-    /// The first run that has an error; absent if none has.
+    /// The first failed run; absent if there is none.
     pub(super) first_error: Option<RowError>,
     /// Whether the sweep was interrupted.
     pub(super) interrupted: bool,
@@ -33,13 +33,13 @@ pub(crate) struct SweepReport {
     pub(super) wall_time: f64,
 }
 
-/// Further content of a report's page.
+/// Additional data for the human-readable report.
 pub(super) struct Asked {
-    /// Whether nothing was to be computed.
+    /// Whether --dry-run is set.
     pub(super) dry_run: bool,
-    /// The share that was to be computed.
+    /// The requested shard.
     pub(super) shard: Option<Shard>,
-    /// Number of runs that were left to compute.
+    /// Number of remaining runs.
     pub(super) left: u64,
     /// Time of the computation.
     pub(super) computing: Duration,
@@ -54,7 +54,7 @@ pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
         .map(|(stop, number)| format!("{} {}", count(*number), stop.replace('_', " ")))
         .collect();
     if errors > 0 {
-        words.push(format!("{} without an outcome", count(errors)));
+        words.push(format!("{} failed", count(errors)));
     }
     words.join(", ")
 }
@@ -75,9 +75,9 @@ impl SweepReport {
             let computing = asked.computing.as_secs_f64();
             let computed = match self.computed {
                 0 if asked.left > 0 => "nothing".to_owned(),
-                0 => "nothing: nothing was left to do".to_owned(),
+                0 => "0 runs (all were already computed)".to_owned(),
                 computed => format!(
-                    "{} in {} s, {} a second",
+                    "{} in {} s ({} per second)",
                     counted(computed, "run"),
                     number(computing, 2),
                     number(computed as f64 / computing, 1)
@@ -91,9 +91,9 @@ impl SweepReport {
         if let Some(parts) = &self.parts {
             facts.push(("parts", parts.clone()));
             let how = if asked.shard.is_some() && !self.interrupted {
-                "once all shards are done, the command without --shard merges them"
+                "when all shards are done, run without --shard to merge them"
             } else {
-                "the same command goes on"
+                "run the same command to resume"
             };
             facts.push(("", how.to_owned()));
         }
@@ -120,10 +120,7 @@ impl SweepReport {
             )
         } else if self.errors > 0 {
             let errors = count(self.errors);
-            (
-                format!("{runs}, {errors} of them without an outcome"),
-                Tone::Weak,
-            )
+            (format!("{runs}, {errors} failed"), Tone::Weak)
         } else {
             (runs, Tone::Good)
         }
