@@ -1,4 +1,4 @@
-// Controls for the keys of a scenario, made from the program's table of keys.
+// Form controls for the scenario keys, generated from the program's key table.
 
 const STEPS = 1000;
 const SECTIONS = [
@@ -7,7 +7,7 @@ const SECTIONS = [
   ["Top", ["top", "gravity"]],
   ["Support", ["support"]],
   ["Other losses", ["rolling", "drilling", "air"]],
-  ["End and numerics", ["stop", "sampling", "integrator", "formulation"]],
+  ["Stop conditions and integrator", ["stop", "sampling", "integrator", "formulation"]],
 ];
 
 export function element(name, properties = {}, ...children) {
@@ -16,16 +16,16 @@ export function element(name, properties = {}, ...children) {
   return made;
 }
 
-/** A number as one would type it. */
+/** Formats a number for an input field. */
 const typed = (value) => String(Number(value.toPrecision(4)));
 
-/** The place of a value on a slider, and the value of a place. */
+/** Convert between a value and its slider position (0 to 1). */
 const placeOf = ({ typical: [low, high], logarithmic }, value) =>
   logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
 const valueAt = ({ typical: [low, high], logarithmic }, place) =>
   logarithmic ? low * (high / low) ** place : low + place * (high - low);
 
-/** The label of a key: its symbol or, of a number without one, its name, and its meaning in few words. */
+/** The label of a key: its symbol (or its name, for a number without a symbol) and a short description. */
 function label({ path, symbol, meaning, typical }) {
   const [letter, index] = (symbol ?? "").split("_");
   const name = typical ? [`${path.split(".").at(-1).replaceAll("_", " ")} `] : [];
@@ -59,7 +59,7 @@ function number(scenario, key, changed) {
   return [slider, box, element("small", { textContent: key.unit })];
 }
 
-/** Fills a place with the controls of a scenario; `changed` is called with a key, its value, and whether others may follow. */
+/** Renders the controls of a scenario into `place`. `changed(path, value, follows)` is called on input; `follows` is true if other keys may change too. */
 export function controls(place, scenario, changed) {
   const open = new Map([...place.querySelectorAll("details")].map((section) => [section.dataset.name, section.open]));
   const sections = SECTIONS.map(([name, prefixes, isOpen]) => {

@@ -1,4 +1,4 @@
-// Curves over time: each column of pixels has the least and the greatest value in it, so that no nutation is lost.
+// Curves over time. Each pixel column shows the minimum and maximum of its samples, so no nutation is lost.
 
 const LEFT = 64;
 const RIGHT = 12;
@@ -6,7 +6,7 @@ const HEAD = 16; // above each panel, for its label and values
 const FOOT = 30;
 const TICKS = [1, 2, 5, 10];
 
-/** What is drawn of fixed and of free pegs: column, label, unit, and its place among a nutation's means. */
+/** Curves for fixed and free pegs: column, label, unit, index of its mean in a nutation cycle. */
 const FIXED = [
   ["theta", "θ", "rad", 1],
   ["phi_dot", "φ̇", "rad/s", 2],
@@ -38,7 +38,7 @@ export function indexAt(times, time) {
   return low;
 }
 
-/** Round numbers between two others, about as many as wanted. */
+/** About `wanted` round numbers between `low` and `high`. */
 function ticks(low, high, wanted) {
   const rough = (high - low) / wanted;
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -48,7 +48,7 @@ function ticks(low, high, wanted) {
   return Array.from({ length: Math.max(count, 0) }, (_, index) => Number(((first + index) * step).toPrecision(12)));
 }
 
-/** The least and greatest value of a column for each column of pixels of a window of time. */
+/** The minimum and maximum of a quantity in each pixel column of a time window. */
 function envelope(run, name, [from, to], width) {
   const times = run.columns.time;
   const values = run.columns[name];
@@ -60,7 +60,7 @@ function envelope(run, name, [from, to], width) {
   for (let index = first; index <= last; index++) {
     const value = values[index];
     const pixel = Math.floor(((times[index] - from) / (to - from)) * width);
-    // Columns between two samples have the line from one to the other.
+    // Interpolates linearly in pixel columns between two samples.
     for (let x = Math.max(before?.pixel ?? pixel, 0); x <= Math.min(pixel, width - 1); x++) {
       const span = pixel - (before?.pixel ?? pixel);
       const part = span > 1 ? (x - before.pixel) / span : 1;
@@ -73,10 +73,10 @@ function envelope(run, name, [from, to], width) {
   return { low, high };
 }
 
-/** The rates of Euler angles, which have spikes where the axis passes the vertical. */
+/** Euler rates, which have spikes where the axis passes the vertical. */
 const SPIKY = ["phi_dot", "psi_dot"];
 
-/** The range of envelopes, with air; where there are spikes, those that few columns have don't set it. */
+/** The y range of the envelopes with padding. For spiky quantities, rare spikes are ignored. */
 function range(envelopes, isSpiky) {
   const lows = envelopes.flatMap(({ low }) => [...low].filter(Number.isFinite)).sort((a, b) => a - b);
   const highs = envelopes.flatMap(({ high }) => [...high].filter(Number.isFinite)).sort((a, b) => a - b);
@@ -103,7 +103,7 @@ export class Curves {
       return this.window[0] + Math.min(Math.max(part, 0), 1) * (this.window[1] - this.window[0]);
     };
     const scale = (event) => {
-      if (!event.ctrlKey && !event.metaKey) return; // the page scrolls; a pinch comes with "ctrl"
+      if (!event.ctrlKey && !event.metaKey) return; // let the page scroll; a pinch gesture sets ctrlKey
       event.preventDefault();
       const at = timeAt(event);
       const factor = Math.exp(event.deltaY / 400);
@@ -118,7 +118,7 @@ export class Curves {
     canvas.addEventListener("dblclick", () => zoom(null));
   }
 
-  /** Draws the curves of runs, each with its colour, the last on top; `time` is that of the cursor. */
+  /** Draws the curves of runs, each in its colour, the last on top, with a cursor at `time`. */
   draw(runs, window, time) {
     const { canvas } = this;
     const ratio = devicePixelRatio || 1;

@@ -1,14 +1,14 @@
-// The page: a scenario that is changed, the run that it gives, and a run that is pinned for comparison.
+// Page state: the edited scenario, its run, and a pinned run for comparison.
 
 import { controls, element } from "./controls.mjs";
 import { Curves } from "./curves.mjs";
 import { Scenario } from "./scenario.mjs";
 import { View } from "./top.mjs";
 
-const LONGEST = 25; // s that a run takes to play
+const LONGEST = 25; // maximum playback time of a run, s
 const at = (id) => document.getElementById(id);
 
-/** A thread that answers questions about toprise, of each kind only the last. */
+/** A web worker that handles requests to toprise. A newer simulation supersedes an older one. */
 class Asker {
   constructor(module) {
     this.worker = new Worker(URL.createObjectURL(new Blob([at("worker").textContent], { type: "text/javascript" })));
@@ -51,7 +51,7 @@ let window_ = null;
 let speed = 1;
 let isPlaying = false;
 
-/** A part of a link without its escapes, or as it is. */
+/** URL-decodes a part of a link; returns it unchanged if it is malformed. */
 function decoded(text) {
   try {
     return decodeURIComponent(text);
@@ -60,7 +60,7 @@ function decoded(text) {
   }
 }
 
-/** The scenarios and the moment of a link: `#paper&friction.k=0.02`, behind `&vs=` the pinned one, behind `&at=` the seconds. */
+/** Parses a link: `#paper&friction.k=0.02`, followed by `&vs=` and the pinned scenario, and `&at=` and the time in seconds. */
 function fromLink() {
   const [scenarios, moment] = location.hash.slice(1).split("&at=");
   const [ours, theirs] = scenarios.split("&vs=").map(decoded);
@@ -78,7 +78,7 @@ function toLink() {
   history.replaceState(null, "", hash);
 }
 
-/** A run with what follows from its columns. */
+/** A run with quantities derived from its columns. */
 function completed(answer) {
   const { columns } = answer;
   columns.height = columns.peg_z.map((z) => z - answer.peg_radius);
@@ -94,7 +94,7 @@ async function simulate() {
   clearTimeout(slow);
   if (!answer) return; // overtaken
   at("error").textContent = answer.error ?? "";
-  if (answer.error && !run) at("summary").textContent = "There is no run to show.";
+  if (answer.error && !run) at("summary").textContent = "No run to show: correct the scenario first.";
   document.body.classList.toggle("stale", Boolean(answer.error));
   for (const button of document.querySelectorAll("#take button, #pin")) button.disabled = Boolean(answer.error);
   if (answer.error) return;
@@ -113,7 +113,7 @@ async function simulate() {
   ask();
 }
 
-/** Asks for what takes longer once the hand rests. */
+/** Requests the explanation and comparison once input has paused. */
 let waiting;
 function ask() {
   clearTimeout(waiting);
@@ -125,7 +125,7 @@ function ask() {
         ...answer.flatMap(({ heading, sentences }) => [element("h3", { textContent: heading }), element("p", { textContent: sentences.join(" ") })]),
       );
     if (!pinned) return;
-    if (pinned.digest === run.digest) compare({ error: "This run is A. Change something: the changed run is B." });
+    if (pinned.digest === run.digest) compare({ error: "This run is pinned as A. Change a value to compare it with B." });
     else compare(await helper.send({ question: { compare: { a: pinned.scenario, b: run.scenario } } }));
   }, 300);
 }
@@ -136,11 +136,11 @@ function compare({ error, verdict, findings }) {
     element("tr", {}, element("th", { colSpan: 3, scope: "row", textContent: what })),
     element("tr", {}, ...numbers.map((text) => element("td", { textContent: text }))),
   ]);
-  const table = rows.length > 0 ? element("table", {}, head, ...rows) : element("p", { textContent: error ?? `${verdict}: no average, event or energy differs.` });
+  const table = rows.length > 0 ? element("table", {}, head, ...rows) : element("p", { textContent: error ?? `${verdict}: no differences in averages, events or energy.` });
   at("comparison").replaceChildren(element("h2", { textContent: "A and B" }), table);
 }
 
-/** Lists the events. Those in a row whose kinds come often are together. */
+/** Lists the events. Consecutive events of frequent kinds are grouped. */
 function listEvents() {
   const kinds = Map.groupBy(run.events, ({ kind }) => kind);
   const isOften = (event) => event && kinds.get(event.kind).length > 2;
@@ -154,7 +154,7 @@ function listEvents() {
   at("events").replaceChildren(...groups.flatMap(entries));
 }
 
-/** The entries of a group of events: themselves if they are few, or one that opens. */
+/** The list entries of a group: its events if there are fewer than five, otherwise one collapsible entry. */
 function entries(group) {
   const own = group.map((index) => items[index]);
   if (own.length < 5) return own;
@@ -166,7 +166,7 @@ function entries(group) {
   return element("li", {}, element("details", {}, heading, element("ol", {}, ...own)));
 }
 
-/** What is drawn: the pinned run, if there is one, and the one that is changed. */
+/** The runs to draw: the pinned run, if any, and the edited one. */
 function shown() {
   const style = getComputedStyle(document.body);
   const changed = { run, color: style.getPropertyValue("--b"), name: `${pinned ? "B: " : ""}${run.title}` };
@@ -250,7 +250,7 @@ function changed(path, value, follows) {
   simulate();
 }
 
-/** Marks what differs from the preset. */
+/** Marks the keys that differ from the preset. */
 function mark() {
   for (const row of document.querySelectorAll(".key")) row.classList.toggle("changed", row.dataset.path in scenario.set);
 }
@@ -277,7 +277,7 @@ async function save() {
   const encoding = at("encoding").value;
   at("digest").textContent = "recording …";
   const { bytes, digest, error } = await helper.send({ question: { record: { scenario: run.scenario, encoding } } });
-  at("digest").textContent = error ?? `sha-256 of the content: ${digest}`;
+  at("digest").textContent = error ?? `content digest (SHA-256): ${digest}`;
   if (error) return;
   const file = URL.createObjectURL(new Blob([bytes], { type: "application/octet-stream" }));
   element("a", { href: file, download: `${run.scenario.preset}.mcap` }).click();

@@ -1,7 +1,7 @@
-// A scenario as the page changes it: a preset's values, and what is set in them.
+// The edited scenario: a preset and its changed keys.
 
 const TEXTS = ["format", "name", "description"];
-/** What a free peg needs, as `--set support.kind=free` says. */
+/** Keys required by `support.kind = "free"`. */
 const FOR_FREE_PEGS = { formulation: "body", "friction.dissipation": "full" };
 
 export class Scenario {
@@ -12,7 +12,7 @@ export class Scenario {
     for (const [path, value] of Object.entries(set)) this.put(path, value);
   }
 
-  /** Starts from a preset; toprise says what is wrong with one that it doesn't know. */
+  /** Starts from a preset. For an unknown name, toprise reports the error. */
   start(name) {
     this.preset = this.tables.presets.find((preset) => preset.name === name) ?? { name, values: {} };
     this.values = { ...this.preset.values };
@@ -23,7 +23,7 @@ export class Scenario {
     else this.values[path] = value;
   }
 
-  /** Sets a key, and what other keys then need; those without a meaning go. */
+  /** Sets a key, adds the keys it requires, and removes those that no longer apply. */
   change(path, value) {
     this.put(path, value);
     if (path === "support.kind" && value === "free") {
@@ -36,26 +36,26 @@ export class Scenario {
     }
   }
 
-  /** Whether a key has a meaning with the values of the others. */
+  /** Whether a key applies with the values of the other keys. */
   applies({ needs, of }) {
     if (!needs) return true;
     return of.length === 0 ? this.values[needs] !== undefined : of.includes(this.values[needs]);
   }
 
-  /** A value to begin with: that of the first preset with this key, or one in the middle. */
+  /** Default value of a key: from the first preset that has it, or the middle of its range. */
   usual({ path, words, typical }) {
     const known = this.tables.presets.find((preset) => preset.values[path] !== undefined);
     return known?.values[path] ?? words?.[0] ?? String(typical[0] > 0 ? Math.sqrt(typical[0] * typical[1]) : typical[1] / 2);
   }
 
-  /** What differs from the preset; empty for a key that it has and this one has not. */
+  /** The changed keys; an empty value marks a removed key. */
   get set() {
     const paths = new Set([...this.keys.map(({ path }) => path), ...Object.keys(this.values)]);
     const changed = [...paths].filter((path) => this.values[path] !== this.preset.values[path]);
     return Object.fromEntries(changed.map((path) => [path, this.values[path] ?? ""]));
   }
 
-  /** As toprise is asked for it. */
+  /** The scenario as passed to toprise. */
   get given() {
     return { preset: this.preset.name, set: this.set };
   }

@@ -1,4 +1,4 @@
-// The top in three dimensions, as it is turned at a moment of the run.
+// 3D view of the top at a time of the run.
 
 import { indexAt } from "./curves.mjs";
 
@@ -13,16 +13,16 @@ function across([a, b, c, d]) {
   return normal.map((value) => value / length);
 }
 
-/** How bright a face is in light from above the left shoulder. */
+/** Brightness of a face lit from the upper left behind the viewer. */
 const shine = ([x, y, z]) => 0.45 + 0.55 * Math.max(-0.4 * x + 0.65 * y + 0.65 * z, 0);
 
-/** Turns a vector of the body into the world, by the unit quaternion of a sample. */
+/** Rotates a body vector into the world frame by a unit quaternion. */
 function turned([w, x, y, z], [a, b, c]) {
   const [u, v, t] = [2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)];
   return [a + w * u + y * t - z * v, b + w * v + z * u - x * t, c + w * t + x * v - y * u];
 }
 
-/** The outline of a body: heights along its axis and radii, in lengths of the view. */
+/** Profile of the top: heights along the axis and radii, m. */
 function outline(run) {
   const [l, r] = [run.center_distance, run.peg_radius];
   const ball = (from, to) =>
@@ -34,7 +34,7 @@ function outline(run) {
 
 export const sizeOf = (run) => Math.max(2 * Math.abs(run.center_distance), 2.4 * run.peg_radius);
 
-/** Where the top is at a time: the sample's index, its orientation and place. */
+/** The pose at a time: sample index, orientation and peg position. */
 function pose(run, time) {
   const c = run.columns;
   const i = indexAt(c.time, time);
@@ -82,7 +82,7 @@ export class View {
     const focus = run.is_free ? [peg[0], peg[1], 0] : [0, 0, 0];
     const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
     const zoom = Math.min(width, height) / (1.5 * size);
-    /** From the world to the eye: to the right, upward, and towards the eye. */
+    /** World to camera coordinates: right, up, towards the camera. */
     const seen = (place) => {
       const [x, y, z] = place.map((value, axis) => value - focus[axis]);
       const [right, away] = [ca * x + sa * y, -sa * x + ca * y];
@@ -126,7 +126,7 @@ export class View {
     line(points, color, 1.5);
   }
 
-  /** The faces that are turned to the eye, from the farthest to the nearest. */
+  /** Draws the visible faces, back to front. */
   body(pen, run, seen, onScreen, q, peg, color) {
     const rings = outline(run).map(([height, radius]) =>
       Array.from({ length: SEGMENTS }, (_, k) => {

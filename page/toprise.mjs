@@ -1,4 +1,4 @@
-// toprise's WebAssembly: questions and answers in JSON, columns of numbers, and files.
+// Wrapper of the toprise WebAssembly module: JSON requests, data columns, files.
 
 /** Starts toprise from a compiled module. */
 export async function load(module) {

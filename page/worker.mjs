@@ -1,4 +1,4 @@
-// A thread of the page that asks toprise. Runs are simulated in slices, so that one that is overtaken is abandoned.
+// Web worker that runs toprise. Simulations run in slices, so a superseded one can be abandoned.
 import { load } from "./toprise.mjs";
 
 const SLICE = 4000; // records

@@ -1,4 +1,4 @@
-//! Questions of the page, and their answers.
+//! Requests from the page and their responses.
 
 use crate::run::{Run, recording};
 use crate::tables::tables;
@@ -11,7 +11,7 @@ use toprise::analysis::explain::{Fact, explain};
 use toprise::run::scenario::{Preset, Scenario, ScenarioError};
 use toprise::telemetry::encoding::Encoding;
 
-/// A question, with its name as the only member of an object.
+/// A request: an object whose only member is the request name.
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Question {
@@ -23,9 +23,9 @@ pub enum Question {
     Advance { records: usize },
     /// The sentences of `toprise explain` on a scenario.
     Explain(Given),
-    /// The table of `toprise diff` on two scenarios.
+    /// The findings of `toprise diff` for two scenarios.
     Compare { a: Given, b: Given },
-    /// Records a scenario; the file is then in memory.
+    /// Records a scenario into memory.
     Record { scenario: Given, encoding: String },
 }
 
@@ -36,7 +36,7 @@ pub struct Given {
     set: BTreeMap<String, String>,
 }
 
-/// Everything that outlives a question.
+/// State kept between requests.
 #[derive(Default)]
 pub struct Page {
     pub question: Vec<u8>,
@@ -50,7 +50,7 @@ impl Page {
         self.run.as_ref().map_or(&[], |run| run.column(index))
     }
 
-    /// Answers the question that was put; returns the length of the answer, bytes.
+    /// Handles the request in the input buffer; returns the response length in bytes.
     pub fn answer(&mut self) -> usize {
         let answer = self.answer_to_question();
         let answer = answer.unwrap_or_else(|error| json!({ "error": error.to_string() }));

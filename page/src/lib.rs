@@ -1,7 +1,7 @@
 //! toprise as WebAssembly, for the page and for tests in Node.
 //!
-//! Questions and answers are JSON, see [`answer::Question`]; columns of numbers and files are read from memory. A question is
-//! written where [`input`] says; [`ask`] puts its answer where [`output`] says.
+//! Requests and responses are JSON, see [`answer::Question`]. Data columns and files are read directly from memory. Write a
+//! request to the address returned by [`input`]; [`ask`] writes the response to [`output`].
 
 #![allow(unsafe_code, reason = "exported names are not mangled")]
 
@@ -16,7 +16,7 @@ thread_local! {
     static PAGE: RefCell<Page> = RefCell::default();
 }
 
-/// The address for a question of this length, bytes.
+/// Allocates the input buffer for a request of `length` bytes and returns its address.
 #[unsafe(no_mangle)]
 pub extern "C" fn input(length: usize) -> *mut u8 {
     PAGE.with_borrow_mut(|page| {
@@ -25,7 +25,7 @@ pub extern "C" fn input(length: usize) -> *mut u8 {
     })
 }
 
-/// Answers the question; returns the length of the answer, bytes.
+/// Handles the request; returns the response length in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn ask() -> usize {
     PAGE.with_borrow_mut(Page::answer)
@@ -43,7 +43,7 @@ pub extern "C" fn column(index: usize) -> *const f64 {
     PAGE.with_borrow(|page| page.column(index).as_ptr())
 }
 
-/// The address of the file that was recorded last.
+/// The address of the last recorded file.
 #[unsafe(no_mangle)]
 pub extern "C" fn file() -> *const u8 {
     PAGE.with_borrow(|page| page.file.as_ptr())

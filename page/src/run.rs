@@ -1,4 +1,4 @@
-//! A run that is simulated in slices, and what the page draws of it.
+//! A run that is simulated in slices, and the columns that the page draws.
 
 use serde_json::{Value as Json, json};
 use std::cell::Cell;
@@ -12,14 +12,14 @@ use toprise::run::simulation::{Record, Sample, Simulation, SimulationError, Stop
 use toprise::telemetry::Telemetry;
 use toprise::telemetry::encoding::Encoding;
 
-/// The most steps and samples of a run in the page: ten and five times those of the longest preset.
+/// Maximum numbers of steps and samples of a run in the page.
 const MOST_STEPS: u64 = 2_000_000;
 const MOST_SAMPLES: usize = 500_000;
 
 /// A number of a sample.
 type Quantity = fn(&Sample) -> f64;
 
-/// What the page draws: the name of each column, and its value in a sample. SI units, world frame.
+/// Columns for the page: name and value of a sample. SI units, world frame.
 pub const COLUMNS: &[(&str, Quantity)] = &[
     ("time", |s| s.time_ns as f64 / 1e9),
     ("theta", |s| s.angles.theta),
@@ -143,7 +143,7 @@ impl Run {
         });
     }
 
-    /// How far it is.
+    /// Progress of the run.
     pub fn progress(&self) -> Json {
         let samples = self.columns[0].len();
         let mut progress = json!({ "samples": samples });

@@ -39,7 +39,7 @@ const tests = {
   },
   async "a run is pinned and compared"(tab) {
     await tab.click("#pin");
-    await tab.waitForFunction(() => document.getElementById("comparison").textContent.includes("This run is A."));
+    await tab.waitForFunction(() => document.getElementById("comparison").textContent.includes("This run is pinned as A."));
     await box(tab, "friction.k").fill("0.045");
     await becomes(tab, "paper, friction.k = 0.045");
     await tab.waitForSelector("#comparison td");

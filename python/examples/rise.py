@@ -1,6 +1,6 @@
 # %% [markdown]
 # # How does a spinning top stand up?
-# Run this file as it is, or cell by cell in an editor that knows `# %%`.
+# Run this file as a script, or cell by cell in an editor that supports `# %%`.
 
 # %%
 import matplotlib.pyplot as plt
@@ -12,7 +12,7 @@ print(run.outcome)
 run["/top/state"]
 
 # %% [markdown]
-# The inclination nutates while it falls. The averages over nutations have a table of their own.
+# θ oscillates (nutation) while it decreases. `run.nutations` has the averages over each nutation.
 
 # %%
 state, nutations = run["/top/state"], run.nutations
@@ -22,7 +22,7 @@ top.plot(nutations.numpy("time"), nutations.numpy("theta_mean"), "--")
 top.set_ylabel("θ, rad")
 
 # %% [markdown]
-# Friction hurries the precession beyond the slow rate of regular precession; between that and the fast one the top rises.
+# Friction makes φ̇ exceed the slow rate of regular precession. While φ̇ is between the slow and the fast rate, the top rises.
 
 # %%
 regular = run["/top/precession"]
@@ -35,14 +35,14 @@ bottom.legend()
 figure.savefig("rise.png")
 
 # %% [markdown]
-# What does the whole friction torque change, of which the paper drops a part?
+# Compare with the full friction torque (the paper omits a component).
 
 # %%
 report = toprise.diff(run, "full-coulomb")
 print(report.summary)
 
 # %% [markdown]
-# Half the friction: does it take twice as long? And with less spin?
+# Halve the friction: does the rise take twice as long? Then vary the spin, too.
 
 # %%
 for k in (0.03, 0.015):

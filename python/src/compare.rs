@@ -1,4 +1,5 @@
-//! Questions about runs. Their answers are JSON, as those of the program; `toprise/_reports.py` makes them dictionaries.
+//! `diff`, `explain`, `verify` and `presets`. They return JSON, as the program does; `toprise/_reports.py` converts it to
+//! dictionaries.
 
 use crate::errors::{DiffError, RecordingError};
 use crate::guard::{Interrupt, compute};
@@ -19,7 +20,7 @@ use toprise::run::scenario::{PRESETS, Scenario as Checked};
 use toprise::telemetry::Message;
 use toprise::telemetry::side::Side;
 
-/// A run to be asked about: one that was simulated or read, or what names one.
+/// A run argument: a `Run`, or anything that identifies one.
 pub enum Given<'py> {
     Run(Bound<'py, Run>),
     Base(Base<'py>),
@@ -36,7 +37,7 @@ impl<'py> FromPyObject<'_, 'py> for Given<'py> {
     }
 }
 
-/// The run that is meant, without its Python object.
+/// The run behind an argument, without its Python object.
 enum Meant {
     Recording(Arc<Recording>),
     Scenario(Box<Checked>),
@@ -66,7 +67,7 @@ impl Meant {
     }
 }
 
-/// Ends a comparison that was interrupted.
+/// Observer that ends an interrupted comparison.
 struct Watching(Interrupt);
 
 impl Observer for Watching {
@@ -151,7 +152,7 @@ pub fn verify(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     json(&Verified { file, report })
 }
 
-/// The result for a recording, under the names of `toprise verify --format json`.
+/// The result for a recording, with the keys of `toprise verify --format json`.
 #[derive(Serialize)]
 struct Verified {
     file: String,
@@ -159,7 +160,7 @@ struct Verified {
     report: checks::Report,
 }
 
-/// The names of the scenarios that come with toprise, and what they show.
+/// Names and descriptions of the built-in scenarios.
 #[pyfunction]
 pub fn presets() -> Vec<(&'static str, &'static str)> {
     let presets = PRESETS.iter();

@@ -1,4 +1,4 @@
-//! The exceptions of the package, which `toprise/_errors.py` defines, and which error becomes which.
+//! Maps errors to the exceptions defined in `toprise/_errors.py`.
 
 use pyo3::exceptions::{PyFileNotFoundError, PyPermissionError};
 use pyo3::{PyErr, import_exception};
@@ -21,7 +21,7 @@ pub fn scenario(error: impl Display) -> PyErr {
     ScenarioError::new_err(error.to_string())
 }
 
-/// Why a word means no scenario.
+/// Error for an argument that is not a scenario.
 pub fn input(error: InputError) -> PyErr {
     let text = error.to_string();
     match error {
@@ -32,7 +32,7 @@ pub fn input(error: InputError) -> PyErr {
     }
 }
 
-/// Why a recording can't be read.
+/// Error for a recording that can't be read.
 pub fn recording(path: &Path, error: &CannotRead) -> PyErr {
     of_recording(error, format!("{}: {error}", path.display()))
 }
@@ -44,7 +44,7 @@ fn of_recording(error: &CannotRead, text: String) -> PyErr {
     }
 }
 
-/// An error of the system: those that Python has a class for are of that class.
+/// An I/O error, as the matching subclass of OSError if Python has one.
 fn io(reason: &io::Error, text: String) -> PyErr {
     match reason.kind() {
         io::ErrorKind::NotFound => PyFileNotFoundError::new_err(text),

@@ -1,4 +1,4 @@
-//! Long computations, as Python wants them: other threads go on, Ctrl-C ends them, and a panic is an exception.
+//! Runs long computations without the GIL. Ctrl-C stops them; a panic becomes an exception.
 
 use crate::errors::InternalError;
 use pyo3::exceptions::PyRuntimeError;
@@ -11,29 +11,29 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Interval at which Python is asked for signals: a person who presses Ctrl-C doesn't notice the wait.
+/// Interval between checks for Python signals; short enough that Ctrl-C feels immediate.
 const BETWEEN_SIGNALS: Duration = Duration::from_millis(50);
 
-/// Time in which a computation has to end after a signal. One that has not asked by then whether to go on is left behind.
+/// Time allowed for a computation to end after a signal. After that, its thread is abandoned.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// Time in which a computation that writes files has to end in order.
+/// The same for a computation that writes files.
 const PATIENCE_WITH_WRITERS: Duration = Duration::from_secs(2);
 
-/// The stack that main threads have, bytes: the computation must not see a smaller one.
+/// Stack size of the computing thread, bytes; that of a main thread.
 const STACK: usize = 8 << 20;
 
-/// Whether the caller no longer wants a computation.
+/// Cancellation flag of a computation.
 #[derive(Clone, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Whether to end.
+    /// Whether cancellation was requested.
     pub fn is_asked(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Ends the computation by unwinding its thread, if an end was asked for.
+    /// Unwinds the computing thread if cancellation was requested.
     pub fn end_if_asked(&self) {
         if self.is_asked() {
             resume_unwind(Box::new("interrupted"));
@@ -45,10 +45,10 @@ impl Interrupt {
     }
 }
 
-/// Computes something that may take long, on a thread of its own, while Python handles signals and runs other threads.
+/// Runs a long computation on its own thread, so that Python can handle signals and run other threads.
 ///
 /// # Errors
-/// What a signal's handler has raised, or that the computation has panicked.
+/// The exception raised by a signal handler, or `InternalError` if the computation panicked.
 pub fn compute<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(Interrupt) -> T + Send + 'static,
@@ -56,7 +56,8 @@ pub fn compute<T: Send + 'static>(
     wait_for(py, PATIENCE, |_| Ok(()), work)
 }
 
-/// As [`compute`], for what writes files, with a look at the work now and then; an error of it ends the work too.
+/// Like [`compute`], for computations that write files. Calls a callback periodically; an error of the callback
+/// ends the computation.
 pub fn compute_watched<T: Send + 'static>(
     py: Python<'_>,
     look: impl Fn(Python<'_>) -> PyResult<()>,

@@ -1,4 +1,4 @@
-//! The native half of the Python package `toprise`; `toprise/__init__.py` is the other half.
+//! Native module of the Python package `toprise` (see `toprise/__init__.py`).
 
 #![allow(
     clippy::needless_pass_by_value,
@@ -16,7 +16,7 @@ mod sweep;
 mod table;
 mod view;
 
-/// The native half of the package.
+/// The native module.
 #[pyo3::pymodule]
 mod _toprise {
     #[pymodule_export]

@@ -8,10 +8,10 @@ use pyo3::types::{PyDict, PyMapping};
 use toprise::run::outcome::{COLUMNS, Cell, Outcome};
 use toprise::run::scenario::Scenario;
 
-/// Runs a scenario for nothing but its outcome, which is twice as fast as `run`.
+/// Runs a scenario and returns only its outcome; twice as fast as `run`.
 ///
 /// `base` and `overrides` are as for `run`. The keys are the columns of a sweep: `stop_reason`, `stop_time`, `rise_time` (s)
-/// and so on; `None` stands for what did not happen.
+/// and so on. `None` means that it did not happen.
 ///
 /// Raises `ScenarioError` if the scenario can't be run, `SimulationError` if the motion can't be integrated to its end.
 #[pyfunction]
@@ -24,7 +24,7 @@ pub fn outcome<'py>(
     dictionary(py, &of_scenario(py, base.scenario(overrides)?)?)
 }
 
-/// The outcome of a scenario, which is simulated for it.
+/// Simulates a scenario and returns its outcome.
 pub fn of_scenario(py: Python<'_>, scenario: Scenario) -> PyResult<Outcome> {
     let outcome = compute(py, move |interrupt| {
         toprise::run::outcome(&scenario, || !interrupt.is_asked())

@@ -30,7 +30,7 @@ use toprise::telemetry::{Message, Telemetry, Topic, Topics};
 /// The width of the curves in a notebook, mm.
 const CURVES_WIDTH: f64 = 130.0;
 
-/// Where a run comes from.
+/// Origin of a run.
 pub enum Origin {
     /// It was simulated, with this outcome.
     Scenario(Box<Checked>, Box<Outcome>),
@@ -38,9 +38,9 @@ pub enum Origin {
     Recording(Arc<Recording>),
 }
 
-/// A run: a table for each topic, whether it was simulated now or read from a recording.
+/// A run, simulated or read from a recording, with one table per topic.
 ///
-/// `run["/top/state"]` is a `Table`; `run.topics` names them all.
+/// `run["/top/state"]` is a `Table`; `run.topics` lists the topics.
 #[pyclass(frozen, mapping, module = "toprise")]
 pub struct Run {
     pub origin: Origin,
@@ -51,15 +51,15 @@ pub struct Run {
 
 /// Simulates a scenario and keeps every message of the run.
 ///
-/// `base` is a preset, a scenario file (TOML), a recording whose scenario is taken (MCAP), or a `Scenario`. `overrides`
-/// sets keys, as in `{"friction.k": 0.02}`, in SI units and radians; `None` removes a key. With `row`, `base` is a sweep's table
-/// (Parquet), and that row of it is run again. `topics` limits what is kept; by
-/// default that is all, which takes 34 MB for the paper's run.
+/// `base` is a preset, a scenario file (TOML), a recording (MCAP; its scenario is used), or a `Scenario`. `overrides`
+/// sets keys, as in `{"friction.k": 0.02}`, in SI units and radians; `None` removes a key. With `row`, `base` is a sweep table
+/// (Parquet), and that row is run. `topics` selects the topics to keep. By default all are kept, which takes 34 MB for the
+/// paper's run.
 ///
-/// The numbers are those of the recording that `toprise run` makes, bit for bit.
+/// The numbers are bit-identical to those recorded by `toprise run`.
 ///
-/// Raises `ScenarioError` if the scenario can't be run, `SimulationError` if the motion can't be integrated from its start.
-/// A motion that can't be integrated to its end gives the run up to there, and a `RecordingWarning`.
+/// Raises `ScenarioError` if the scenario can't be run, `SimulationError` if the integration can't start. If it
+/// fails later, the run up to that point is returned, with a `RecordingWarning`.
 #[pyfunction]
 #[pyo3(signature = (base, overrides=None, *, row=None, topics=None))]
 pub fn run(
@@ -91,12 +91,12 @@ pub fn run(
     Run::new(py, origin, tables, Some(digest), losses)
 }
 
-/// Reads a recording that toprise has made (MCAP).
+/// Reads a toprise recording (MCAP).
 ///
-/// `topics` limits what is read; by default that is all.
+/// `topics` selects the topics to read; by default all.
 ///
-/// Raises `FileNotFoundError` if there is no such file, and `RecordingError` if it is no recording of toprise. If only
-/// parts of it can be read, these are given, and a `RecordingWarning` says what is lost; so does `run.losses`.
+/// Raises `FileNotFoundError` if there is no such file, and `RecordingError` if it is no recording of toprise. If
+/// the file is damaged, the readable parts are returned, with a `RecordingWarning`; `run.losses` lists the missing parts.
 #[pyfunction]
 #[pyo3(signature = (path, *, topics=None))]
 pub fn read(py: Python<'_>, path: PathBuf, topics: Option<Vec<String>>) -> PyResult<Run> {
@@ -143,7 +143,7 @@ fn wanted(topics: Option<Vec<String>>) -> PyResult<Topics> {
     Topics::named(&names).map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
-/// The tables of a run while its messages come, one for each topic in table order.
+/// Table builders of a run, one per topic, in table order.
 struct Tables {
     columns: Vec<Columns>,
     digest: ContentDigest,
@@ -170,7 +170,7 @@ impl Sink for Tables {
     }
 }
 
-/// Simulates a run: its messages, its outcome, and what it lost, in sentences.
+/// Simulates a run. Returns its tables, its outcome and a description of missing parts.
 fn simulate(
     scenario: &Checked,
     topics: &Topics,
@@ -223,7 +223,7 @@ fn save(scenario: &Checked, path: &Path, interrupt: Interrupt) -> Result<(), Str
 
 type End = Option<toprise::archive::format::Entries>;
 
-/// Reads a recording: its messages, its end record, and what could not be read, in sentences.
+/// Reads a recording. Returns its tables, its end record and a description of unreadable parts.
 fn replay(
     recording: &Recording,
     topics: &Topics,
@@ -268,7 +268,7 @@ impl Run {
         Ok(run)
     }
 
-    /// Warns of what is lost.
+    /// Warns about missing parts.
     fn warn(&self, py: Python<'_>) -> PyResult<()> {
         let Some(first) = self.losses.first() else {
             return Ok(());
@@ -349,10 +349,10 @@ impl Run {
         }
     }
 
-    /// Outcome of the run, by the names of a sweep's columns: `run.outcome["rise_time"]` (s). `None` stands
-    /// for what did not happen.
+    /// Outcome of the run, by the names of a sweep's columns: `run.outcome["rise_time"]` (s). `None` means
+    /// that it did not happen.
     ///
-    /// For a recording it is the outcome of its scenario, which is simulated for it each time.
+    /// For a recording, the scenario is simulated again on each call to get it.
     #[getter]
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         if let Origin::Scenario(_, outcome) = &self.origin {
@@ -368,47 +368,47 @@ impl Run {
         self.tables.iter().map(|(topic, _)| topic.name()).collect()
     }
 
-    /// The topics, as those of a mapping.
+    /// The topics; makes a run a mapping.
     fn keys(&self) -> Vec<&'static str> {
         self.topics()
     }
 
-    /// Events, one a row: the table of `/events`.
+    /// Table of `/events`, one row per event.
     #[getter]
     fn events(&self, py: Python<'_>) -> PyResult<Py<Table>> {
         self.find(py, EVENTS.name())
     }
 
-    /// The averaged motion, one nutation a row: the table of `/top/nutation`.
+    /// Table of `/top/nutation`: averages over each nutation, one per row.
     #[getter]
     fn nutations(&self, py: Python<'_>) -> PyResult<Py<Table>> {
         self.find(py, NUTATION.name())
     }
 
-    /// SHA-256 of all messages, as `toprise run` prints it. For a recording it is read from the file; `toprise.verify`
-    /// checks it; None if it was interrupted.
+    /// SHA-256 of all messages, as `toprise run` prints it. For a recording it is read from the file
+    /// (not checked; use `toprise.verify`). None if the run was interrupted.
     #[getter]
     fn content_digest(&self) -> Option<&str> {
         self.content_digest.as_deref()
     }
 
-    /// Missing parts of the run, in sentences; empty if it is whole.
+    /// Descriptions of missing parts; empty if the run is complete.
     #[getter]
     fn losses(&self) -> Vec<String> {
         self.losses.clone()
     }
 
-    /// Writes the whole run as a recording (MCAP), with the bytes that `toprise run` writes. Topics that were left out are in it:
-    /// the scenario is simulated again.
+    /// Writes the whole run as a recording (MCAP), with the bytes that `toprise run` writes. The file
+    /// contains all topics, even if this run has only some; the scenario is simulated again for it.
     ///
-    /// Raises `RecordingError` if the file can't be written, or is there already.
+    /// Raises `RecordingError` if the file exists or can't be written.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let Scenario(scenario) = self.scenario()?;
         let saved = compute(py, move |interrupt| save(&scenario, &path, interrupt))?;
         saved.map_err(RecordingError::new_err)
     }
 
-    /// Opens the run in the Rerun viewer, in a process of its own, which is returned. `pip install rerun-sdk` installs the viewer.
+    /// Opens the run in the Rerun viewer, and returns the viewer process. `pip install rerun-sdk` installs the viewer.
     fn rerun<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let viewer = slf.py().import("toprise._viewer")?;
         viewer.call_method1("show", (slf,))
@@ -439,8 +439,8 @@ impl Run {
         Ok(text + ">")
     }
 
-    /// The name, the curves of θ and the rates, and a table of the outcome. A recording shows its topics instead: its outcome
-    /// would have to be simulated.
+    /// The name, the curves of θ and the rates, and a table of the outcome. For a recording, the
+    /// topics instead of the outcome, because the outcome needs a simulation.
     fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
         let mut page = format!(
             "<p>{}: <code>run.rerun()</code> opens it in the Rerun viewer</p>{}<table><tbody>",

@@ -11,15 +11,15 @@ use toprise::archive::input::values;
 use toprise::run::scenario::{Scenario as Checked, Value, Values};
 use toprise::sweep::{find_key, values_of_row};
 
-/// A checked, complete definition of a run: keys with values, in SI units and radians.
+/// A validated definition of a run: keys and values, in SI units and radians.
 ///
 /// `Scenario("paper", {"friction.k": 0.02})` is the scenario of a preset, of a scenario file (TOML), of a recording (MCAP)
-/// or another one, with some keys set; `None` removes a key. It reads like a mapping: `scenario["friction.k"]`,
+/// or another one, with some keys set; `None` removes a key. It behaves like a read-only mapping: `scenario["friction.k"]`,
 /// `dict(scenario)`. Two scenarios are equal if all their keys and values are.
 #[pyclass(frozen, mapping, module = "toprise")]
 pub struct Scenario(pub Checked);
 
-/// Argument that names a run: a scenario, or a word for one.
+/// Argument that identifies a scenario.
 pub enum Base<'py> {
     /// A scenario.
     Scenario(Bound<'py, Scenario>),
@@ -62,7 +62,7 @@ impl Base<'_> {
         Checked::new(with(values, overrides)?).map_err(errors::scenario)
     }
 
-    /// Its keys and values with some of them set; whether they fit together is not checked.
+    /// The keys and values after overrides; not validated together.
     pub fn values(self, overrides: Option<&Bound<'_, PyMapping>>) -> PyResult<Values> {
         let values = match self {
             Self::Scenario(scenario) => {
@@ -132,13 +132,13 @@ impl Scenario {
         self.0.to_toml()
     }
 
-    /// The name, after which recordings are called.
+    /// The name, used for file names of recordings.
     #[getter]
     fn name(&self) -> &str {
         self.0.name()
     }
 
-    /// SHA-256 over every key and value but name and description: equal for scenarios that define the same run.
+    /// SHA-256 of all keys and values except name and description. Equal for scenarios that define the same run.
     #[getter]
     fn digest(&self) -> String {
         self.0.digest()

@@ -21,8 +21,7 @@ pub struct Given {
 impl<'py> FromPyObject<'_, 'py> for Given {
     type Error = PyErr;
 
-    /// Takes what has `__arrow_c_stream__`, as tables of pyarrow, Polars, pandas and DuckDB have, or `__arrow_c_array__`, as
-    /// single batches have.
+    /// Accepts objects with `__arrow_c_stream__` (tables) or `__arrow_c_array__` (single batches).
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         if given.hasattr("__arrow_c_stream__")? {
             let capsule = given.call_method0("__arrow_c_stream__")?;
@@ -126,7 +125,7 @@ fn batch(array: FFI_ArrowArray, schema: &SchemaRef) -> PyResult<RecordBatch> {
     RecordBatch::try_new_with_options(schema.clone(), columns, &options).map_err(refused)
 }
 
-/// The columns with nothing in rows that are null as a whole, whatever lies there in memory.
+/// The columns of a struct array, with nulls where the struct is null.
 fn without(columns: &[ArrayRef], is_null: &BooleanArray) -> PyResult<Vec<ArrayRef>> {
     let columns = columns.iter().map(|column| nullif(column, is_null));
     columns.collect::<Result<_, _>>().map_err(refused)

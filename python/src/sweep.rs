@@ -19,7 +19,7 @@ use toprise::run::scenario::{Value, Values};
 use toprise::run::simulation::StopReason;
 use toprise::sweep::{self as sweeps, Design, Options, Shard, Spec, Sweep, Watch};
 
-/// The column of a sweep's table with the number of a row: what is given keeps its own.
+/// Name of the row number column; numbers in an input table are kept.
 const RUN: &str = "run";
 /// The column of a sweep's table with the name of a row's base.
 const SCENARIO: &str = "scenario";
@@ -69,7 +69,7 @@ pub fn outcomes(
     Ok(named(beside(&kept, &computed).map_err(refused)?))
 }
 
-/// Refuses rows of several bases, as a sweep's table may have them: here all are runs of one.
+/// Rejects tables with rows of several bases; `outcomes` has a single base.
 fn refuse_two_bases(given: &RecordBatch) -> PyResult<()> {
     let Some(names) = given.column_by_name(SCENARIO) else {
         return Ok(());
@@ -91,7 +91,7 @@ fn refuse_two_bases(given: &RecordBatch) -> PyResult<()> {
     }
 }
 
-/// Refuses to keep columns that the table doesn't have.
+/// Rejects `keep` columns missing from the table.
 fn refuse_missing(keep: &[String], given: &RecordBatch) -> PyResult<()> {
     let fields = given.schema_ref().fields().iter();
     let names: Vec<&str> = fields.map(|field| field.name().as_str()).collect();
@@ -110,7 +110,7 @@ fn refuse_missing(keep: &[String], given: &RecordBatch) -> PyResult<()> {
     }
 }
 
-/// Refuses to keep columns that are called like those of outcomes.
+/// Rejects `keep` columns whose names clash with outcome columns.
 fn refuse_twofold(kept: &RecordBatch, sweep: &Sweep) -> PyResult<()> {
     let own = sweep.schema();
     let is_twofold =
@@ -170,7 +170,7 @@ pub fn outcome_columns(keys: Vec<String>) -> PyResult<Table> {
     Ok(named(beside(&nothing, &columns).map_err(refused)?))
 }
 
-/// A row in which every key is left as it is: a design has at least one.
+/// Adds an empty row if the table has none, since a design needs at least one row.
 fn one_empty_row(keys: &RecordBatch) -> PyResult<RecordBatch> {
     let fields = keys.schema_ref().fields().iter();
     let (fields, columns): (Vec<Field>, Vec<ArrayRef>) = fields
@@ -203,7 +203,7 @@ fn named(rows: RecordBatch) -> Table {
     Table::new(name, meaning, rows)
 }
 
-/// Reads the spec of a sweep; files that it names are looked for in `folder`.
+/// Reads the spec of a sweep; relative file names are resolved in `folder`.
 fn read_spec(text: &str, folder: &Path) -> PyResult<Sweep> {
     let spec = Spec::from_toml(text, folder, &[]).map_err(refused_sweep)?;
     Ok(Sweep::new(spec))
@@ -232,7 +232,8 @@ pub fn rows(text: &str, folder: PathBuf) -> PyResult<(u64, u64)> {
     Ok((sweep.spec().rows(), sweeps::PART_ROWS))
 }
 
-/// Computes a sweep; see `toprise.sweep`. `progress` is called now and then with the number of runs that are done, and of all.
+/// Computes a sweep; see `toprise.sweep`. `progress` is called periodically with the number of finished runs and the total
+/// number of runs to compute in this call.
 #[pyfunction]
 #[pyo3(signature = (text, folder, out, *, threads, shard, fail_fast, progress))]
 #[allow(clippy::too_many_arguments)]

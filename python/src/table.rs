@@ -32,13 +32,13 @@ const SHOWN: usize = 4;
 
 /// Rows and columns, in SI units and radians: the messages of a topic, one a row, or the outcomes of many runs.
 ///
-/// It speaks the Arrow PyCapsule interface: `polars.DataFrame(table)`, `pyarrow.table(table)`,
-/// `pandas.DataFrame.from_arrow(table)` and DuckDB's `FROM table` read it without copying a number.
+/// Implements the Arrow PyCapsule interface: `polars.DataFrame(table)`, `pyarrow.table(table)`,
+/// `pandas.DataFrame.from_arrow(table)` and DuckDB's `FROM table` read it without a copy.
 /// `table.numpy("theta")` is one column for NumPy.
 ///
 /// Columns of every topic's table are `time_ns` (exact simulation time, ns), `sequence` (number of the sample, event or nutation)
 /// and `time` (s). The others are the fields of the topic, with `_` in place of dots: `omega_body_x`. Unit, frame and
-/// meaning stand in the Arrow fields' metadata.
+/// description are in the Arrow field metadata.
 #[pyclass(frozen, module = "toprise")]
 pub struct Table {
     name: String,
@@ -92,13 +92,13 @@ impl Table {
 
 #[pymethods]
 impl Table {
-    /// The topic, as in `/top/state`, or what else the table is called.
+    /// The topic, such as `/top/state`, or another name of the table.
     #[getter]
     fn name(&self) -> &str {
         &self.name
     }
 
-    /// Content of the table.
+    /// Description of the table.
     #[getter]
     fn meaning(&self) -> &str {
         &self.meaning
@@ -125,8 +125,8 @@ impl Table {
     /// A column as a NumPy array of shape (rows,).
     ///
     /// Numbers are a read-only view of the table's memory (float64; int64 for `time_ns`, `sequence` and counts), texts a copy.
-    /// So are columns in which values are missing, as in outcomes: NaN stands for a number, None for a text. Names with dots
-    /// are understood too: `omega_body.x`.
+    /// Columns with missing values are copied, too: missing numbers become NaN, missing texts None. Names with dots also work:
+    /// `omega_body.x`.
     fn numpy<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         view::numpy(py, self.rows.column(self.index(name)?))
     }
@@ -142,7 +142,7 @@ impl Table {
         PyCapsule::new_with_value(py, schema.map_err(refused)?, c"arrow_schema")
     }
 
-    /// All rows as one batch, for the Arrow PyCapsule interface. Another schema than the table's is not made.
+    /// All rows as one batch, for the Arrow PyCapsule interface. `requested_schema` is ignored.
     #[pyo3(signature = (requested_schema=None))]
     fn __arrow_c_stream__<'py>(
         &self,
@@ -216,7 +216,7 @@ pub fn escaped(text: &str) -> String {
         .replace('"', "&quot;")
 }
 
-/// The columns of a topic while its messages come.
+/// Column builders of a topic.
 pub struct Columns {
     topic: Topic,
     time_ns: Vec<i64>,

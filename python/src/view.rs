@@ -5,7 +5,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
-/// A column for NumPy's array interface. The array that NumPy makes of it keeps it alive.
+/// A column for NumPy's array interface. The NumPy array keeps it alive.
 #[pyclass(frozen, module = "toprise")]
 struct View {
     _column: ArrayRef,
@@ -33,7 +33,7 @@ impl View {
     }
 }
 
-/// A column as a NumPy array: numbers as a read-only view; as a copy texts, and columns in which values are missing.
+/// A column as a NumPy array: a read-only view for numbers, a copy for texts and for columns with missing values.
 pub fn numpy<'py>(py: Python<'py>, column: &ArrayRef) -> PyResult<Bound<'py, PyAny>> {
     let numpy = py.import("numpy")?;
     let any = column.as_any();

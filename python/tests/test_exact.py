@@ -31,7 +31,7 @@ def fields(table):
 
 
 def content_digest(run):
-    """The content digest by its definition (docs/recordings.md), from nothing but the tables' columns."""
+    """The content digest by its definition (src/telemetry/digest.rs), from nothing but the tables' columns."""
     whole = hashlib.sha256()
     for topic in run:
         table = run[topic]

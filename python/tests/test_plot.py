@@ -90,7 +90,7 @@ def test_a_map_of_a_table_names_units():
 
 def test_what_is_no_grid_is_refused():
     lacking = pl.DataFrame(ROWS).head(5)
-    with pytest.raises(ValueError, match="no grid"):
+    with pytest.raises(ValueError, match="do not form a grid"):
         toprise.plot.map(lacking, "friction_k", "initial_psi_dot")
     with pytest.raises(ValueError, match="no rows"):
         toprise.plot.map(lacking.head(0), "friction_k", "initial_psi_dot")

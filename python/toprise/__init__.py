@@ -1,9 +1,9 @@
-"""How does a spinning top stand up? Simulates heavy symmetric tops under slipping friction.
+"""Simulate heavy symmetric tops with sliding friction at the peg.
 
     import toprise
 
     run = toprise.run("paper", {"friction.k": 0.02})
-    run["/top/state"].numpy("theta")        # a view for NumPy; the Table is also read by Polars, pyarrow, pandas, DuckDB
+    run["/top/state"].numpy("theta")        # NumPy view; Polars, pyarrow, pandas and DuckDB can read the Table, too
     print(toprise.diff(run, "paper").summary)
 
 Units are SI and radians throughout.

@@ -1,33 +1,33 @@
-"""Exceptions and warnings. Their texts are those of the command line."""
+"""Exceptions and warnings. Messages are the same as on the command line."""
 
 
 class Error(Exception):
-    """Anything that toprise refuses or can't do."""
+    """Base class of all toprise exceptions."""
 
 
 class ScenarioError(Error, ValueError):
-    """A scenario that can't be run: the text names the key, its value and what is allowed."""
+    """Invalid scenario. The message names the key, its value and the allowed values."""
 
 
 class SimulationError(Error, ArithmeticError):
-    """A motion that can't be integrated."""
+    """The motion can't be integrated."""
 
 
 class RecordingError(Error, ValueError):
-    """A file that is no recording of toprise, or that can't be read."""
+    """The file is not a toprise recording, or can't be read."""
 
 
 class DiffError(Error, ValueError):
-    """Runs that can't be compared or explained."""
+    """The runs can't be compared or explained."""
 
 
 class SweepError(Error, ValueError):
-    """A sweep that can't be started or written."""
+    """The sweep can't be started or its table can't be written."""
 
 
 class InternalError(Error, RuntimeError):
-    """A defect of toprise itself; please report it."""
+    """Internal error (a bug in toprise); please report it."""
 
 
 class RecordingWarning(UserWarning):
-    """A run of which something is missing; `run.losses` says what."""
+    """Part of a run is missing; see `run.losses`."""

@@ -1,4 +1,4 @@
-"""Questions about runs, and their answers."""
+"""Reports on runs: `diff`, `explain`, `verify`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, Union
 from . import _toprise
 from ._toprise import Run, Scenario
 
-#: A run: one that was simulated or read, a scenario, a preset, a scenario file or an MCAP file.
+#: Anything that identifies a run: a `Run`, a `Scenario`, or the name of a preset, scenario file or MCAP file.
 AnyRun = Union[Run, Scenario, str, "os.PathLike[str]"]
 
 
@@ -24,7 +24,7 @@ class Report(dict[str, Any]):
 
     @property
     def summary(self) -> str:
-        """The report in words, one finding a line."""
+        """The report as text, one finding per line."""
         return "\n".join(self._lines)
 
     def __repr__(self) -> str:
@@ -34,7 +34,7 @@ class Report(dict[str, Any]):
         return self.summary
 
     def _repr_html_(self) -> str:
-        """The summary, and a table of the entries that are one value. It has no colours of its own."""
+        """HTML with the summary and a table of the scalar entries."""
         plain = {key: value for key, value in self.items() if isinstance(value, (str, int, float))}
         rows = (
             f"<tr><th>{html.escape(str(key))}</th><td>{html.escape(str(value))}</td></tr>"
@@ -45,11 +45,11 @@ class Report(dict[str, Any]):
 
 
 class DiffReport(Report):
-    """What differs between two runs; `schemas/toprise.DiffReport.json` describes the keys."""
+    """Differences between two runs; `schemas/toprise.DiffReport.json` describes the keys."""
 
     @property
     def verdict(self) -> str:
-        """How the comparison ended: identical, equal (within the tolerances), agreeing (as far as compared) or different."""
+        """Verdict: identical, same_values, equal (within the tolerances), agreeing (as far as compared) or different."""
         return str(self["verdict"])
 
 
@@ -58,7 +58,7 @@ class Explanation(Report):
 
 
 class VerifyReport(Report):
-    """A recording compared with its scenario, run again; `schemas/toprise.VerifyReport.json` describes the keys."""
+    """Comparison of a recording with a new run of its scenario; `schemas/toprise.VerifyReport.json` describes the keys."""
 
     @property
     def verdict(self) -> str:
@@ -67,7 +67,7 @@ class VerifyReport(Report):
 
     @property
     def summary(self) -> str:
-        """The verdict, and the first difference."""
+        """The verdict and the first difference, as text."""
         lines = [f"{self['file']}: {self.verdict}"]
         if found := self.get("difference"):
             parts = [found["place"], found.get("time"), found.get("field")]
@@ -87,13 +87,14 @@ def diff(
     topics: Iterable[str] = (),
     ignore: Iterable[str] = (),
 ) -> DiffReport:
-    """Compares two runs: their scenarios, events, averaged motions and messages.
+    """Compares two runs: their scenarios, events, averaged motion and messages.
 
     `abs` (in the unit of each field) and `rel` (relative to the larger magnitude) are the tolerances; `tolerances` sets
-    them for some fields, as in `{"/top/state.theta": 1e-9, "/top/torque.*": "rel:1e-6"}`. `floor` estimates the
-    integrators' errors too, by simulating the scenarios again. `topics` and `ignore` choose what is compared.
+    them for some fields, as in `{"/top/state.theta": 1e-9, "/top/torque.*": "rel:1e-6"}`. If `floor` is true, the
+    integration errors are estimated by repeating both simulations with tighter tolerances. `topics` and `ignore` select the
+    topics and fields to compare.
 
-    Any two MCAP files can be compared. Of files that toprise did not write, messages are compared byte by byte.
+    Any two MCAP files can be compared. Messages of files not written by toprise are compared byte by byte.
 
     Raises `DiffError` if there is nothing to compare.
     """
@@ -126,5 +127,5 @@ def verify(path: str | os.PathLike[str]) -> VerifyReport:
 
 
 def presets() -> dict[str, str]:
-    """The scenarios that come with toprise: their names, and what they show."""
+    """The built-in scenarios: names and descriptions."""
     return dict(_toprise.presets())

@@ -1,4 +1,4 @@
-"""Many runs: their outcomes as tables."""
+"""Outcomes of many runs, as tables."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any, Union
 from . import _toprise
 from ._toprise import Scenario, Table
 
-#: What a scenario is named by.
+#: A scenario, or the name of a preset or file.
 AnyScenario = Union[Scenario, str, "os.PathLike[str]"]
 
 #: The spec of a sweep: a TOML file, or its content as a mapping.
@@ -22,14 +22,18 @@ Spec = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
 
 class Outcomes:
-    """The outcomes of runs whose keys are the rows of a table: a function that can be pickled and sent to other processes.
+    """Picklable function that maps a table of keys to a table of outcomes, one run per row.
 
-    `outcomes(table)` takes and gives a table of pyarrow, Polars or pandas (any other table of Arrow gives a `toprise.Table`):
-    for `ray.data.Dataset.map_batches(…, batch_format="pyarrow")`, `dask.dataframe.map_partitions`, Polars' `map_batches`.
-    `outcomes.batches` maps an iterator of pyarrow's batches, for Spark's `mapInArrow`.
+    `outcomes(table)` returns a table of the same library for pyarrow, Polars and pandas, and a `toprise.Table` for any
+    other Arrow table. Use it with `ray.data.Dataset.map_batches(…, batch_format="pyarrow")`,
+    `dask.dataframe.map_partitions` or Polars' `map_batches(outcomes, schema=polars.DataFrame(outcomes.schema).schema)`;
+    Polars needs `keys`, and `threads=0` uses all processors. `outcomes.batches` maps an iterator of pyarrow record
+    batches, for Spark's `mapInArrow(outcomes.batches, from_arrow_schema(pyarrow.schema(outcomes.schema)))`, which needs
+    `keys`. The workers need this package, and Spark needs `PYSPARK_PYTHON`.
 
-    Each column is a key of a scenario (`friction_k` or `friction.k`); where a cell is null, the base's value holds. `run` and the
-    columns named in `keep` go through, and an index of pandas is passed over. A row that can't be run has its reason in `error` and no outcome.
+    Each column is a scenario key (`friction_k` or `friction.k`); a null cell keeps the value of the base. The column
+    `run` and the columns in `keep` are copied to the result; a pandas index is ignored. For a row that can't be run,
+    `error` contains the reason and the outcome is null.
     """
 
     def __init__(
@@ -41,7 +45,7 @@ class Outcomes:
         threads: int = 1,
         max_steps: int | None = None,
     ) -> None:
-        """`keys` are only needed for `schema`; 0 `threads` are as many as there are processors."""
+        """`keys` are only needed for `schema`. `threads=0` uses all processors."""
         self.base = Scenario(base)
         self.keys = list(keys)
         self.keep = list(keep)
@@ -50,11 +54,11 @@ class Outcomes:
 
     @property
     def schema(self) -> Table:
-        """The columns for `keys` and of the outcomes, as a table without rows: `pyarrow.schema(outcomes.schema)`."""
+        """An empty table with the columns of `keys` and of the outcomes, as a schema: `pyarrow.schema(outcomes.schema)`."""
         return _toprise.outcome_columns(self.keys)
 
     def table(self, table: Any) -> Table:
-        """The outcomes of a table of any library with Arrow's PyCapsule interface."""
+        """The outcomes for a table that supports the Arrow PyCapsule interface."""
         return _toprise.outcomes(
             table, self.base, keep=self.keep, threads=self.threads, max_steps=self.max_steps
         )
@@ -79,7 +83,7 @@ class Outcomes:
         return made
 
     def batches(self, batches: Iterable[Any]) -> Iterator[Any]:
-        """The outcomes of each of pyarrow's batches, for `pyspark.sql.DataFrame.mapInArrow`."""
+        """The outcomes of each pyarrow record batch, for `pyspark.sql.DataFrame.mapInArrow`."""
         return map(self, batches)
 
 
@@ -91,19 +95,19 @@ def outcomes(
     threads: int = 0,
     max_steps: int | None = None,
 ) -> Table:
-    """The outcomes of runs whose keys are the rows of a table, computed with all processors.
+    """Runs one scenario per row of a table, on all processors, and returns the outcomes.
 
-    See `Outcomes` for what tables are and what comes of them. A run that takes more than `max_steps` steps of the integrator has
-    an error instead of an outcome. NumPy's arrays become a table with `pyarrow.table({"friction_k": array})` or the like.
+    See `Outcomes` for the table formats. A run that takes more than `max_steps` integrator steps has an error instead
+    of an outcome. To pass NumPy arrays, wrap them: `pyarrow.table({"friction_k": array})`.
     """
     return Outcomes(base, keep=keep, threads=threads, max_steps=max_steps).table(table)
 
 
 def design(spec: Spec, start: int = 0, stop: int | None = None) -> Table:
-    """The runs from `start` to before `stop` of a sweep: their numbers, bases and the values of the keys that vary.
+    """The rows `start` to `stop` (exclusive) of a sweep's design: row number, base and the values of the varied keys.
 
-    `spec` is a TOML file or a mapping, as in `{"bases": ["paper"], "over": {"friction.k": "0.005..0.1/64log"}}`; a sample adds
-    `{"sample": {"count": 1000, "method": "sobol", "seed": 7}}`. See `toprise sweep --help`.
+    `spec` is a TOML file or a mapping, as in `{"bases": ["paper"], "over": {"friction.k": "0.005..0.1/64log"}}`; a
+    sample adds `{"sample": {"count": 1000, "method": "sobol", "seed": 7}}`. See `toprise sweep --help`.
     """
     return _toprise.design(*read(spec), start, stop)
 
@@ -117,13 +121,13 @@ def sweep(
     fail_fast: bool = False,
     progress: bool | Callable[[int, int], object] = False,
 ) -> dict[str, Any]:
-    """Computes a sweep and writes its table, in Parquet: the bytes that `toprise sweep` writes.
+    """Computes a sweep and writes its table to a Parquet file, with the same bytes as `toprise sweep`.
 
-    Continues an earlier call that was interrupted. `shard=(i, n)` computes the i-th of n shares of the parts, from
-    0, and merges nothing; the call without it completes the table. `progress=True` shows a bar on standard error; a function is
-    called with the numbers of runs that are done, and of all that are left. The answer has the number of `runs` of the whole sweep and of those `computed` now
-    and `kept` from before (None for a share), and counts the runs by why they stopped, and those with an `error`.
-    `toprise.run(out, row=42)` runs a row again.
+    Resumes an interrupted call. `shard=(i, n)` computes shard i (from 0) of n and does not merge; a later call without
+    `shard` completes the table. `progress=True` shows a progress bar on standard error; a function is called with the
+    number of finished runs and the total number of runs to compute in this call. Returns the total number of `runs`,
+    the numbers `computed` now and `kept` from before (None for a shard), and the counts by stop reason (`stops`) and of
+    `errors`.
     """
     report: Callable[[int, int], object] | None = None
     if callable(progress):
@@ -144,7 +148,7 @@ def sweep(
 
 
 class _Bar:
-    """A line on standard error."""
+    """A progress line on standard error."""
 
     def __init__(self) -> None:
         self.began = time.monotonic()
@@ -162,7 +166,7 @@ class _Bar:
 
 
 def read(spec: Spec) -> tuple[str, str]:
-    """The text of a spec, and the folder in which files that it names are looked for."""
+    """The text of a spec, and the directory for relative file names in it."""
     if isinstance(spec, Mapping):
         entries = (f"{_key(name)} = {_toml(value)}\n" for name, value in _present(spec).items())
         return "".join(entries), os.getcwd()
@@ -171,7 +175,7 @@ def read(spec: Spec) -> tuple[str, str]:
 
 
 def _present(spec: Mapping[str, Any]) -> dict[str, Any]:
-    """The entries of a spec but for those that are None. In `set`, None takes a key out of a scenario, as in `toprise.run`."""
+    """The entries of a spec that are not None. In `set`, None removes a key from the scenario, as in `toprise.run`."""
     present = {name: value for name, value in spec.items() if value is not None}
     if isinstance(taken := present.get("set"), Mapping):
         present["set"] = {key: "" if value is None else value for key, value in taken.items()}

@@ -1,4 +1,4 @@
-"""Types of the native half; docstrings stand in its Rust source and are what `help` shows."""
+"""Type stubs of the native module. Its docstrings are in the Rust source."""
 
 import os
 import subprocess

@@ -13,9 +13,9 @@ from ._toprise import Run
 
 
 def show(run: Run) -> subprocess.Popen[bytes]:
-    """Opens a run in a viewer of its own. A run without a file is saved in a temporary one.
+    """Opens a run in a new viewer. A run without a file is saved to a temporary file first.
 
-    It is left there for the system to clear: a script may have ended before the viewer reads it.
+    The temporary file is not deleted, because the viewer may read it after the script has ended.
     """
     if importlib.util.find_spec("rerun") is None:
         raise ImportError("the Rerun viewer is not installed: pip install rerun-sdk==0.36.3")

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 
 from ._toprise import Table
 
-#: Colours of runs that have no value, by their `stop_reason`; "failed" are those with an error.
+#: Colours of runs without a value, by `stop_reason`; "failed" means the row has an error.
 _COLORS = {
     "fallen": "#b2182b",
     "duration": "#bdbdbd",
@@ -22,18 +22,19 @@ _COLORS = {
 _OTHER = "#74a9cf"
 
 
-def map(  # noqa: A001: it is the name of what it draws
+def map(  # noqa: A001: it draws a map
     table: Any,
     x: str,
     y: str,
     color: str = "rise_time",
     ax: Axes | None = None,
 ) -> Axes:
-    """Draws a column of a grid of outcomes over two others.
+    """Draws one outcome column as a map over two keys.
 
-    `table` is a `Table`, or what pyarrow, Polars or pandas make of a sweep's file; `x` and `y` name two keys, such as `friction.k`
-    or `friction_k`, whose every combination has one row. Rows without a value in `color` are coloured by why their runs
-    stopped. A line surrounds the runs in which the axis loops. Axes are logarithmic where the values of a key are.
+    `table` is a `Table`, or a sweep file read with pyarrow, Polars or pandas. `x` and `y` are two keys such as
+    `friction.k` or `friction_k`; each combination must have exactly one row. Rows without a value in `color` are
+    coloured by stop reason. A line encloses the runs in which the axis loops. An axis is logarithmic if the values of
+    its key are evenly spaced on a log scale.
     """
     x, y, color = (name.replace(".", "_") for name in (x, y, color))
     xs, ys, values = (_column(table, name).astype(float) for name in (x, y, color))
@@ -45,7 +46,7 @@ def map(  # noqa: A001: it is the name of what it draws
     columns, column = np.unique(xs, return_inverse=True)
     rows, row = np.unique(ys, return_inverse=True)
     if len(columns) * len(rows) != len(xs) or len(set(zip(column, row))) != len(xs):
-        raise ValueError(f"{x} and {y} are no grid of one run for each pair of values")
+        raise ValueError(f"{x} and {y} do not form a grid: each pair of values needs exactly one run")
 
     ax = ax or plt.subplots()[1]
     is_log = [_is_logarithmic(levels) for levels in (columns, rows)]
@@ -77,7 +78,7 @@ def map(  # noqa: A001: it is the name of what it draws
 
 
 def _edges(levels: Any, is_log: bool) -> Any:
-    """The ends of the cells around levels: halfway to their neighbours; a single one has a tenth of its value on both sides."""
+    """The cell boundaries, halfway between neighbouring levels. A single level gets a tenth of its value on both sides."""
     if len(levels) == 1:
         room = 0.1 * abs(levels[0]) or 1.0
         return np.array([levels[0] - room, levels[0] + room])
@@ -89,7 +90,7 @@ def _edges(levels: Any, is_log: bool) -> Any:
 
 
 def _boundary(inside: Any, xs: Any, ys: Any) -> list[Any]:
-    """The edges between neighbouring cells of which one is inside, as lines."""
+    """The edges between cells inside and outside, as line segments."""
     lines = []
     for row, column in zip(*np.nonzero(inside[:, :-1] != inside[:, 1:])):
         x = xs[column + 1]
@@ -110,13 +111,13 @@ def _label(table: Any, name: str) -> str:
 
 
 def _is_logarithmic(values: Any) -> bool:
-    """Whether the ratios of neighbours are alike, and not their differences."""
+    """Whether the values are evenly spaced on a log scale, and not on a linear one."""
     if len(values) < 3 or values[0] <= 0:
         return False
 
     def is_even(values: Any) -> bool:
         steps = np.diff(values)
-        # The values are rounded; a millionth is not visible.
+        # Allows for rounding of the values.
         return bool(np.ptp(steps) < 1e-6 * steps[0])
 
     return is_even(np.log(values)) and not is_even(values)

@@ -1,7 +1,7 @@
 """Sweeps on a Ray cluster: `pip install toprise[ray]`.
 
-Ray schedules, retries and moves the work. The files of the parts record what is done, so that no row is missing or there twice,
-whatever is killed. All nodes need one file system.
+Ray schedules and retries the tasks. Finished parts are stored as files, so that no row is lost or duplicated if a task is
+killed. All nodes need a shared file system.
 """
 
 from __future__ import annotations
@@ -18,10 +18,11 @@ from ._sweeps import sweep as sweep_here
 
 
 def sweep(spec: Spec, out: str | os.PathLike[str], *, retries: int = 5) -> dict[str, Any]:
-    """Computes a sweep with one Ray task for each part of it, and merges its table: the bytes of a local sweep.
+    """Computes a sweep with one Ray task per part and merges the table. Its bytes are those of a local sweep.
 
-    `out` lies in a folder that all nodes share. A task whose worker or node dies is tried again, `retries` times. If the program itself
-    dies, the same call goes on where it was. The answer is that of `toprise.sweep`, and its counts include the runs of all tasks.
+    `out` must be in a directory shared by all nodes. A task whose worker or node dies is retried up to `retries` times.
+    If the driver dies, repeat the call to resume. Returns the same dictionary as `toprise.sweep`; its counts include
+    the runs of all tasks.
     """
     text, folder = read(spec)
     rows, part_rows = _toprise.rows(text, folder)
@@ -29,7 +30,7 @@ def sweep(spec: Spec, out: str | os.PathLike[str], *, retries: int = 5) -> dict[
     path = os.path.abspath(out)
 
     def compute(part: int) -> int:
-        # A share of one part; it is left alone if it is there.
+        # A shard of one part; an existing part is not recomputed.
         answer = _toprise.sweep(
             text, folder, path, threads=1, shard=(part, parts), fail_fast=False, progress=None
         )
