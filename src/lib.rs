@@ -1,6 +1,5 @@
-//! toprise simulates how a heavy symmetric top with a spherical peg rises under slipping friction, and
-//! logs every state, every torque component and the slip velocity of the contact point into MCAP files
-//! and a Rerun stream.
+//! toprise simulates a heavy symmetric top with a spherical peg and sliding friction, and records states, torques and
+//! slip velocities to MCAP files and Rerun.
 //!
 //! ```
 //! use toprise::run::scenario::Preset;
@@ -20,23 +19,24 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Eight rooms, each of which uses only those before it: [`physics`], the mechanics; [`run`], scenarios and their
-//! simulation; [`telemetry`], the table of what is logged; [`archive`], recordings as files; [`analysis`], what is
-//! asked of runs; `sweep`, tables of many runs (feature `sweep`); `rerun`, the stream for the Rerun viewer (feature `rerun`); [`cli`], the program.
-
-//! On WebAssembly there is no [`cli`], and files can't be read or written: [`archive::writer`] writes into memory.
+//! Eight modules: [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
+//! [`archive`] (recordings), [`analysis`] (verify, diff, explain, figures), `sweep` (tables of runs; feature `sweep`),
+//! `rerun` (Rerun viewer; feature `rerun`), [`cli`] (the program). Each uses only those before it, except that
+//! `analysis::figures` reads the tables of `sweep`.
+//!
+//! On WebAssembly there is no [`cli`] and no file access: [`archive::writer`] writes to memory.
 
 #![forbid(unsafe_code)]
 
 #[cfg(all(target_arch = "x86", not(target_feature = "sse2")))]
 compile_error!(
-    "the x87 unit keeps more digits than a double has, so recordings would not have the bytes that they have elsewhere: \
+    "x87 floating point has excess precision, so recordings would not be reproducible: \
      build for a target with SSE2, such as i686-unknown-linux-gnu"
 );
 
 #[cfg(all(feature = "sweep", target_endian = "big"))]
 compile_error!(
-    "on a big-endian machine the parquet crate writes files that can't be read: build without the feature `sweep` \
+    "the parquet crate writes unreadable files on big-endian machines: build without the feature `sweep` \
      (--no-default-features)"
 );
 

@@ -1,13 +1,13 @@
 //! Enums that list their variants.
 
-/// Declares an enum and lists its variants, so that none is forgotten.
+/// Declares an enum with a constant `ALL` of its variants.
 macro_rules! listed {
     ($(#[$of_enum:meta])* pub enum $Name:ident { $($(#[$of_variant:meta])* $Variant:ident,)+ }) => {
         $(#[$of_enum])*
         pub enum $Name { $($(#[$of_variant])* $Variant,)+ }
 
         impl $Name {
-            /// All of them.
+            /// All variants.
             pub const ALL: [Self; [$(stringify!($Variant)),+].len()] = [$(Self::$Variant),+];
         }
     };

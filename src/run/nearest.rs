@@ -1,26 +1,25 @@
-//! Names like a wrong one.
+//! "Did you mean" hints.
 
-/// A name is taken for a misspelt one if it is at least this much like it, by Jaro and Winkler.
+/// Minimum Jaro–Winkler similarity for a suggestion.
 const LIKE: f64 = 0.8;
 
-/// A question after the names that are most like a wrong one, such as ` (did you mean friction.k?)`; empty if none is
-/// like it.
+/// The hint for the most similar names, e.g. ` (did you mean friction.k?)`, or an empty string.
 pub(crate) fn near<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> String {
     let names = names.into_iter();
     nearest(names.map(|name| (likeness(wrong, name), name)))
 }
 
-/// Similarity of a name to a wrong one, from 0 to 1.
+/// Similarity of a name to an unknown one, from 0 to 1.
 pub(crate) fn likeness(wrong: &str, name: &str) -> f64 {
     let mut letters = name.chars();
-    // Such as `fig2` for `figure-2`.
+    // For example `fig2` for `figure-2`.
     let is_half = 2 * wrong.len() >= name.len() && name.starts_with(|l| wrong.starts_with(l));
     let is_short = is_half && wrong.chars().all(|letter| letters.any(|l| l == letter));
     let least: f64 = if is_short { 0.9 } else { 0.0 };
     least.max(strsim::jaro_winkler(wrong, name))
 }
 
-/// As [`near`], given how much each name is like the wrong one, from 0 to 1.
+/// Like [`near`], with precomputed similarities.
 pub(crate) fn nearest<'a>(names: impl Iterator<Item = (f64, &'a str)>) -> String {
     let mut nearest = Vec::new();
     let mut most = LIKE;

@@ -1,8 +1,7 @@
-//! Everything that defines a run: read from TOML, checked, and written back in one canonical form.
+//! Scenarios: parsed from TOML, validated, and written in canonical form.
 //!
-//! [`Values`] holds keys and values as a person writes them; [`Scenario`] is what has passed every
-//! check and is turned into the types of the physics. The table of keys, [`KEYS`], is the only place
-//! that has names, units and ranges.
+//! [`Values`] holds unvalidated keys and values. A [`Scenario`] is validated and uses the types of `physics`. Names,
+//! units and ranges are defined only in the table [`KEYS`].
 
 mod definition;
 mod error;

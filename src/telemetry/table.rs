@@ -1,4 +1,4 @@
-//! The table of channels: the one place that defines what is logged, and the handles of its fields.
+//! The channel table: the single definition of recorded data and of the field handles.
 
 use super::channel::{ChannelInfo, Leaf};
 use super::handle::{NumberField, RotationField, TextField, VectorField};
@@ -13,15 +13,13 @@ use crate::run::simulation::{Event, FreeSample, Landing, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::OnceLock;
 
-/// The version of the telemetry: of what is recorded, and how it is computed. A change of a channel, or of its
-/// numbers for a motion, raises it.
+/// Version of the telemetry. It is increased if channels, fields or their values change.
 ///
-/// 1. The first, whose recordings don't name it.
-/// 2. Nutation cycles are only those whose period is that of a nutation, and have the ranges of the rates. Integrals of
-///    the terms of φ̈ and ψ̈, the work about each axis of the node frame and that of the friction force are recorded.
-///    Views have the ranges of the nutation.
-/// 3. The ranges of the rates in a nutation hold what is before and after each impact in it, and nothing else. Where the axis
-///    is exactly vertical, φ and the rates are those with which it goes on. Drilling that has stopped the spin of a top with a free peg holds it.
+/// 1. Not stored in recordings.
+/// 2. Nutation cycles must have about the nutation period, and include ranges of the rates. New: integrals of the terms
+///    of φ̈ and ψ̈, work per axis of the node frame, work of the friction force; views with ranges.
+/// 3. Ranges of the rates are exact at impacts. φ and the rates at an exactly vertical axis are limits of the following
+///    motion. Drilling friction of a free peg is smoothed.
 pub const VERSION: u32 = 3;
 
 /// A channel whose messages are made from values of type `S`.
@@ -31,11 +29,11 @@ pub struct Channel<S: 'static> {
     pub topic: &'static str,
     /// Name of the message type.
     pub schema: &'static str,
-    /// Content of the channel.
+    /// Description of the channel.
     pub meaning: &'static str,
-    /// Whether only the recordings of tops with a free peg have it.
+    /// Whether the channel exists only for a free peg.
     pub is_of_free_peg: bool,
-    /// Whether a value makes a message; by default every value does.
+    /// Filter: whether a value produces a message (default: always).
     pub present: Option<fn(&S) -> bool>,
     /// Its fields.
     pub fields: &'static [Field<S>],
@@ -46,13 +44,13 @@ pub struct Channel<S: 'static> {
 pub struct Field<S> {
     /// Name.
     pub name: &'static str,
-    /// The kind of quantity, which has the unit.
+    /// The quantity, which determines the unit.
     pub quantity: Quantity,
-    /// Frame of a vector's components, empty for others.
+    /// Frame of a vector's components; empty for others.
     pub frame: &'static str,
-    /// Meaning, as in schemas.
+    /// Description, as in schemas.
     pub meaning: &'static str,
-    /// Name of the plot that shows it.
+    /// Plot name.
     pub plot: &'static str,
     /// Name of the field that is its time derivative, if the channel has it.
     pub derivative: Option<&'static str>,
@@ -81,13 +79,13 @@ mod frame {
 }
 
 impl<S> Channel<S> {
-    /// Only the recordings of tops with a free peg have it.
+    /// Restricts the channel to a free peg.
     const fn of_free_peg(mut self) -> Self {
         self.is_of_free_peg = true;
         self
     }
 
-    /// Only these values make a message.
+    /// Sets the filter of values.
     const fn present_if(mut self, present: fn(&S) -> bool) -> Self {
         self.present = Some(present);
         self
@@ -146,13 +144,13 @@ impl<S> Field<S> {
         Self::new(name, Text, meaning, Source::Text(get))
     }
 
-    /// Shows the field in a plot together with others.
+    /// Assigns the field to a shared plot.
     const fn in_plot(mut self, plot: &'static str) -> Self {
         self.plot = plot;
         self
     }
 
-    /// Names the field's time derivative.
+    /// Sets the field that is the time derivative.
     const fn with_derivative(mut self, derivative: &'static str) -> Self {
         self.derivative = Some(derivative);
         self
@@ -186,8 +184,8 @@ const fn index<S>(fields: &[Field<S>], place: usize) -> usize {
     }
 }
 
-/// Declares channels by what their messages are made from. Each becomes a row of a table, a [`Topic`], and a module with the handles of
-/// its fields.
+/// Declares channels, grouped by the source type of their messages. Each becomes a row of a table, a [`Topic`], and a
+/// module with the handles of its fields.
 macro_rules! channels {
     ($(
         $(#[$doc:meta])*
@@ -477,7 +475,7 @@ fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
 }
 
 impl Topic {
-    /// The topic with this name, for names that are known only when the program runs.
+    /// The topic with this name, for names known only at run time.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::all().find(|topic| topic.name() == name)
@@ -488,13 +486,13 @@ impl Topic {
         (0..channels().len()).map(Self::at)
     }
 
-    /// Its name, as in `/top/state`.
+    /// Its name, e.g. `/top/state`.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.info().topic
     }
 
-    /// The topics that runs with this support have, in table order.
+    /// The topics of runs with this support, in table order.
     pub fn all_with(support: Support) -> impl Iterator<Item = Self> {
         Self::all().filter(move |topic| support.is_free() || !topic.info().is_of_free_peg)
     }

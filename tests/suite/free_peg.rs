@@ -509,7 +509,7 @@ fn what_a_support_does_not_allow_is_refused() {
                 &[("initial.peg_x", "0"), ("initial.center_y", "0")],
             ]
             .concat(),
-            "initial.center_y is set too",
+            "conflicts with initial.center_y",
         ),
         (
             [&free[..], &[("stop.duration", "")]].concat(),
@@ -521,7 +521,7 @@ fn what_a_support_does_not_allow_is_refused() {
         ),
         (
             [&free[..], &[("top.center_distance", "-0.005")]].concat(),
-            "inverts",
+            "not applicable to a tippe top",
         ),
     ] {
         let error = refused(&changes);

@@ -1,4 +1,4 @@
-//! Variables without a singularity: orientation as a quaternion and angular momentum.
+//! The singularity-free formulation: quaternion and angular momentum.
 
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entry, Formulation, Guard, Transition};
@@ -14,32 +14,32 @@ use crate::physics::kinematics::{
 use crate::physics::math::atan2;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
-/// The motion as a rotation of the body: regular in every position.
+/// The motion as a rotation of the body: regular in every orientation.
 ///
-/// State: quaternion x, y, z, w (turns body components into world components), angular momentum about
-/// the peg's centre in world components (kg m²/s), then the running integrals.
+/// State: quaternion x, y, z, w (transforms body to world components), angular momentum about the peg's centre in world
+/// components (kg m²/s), then the running integrals.
 ///
-/// The angular momentum in the world varies with the slow precession, while the angular velocity in
-/// the body turns with the spin; it takes longer steps, and what no torque changes stays exactly
-/// constant. The quaternion's length drifts by rounding only and is divided out wherever it is used.
+/// The world-frame angular momentum varies only with the slow precession, which allows longer steps than the body-frame
+/// angular velocity, and its conserved components stay exactly constant. The quaternion norm drifts by rounding only;
+/// it is divided out on use.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyRotation {
     /// The physics.
     pub model: Model,
-    /// Phase of the contact point. Where it sticks, only the vertical component of the angular momentum
-    /// is looked at: the others follow from it.
+    /// Phase of the contact point. While it sticks, only the vertical angular momentum is used; the other components
+    /// follow from it.
     pub phase: Phase,
 }
 
 impl BodyRotation {
-    /// Number of a state's numbers that describe the motion; the running integrals come behind them.
+    /// Number of state components for the motion; the running integrals follow.
     const VARIABLES: usize = 7;
-    /// The length of a state that carries all running integrals.
+    /// State length with all running integrals.
     pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;
-    /// The length of a state that carries only those which an outcome needs.
+    /// State length with only the integrals that an outcome needs.
     pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
 
-    /// Slipping.
+    /// Creates the formulation in the sliding phase.
     #[must_use]
     pub fn new(model: Model) -> Self {
         Self {
@@ -104,7 +104,7 @@ impl BodyRotation {
         with_integrals(first, &Integrals::default())
     }
 
-    /// The state with the contact point brought to rest at the same angular momentum about the vertical.
+    /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
     #[must_use]
     pub fn brought_to_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let lean = Lean::of(&quaternion(y), |_| momentum(y));

@@ -12,14 +12,14 @@ pub struct EulerBounds {
     pub phi_dot: Bounds,
     /// Nutation rate θ̇, rad/s.
     pub theta_dot: Bounds,
-    /// The derivative of θ̇ that the interpolation polynomial has, rad/s².
+    /// Derivative of the interpolation polynomial of θ̇, rad/s².
     pub theta_dot_slope: Bounds,
     /// Spin rate ψ̇, rad/s.
     pub psi_dot: Bounds,
 }
 
 impl EulerBounds {
-    /// The bounds in a step of a state whose components begin with φ, θ, ψ, φ̇, θ̇, ψ̇.
+    /// The bounds over a step; the state must begin with φ, θ, ψ, φ̇, θ̇, ψ̇.
     #[inline]
     pub(super) fn of<const N: usize>(dense: &Dense<N>) -> Self {
         let slope = dense.slope_bounds(4);
@@ -34,7 +34,7 @@ impl EulerBounds {
         }
     }
 
-    /// A lower bound of sin θ, by the chord of the sine; negative if θ may leave (0, π).
+    /// A lower bound of sin θ (the chord of the sine); negative if θ may leave (0, π).
     #[must_use]
     #[inline]
     pub fn least_sine(&self) -> f64 {

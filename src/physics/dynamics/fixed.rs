@@ -1,4 +1,4 @@
-//! The phases of a top whose peg's centre stays in place: it slides, or turns about the vertical as a whole.
+//! Phases of a top with a fixed peg: sliding, or sticking and turning about the vertical.
 
 use super::bounds::EulerBounds;
 use super::formulation::{Entry, Formulation, Guard, Transition};
@@ -7,10 +7,10 @@ use super::motion::{Motion, Start};
 use super::support::Phase;
 use crate::physics::kinematics::{Euler, Tilt};
 
-/// A contact point that slips more slowly than this has stopped, m/s: on the scale of a top a nanometre per second.
+/// Slip speeds below this count as zero, m/s.
 pub(super) const NO_SLIP: f64 = 1e-9;
 
-/// Angles nearer than this to θ = 0 or θ = π can't be integrated as Euler angles, rad.
+/// Euler angles are singular within this distance of θ = 0 and θ = π, rad.
 const SINGULAR: f64 = 1e-6;
 
 /// Equations of a top with a fixed peg.
@@ -18,7 +18,7 @@ pub(super) trait FixedPeg<const N: usize>: Formulation<N> {
     /// These equations in another phase.
     fn in_phase(self, phase: Phase) -> Self;
 
-    /// The state with the contact point brought to rest at the same angular momentum about the vertical.
+    /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
     fn rested(&self, state: &[f64; N]) -> [f64; N];
 }
 
@@ -50,12 +50,12 @@ pub(super) fn guard(model: &Model, guard: Guard, tilt: &Tilt) -> f64 {
         Guard::Slip => model.top.slip_speed(tilt) - NO_SLIP,
         Guard::Grip => model.grip(tilt).margin(),
         Guard::Regular => tilt.sin - SINGULAR,
-        // What a fixed peg does not do.
+        // Not applicable to a fixed peg.
         Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::Rolling => f64::NAN,
     }
 }
 
-/// Whether bounds show that a guard is positive throughout: see [`Formulation::guard_is_positive`].
+/// Whether the bounds prove that a guard stays positive; see [`Formulation::guard_is_positive`].
 pub(super) fn guard_is_positive(model: &Model, guard: Guard, bounds: &EulerBounds) -> bool {
     let least_sine = bounds.least_sine();
     match guard {
@@ -71,7 +71,7 @@ pub(super) fn guard_is_positive(model: &Model, guard: Guard, bounds: &EulerBound
     }
 }
 
-/// The transition where a guard has fallen to zero: see [`Formulation::enter`].
+/// The transition at a zero of a guard; see [`Formulation::enter`].
 pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
     formulation: &F,
     guard: Guard,

@@ -1,10 +1,10 @@
 //! Impacts of a free peg on the table.
 //!
-//! While an impact lasts, nothing moves but the velocities. The slip follows the normal impulse as J.-G. Darboux
-//! (Bull. Sci. Math. 4 (1880) 126) and J. B. Keller (J. Appl. Mech. 53 (1986) 1) describe it: friction acts in proportion
-//! to the normal impulse, in the direction that the slip has at each moment, and the slip may stop, turn and begin again.
-//! Compression lasts until the contact point approaches no longer; restitution, until it has given back the fraction
-//! `e²` of the work of compression (W. J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169). So no impact gains energy.
+//! During an impact, only velocities change. The slip evolves with the normal impulse (J.-G. Darboux, Bull. Sci. Math.
+//! 4 (1880) 126; J. B. Keller, J. Appl. Mech. 53 (1986) 1): friction is proportional to the normal impulse and opposes
+//! the current slip, which may stop, change direction and restart. Compression ends when the approach velocity is zero;
+//! restitution ends when its work is `e²` times the work of compression (W. J. Stronge, Proc. R. Soc. Lond. A 431
+//! (1990) 169). No impact gains energy.
 
 use super::reaction::FreeBody;
 use crate::physics::friction::Wrench;
@@ -15,18 +15,15 @@ use crate::physics::integrate::{
 use crate::physics::math::hypot;
 use nalgebra::Vector3;
 
-/// A contact point that approaches the table more slowly than this doesn't bounce, m/s. Each bounce of a train is lower
-/// than the one before; without an end there would be infinitely many. Between 1e-8 and 1e-5 m/s this moves what follows
-/// by less than 1e-11 s.
+/// Minimum approach speed of a bounce, m/s. Ends sequences of ever smaller bounces.
 const SLOWEST_BOUNCE: f64 = 1e-6;
 
-/// The last bounces of a train are cut off earlier where each takes less than this part of the speed.
+/// If a bounce reduces the speed by less than this fraction, the minimum speed is increased.
 const LEAST_LOSS: f64 = 0.01;
-/// But only bounces slower than this, m/s: a top of 0.1 kg has 5e-10 J of them, and they take 2e-5 s each.
+/// Upper limit of that increase, m/s.
 const SLOWEST_ELASTIC_BOUNCE: f64 = 1e-4;
 
-/// A peg that approaches the table more slowly than this doesn't bounce, m/s. Where a bounce takes no speed itself, friction
-/// between bounces may, and a train never ends.
+/// Minimum approach speed of a bounce for this coefficient of restitution, m/s.
 fn slowest_bounce(restitution: f64) -> f64 {
     let loss = 1.0 - restitution;
     if loss >= LEAST_LOSS {
@@ -38,15 +35,15 @@ fn slowest_bounce(restitution: f64) -> f64 {
     }
 }
 
-/// Rolling resistance is in proportion to the rate of rolling where it would stop it within this part of an impact: its jump
-/// could not be followed.
+/// Rolling resistance is made proportional to the rolling rate below the rate that it would stop in this fraction of an
+/// impact, because a discontinuity can't be integrated.
 const CREEP_SHARE: f64 = 1e-3;
 
-/// Slower than this fraction of the velocity of the impact the contact point has stopped slipping. What is left is taken
-/// away along a straight line, so that an error of the square of this remains.
+/// Slip below this fraction of the impact speed counts as stopped; the rest is removed along a straight line, with a
+/// quadratic error.
 const SLIP_STOPPED: f64 = 1e-12;
 
-/// An impact that takes more steps has a law of friction that is too steep for its speed.
+/// Maximum number of steps per impact; exceeded only if the friction law is too steep.
 const MOST_STEPS: u32 = 20_000;
 
 /// Result of an impact. Vectors are in the lean frame.
@@ -54,13 +51,13 @@ const MOST_STEPS: u32 = 20_000;
 pub struct Impact {
     /// Impulse of the table, N s.
     pub impulse: Vector3<f64>,
-    /// Moment of impulse of the couples at the contact, N m s.
+    /// Angular impulse of the contact couples, N m s.
     pub couple: Vector3<f64>,
     /// Velocity of the contact point before, m/s.
     pub before: Vector3<f64>,
     /// Velocity of the contact point after, m/s.
     pub after: Vector3<f64>,
-    /// The coefficient of restitution that acted: 0 for approaches too slow to bounce.
+    /// The effective coefficient of restitution; 0 if the approach is too slow for a bounce.
     pub restitution: f64,
     /// Energy lost by compression and restitution, J.
     pub normal_loss: f64,
@@ -71,7 +68,7 @@ pub struct Impact {
 }
 
 impl Impact {
-    /// A contact point that touches the table without approaching it.
+    /// A contact without approach velocity.
     pub(super) fn without_approach(velocity: Vector3<f64>) -> Self {
         Self {
             impulse: Vector3::zeros(),
@@ -86,16 +83,15 @@ impl Impact {
     }
 }
 
-/// Impulses, moments, work of the normal force and energy lost by friction, as multiples of what the impact's
-/// velocity makes of them.
+/// State: impulses, moments, work of the normal force and energy lost by friction, scaled by the impact speed.
 const SIZE: usize = 8;
-/// Number of them that guards depend on: on all but the energy lost by friction.
+/// Number of components needed for guards (all but the energy lost by friction).
 const NEEDED: usize = 7;
 type State = [f64; SIZE];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
-    /// The contact point slips. The direction, if it begins to.
+    /// Slipping; with the direction if the slip has just begun.
     Slipping(Option<Vector3<f64>>),
     /// The contact point is held.
     Held,
@@ -105,9 +101,9 @@ enum Stage {
 struct Process<'a> {
     body: &'a FreeBody<'a>,
     before: Vector3<f64>,
-    /// Approach of the contact point before, m/s: the scale of velocities.
+    /// Approach speed before the impact, m/s; the velocity scale.
     speed: f64,
-    /// Below this rate of rolling its resistance is weaker, rad/s.
+    /// Rolling resistance is reduced below this rolling rate, rad/s.
     creep: f64,
     stage: Stage,
 }
@@ -140,7 +136,7 @@ impl Process<'_> {
         }
     }
 
-    /// Action of friction per newton second of normal impulse while the contact point slips (m/s) and the top turns (rad/s).
+    /// Friction per normal impulse for a slip velocity (m/s) and an angular velocity (rad/s).
     #[inline]
     fn per_newton(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
         let mut wrench = self.body.friction.per_newton(slip, omega);
@@ -157,7 +153,8 @@ impl Process<'_> {
         Vector3::new(velocity.x, velocity.y, 0.0)
     }
 
-    /// Friction per newton second of normal impulse, and by how much the slip slows the process down.
+    /// Friction per newton second of normal impulse, and the factor by which the independent variable is slowed near
+    /// zero slip.
     #[inline]
     fn friction(&self, now: &Progress) -> (Wrench, f64) {
         let slip = Self::slip(&now.velocity);
@@ -178,7 +175,7 @@ impl Process<'_> {
                         (self.per_newton(&slip, &now.omega), pace)
                     }
                     _ => {
-                        // Near the end of slip its direction turns ever faster.
+                        // Near the end of slip its direction changes ever faster.
                         let pace = if friction.is_set_valued_at_rest() {
                             speed / (speed + self.speed)
                         } else {
@@ -191,7 +188,7 @@ impl Process<'_> {
         }
     }
 
-    /// The velocity that this impact is about, m/s.
+    /// The velocity scale of this impact, m/s.
     fn scale(&self) -> f64 {
         self.speed + hypot(self.before.x, self.before.y)
     }
@@ -260,7 +257,7 @@ enum Mark {
     SlipStopped,
 }
 
-/// The values whose zeros are looked for.
+/// The watched values.
 struct Marks {
     compressed: f64,
     restituted: f64,
@@ -299,7 +296,7 @@ pub(super) fn impact(
 struct Collision<'a> {
     integrator: Dop853<Process<'a>, SIZE>,
     restitution: f64,
-    /// The work of compression, negative, once that is over.
+    /// The (negative) work of compression, once it has ended.
     compression: Option<f64>,
     watches: Vec<(Mark, SignTracker)>,
 }
@@ -343,7 +340,7 @@ impl<'a> Collision<'a> {
         Ok(collision)
     }
 
-    /// Looks for what can come next.
+    /// Selects the guards to watch.
     fn watch(&mut self) {
         let process = self.integrator.system();
         let normal = if self.compression.is_some() {
@@ -358,7 +355,7 @@ impl<'a> Collision<'a> {
         }
     }
 
-    /// The values of what is looked for.
+    /// The values of the watched functions.
     #[inline]
     fn marks(&self, y: &State) -> Marks {
         let process = self.integrator.system();
@@ -371,7 +368,7 @@ impl<'a> Collision<'a> {
         }
     }
 
-    /// Takes a step; the impact if it ends there.
+    /// Takes a step. Returns the impact if it ends in this step.
     fn step(&mut self) -> Result<Option<Impact>, IntegrateError> {
         self.integrator.step_densely()?;
         let dense = self.integrator.dense();
@@ -405,7 +402,7 @@ impl<'a> Collision<'a> {
         Ok(())
     }
 
-    /// Goes on along a straight line to where nothing of the slip is left.
+    /// Extrapolates linearly to zero slip.
     fn without_rest_of_slip(&self, t: f64, y: State) -> State {
         let process = self.integrator.system();
         let slope = process.derivative(t, &y);
@@ -424,7 +421,7 @@ impl<'a> Collision<'a> {
         let mut watches = std::mem::take(&mut self.watches);
         let state = |s| dense.first_at(NEEDED, s);
         let at = |s| self.marks(&state(s));
-        // Not `map`, which would move everything several times.
+        // `map` would move everything several times.
         let [a, b, c, d, e] = KNOTS;
         let marks = [at(a), at(b), at(c), at(d), at(e)];
         let mut first: Option<(f64, Mark)> = None;

@@ -1,11 +1,11 @@
-//! Action of the table on a top with a free peg: the normal force, and friction in proportion to it.
+//! Contact forces on a free peg: normal force and friction.
 //!
-//! All vectors are in the lean frame (x where the axis leans, y line of nodes, z up), torques and moments of inertia are
-//! about the centre of mass. `ρ` leads from the centre of mass to the point of contact.
+//! All vectors are in the lean frame (x tilt direction, y line of nodes, z up), torques and moments of inertia are
+//! about the centre of mass. `ρ` is the vector from the centre of mass to the contact point.
 
 #![allow(
     clippy::inline_always,
-    reason = "with hints alone little of this is unrolled into the derivative, and runs take half as long again"
+    reason = "plain #[inline] does not inline this; runs would take 50 % longer"
 )]
 
 use super::motion::DEPARTING;
@@ -18,12 +18,12 @@ use crate::physics::top::Top;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Number of directions that are tried where a contact point begins to slip.
+/// Number of trial directions for a beginning slip.
 const DIRECTIONS: u32 = 48;
 
-/// The direction in which a contact point gives way is found by the secant method, in few steps.
+/// Maximum number of secant iterations for the departure direction.
 const MOST_TURNS: u32 = 8;
-/// The tangent of the first turn.
+/// Tangent of the first trial rotation.
 const FIRST_TURN: f64 = 1e-4;
 
 /// A top with a free peg at one inclination.
@@ -37,12 +37,12 @@ pub(super) struct FreeBody<'a> {
     pub(super) response: Response,
 }
 
-/// The way from the centre of mass to the point of contact, m. It lies in the vertical plane of the symmetry axis.
+/// The vector ρ from the centre of mass to the contact point, m; in the vertical plane of the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arm {
-    /// In the direction in which the axis leans.
+    /// In the tilt direction.
     pub(super) lean: f64,
-    /// Upward: negative.
+    /// Upward component; negative.
     pub(super) up: f64,
 }
 
@@ -66,7 +66,7 @@ impl Arm {
     }
 }
 
-/// The inertia of a top about its centre of mass, and inverses of it that many things need.
+/// Moments of inertia about the centre of mass, and their inverses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Inertia {
     /// 1/kg.
@@ -91,21 +91,21 @@ impl Inertia {
     }
 }
 
-/// The inverse inertia at the point of contact, 1/kg: how its velocity answers an impulse there.
+/// Inverse of the effective mass matrix at the contact point, 1/kg (velocity change per impulse).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Response {
     /// Along the line of nodes.
     pub(super) node: f64,
-    /// In the direction in which the axis leans.
+    /// In the tilt direction.
     pub(super) lean: f64,
     /// Upward.
     pub(super) up: f64,
-    /// Upward to an impulse in the direction of lean, and the reverse.
+    /// Coupling between the vertical and the tilt direction.
     pub(super) coupling: f64,
 }
 
 impl Response {
-    /// The change of velocity by an impulse (N s) in m/s, or the acceleration by a force.
+    /// The velocity change (m/s) for an impulse (N s), or the acceleration for a force.
     #[inline(always)]
     pub(super) fn to(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(
@@ -116,10 +116,10 @@ impl Response {
     }
 }
 
-/// Forces on the top except its weight.
+/// All forces on the top except its weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reaction {
-    /// Normal force, N. Negative where the table would have to pull.
+    /// Normal force, N. Negative if contact would require tension.
     pub(super) normal: f64,
     /// Friction force and couple of the contact, N and N m.
     pub(super) friction: Wrench,
@@ -171,7 +171,7 @@ impl<'a> FreeBody<'a> {
         }
     }
 
-    /// The angular acceleration by a torque (N m), rad/s², or the change of angular velocity by a moment of impulse.
+    /// The angular acceleration (rad/s²) for a torque (N m), or the change of angular velocity for an angular impulse.
     #[inline(always)]
     pub(super) fn turned_by(&self, torque: &Vector3<f64>) -> Vector3<f64> {
         let (sin, cos) = (self.tilt.sin, self.tilt.cos);
@@ -188,10 +188,10 @@ impl<'a> FreeBody<'a> {
         )
     }
 
-    /// The acceleration of the contact point, m/s², if the table did nothing.
+    /// The acceleration of the contact point without contact forces, m/s².
     ///
-    /// The axis turns with `ω × n`. Across it the top's own rotation gives the angular acceleration
-    /// `(A − I_z) ω_n (ω × n) / A`, because `ω × L = (I_z − A) ω_n (ω × n)`.
+    /// The axis rotates with `ω × n`. The gyroscopic angular acceleration perpendicular to it is `(A − I_z) ω_n (ω × n)
+    /// / A`, because `ω × L = (I_z − A) ω_n (ω × n)`.
     #[inline(always)]
     fn loose_acceleration(&self, air: &Vector3<f64>) -> Vector3<f64> {
         let omega = self.tilt.omega_lean;
@@ -213,13 +213,13 @@ impl<'a> FreeBody<'a> {
         acceleration
     }
 
-    /// Acceleration of the contact point per couple there, m/s² per N m.
+    /// Acceleration of the contact point for a couple (N m) at the contact, m/s².
     #[inline(always)]
     pub(super) fn answer_to_couple(&self, couple: &Vector3<f64>) -> Vector3<f64> {
         -self.arm.cross(&self.turned_by(couple))
     }
 
-    /// Action of the table in a phase, while the contact point slips with `slip` (m/s).
+    /// The contact forces in a phase, for the slip velocity `slip` (m/s).
     #[inline(always)]
     pub(super) fn reaction(&self, phase: Phase, slip: &Vector3<f64>) -> Reaction {
         match phase {
@@ -249,7 +249,7 @@ impl<'a> FreeBody<'a> {
         }
     }
 
-    /// The normal force that keeps the contact point at its height, and friction in proportion to it.
+    /// The normal force that prevents vertical motion of the contact point, with the corresponding friction.
     #[inline(always)]
     fn sliding(&self, slip: &Vector3<f64>) -> Reaction {
         let air = self.air();
@@ -263,16 +263,15 @@ impl<'a> FreeBody<'a> {
         }
     }
 
-    /// Upward acceleration that a newton of normal force gives the contact point with the friction that it brings,
-    /// as a fraction of what it gives without. Where it is not positive no normal force keeps the peg out of the
-    /// table: the peg jams (P. Painlevé, C. R. Acad. Sci. 121 (1895) 112).
+    /// Vertical acceleration of the contact point per normal force including friction, relative to that without
+    /// friction. If it is not positive, the peg jams (P. Painlevé, C. R. Acad. Sci. 121 (1895) 112).
     #[inline(always)]
     pub(super) fn mobility(&self, slip: &Vector3<f64>) -> f64 {
         let friction = self.friction.per_newton(slip, &self.tilt.omega_lean);
         self.answer_per_newton(&friction).z / self.response.up
     }
 
-    /// The acceleration of the contact point per newton of normal force with what friction adds.
+    /// The acceleration of the contact point per normal force, including friction.
     #[inline(always)]
     pub(super) fn answer_per_newton(&self, friction: &Wrench) -> Vector3<f64> {
         let force = Vector3::new(friction.force.x, friction.force.y, 1.0);
@@ -284,7 +283,7 @@ impl<'a> FreeBody<'a> {
         }
     }
 
-    /// The force that keeps the contact point at rest.
+    /// The forces that keep the contact point at rest.
     #[inline(always)]
     pub(super) fn holding(&self) -> Reaction {
         let Response {
@@ -318,7 +317,7 @@ impl<'a> FreeBody<'a> {
         }
     }
 
-    /// The acceleration of the slip in the phase of sliding, m/s².
+    /// The acceleration of the slip while sliding, m/s².
     pub(super) fn slip_acceleration(&self, slip: &Vector3<f64>) -> Vector3<f64> {
         let reaction = self.sliding(slip);
         self.loose_acceleration(&reaction.air)
@@ -326,8 +325,8 @@ impl<'a> FreeBody<'a> {
             + self.answer_to_couple(&reaction.friction.couple)
     }
 
-    /// The direction in which a contact point slips that friction has held up to now, or until a moment ago: against the
-    /// force that would still hold it, and turned a little, so that the slip it begins keeps its direction.
+    /// The departure direction of a contact point that friction has just released: opposite to the holding force,
+    /// rotated slightly so that the slip keeps its direction.
     #[cold]
     pub(super) fn giving_way(&self) -> Vector3<f64> {
         let held = self.holding().friction.force;
@@ -352,8 +351,8 @@ impl<'a> FreeBody<'a> {
         turned(by)
     }
 
-    /// The unit vector in which a contact point at rest begins to slip under an acceleration that depends on it, if there
-    /// is one: the acceleration then points in that very direction, and most strongly of all such.
+    /// The direction in which a contact point at rest begins to slip: a unit vector parallel to the acceleration that
+    /// it causes; if there are several, the one with the largest acceleration.
     pub(super) fn departure(
         acceleration: impl Fn(&Vector3<f64>) -> Vector3<f64>,
     ) -> Option<Vector3<f64>> {

@@ -1,4 +1,4 @@
-//! The solution between the steps.
+//! Dense output: the solution within a step.
 
 /// The solution within one accepted step: a polynomial of degree 7 that agrees with the steps in value and
 /// slope at both ends (Hairer, Nørsett, Wanner, II.6).
@@ -12,7 +12,7 @@ pub struct Dense<const N: usize> {
     pub(super) coefficients: [[f64; N]; 8],
 }
 
-/// Bounds of a number that varies: it is never less than `least` nor greater than `greatest`.
+/// Lower and upper bound of a varying number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// The lower bound.
@@ -22,7 +22,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Whether all numbers within these bounds have this sign. Zero has none.
+    /// Whether all numbers within these bounds have this sign (zero has no sign).
     #[must_use]
     #[inline]
     pub fn have_sign(&self, positive: bool) -> bool {
@@ -63,7 +63,7 @@ impl Bounds {
     }
 }
 
-/// Rounding of a component or a slope: fewer than this number of operations, each off by half an ulp of the largest term.
+/// Bound of the rounding error of a component or slope, relative to the largest term.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl<const N: usize> Dense<N> {
@@ -93,7 +93,7 @@ impl<const N: usize> Dense<N> {
     #[must_use]
     #[inline]
     pub fn component(&self, i: usize, s: f64) -> f64 {
-        // The factors s and 1 − s alternate; a published crate has them the wrong way round here.
+        // The factors s and 1 − s alternate.
         let [c0, c1, c2, c3, c4, c5, c6, c7] = self.coefficients.each_ref().map(|c| c[i]);
         let r = 1.0 - s;
         c0 + s * (c1 + r * (c2 + s * (c3 + r * (c4 + s * (c5 + r * (c6 + s * c7))))))
@@ -119,8 +119,7 @@ impl<const N: usize> Dense<N> {
         })
     }
 
-    /// Bounds of component `i` over the whole step: those of the line between its ends, wider by the largest that each
-    /// of the other terms can be.
+    /// Bounds of component `i` over the step: those of the chord, widened by the maxima of the other terms.
     ///
     /// # Panics
     /// If `i` is not less than `N`.

@@ -1,4 +1,4 @@
-//! A scenario that has passed every check, in the types of the physics.
+//! A validated scenario.
 
 use super::error::ScenarioError;
 use super::key::{Key, Value, typed};
@@ -16,24 +16,24 @@ use sha2::{Digest as _, Sha256};
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-/// The conditions that end a run; the first that is met does. At least one is set.
+/// The stop conditions of a run; at least one is set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Ends the run when θ falls to this angle, rad (`stop.theta_risen`).
+    /// Stop when θ decreases to this angle, rad (`stop.theta_risen`).
     pub theta_risen: Option<f64>,
-    /// Ends the run when θ grows to this angle, rad (`stop.theta_fallen`).
+    /// Stop when θ increases to this angle, rad (`stop.theta_fallen`).
     pub theta_fallen: Option<f64>,
-    /// Ends the run at this time, s (`stop.duration`).
+    /// Stop at this time, s (`stop.duration`).
     pub duration: Option<f64>,
-    /// Ends the run when the contact point stops slipping, or not (`stop.on_stick`).
+    /// Action when the contact point stops slipping (`stop.on_stick`).
     pub on_stick: OnStick,
 }
 
-/// A checked, complete definition of a run.
+/// A validated, complete definition of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     values: Values,
-    /// Variables of integration.
+    /// Integration variables.
     pub formulation: FormulationKind,
     /// The top and its friction.
     pub model: Model,
@@ -41,23 +41,23 @@ pub struct Scenario {
     pub angles: Euler,
     /// Euler rates at the start, rad/s.
     pub rates: Euler,
-    /// Local error bounds: those of the keys, if the support lets them be as large.
+    /// Integrator tolerances, limited by the support.
     pub tolerances: Tolerances,
     /// Time between samples, ns.
     pub sample_period_ns: u64,
-    /// The conditions that end the run.
+    /// The stop conditions.
     pub stop: Stop,
 }
 
 impl Scenario {
-    /// Checks that `values` are complete and fit together.
+    /// Checks that `values` are complete and consistent.
     ///
     /// # Errors
-    /// The first key that is missing, does not apply here, or contradicts another.
+    /// The first key that is missing, does not apply, or contradicts another.
     pub fn new(mut values: Values) -> Result<Self, ScenarioError> {
         values.put("format", FORMAT)?;
         values.check_presence()?;
-        // The same run must have the same digest.
+        // Equal runs must have equal digests.
         if values.get("support.kind") == Some(&Value::Text("fixed".to_owned())) {
             values.remove("support.kind");
         }
@@ -82,7 +82,7 @@ impl Scenario {
                 relative: tolerance("integrator.relative_tolerance")?,
                 absolute: tolerance("integrator.absolute_tolerance")?,
             },
-            // That it is a whole number of them has been checked.
+            // Validated before.
             sample_period_ns: nanoseconds(values.number("sampling.period")?).unwrap_or(1),
             stop: Stop {
                 theta_risen: values.optional_number("stop.theta_risen"),
@@ -109,7 +109,7 @@ impl Scenario {
         Self::new(Values::from_toml(text)?)
     }
 
-    /// This scenario with some keys set to other numbers or words.
+    /// This scenario with some keys changed.
     ///
     /// # Errors
     /// As [`Values::put`] and [`Scenario::new`].
@@ -124,8 +124,8 @@ impl Scenario {
         Self::new(values)
     }
 
-    /// The scenario as TOML in canonical form: every key in the order of the table, with unit and
-    /// meaning. Reading it gives back the same scenario to the last bit.
+    /// The scenario as TOML in canonical form: all keys in table order, with unit and description. Parsing it returns a
+    /// bit-identical scenario.
     #[must_use]
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
@@ -146,7 +146,7 @@ impl Scenario {
         text
     }
 
-    /// The keys that the scenario sets, in the order of the table, with their values.
+    /// The keys that the scenario sets, in table order, with their values.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Key, &Value)> {
         KEYS.iter()
             .filter_map(|key| Some((key, self.values.get(key.path)?)))
@@ -157,26 +157,25 @@ impl Scenario {
         self.values.get(path)
     }
 
-    /// The scenario's name, after which recordings are called.
+    /// The scenario's name, used for file names.
     #[must_use]
     pub fn name(&self) -> &str {
         self.values.text("name").unwrap_or_default()
     }
 
-    /// A sentence about the scenario; empty if it has none.
+    /// The description; may be empty.
     #[must_use]
     pub fn description(&self) -> &str {
         self.values.text("description").unwrap_or_default()
     }
 
-    /// The word that stands for a key's value, empty if the scenario has none: for summaries.
+    /// The text value of a key, or an empty string.
     #[must_use]
     pub fn word(&self, path: &'static str) -> &str {
         self.values.text(path).unwrap_or_default()
     }
 
-    /// SHA-256 over every key and value but the name and the description, in hexadecimal: equal for
-    /// scenarios that define the same run.
+    /// SHA-256 (hex) of all keys and values except name and description. Equal for scenarios that define the same run.
     #[must_use]
     pub fn digest(&self) -> String {
         let mut hash = Sha256::new();
@@ -188,20 +187,20 @@ impl Scenario {
         hex(&hash.finalize())
     }
 
-    /// Whether nothing takes energy from the top.
+    /// Whether there is no friction and no other loss.
     #[must_use]
     pub fn is_frictionless(&self) -> bool {
         self.model.friction.is_none()
     }
 
-    /// Largest friction force of the law at the slip speed of the start, N: the scale for drawing it.
+    /// Upper bound of the friction force at the initial slip speed, N. Used to scale its arrow.
     #[must_use]
     pub fn force_scale(&self) -> f64 {
         let Model { top, friction, .. } = &self.model;
         friction.law.bound(self.slip_speed_at_start(), top.weight())
     }
 
-    /// Torque of that force and of all losses at the start, N m: the scale for drawing it.
+    /// Torque of that force and of all losses at the start, N m. Used to scale its arrow.
     #[must_use]
     pub fn torque_scale(&self) -> f64 {
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
@@ -216,7 +215,7 @@ impl Scenario {
         let top = &self.model.top;
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
         let world = |lean: &Vector3<f64>| lean_to_world(lean, self.angles.phi);
-        // From the peg's centre to the centre of mass, and how fast that grows.
+        // Vector from the peg's centre to the centre of mass, and its derivative.
         let reach = top.center_distance * world(&tilt.axis());
         let growth = top.center_distance * world(&tilt.omega_lean.cross(&tilt.axis()));
         let of_peg = |peg: &str, center: &str, offset: f64| {
@@ -238,7 +237,7 @@ impl Scenario {
         }
     }
 
-    /// Slip speed of the contact point at the start, m/s; of a top that is dropped, that of its lowest point.
+    /// Slip speed of the contact point at the start, m/s; for a dropped top, of its lowest point.
     #[must_use]
     pub fn slip_speed_at_start(&self) -> f64 {
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
@@ -253,7 +252,7 @@ impl Scenario {
         hypot(slip.x, slip.y)
     }
 
-    /// Checks of keys that only one kind of support allows.
+    /// Checks keys that depend on the support.
     fn check_support(&self) -> Result<(), ScenarioError> {
         let distance = self.model.top.center_distance;
         let conflict = |key: &'static str, reason: &str| {
@@ -272,7 +271,7 @@ impl Scenario {
                     key: "top.center_distance",
                     value: typed(distance),
                     allowed:
-                        "a finite number > 0; negative with support.kind = \"free\" for a tippe top"
+                        "a finite number > 0 (for a tippe top, which has a negative value, set support.kind = \"free\")"
                             .to_owned(),
                 })
             };
@@ -280,7 +279,7 @@ impl Scenario {
         if distance == 0.0 || distance <= -self.model.top.peg_radius {
             return conflict(
                 "top.center_distance",
-                "must not be 0, and above −top.peg_radius: the centre of mass of a tippe top is inside its sphere",
+                "must be > −top.peg_radius and not 0 (the centre of mass of a tippe top is inside its sphere)",
             );
         }
         let needs = [
@@ -294,13 +293,13 @@ impl Scenario {
             ),
             (
                 self.stop.duration.is_none(),
-                "stop.duration, because it may roll for ever",
+                "stop.duration (it may roll forever)",
             ),
         ];
         let needs: Vec<_> = needs.iter().filter(|(is_unmet, _)| *is_unmet).collect();
         if !needs.is_empty() {
             let needs: Vec<_> = needs.iter().map(|(_, need)| *need).collect();
-            let reason = format!("a free top also needs {}", needs.join(", "));
+            let reason = format!("requires {}", needs.join(", "));
             return conflict("support.kind", &reason);
         }
         for (of_peg, of_center) in [
@@ -317,7 +316,9 @@ impl Scenario {
                 keys.into_iter().find(|key| self.values.get(key).is_some())
             };
             if let (Some(key), Some(other)) = (set_key(of_peg), set_key(of_center)) {
-                let reason = format!("{other} is set too; set one of peg and centre of mass");
+                let reason = format!(
+                    "conflicts with {other}: set the position of either the peg or the centre of mass"
+                );
                 return conflict(key, &reason);
             }
         }
@@ -326,7 +327,7 @@ impl Scenario {
                 if self.values.get(key).is_some() {
                     return conflict(
                         key,
-                        "a tippe top (top.center_distance < 0) neither rises nor falls but inverts; use stop.duration",
+                        "not applicable to a tippe top (top.center_distance < 0); use stop.duration",
                     );
                 }
             }
@@ -342,13 +343,13 @@ impl Scenario {
                 key: "top.transverse_moment",
                 value: typed(top.transverse_moment),
                 allowed: format!(
-                    "more than {} kg m² = top.mass · top.center_distance²: so much the mass has at the centre of mass alone",
+                    "more than {} kg m² = top.mass · top.center_distance² (parallel axis theorem)",
                     typed(offset)
                 ),
             });
         }
-        // No body has a larger axial moment than twice its transverse one, about any point of its axis;
-        // the centre of mass is the hardest.
+        // The axial moment of a rigid body is at most twice its transverse moment about any point of the axis.
+        // The limit is lowest at the centre of mass.
         let limit = 2.0 * top.transverse_moment;
         for (limit, what) in [
             (limit, "2 · top.transverse_moment"),
@@ -362,7 +363,7 @@ impl Scenario {
                     key: "top.axial_moment",
                     value: typed(top.axial_moment),
                     allowed: format!(
-                        "at most {} kg m² = {what}: no rigid body exceeds it",
+                        "at most {} kg m² = {what} (limit for a rigid body)",
                         typed(limit)
                     ),
                 });
@@ -377,8 +378,8 @@ impl Scenario {
             return Err(ScenarioError::OutOfRange {
                 key: "initial.theta",
                 value: typed(theta),
-                allowed: "between 0 and π with formulation = \"euler\", which is singular there; \
-                          formulation = \"body\" allows both"
+                allowed: "strictly between 0 and π with formulation = \"euler\"; \
+                          use formulation = \"body\" for a vertical axis"
                     .to_owned(),
             });
         }
@@ -387,7 +388,7 @@ impl Scenario {
             return Err(ScenarioError::Conflict {
                 key: "friction.dissipation",
                 value: self.word("friction.dissipation").to_owned(),
-                reason: "divides by sin θ and needs stop.theta_risen to end before upright"
+                reason: "requires stop.theta_risen, because its equations divide by sin θ"
                     .to_owned(),
             });
         }
@@ -408,7 +409,7 @@ impl Scenario {
                     key,
                     value: typed(limit.unwrap_or_default()),
                     reason: format!(
-                        "the top starts beyond it, at initial.theta = {}",
+                        "the start, initial.theta = {}, is already beyond it",
                         typed(theta)
                     ),
                 });
@@ -427,12 +428,12 @@ impl Scenario {
         };
         if !self.model.friction.can_stick() {
             return conflict(
-                "this friction never holds the contact point at rest; friction.law = \"coulomb\" or \
-                 \"stribeck\" and rolling.arm do, if friction.dissipation is \"full\"",
+                "this friction law never sticks; use friction.law = \"coulomb\" or \"stribeck\", or rolling.arm, \
+                 with friction.dissipation = \"full\"",
             );
         }
         if self.stop.duration.is_none() {
-            return conflict("a top may stick for ever; set stop.duration");
+            return conflict("requires stop.duration, because the top may stick forever");
         }
         Ok(())
     }
@@ -460,7 +461,7 @@ impl Scenario {
                 key: "sampling.period",
                 value: typed(self.sample_period_ns as f64 / 1e9),
                 allowed: format!(
-                    "long enough for at most {} samples in stop.duration = {} s",
+                    "larger: at most {} samples fit in stop.duration = {} s",
                     u32::MAX,
                     typed(duration)
                 ),

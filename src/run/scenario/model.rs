@@ -1,4 +1,4 @@
-//! The top and the friction that a scenario's values describe.
+//! Builds the model from scenario values.
 
 use super::error::ScenarioError;
 use super::key::typed;
@@ -9,7 +9,7 @@ use crate::physics::dynamics::{Model, Support};
 use crate::physics::friction::{Air, Dissipation, Drilling, Friction, FrictionLaw, Losses};
 use crate::physics::top::Top;
 
-/// The physics that complete values describe.
+/// The model of complete values.
 pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
     let (top, support) = (top(values)?, support(values)?);
     Ok(Model {
@@ -48,7 +48,7 @@ fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioErr
         return Err(ScenarioError::Conflict {
             key: "drilling.k",
             value: typed(values.number("drilling.k")?),
-            reason: "friction.law = \"contensou\" has a drilling torque of its own".to_owned(),
+            reason: "friction.law = \"contensou\" already includes a drilling torque".to_owned(),
         });
     }
     Ok(Friction {
@@ -63,11 +63,11 @@ fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioErr
 fn law(values: &Values) -> Result<FrictionLaw, ScenarioError> {
     let word = values.text("friction.law")?;
     let law = sliding_law(word, &|key| values.number(key));
-    // That the word is one of them has been checked.
+    // The value was validated before.
     law.unwrap_or(Ok(FrictionLaw::None))
 }
 
-/// The losses of a top, which is `free` if its peg is.
+/// The additional losses; `free` is the top if its peg is free.
 fn losses(values: &Values, free: Option<&Top>) -> Losses {
     let number = |path| values.optional_number(path).unwrap_or_default();
     let drilling = Drilling {

@@ -1,20 +1,20 @@
-//! The words with which a scenario makes its choices, each with its meaning.
+//! String values of choice keys.
 
 use crate::physics::friction::Dissipation;
 
-/// A choice that a scenario makes with a word.
+/// An enum with string values in scenarios.
 pub(super) trait Words: Copy + 'static {
-    /// Every word with its meaning, in the order in which they are listed.
+    /// All names with their variants, in listing order.
     const WORDS: &'static [(&'static str, Self)];
 
-    /// The meaning of a word.
+    /// The variant with this name.
     fn of_word(word: &str) -> Option<Self> {
         let found = Self::WORDS.iter().find(|(known, _)| *known == word);
         found.map(|(_, meaning)| *meaning)
     }
 }
 
-/// The variables in which the motion is integrated: `formulation`.
+/// Integration variables (`formulation`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FormulationKind {
     /// Euler angles: [`crate::physics::dynamics::EulerAngles`].
@@ -30,9 +30,9 @@ impl Words for FormulationKind {
 /// Action when the contact point stops slipping: `stop.on_stick`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnStick {
-    /// Ends there.
+    /// Stop the run.
     Stop,
-    /// Goes on with a contact point that sticks, or slips again.
+    /// Continue the run; the contact point may slip again.
     Continue,
 }
 
@@ -69,7 +69,7 @@ pub(super) const ON_STICK: &[&str] = &words::<OnStick, { OnStick::WORDS.len() }>
 pub(super) const SUPPORTS: &[&str] = &words::<SupportKind, { SupportKind::WORDS.len() }>();
 pub(super) const DISSIPATIONS: &[&str] = &words::<Dissipation, { Dissipation::WORDS.len() }>();
 
-/// The words of a choice, for the table of keys.
+/// The names of a choice, for the table of keys.
 const fn words<T: Words, const N: usize>() -> [&'static str; N] {
     let mut words = [""; N];
     let mut i = 0;

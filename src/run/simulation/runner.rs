@@ -1,4 +1,4 @@
-//! The loop: step, look for events, hand out records in the order of their times.
+//! The simulation loop: take a step, locate events, yield records in time order.
 
 use super::event::{EventKind, StopReason, UPRIGHT};
 use super::free::Landing;
@@ -18,9 +18,9 @@ use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{OnStick, Scenario, Stop};
 
-/// A run, whatever its formulation.
+/// A run in any formulation.
 pub(super) trait RecordStream {
-    /// The next record; `None` after the last, or once `carry_on`, which is called before each step, returns false.
+    /// The next record. `None` after the last, or if `carry_on`, which is called before each step, returns false.
     fn next_record(
         &mut self,
         carry_on: &mut dyn FnMut() -> bool,
@@ -30,12 +30,12 @@ pub(super) trait RecordStream {
     fn end(&self) -> RunEnd;
 }
 
-/// Detail of a run. It never changes the steps, nor what happens.
+/// Level of detail of a run. It does not affect steps or events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Detail {
-    /// Everything that is recorded.
+    /// All that is recorded.
     All,
-    /// Events and nutations, which an outcome counts.
+    /// Only events and nutations, as needed for an outcome.
     Outcome,
 }
 
@@ -46,22 +46,22 @@ pub(super) struct Runner<F, const N: usize> {
     detail: Detail,
     watches: Vec<Watch>,
     nutation: NutationTracker,
-    /// The step that records are being read from; none before the first.
+    /// The current step; `None` before the first.
     dense: Option<Dense<N>>,
     /// Euler angles at the start of that step.
     reference: Euler,
-    /// Events within that step that have not been handed out.
+    /// Pending events of that step.
     queue: Queue,
     next_sample: u32,
-    /// Impacts since the peg was last on the table.
+    /// Impacts since the peg left the table.
     bounces: u32,
     progress: Progress,
     energy_at_start: f64,
-    /// The time at which the step is left before its end, once that is known.
+    /// The time at which the step ends early, if it does, and why.
     end: Option<(f64, End<F, N>)>,
-    /// The time up to which records have been handed out, and the motion there.
+    /// Time and motion of the last record.
     last: (f64, Motion),
-    /// Set once nothing more will come.
+    /// Set when the run has ended.
     stopped: Option<StopReason>,
 }
 
@@ -73,12 +73,12 @@ struct LoopSettings {
     sense: f64,
 }
 
-/// The reason why a step is left before its end.
+/// Reason for ending a step early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum End<F, const N: usize> {
-    /// The run is over. After an impact this is the motion then; otherwise it is that which the step has there.
+    /// The run ends. The motion is given after an impact; otherwise it follows from the step.
     Stop(StopReason, Option<Motion>),
-    /// Another phase begins.
+    /// The next phase begins.
     Enter(Entry<F, N>),
 }
 
@@ -138,7 +138,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.integrator.system().model()
     }
 
-    /// Takes a step and finds what happens in it.
+    /// Takes a step and queues its events.
     fn step(&mut self) -> Result<(), SimulationError> {
         let (system, state) = (self.integrator.system(), self.integrator.y());
         self.reference = system.angles(state, self.reference);
@@ -158,7 +158,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(())
     }
 
-    /// Whether bounds show that a watched function keeps its sign throughout a step.
+    /// Whether the bounds rule out a zero of a watched function in this step.
     #[inline]
     fn is_quiet(&self, watch: &Watch, bounds: &EulerBounds) -> bool {
         let (system, sense) = (self.integrator.system(), self.settings.sense);
@@ -166,9 +166,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         watch.tracker.sign().is_some_and(keeps)
     }
 
-    /// Gives watches back the signs that they had where a step is left, before these crossings, which never come.
+    /// Resets the trackers of crossings that are discarded because the step ends early.
     fn take_back(&mut self, crossings: impl DoubleEndedIterator<Item = (f64, Meaning, Slope)>) {
-        // From the last to the first: what holds is the sign before the first.
+        // In reverse order, so that the sign before the first crossing remains.
         for (_, meaning, slope) in crossings.rev() {
             let watch = self
                 .watches
@@ -180,7 +180,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// All zeros of the watched functions in a step, in the order of time.
+    /// All zeros of the watched functions in a step, in time order.
     fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, Meaning, Slope)> {
         let (system, sense) = (self.integrator.system(), self.settings.sense);
         let bounds = system.bounds(dense);
@@ -230,13 +230,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// The motions at the [`KNOTS`] of a step.
     fn motions_at_knots(&self, dense: &Dense<N>) -> [Motion; 5] {
-        // Not `map`, which would move each motion several times.
+        // `map` would move each motion several times.
         let [a, b, c, d, e] = KNOTS;
         let at = |s| self.motion_alone(dense, s);
         [at(a), at(b), at(c), at(d), at(e)]
     }
 
-    /// Turns a zero of a watched function into what it means.
+    /// Handles a zero of a watched function.
     fn note(
         &mut self,
         dense: &Dense<N>,
@@ -294,7 +294,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(())
     }
 
-    /// Notes what ends a phase, and what follows: another one, or nothing.
+    /// Handles the end of a phase: starts the next phase or ends the run.
     fn end_phase(
         &mut self,
         guard: Guard,
@@ -340,7 +340,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(())
     }
 
-    /// Notes what happens where a phase begins.
+    /// Queues the events at the start of a phase.
     fn note_entry(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
         let motion = entry.motion;
         let event = |kind| Pending::Event(kind, time, motion);
@@ -373,7 +373,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// Ends the run within this step if its duration is over in it.
+    /// Ends the run if `stop.duration` lies within this step.
     fn end_at_duration(&mut self, dense: &Dense<N>) {
         let Some(duration) = self.settings.stop.duration else {
             return;
@@ -391,8 +391,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// The motion without the integrals over it, which are 0, and without the turns of φ and ψ: what events are looked
-    /// for in.
+    /// The motion without integrals (0) and without unwrapping φ and ψ; sufficient for event location.
     #[inline]
     fn motion_alone(&self, dense: &Dense<N>, s: f64) -> Motion {
         let state = dense.first_at(F::CONTROLLED, s);
@@ -407,7 +406,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             .motion(&dense.at(s), self.reference)
     }
 
-    /// The time of the next sample, if it lies within what has been integrated and before the end.
+    /// The time of the next sample, if it has been integrated and is not after the end.
     fn next_sample_time(&self) -> Option<u64> {
         let time_ns = u64::from(self.next_sample) * self.settings.period_ns;
         let reached = match (self.end, &self.dense) {
@@ -438,7 +437,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Record::Sample(Box::new(sample))
     }
 
-    /// Goes on from within the last step with another phase.
+    /// Starts another phase within the last step.
     #[cold]
     fn enter(&mut self, time: f64, entry: &Entry<F, N>) -> Result<(), SimulationError> {
         let phases = self.progress.enter_phase(time)?;
@@ -447,7 +446,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.reference = system.angles(&entry.state, self.reference);
         self.integrator
             .restart(system, time, entry.state, Direction::Forward)?;
-        // Where phases repeat at once, the step is too long for what happens in it.
+        // If phases repeat immediately, limit the step.
         let quarters = 4_u32.pow((phases - 1).min(10));
         self.integrator
             .limit_next_step(entry.first_step / f64::from(quarters));
@@ -463,8 +462,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(())
     }
 
-    /// Goes on after all records of a step have been handed out: stops, enters another phase, or takes a step. False if
-    /// `carry_on` returns false.
+    /// Continues when all records of a step are emitted: stops, enters the next phase, or takes a step. Returns false
+    /// if `carry_on` does.
     fn advance(&mut self, carry_on: &mut dyn FnMut() -> bool) -> Result<bool, SimulationError> {
         let went_on = match self.end {
             Some((time, End::Stop(reason, after))) => {
@@ -482,7 +481,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(true)
     }
 
-    /// Runs to the end, and returns it with the counts of events.
+    /// Runs to the end. Returns the end and the event counts.
     pub(super) fn tallied(
         mut self,
         carry_on: &mut dyn FnMut() -> bool,
@@ -496,7 +495,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// Ends the run: everything before its end has been handed out.
+    /// Ends the run after all records were emitted.
     fn stop(&mut self, time: f64, reason: StopReason, after: Option<Motion>) {
         let in_step = |dense: &Dense<N>| self.motion(dense, (time - dense.t0) / dense.h);
         if let Some(motion) = after.or_else(|| self.dense.as_ref().map(in_step)) {
@@ -551,7 +550,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
     }
 }
 
-/// The motion that an impact leaves behind; none where a phase begins without one.
+/// The motion after an impact; `None` if the phase begins without one.
 fn after_impact<F, const N: usize>(entry: &Entry<F, N>) -> Option<Motion> {
     matches!(
         entry.transition,

@@ -1,4 +1,4 @@
-//! Watched functions of the motion, whose zeros mean something.
+//! Functions whose zeros are events.
 
 use crate::physics::dynamics::{EulerBounds, Formulation, Guard, Model, Motion, Phase};
 use crate::physics::integrate::{Bounds, KNOTS, SignTracker, Slope, zero};
@@ -6,10 +6,10 @@ use crate::physics::kinematics::Euler;
 use crate::run::scenario::Stop;
 use std::f64::consts::FRAC_PI_2;
 
-/// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²): smaller values are rounding, not nutation.
+/// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²); smaller values are rounding errors.
 const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
 
-/// A function of the motion whose zeros mean something.
+/// A watched function of the motion.
 pub(super) struct Watch {
     /// Meaning of its zeros.
     pub meaning: Meaning,
@@ -26,24 +26,24 @@ pub(super) enum Meaning {
     NutationRate,
     /// An extreme of φ̇ or ψ̇, for the least and greatest rates of a cycle.
     Envelope,
-    /// The precession turns round.
+    /// The precession reverses.
     Precession,
-    /// The spin becomes too weak, or strong enough, to hold an upright top.
+    /// The top becomes weak or strong.
     Strength,
-    /// The top has risen to this inclination, rad.
+    /// θ decreases to this angle, rad.
     Risen(f64),
-    /// The top has fallen to this inclination, rad.
+    /// θ increases to this angle, rad.
     Fallen(f64),
-    /// A tippe top inverts: its axis passes the horizontal.
+    /// The axis of a tippe top passes the horizontal.
     Inversion,
     /// The guard that ends the phase.
     Guard(Guard),
-    /// A top whose contact point sticks has come to rest.
+    /// A top whose contact point sticks stops turning.
     Turning,
 }
 
 impl Meaning {
-    /// The values of the watched function in motions with this sense of precession (+1 or −1). Factors of sin θ keep it
+    /// The values of the watched function in motions with this sense of precession (+1 or −1). Factors of sin θ make it
     /// regular upright.
     #[inline]
     pub fn values<F: Formulation<N>, const N: usize, const K: usize>(
@@ -55,7 +55,7 @@ impl Meaning {
         match self {
             Self::Nutation => each(motions, |m| m.tilt.sin * m.tilt.rates.theta),
             Self::NutationRate => each(motions, |m| accelerations(system.model(), m).theta),
-            // Found without a tracker.
+            // Located by `envelope`, without a tracker.
             Self::Envelope => [f64::NAN; K],
             Self::Precession => each(motions, |m| {
                 sense * m.tilt.rates.phi * m.tilt.sin * m.tilt.sin
@@ -71,7 +71,7 @@ impl Meaning {
         }
     }
 
-    /// Whether bounds show that the watched function keeps this sign throughout a step; false if they are too wide.
+    /// Whether the bounds prove that the watched function keeps this sign throughout a step.
     #[inline]
     pub fn keeps_sign<F: Formulation<N>, const N: usize>(
         self,
@@ -104,7 +104,7 @@ impl Meaning {
     }
 }
 
-/// Whether θ stays above a limit in rad, or below it if not `positive`.
+/// Whether θ stays above a limit, rad, or below it if not `positive`.
 fn is_beyond(limit: f64, positive: bool, bounds: &EulerBounds) -> bool {
     if positive {
         bounds.theta.least > limit
@@ -113,12 +113,12 @@ fn is_beyond(limit: f64, positive: bool, bounds: &EulerBounds) -> bool {
     }
 }
 
-/// Far more than the strength ratio is rounded by.
+/// Margin for rounding of the strength ratio.
 const STRENGTH_ROUNDING: f64 = 1e-9;
 
-/// Whether θ̈ keeps this sign in a step, as far as the slope of θ̇ shows: its bounds have the sign, are farther from zero than
-/// a quarter of what they are from one another, and far beyond noise and rounding. So are most steps, as a nutation takes
-/// twenty; their accelerations need not be computed.
+/// Whether the bounds of the slope of θ̇ prove that θ̈ keeps this sign in a step: they have the sign, and their
+/// distance from zero exceeds a quarter of their width, rounding and noise. This avoids computing accelerations in most
+/// steps.
 #[inline]
 fn is_steady(positive: bool, bounds: &EulerBounds) -> bool {
     let slope = bounds.theta_dot_slope;
@@ -131,7 +131,7 @@ pub(super) fn accelerations(model: &Model, motion: &Motion) -> Euler {
     model.euler_accelerations(&model.contact_in(motion), motion)
 }
 
-/// A number of each motion.
+/// Maps each motion to a number.
 #[inline]
 fn each<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [f64; K] {
     let mut numbers = [0.0; K];
@@ -141,8 +141,8 @@ fn each<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [
     numbers
 }
 
-/// Finds the turning points of φ̇ and ψ̇ in a step: where the Euler accelerations (`at` a fraction of the step, and at the
-/// knots) pass zero.
+/// Finds the extremes of φ̇ and ψ̇ in a step, i.e. zeros of the Euler accelerations (`at` a fraction of the step, and
+/// at the knots).
 pub(super) fn envelope(
     at: impl Fn(f64) -> Euler,
     at_knots: &[Euler; 5],
@@ -165,7 +165,7 @@ pub(super) fn envelope(
     }
 }
 
-/// [`is_steady`] without bounds: by the slopes, at the knots, of the polynomial through the θ̇ there.
+/// Like [`is_steady`], but without bounds: uses the slopes at the knots of the interpolation polynomial of θ̇.
 pub(super) fn is_steady_at_knots(h: f64, motions: &[Motion; 5], sign: Option<bool>) -> bool {
     let Some(positive) = sign else {
         return false;
@@ -196,7 +196,7 @@ pub(super) fn is_steady_at_knots(h: f64, motions: &[Motion; 5], sign: Option<boo
     least > greatest - least && least > 10.0 * NUTATION_FLOOR.1 && least > 1e3 * rounding
 }
 
-/// Lets watches go on with the signs that those of the phase before have seen.
+/// Copies tracker signs from the previous phase.
 pub(super) fn keep_signs(before: &[Watch], now: &mut [Watch]) {
     for watch in now {
         let known = before.iter().find(|known| {
@@ -208,11 +208,11 @@ pub(super) fn keep_signs(before: &[Watch], now: &mut [Watch]) {
     }
 }
 
-/// Least difference of a free peg's slip speed from that which counts as zero, m/s: half of
-/// it. Slip that begins passes it within steps that each add no more than their error.
+/// Noise floor of the slip guard of a free peg, m/s: half of `NO_SLIP`. A starting slip passes it in steps that add no
+/// more than their error.
 const SLIP_FLOOR: f64 = 5e-10;
 
-/// The tracker of a guard's sign. Those of a free peg are positive when their phase begins, but the slip may begin
+/// The tracker of a guard's sign. For a free peg, guards are positive when a phase begins, except slip, which may start
 /// anywhere. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
 fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
     match guard {
@@ -252,7 +252,7 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
         watch(Meaning::NutationRate, NUTATION_FLOOR.1),
         watch(Meaning::Precession, 0.0),
     ];
-    // A tippe top has no upright position to be too weak for, and inverts where another falls.
+    // A tippe top has no strength event, and `Inversion` replaces `Fallen`.
     if model.top.center_distance > 0.0 {
         let fallen = stop.theta_fallen.unwrap_or(FRAC_PI_2);
         watches.push(watch(Meaning::Strength, 0.0));

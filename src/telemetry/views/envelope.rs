@@ -1,17 +1,17 @@
-//! The ranges of what nutates.
+//! Ranges of nutating quantities.
 
 use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
 use crate::telemetry::message::Message;
 
-/// For how many periods after a nutation its ranges stand for the motion, unless the next one ends before.
+/// Number of nutation periods for which the ranges of a nutation are valid, unless the next one ends before.
 const LASTING: f64 = 2.0;
 
-/// The ranges in the last nutation of what nutates.
+/// The ranges of nutating quantities in the last nutation.
 #[derive(Clone, Debug)]
 pub(super) struct Envelope {
     /// Least and greatest values, in the order of [`NUTATING`].
     ranges: [[f64; 2]; 4],
-    /// Until when they stand for the motion, ns.
+    /// End of their validity, ns.
     until_ns: u64,
     /// The time of the last message, ns.
     now_ns: u64,
@@ -26,7 +26,7 @@ impl Envelope {
         }
     }
 
-    /// Takes a message of any channel.
+    /// Processes a message of any channel.
     pub(super) fn take(&mut self, message: &Message<'_>) {
         self.now_ns = message.time_ns;
         if message.topic() == NUTATION {
@@ -37,8 +37,7 @@ impl Envelope {
         }
     }
 
-    /// A value of a quantity, and its least and greatest value in the last nutation: the value itself where there is no
-    /// nutation.
+    /// A value of a quantity, and its minimum and maximum in the last nutation; without nutation, the value itself.
     pub(super) fn around(&self, field: NumberField, value: f64) -> [f64; 3] {
         let place = NUTATING.iter().position(|[known, ..]| *known == field);
         match place.filter(|_| self.now_ns < self.until_ns) {

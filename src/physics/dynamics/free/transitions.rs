@@ -1,4 +1,4 @@
-//! Transitions of a free peg: from rolling to sliding, from impact to impact, and at rest again.
+//! Transitions of a free peg between rolling, sliding and flight.
 
 use super::state::{CONTROLLED, Departure, FreeRotation};
 use crate::physics::dynamics::fixed::NO_SLIP;
@@ -10,12 +10,12 @@ use crate::physics::integrate::{IntegrateError, System as _};
 use crate::physics::math::hypot;
 use nalgebra::Vector3;
 
-/// A peg that lifts off is followed, at first, for no longer than the top takes to turn by this, rad. In so short a step
-/// the dense output errs by rounding only, whatever the tolerances.
+/// Maximum rotation in the first step after lift-off, rad; in such a short step the dense output is exact up to
+/// rounding.
 const FIRST_TURN: f64 = 0.01;
 
 impl FreeRotation {
-    /// Continuation of the motion from a peg that has rolled and is held no longer.
+    /// The next phase after friction releases a rolling peg: sliding or flight.
     pub(super) fn departing<const N: usize>(&self, y: &[f64; N]) -> Self {
         let parts = self.parts(y);
         let reaction = self.reaction(&parts);
@@ -30,7 +30,7 @@ impl FreeRotation {
         }
     }
 
-    /// Continuation of the motion from a peg on the table whose contact point slips, or is `at_rest`.
+    /// The phase of a peg on the table whose contact point slips or is `at_rest`.
     pub(super) fn on_table<const N: usize>(&self, y: &[f64; N], at_rest: bool) -> Self {
         let mut sliding = self.in_phase(Phase::Sliding);
         let parts = sliding.parts(y);
@@ -42,7 +42,7 @@ impl FreeRotation {
             let body = self.body(parts.tilt);
             let accelerated = |direction: &_| body.slip_acceleration(&(NO_SLIP * direction));
             let Some(direction) = FreeBody::departure(accelerated) else {
-                // Friction is too weak by rounding only.
+                // Friction is only too weak because of rounding.
                 return holding.departing(y);
             };
             sliding.departure = Some(Departure::Toward(direction));
@@ -66,7 +66,7 @@ impl FreeRotation {
         self.model.friction.law.static_bound(reaction.normal) - hypot(force.x, force.y)
     }
 
-    /// The state with the contact point brought to rest, and how long that takes, s.
+    /// The state after the contact point comes to rest, and the time needed, s.
     pub(super) fn rested<const N: usize>(&self, y: &[f64; N]) -> ([f64; N], f64) {
         let parts = self.parts(y);
         let velocity = parts.contact_velocity();
@@ -84,7 +84,7 @@ impl FreeRotation {
         (self.in_phase(Phase::Holding).completed(&state), delay)
     }
 
-    /// The state after an impact, and how the motion goes on.
+    /// The state after an impact, and the next phase.
     pub(super) fn after_impact<const N: usize>(
         &self,
         y: &[f64; N],
@@ -129,8 +129,8 @@ impl FreeRotation {
         Ok((next, self.in_phase(landed).completed(&state), transition))
     }
 
-    /// The state after the peg has touched the table without approaching it, and how the motion goes on. Where it flies on,
-    /// only an error of the dense output has touched the table, and nothing has happened.
+    /// The state and next phase after a contact without approach velocity. If the peg stays in flight, the contact was
+    /// an error of the dense output.
     pub(super) fn after_touch<const N: usize>(
         &self,
         y: &[f64; N],
@@ -151,8 +151,8 @@ impl FreeRotation {
         (next, state, transition)
     }
 
-    /// The longest that the first step in flight may be, s: about as long as the flight, if the peg falls back at once. A
-    /// peg that lifts off has no speed at first, and hardly any height: less than a long step errs by.
+    /// Maximum length of the first step in flight, s: about the duration of the shortest flight. A long step's error
+    /// would exceed the initial height of the peg.
     pub(super) fn first_step<const N: usize>(&self, y: &[f64; N]) -> f64 {
         if self.phase != Phase::Flying {
             return f64::INFINITY;
