@@ -171,7 +171,7 @@ impl Friction {
     /// Friction per unit normal force for a slip velocity (m/s) and an angular velocity `omega` (rad/s), both in the
     /// lean frame. All contact friction is proportional to the normal force; air drag is not.
     ///
-    /// At rest the sliding force is 0 here; the static friction of a set-valued law is computed by [`Friction::grip`].
+    /// At rest the sliding force is 0 here; the static friction of a set-valued law is computed separately.
     #[must_use]
     #[inline(always)]
     pub fn per_newton(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
@@ -200,7 +200,7 @@ impl Friction {
         }
     }
 
-    /// Force of a contact point that slips, N.
+    /// Sliding friction force, N.
     #[inline(always)]
     fn force(
         &self,

@@ -155,8 +155,8 @@ impl Tilt {
         )
     }
 
-    /// Velocity of the contact point of a sphere of radius `radius` (m) with a fixed centre, in the lean frame, m/s: `ω
-    /// × r` with `r = −R z′` (the paper's equation (3)).
+    /// Velocity of the contact point of a sphere of radius `radius` (m) with a fixed centre, in the lean frame, m/s:
+    /// `ω × r` with `r = −R z′` (the paper's equation (3)).
     #[must_use]
     #[inline]
     pub fn slip_velocity(&self, radius: f64) -> Vector3<f64> {

@@ -185,8 +185,8 @@ impl Top {
         self.gravity_moment() * tilt.cos
     }
 
-    /// The rates of regular precession (θ̈ = 0) at this inclination and spin rate ψ̇: the roots of `(I_x − I_z) cos θ
-    /// φ̇² − I_z ψ̇ φ̇ + M g l = 0`.
+    /// The rates of regular precession (θ̈ = 0) at this inclination and spin rate ψ̇: the roots of
+    /// `(I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0`.
     ///
     /// `None` if they are not real or the fast root is infinite.
     #[must_use]

@@ -87,7 +87,7 @@ impl FieldDifferences {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no differences.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.missing.is_empty() && self.unknown.is_empty()

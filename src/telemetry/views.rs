@@ -215,7 +215,7 @@ impl Views {
         }
     }
 
-    /// Encodes the view of a message into `cdr`; false if the message has none.
+    /// Encodes the view of a message into `cdr`. Returns false if the message has no view.
     fn write(&mut self, kind: Kind, message: &Message<'_>) -> bool {
         let (cdr, envelope) = (&mut self.cdr, &self.envelope);
         let time = message.time_ns;

@@ -277,7 +277,7 @@ impl Marks {
 /// An impact of a body whose contact point has the velocity `before` (m/s, lean frame), downward.
 ///
 /// # Errors
-/// If the law of friction is too steep to be followed.
+/// If the friction law is too steep.
 pub(super) fn impact(
     body: &FreeBody<'_>,
     before: Vector3<f64>,

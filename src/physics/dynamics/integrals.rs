@@ -16,7 +16,7 @@ pub const FEW_INTEGRALS: usize = 2;
 /// Integrals over the motion since the start of the run. The integrator computes them without effect on the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Integrals {
-    /// Work that friction did on the top, J (normally negative).
+    /// Work that friction and impacts did on the top, J (normally negative).
     pub friction_work: f64,
     /// Length of the path that the contact point slipped over the table, m.
     pub slip_path: f64,
@@ -65,7 +65,7 @@ impl TermIntegrals {
 /// dominated by rounding.
 pub const TERMS_SINE: f64 = 1e-6;
 
-/// The running integrals as the end of a state vector.
+/// The running integrals as the last components of a state vector.
 #[inline]
 fn as_array(integrals: &Integrals) -> [f64; INTEGRALS] {
     let Integrals {

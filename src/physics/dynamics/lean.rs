@@ -71,8 +71,8 @@ impl Lean {
     ///
     /// With `n = ±z′` and `L = A n × ṅ + L_n n`, the horizontal part of `L̇ = τ` is `±A z′ × n̈ + L_n ṅ = τ`. If the
     /// axis is moving, `ṅ = θ̇ e`, then `φ̇ = n̈ · (z′ × e)/2θ̇`: half of `L_z′/A`, minus the contribution of the
-    /// torque along `e`. If it is at rest, the line of nodes is along the torque, and `φ̇ = n⃛ · (z′ × e)/3θ̈ =
-    /// L_z′/3A`, because friction initially keeps its direction.
+    /// torque along `e`. If it is at rest, the line of nodes is along the torque, and
+    /// `φ̇ = n⃛ · (z′ × e)/3θ̈ = L_z′/3A`, because friction initially keeps its direction.
     pub(super) fn going_on(
         &self,
         tilt: Tilt,

@@ -142,9 +142,9 @@ impl Model {
     /// The rates of regular precession at this inclination and spin rate: [`Top::precession_roots`] for a fixed peg or
     /// frictionless sliding.
     ///
-    /// For a rolling peg, with the height `h = R + l cos θ` of the centre of mass, they are the roots of `((A − I_z)
-    /// cos θ + M l h) φ̇² − (I_z + M R h) ψ̇ φ̇ + M g l = 0`: the centre of mass moves in a circle, and friction
-    /// provides the centripetal force.
+    /// For a rolling peg, with the height `h = R + l cos θ` of the centre of mass, they are the roots of
+    /// `((A − I_z) cos θ + M l h) φ̇² − (I_z + M R h) ψ̇ φ̇ + M g l = 0`: the centre of mass moves in a circle, and
+    /// friction provides the centripetal force.
     #[must_use]
     pub fn precession_roots(&self, motion: &Motion) -> Option<PrecessionRoots> {
         let (top, tilt) = (&self.top, &motion.tilt);

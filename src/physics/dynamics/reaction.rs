@@ -190,8 +190,8 @@ impl<'a> FreeBody<'a> {
 
     /// The acceleration of the contact point without contact forces, m/s².
     ///
-    /// The axis rotates with `ω × n`. The gyroscopic angular acceleration perpendicular to it is `(A − I_z) ω_n (ω × n)
-    /// / A`, because `ω × L = (I_z − A) ω_n (ω × n)`.
+    /// The axis rotates with `ω × n`. The gyroscopic angular acceleration perpendicular to it is
+    /// `(A − I_z) ω_n (ω × n) / A`, because `ω × L = (I_z − A) ω_n (ω × n)`.
     #[inline(always)]
     fn loose_acceleration(&self, air: &Vector3<f64>) -> Vector3<f64> {
         let omega = self.tilt.omega_lean;

@@ -137,7 +137,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Largest force that holds a contact point at rest, N; 0 for smooth laws.
+    /// Maximum static friction force, N; 0 for smooth laws.
     #[must_use]
     #[inline]
     pub fn static_bound(&self, normal_force: f64) -> f64 {
@@ -151,7 +151,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Largest torque about the vertical of the patch of contact, N m; 0 for laws without one.
+    /// Maximum torque of the contact patch about the vertical, N m; 0 for laws without a patch.
     #[must_use]
     pub fn drilling_bound(&self, normal_force: f64) -> f64 {
         match *self {

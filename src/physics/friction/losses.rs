@@ -27,7 +27,7 @@ pub struct Drilling {
     pub k: f64,
     /// Radius `a` of the contact patch, m.
     pub patch_radius: f64,
-    /// Rate about the vertical up to which the torque grows with it, rad/s; 0 for a jump.
+    /// Rate about the vertical below which the torque is proportional to it, rad/s; 0 for a discontinuous torque.
     pub creep: f64,
 }
 

@@ -29,7 +29,7 @@ pub enum Slope {
     Falling,
 }
 
-/// A change of sign.
+/// A sign change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// The fraction of the step at which it happens, accurate to about one ulp of 1. The function has its new sign
@@ -39,7 +39,7 @@ pub struct Crossing {
     pub slope: Slope,
 }
 
-/// Follows the sign of a function from step to step and finds its changes.
+/// Tracks the sign of a function from step to step and finds its changes.
 ///
 /// Each sign change is found exactly once. A zero at the end of a step is reported in the next step if it is a
 /// crossing. Touching zero is not a crossing. A function that starts at exactly zero gets its first sign silently. NaN

@@ -74,7 +74,8 @@ impl<const N: usize> Dense<N> {
         std::array::from_fn(|i| self.component(i, s))
     }
 
-    /// The first `count` components of the state at `t0 + s h`, the same bits as those of [`Dense::at`]; 0 for the others.
+    /// The first `count` components of the state at `t0 + s h`, bit-identical to those of [`Dense::at`]; 0 for the
+    /// others.
     #[must_use]
     #[inline]
     pub fn first_at(&self, count: usize, s: f64) -> [f64; N] {
@@ -85,8 +86,7 @@ impl<const N: usize> Dense<N> {
         state
     }
 
-    /// Component `i` of the state at `t0 + s h`, with `s` in [0, 1]: cheaper than [`Dense::at`], and the
-    /// same bits.
+    /// Component `i` of the state at `t0 + s h`, with `s` in [0, 1]: cheaper than [`Dense::at`], and bit-identical.
     ///
     /// # Panics
     /// If `i` is not less than `N`.
@@ -152,7 +152,7 @@ impl<const N: usize> Dense<N> {
     }
 }
 
-/// The sum of the magnitudes of the coefficients from the third on, each with its weight.
+/// The weighted sum of the magnitudes of the coefficients from the third on.
 #[inline]
 fn weighed(coefficients: &[f64; 8], weights: &[f64; 6]) -> f64 {
     let mut sum = 0.0;
@@ -204,7 +204,7 @@ mod tests {
         }
     }
 
-    /// Each term alone comes within 2 % of its bound: none is wider than it has to be.
+    /// Each term alone comes within 2 % of its bound: no bound is wider than necessary.
     #[test]
     fn bounds_are_close_for_each_term() {
         for term in 2..8 {

@@ -170,19 +170,13 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     }
 
     /// The end of the last accepted step, or the start.
-    #[expect(
-        clippy::misnamed_getters,
-        reason = "the last step has a start of its own"
-    )]
+    #[expect(clippy::misnamed_getters, reason = "the last step has its own start")]
     pub fn t(&self) -> f64 {
         self.last.end
     }
 
     /// The state at [`Dop853::t`].
-    #[expect(
-        clippy::misnamed_getters,
-        reason = "the last step has a start of its own"
-    )]
+    #[expect(clippy::misnamed_getters, reason = "the last step has its own start")]
     pub fn y(&self) -> &[f64; N] {
         &self.last.end_y
     }
@@ -412,7 +406,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         h.abs() * fifth_squared / (Self::controlled() * damped).sqrt()
     }
 
-    /// A step of length `h` to `y`, unless it ends in numbers that are not finite.
+    /// A step of length `h` to `y`, if its values are finite.
     #[inline]
     fn ended(&mut self, h: f64, y: [f64; N], k: Stages<N>) -> Result<Step<N>, IntegrateError> {
         let end = self.t() + h;
@@ -432,7 +426,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         })
     }
 
-    /// Makes a step the last accepted one, with its dense output if that has been made.
+    /// Accepts a step, with its dense output if computed.
     #[inline]
     fn accept(&mut self, step: Step<N>, dense: Option<Dense<N>>) {
         self.statistics.count_step(step.h.abs());

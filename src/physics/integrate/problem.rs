@@ -65,7 +65,7 @@ impl Statistics {
     }
 }
 
-/// The reason why an integration can't go on.
+/// Error of an integration.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum IntegrateError {
     /// The step size fell below the resolution of t: the solution is singular or discontinuous ahead, or the equations
