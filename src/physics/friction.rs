@@ -106,31 +106,31 @@ pub struct Friction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grip {
     /// The required friction torque about the peg's centre, lean frame, N m.
-    pub needed: Vector3<f64>,
+    pub required: Vector3<f64>,
     /// The maximum friction torque, N m.
-    pub strongest: f64,
+    pub maximum: f64,
 }
 
 impl Grip {
     /// Whether the contact point stays at rest.
     #[must_use]
     pub fn holds(&self) -> bool {
-        self.strongest > 0.0 && self.margin() >= 0.0
+        self.maximum > 0.0 && self.margin() >= 0.0
     }
 
     /// Margin of the static torque, N m; negative if it yields.
     #[must_use]
     pub fn margin(&self) -> f64 {
-        self.strongest - self.needed.norm()
+        self.maximum - self.required.norm()
     }
 
     /// The friction torque: the required torque, limited to the maximum, N m.
     fn torque(&self) -> Vector3<f64> {
-        let needed = self.needed.norm();
-        if needed > self.strongest {
-            self.needed * (self.strongest / needed)
+        let required = self.required.norm();
+        if required > self.maximum {
+            self.required * (self.maximum / required)
         } else {
-            self.needed
+            self.required
         }
     }
 }
@@ -174,7 +174,7 @@ impl Friction {
     /// At rest the sliding force is 0 here; the static friction of a set-valued law is computed separately.
     #[must_use]
     #[inline(always)]
-    pub fn per_newton(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
+    pub fn per_normal_force(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
         let speed = (slip.x * slip.x + slip.y * slip.y).sqrt();
         let force = if speed > 0.0 {
             -self.law.resistance(speed, omega.z, 1.0) * slip
@@ -183,7 +183,7 @@ impl Friction {
         };
         let mut couple = self
             .losses
-            .map_or_else(Vector3::zeros, |losses| losses.at_contact(1.0, omega));
+            .map_or_else(Vector3::zeros, |losses| losses.contact_torque(1.0, omega));
         if let FrictionLaw::Contensou { k, patch_radius } = self.law {
             couple.z += drilling_torque(k, patch_radius, 1.0, speed, omega.z);
         }
@@ -247,10 +247,10 @@ impl Friction {
         let losses = self
             .torque_of_losses(0.0, normal_force, omega, tilt.axis())
             .unwrap_or_default();
-        let needed = top.turning_torque(tilt, losses.z) - top.gravity_torque(tilt) - losses;
+        let required = top.turning_torque(tilt, losses.z) - top.gravity_torque(tilt) - losses;
         Grip {
-            needed: Vector3::new(needed.x, needed.y, 0.0),
-            strongest: top.peg_radius * self.law.static_bound(normal_force)
+            required: Vector3::new(required.x, required.y, 0.0),
+            maximum: top.peg_radius * self.law.static_bound(normal_force)
                 + self.rolling_arm() * normal_force,
         }
     }
@@ -276,7 +276,7 @@ impl Friction {
         }
         let grip = self.grip(top, normal_force, &tilt);
         let torque = grip.torque();
-        let share = top.peg_radius * self.law.static_bound(normal_force) / grip.strongest;
+        let share = top.peg_radius * self.law.static_bound(normal_force) / grip.maximum;
         let force = share / top.peg_radius * Vector3::new(-torque.y, torque.x, 0.0);
         (force, losses.map(|losses| losses + (1.0 - share) * torque))
     }

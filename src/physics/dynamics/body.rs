@@ -56,7 +56,7 @@ impl BodyRotation {
             let rate = momentum.z / top.vertical_moment(lean.sin, lean.cos);
             return Tilt::from_omega(lean.sin, lean.cos, Vector3::new(0.0, 0.0, rate));
         }
-        let momentum_lean = lean.of_world(momentum);
+        let momentum_lean = lean.world_to_lean(momentum);
         let axial = lean.sin * momentum_lean.x + lean.cos * momentum_lean.z;
         let excess = axial * (1.0 / top.axial_moment - 1.0 / top.transverse_moment);
         let omega =
@@ -75,8 +75,8 @@ impl<const N: usize> System<N> for BodyRotation {
         let tilt = self.tilt(&lean, &momentum(y));
         let contact = self.model.contact(&tilt);
         let friction = self.model.friction_torque(&contact, &tilt);
-        let torque = lean.in_world(&(self.model.top.gravity_torque(&tilt) + friction));
-        let omega = lean.in_world(&tilt.omega_lean);
+        let torque = lean.lean_to_world(&(self.model.top.gravity_torque(&tilt) + friction));
+        let omega = lean.lean_to_world(&tilt.omega_lean);
         let turning = Quaternion::from_imag(omega) * q * 0.5;
         let integrands = if N == Self::STATE_LENGTH {
             let theta = atan2(lean.sin, lean.cos);
@@ -106,7 +106,7 @@ impl BodyRotation {
 
     /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
     #[must_use]
-    pub fn brought_to_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
+    pub fn state_at_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let lean = Lean::of(&quaternion(y), |_| momentum(y));
         let held = Self {
             phase: Phase::Holding,
@@ -114,7 +114,7 @@ impl BodyRotation {
         };
         let tilt = held.tilt(&lean, &momentum(y));
         let top = &self.model.top;
-        let momentum = lean.in_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
+        let momentum = lean.lean_to_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
         let mut rested = *y;
         (rested[4], rested[5]) = (momentum.x, momentum.y);
         rested
@@ -122,12 +122,12 @@ impl BodyRotation {
 }
 
 impl<const N: usize> FixedPeg<N> for BodyRotation {
-    fn in_phase(self, phase: Phase) -> Self {
+    fn with_phase(self, phase: Phase) -> Self {
         Self { phase, ..self }
     }
 
-    fn rested(&self, y: &[f64; N]) -> [f64; N] {
-        self.brought_to_rest(y)
+    fn at_rest(&self, y: &[f64; N]) -> [f64; N] {
+        self.state_at_rest(y)
     }
 }
 
@@ -150,7 +150,8 @@ impl<const N: usize> Formulation<N> for BodyRotation {
         if tilt.is_upright() {
             let per_moment = 1.0 / self.model.top.transverse_moment;
             let torque = momentum(&self.derivative(0.0, y));
-            tilt = lean.going_on(tilt, &(momentum(y) * per_moment), &(torque * per_moment));
+            tilt =
+                lean.rates_at_vertical(tilt, &(momentum(y) * per_moment), &(torque * per_moment));
         }
         Motion {
             angles: Euler {

@@ -143,7 +143,7 @@ impl EulerAngles {
 
     /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
     #[must_use]
-    pub fn brought_to_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
+    pub fn state_at_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let top = &self.model.top;
         let tilt = Tilt::from_rates(y[1], rates(y));
         let vertical = tilt.node_to_lean(&top.angular_momentum_node(&tilt)).z;
@@ -155,12 +155,12 @@ impl EulerAngles {
 }
 
 impl<const N: usize> FixedPeg<N> for EulerAngles {
-    fn in_phase(self, phase: Phase) -> Self {
+    fn with_phase(self, phase: Phase) -> Self {
         Self { phase, ..self }
     }
 
-    fn rested(&self, y: &[f64; N]) -> [f64; N] {
-        self.brought_to_rest(y)
+    fn at_rest(&self, y: &[f64; N]) -> [f64; N] {
+        self.state_at_rest(y)
     }
 }
 

@@ -16,10 +16,10 @@ const SINGULAR: f64 = 1e-6;
 /// Equations of a top with a fixed peg.
 pub(super) trait FixedPeg<const N: usize>: Formulation<N> {
     /// These equations in another phase.
-    fn in_phase(self, phase: Phase) -> Self;
+    fn with_phase(self, phase: Phase) -> Self;
 
     /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
-    fn rested(&self, state: &[f64; N]) -> [f64; N];
+    fn at_rest(&self, state: &[f64; N]) -> [f64; N];
 }
 
 /// Start of the motion: see [`Formulation::start`].
@@ -35,7 +35,7 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     let motion = formulation.motion(&state, start.angles);
     if at_rest && model.grip(&motion.tilt).holds() {
         (
-            formulation.in_phase(Phase::Holding),
+            formulation.with_phase(Phase::Holding),
             state,
             Some(Transition::Holds),
         )
@@ -89,10 +89,10 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
             (Transition::SlipResumes, Phase::Sliding)
         }
     };
-    let formulation = formulation.in_phase(phase);
+    let formulation = formulation.with_phase(phase);
     Entry {
         formulation,
-        state: formulation.rested(state),
+        state: formulation.at_rest(state),
         delay: 0.0,
         transition,
         motion,

@@ -53,10 +53,10 @@ impl<const N: usize> System<N> for FreeRotation {
         } = &parts;
         let top = &self.model.top;
         let reaction = self.reaction(&parts);
-        let torque = lean.in_world(&(reaction.torque(arm) * self.inertia.per_transverse));
-        let turning = turning(&quaternion(y), &lean.in_world(&tilt.omega_lean));
-        let moving = lean.in_world(velocity);
-        let mut acceleration = lean.in_world(&(reaction.force() * self.inertia.per_mass));
+        let torque = lean.lean_to_world(&(reaction.torque(arm) * self.inertia.per_transverse));
+        let turning = turning(&quaternion(y), &lean.lean_to_world(&tilt.omega_lean));
+        let moving = lean.lean_to_world(velocity);
+        let mut acceleration = lean.lean_to_world(&(reaction.force() * self.inertia.per_mass));
         acceleration.z -= top.gravity;
         let (mut rise, mut fall) = (moving.z, acceleration.z);
         if self.phase != Phase::Flying {
@@ -149,7 +149,9 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let mut parts = self.parts(y);
         if parts.tilt.is_upright() {
             let torque = vector(&self.derivative(0.0, y), 4);
-            parts.tilt = parts.lean.going_on(parts.tilt, &vector(y, 4), &torque);
+            parts.tilt = parts
+                .lean
+                .rates_at_vertical(parts.tilt, &vector(y, 4), &torque);
         }
         let Parts {
             lean,
@@ -159,7 +161,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             ..
         } = &parts;
         let to_peg = Vector3::new(arm.lean, 0.0, arm.up + top.peg_radius);
-        let mut position = vector(y, 7) + lean.in_world(&to_peg);
+        let mut position = vector(y, 7) + lean.lean_to_world(&to_peg);
         let mut velocity_lean = velocity + tilt.omega_lean.cross(&to_peg);
         if self.phase != Phase::Flying {
             position.z = top.peg_radius;
@@ -246,7 +248,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let (mut delay, mut state) = (0.0, self.completed(y));
         let (formulation, transition) = match guard {
             Guard::Slip => {
-                (state, delay) = self.rested(y);
+                (state, delay) = self.at_rest(y);
                 let next = self.on_table(&state, true);
                 let transition = match next.phase {
                     Phase::Holding => Transition::Rolls,
@@ -256,14 +258,14 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 (next, transition)
             }
             Guard::Grip => {
-                let next = self.departing(&state);
+                let next = self.after_release(&state);
                 let transition = match next.phase {
                     Phase::Flying => Transition::LiftsOff,
                     Phase::Sliding | Phase::Holding => Transition::RollEnds,
                 };
                 (next, transition)
             }
-            Guard::NormalForce => (self.in_phase(Phase::Flying), Transition::LiftsOff),
+            Guard::NormalForce => (self.with_phase(Phase::Flying), Transition::LiftsOff),
             Guard::Gap => {
                 let (next, after, transition) = self.after_impact(&state)?;
                 state = after;

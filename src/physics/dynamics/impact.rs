@@ -16,22 +16,22 @@ use crate::physics::math::hypot;
 use nalgebra::Vector3;
 
 /// Minimum approach speed of a bounce, m/s. Ends sequences of ever smaller bounces.
-const SLOWEST_BOUNCE: f64 = 1e-6;
+const MIN_BOUNCE_SPEED: f64 = 1e-6;
 
 /// If a bounce reduces the speed by less than this fraction, the minimum speed is increased.
 const LEAST_LOSS: f64 = 0.01;
 /// Upper limit of that increase, m/s.
-const SLOWEST_ELASTIC_BOUNCE: f64 = 1e-4;
+const MAX_MIN_BOUNCE_SPEED: f64 = 1e-4;
 
 /// Minimum approach speed of a bounce for this coefficient of restitution, m/s.
-fn slowest_bounce(restitution: f64) -> f64 {
+fn min_bounce_speed(restitution: f64) -> f64 {
     let loss = 1.0 - restitution;
     if loss >= LEAST_LOSS {
-        SLOWEST_BOUNCE
-    } else if loss * SLOWEST_ELASTIC_BOUNCE > LEAST_LOSS * SLOWEST_BOUNCE {
-        SLOWEST_BOUNCE * LEAST_LOSS / loss
+        MIN_BOUNCE_SPEED
+    } else if loss * MAX_MIN_BOUNCE_SPEED > LEAST_LOSS * MIN_BOUNCE_SPEED {
+        MIN_BOUNCE_SPEED * LEAST_LOSS / loss
     } else {
-        SLOWEST_ELASTIC_BOUNCE
+        MAX_MIN_BOUNCE_SPEED
     }
 }
 
@@ -44,7 +44,7 @@ const CREEP_SHARE: f64 = 1e-3;
 const SLIP_STOPPED: f64 = 1e-12;
 
 /// Maximum number of steps per impact; exceeded only if the friction law is too steep.
-const MOST_STEPS: u32 = 20_000;
+const MAX_STEPS: u32 = 20_000;
 
 /// Result of an impact. Vectors are in the lean frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl Impact {
 /// State: impulses, moments, work of the normal force and energy lost by friction, scaled by the impact speed.
 const SIZE: usize = 8;
 /// Number of components needed for guards (all but the energy lost by friction).
-const NEEDED: usize = 7;
+const GUARD_INPUTS: usize = 7;
 type State = [f64; SIZE];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +98,7 @@ enum Stage {
 }
 
 #[derive(Clone, Copy)]
-struct Process<'a> {
+struct ImpactEquations<'a> {
     body: &'a FreeBody<'a>,
     before: Vector3<f64>,
     /// Approach speed before the impact, m/s; the velocity scale.
@@ -109,37 +109,37 @@ struct Process<'a> {
 }
 
 /// State of the impact.
-struct Progress {
+struct ImpactState {
     impulse: Vector3<f64>,
     couple: Vector3<f64>,
     velocity: Vector3<f64>,
     omega: Vector3<f64>,
 }
 
-impl Process<'_> {
+impl ImpactEquations<'_> {
     #[inline]
-    fn progress(&self, y: &State) -> Progress {
+    fn impact_state(&self, y: &State) -> ImpactState {
         let top = self.body.top;
         let unit = top.mass * self.speed;
         let impulse = unit * Vector3::new(y[0], y[1], y[2]);
         let couple = unit * top.peg_radius * Vector3::new(y[3], y[4], y[5]);
         let turned = self
             .body
-            .turned_by(&(self.body.arm.cross(&impulse) + couple));
-        Progress {
+            .angular_acceleration(&(self.body.arm.cross(&impulse) + couple));
+        ImpactState {
             impulse,
             couple,
             velocity: self.before
-                + self.body.response.to(&impulse)
-                + self.body.answer_to_couple(&couple),
+                + self.body.inverse_mass.velocity_change(&impulse)
+                + self.body.acceleration_per_couple(&couple),
             omega: self.body.tilt.omega_lean + turned,
         }
     }
 
     /// Friction per normal impulse for a slip velocity (m/s) and an angular velocity (rad/s).
     #[inline]
-    fn per_newton(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
-        let mut wrench = self.body.friction.per_newton(slip, omega);
+    fn per_impulse(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
+        let mut wrench = self.body.friction.per_normal_force(slip, omega);
         let rate = hypot(omega.x, omega.y);
         if rate < self.creep {
             wrench.couple.x *= rate / self.creep;
@@ -156,7 +156,7 @@ impl Process<'_> {
     /// Friction per newton second of normal impulse, and the factor by which the independent variable is slowed near
     /// zero slip.
     #[inline]
-    fn friction(&self, now: &Progress) -> (Wrench, f64) {
+    fn friction(&self, now: &ImpactState) -> (Wrench, f64) {
         let slip = Self::slip(&now.velocity);
         let friction = self.body.friction;
         match self.stage {
@@ -172,7 +172,7 @@ impl Process<'_> {
                         } else {
                             1.0
                         };
-                        (self.per_newton(&slip, &now.omega), pace)
+                        (self.per_impulse(&slip, &now.omega), pace)
                     }
                     _ => {
                         // Near the end of slip its direction changes ever faster.
@@ -181,7 +181,7 @@ impl Process<'_> {
                         } else {
                             1.0
                         };
-                        (self.per_newton(&slip, &now.omega), pace)
+                        (self.per_impulse(&slip, &now.omega), pace)
                     }
                 }
             }
@@ -194,14 +194,14 @@ impl Process<'_> {
     }
 
     /// The friction that keeps the contact point at rest, per newton second of normal impulse.
-    fn holding(&self, now: &Progress) -> Wrench {
-        let couple = self.per_newton(&Vector3::zeros(), &now.omega).couple;
-        let by_couple = self.body.answer_to_couple(&couple);
-        let response = &self.body.response;
+    fn holding(&self, now: &ImpactState) -> Wrench {
+        let couple = self.per_impulse(&Vector3::zeros(), &now.omega).couple;
+        let by_couple = self.body.acceleration_per_couple(&couple);
+        let inverse_mass = &self.body.inverse_mass;
         Wrench {
             force: Vector3::new(
-                -(response.coupling + by_couple.x) / response.lean,
-                -by_couple.y / response.node,
+                -(inverse_mass.coupling + by_couple.x) / inverse_mass.lean,
+                -by_couple.y / inverse_mass.node,
                 0.0,
             ),
             couple,
@@ -210,15 +210,15 @@ impl Process<'_> {
 
     /// The phase after the contact point has stopped slipping.
     fn stopped(&self, y: &State) -> Stage {
-        let now = self.progress(y);
+        let now = self.impact_state(y);
         let bound = self.body.friction.law.static_bound(1.0);
         if self.holding(&now).force.norm() <= bound {
             return Stage::Held;
         }
         let slowly = SLIP_STOPPED * self.scale();
         let answer = |direction: &Vector3<f64>| {
-            let friction = self.per_newton(&(slowly * direction), &now.omega);
-            self.body.answer_per_newton(&friction)
+            let friction = self.per_impulse(&(slowly * direction), &now.omega);
+            self.body.acceleration_per_normal_force(&friction)
         };
         match FreeBody::departure(answer) {
             Some(direction) => Stage::Slipping(Some(direction)),
@@ -227,11 +227,11 @@ impl Process<'_> {
     }
 }
 
-impl System<SIZE> for Process<'_> {
+impl System<SIZE> for ImpactEquations<'_> {
     const CONTROLLED: usize = 6;
 
     fn derivative(&self, _: f64, y: &State) -> State {
-        let now = self.progress(y);
+        let now = self.impact_state(y);
         let (friction, pace) = self.friction(&now);
         let Wrench { force, couple } = friction;
         let radius = self.body.top.peg_radius;
@@ -249,27 +249,27 @@ impl System<SIZE> for Process<'_> {
     }
 }
 
-/// Guards of an impact.
+/// Events of an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Mark {
+enum ImpactEvent {
     Compressed,
     Restituted,
     SlipStopped,
 }
 
 /// The watched values.
-struct Marks {
+struct EventValues {
     compressed: f64,
     restituted: f64,
     slip_stopped: f64,
 }
 
-impl Marks {
-    fn of(&self, mark: Mark) -> f64 {
-        match mark {
-            Mark::Compressed => self.compressed,
-            Mark::Restituted => self.restituted,
-            Mark::SlipStopped => self.slip_stopped,
+impl EventValues {
+    fn of(&self, event: ImpactEvent) -> f64 {
+        match event {
+            ImpactEvent::Compressed => self.compressed,
+            ImpactEvent::Restituted => self.restituted,
+            ImpactEvent::SlipStopped => self.slip_stopped,
         }
     }
 }
@@ -284,7 +284,7 @@ pub(super) fn impact(
     restitution: f64,
 ) -> Result<Impact, IntegrateError> {
     let mut collision = Collision::new(body, before, restitution)?;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         if let Some(end) = collision.step()? {
             return Ok(end);
         }
@@ -294,11 +294,11 @@ pub(super) fn impact(
 }
 
 struct Collision<'a> {
-    integrator: Dop853<Process<'a>, SIZE>,
+    integrator: Dop853<ImpactEquations<'a>, SIZE>,
     restitution: f64,
     /// The (negative) work of compression, once it has ended.
     compression: Option<f64>,
-    watches: Vec<(Mark, SignTracker)>,
+    watches: Vec<(ImpactEvent, SignTracker)>,
 }
 
 impl<'a> Collision<'a> {
@@ -308,7 +308,7 @@ impl<'a> Collision<'a> {
         restitution: f64,
     ) -> Result<Self, IntegrateError> {
         let speed = -before.z;
-        let mut process = Process {
+        let mut equations = ImpactEquations {
             body,
             before,
             speed,
@@ -317,18 +317,18 @@ impl<'a> Collision<'a> {
             stage: Stage::Slipping(None),
         };
         let start = [0.0; SIZE];
-        if hypot(before.x, before.y) <= SLIP_STOPPED * process.scale()
+        if hypot(before.x, before.y) <= SLIP_STOPPED * equations.scale()
             && body.friction.is_set_valued_at_rest()
         {
-            process.stage = process.stopped(&start);
+            equations.stage = equations.stopped(&start);
         }
         let tolerances = Tolerances {
             relative: 1e-14,
             absolute: 1e-15,
         };
         let mut collision = Self {
-            integrator: Dop853::new(process, 0.0, start, tolerances, Direction::Forward)?,
-            restitution: if speed < slowest_bounce(restitution) {
+            integrator: Dop853::new(equations, 0.0, start, tolerances, Direction::Forward)?,
+            restitution: if speed < min_bounce_speed(restitution) {
                 0.0
             } else {
                 restitution
@@ -342,29 +342,30 @@ impl<'a> Collision<'a> {
 
     /// Selects the guards to watch.
     fn watch(&mut self) {
-        let process = self.integrator.system();
+        let equations = self.integrator.system();
         let normal = if self.compression.is_some() {
-            (Mark::Restituted, SignTracker::with_sign(false, 0.0))
+            (ImpactEvent::Restituted, SignTracker::with_sign(false, 0.0))
         } else {
-            (Mark::Compressed, SignTracker::with_sign(false, 0.0))
+            (ImpactEvent::Compressed, SignTracker::with_sign(false, 0.0))
         };
         self.watches = vec![normal];
-        if process.stage != Stage::Held && process.body.friction.is_set_valued_at_rest() {
+        if equations.stage != Stage::Held && equations.body.friction.is_set_valued_at_rest() {
             self.watches
-                .push((Mark::SlipStopped, SignTracker::default()));
+                .push((ImpactEvent::SlipStopped, SignTracker::default()));
         }
     }
 
     /// The values of the watched functions.
     #[inline]
-    fn marks(&self, y: &State) -> Marks {
-        let process = self.integrator.system();
-        let velocity = process.progress(y).velocity;
+    fn event_values(&self, y: &State) -> EventValues {
+        let equations = self.integrator.system();
+        let velocity = equations.impact_state(y).velocity;
         let given_back = self.restitution * self.restitution;
-        Marks {
-            compressed: velocity.z / process.speed,
+        EventValues {
+            compressed: velocity.z / equations.speed,
             restituted: y[6] - self.compression.unwrap_or_default() * (1.0 - given_back),
-            slip_stopped: Process::slip(&velocity).norm() / process.scale() - SLIP_STOPPED,
+            slip_stopped: ImpactEquations::slip(&velocity).norm() / equations.scale()
+                - SLIP_STOPPED,
         }
     }
 
@@ -372,43 +373,49 @@ impl<'a> Collision<'a> {
     fn step(&mut self) -> Result<Option<Impact>, IntegrateError> {
         self.integrator.step_densely()?;
         let dense = self.integrator.dense();
-        let Some((s, mark)) = self.first_mark(&dense) else {
+        let Some((s, event)) = self.first_event(&dense) else {
             return Ok(None);
         };
         let (t, y) = (dense.t0 + s * dense.h, dense.at(s));
-        match mark {
-            Mark::Compressed => {
+        match event {
+            ImpactEvent::Compressed => {
                 self.compression = Some(y[6]);
                 if self.restitution == 0.0 {
                     return Ok(Some(self.end(&y)));
                 }
-                let process = *self.integrator.system();
-                self.restart(process, t, y)?;
+                let equations = *self.integrator.system();
+                self.restart(equations, t, y)?;
             }
-            Mark::Restituted => return Ok(Some(self.end(&y))),
-            Mark::SlipStopped => {
-                let y = self.without_rest_of_slip(t, y);
-                let mut process = *self.integrator.system();
-                process.stage = process.stopped(&y);
-                self.restart(process, t, y)?;
+            ImpactEvent::Restituted => return Ok(Some(self.end(&y))),
+            ImpactEvent::SlipStopped => {
+                let y = self.extrapolate_to_zero_slip(t, y);
+                let mut equations = *self.integrator.system();
+                equations.stage = equations.stopped(&y);
+                self.restart(equations, t, y)?;
             }
         }
         Ok(None)
     }
 
-    fn restart(&mut self, process: Process<'a>, t: f64, y: State) -> Result<(), IntegrateError> {
-        self.integrator.restart(process, t, y, Direction::Forward)?;
+    fn restart(
+        &mut self,
+        equations: ImpactEquations<'a>,
+        t: f64,
+        y: State,
+    ) -> Result<(), IntegrateError> {
+        self.integrator
+            .restart(equations, t, y, Direction::Forward)?;
         self.watch();
         Ok(())
     }
 
     /// Extrapolates linearly to zero slip.
-    fn without_rest_of_slip(&self, t: f64, y: State) -> State {
-        let process = self.integrator.system();
-        let slope = process.derivative(t, &y);
-        let slip = Process::slip(&process.progress(&y).velocity);
+    fn extrapolate_to_zero_slip(&self, t: f64, y: State) -> State {
+        let equations = self.integrator.system();
+        let slope = equations.derivative(t, &y);
+        let slip = ImpactEquations::slip(&equations.impact_state(&y).velocity);
         let ahead: State = std::array::from_fn(|i| y[i] + slope[i]);
-        let change = Process::slip(&process.progress(&ahead).velocity) - slip;
+        let change = ImpactEquations::slip(&equations.impact_state(&ahead).velocity) - slip;
         let span = slip.norm_squared() / -change.dot(&slip);
         if span > 0.0 && span.is_finite() {
             std::array::from_fn(|i| y[i] + span * slope[i])
@@ -417,27 +424,29 @@ impl<'a> Collision<'a> {
         }
     }
 
-    fn first_mark(&mut self, dense: &Dense<SIZE>) -> Option<(f64, Mark)> {
+    fn first_event(&mut self, dense: &Dense<SIZE>) -> Option<(f64, ImpactEvent)> {
         let mut watches = std::mem::take(&mut self.watches);
-        let state = |s| dense.first_at(NEEDED, s);
-        let at = |s| self.marks(&state(s));
+        let state = |s| dense.first_at(GUARD_INPUTS, s);
+        let at = |s| self.event_values(&state(s));
         // `map` would move everything several times.
         let [a, b, c, d, e] = KNOTS;
-        let marks = [at(a), at(b), at(c), at(d), at(e)];
-        let mut first: Option<(f64, Mark)> = None;
-        for (mark, tracker) in &mut watches {
-            let values = marks.each_ref().map(|marks| marks.of(*mark));
-            let wanted = match mark {
-                Mark::SlipStopped => Slope::Falling,
-                Mark::Compressed | Mark::Restituted => Slope::Rising,
+        let event_values = [at(a), at(b), at(c), at(d), at(e)];
+        let mut first: Option<(f64, ImpactEvent)> = None;
+        for (event, tracker) in &mut watches {
+            let values = event_values
+                .each_ref()
+                .map(|event_values| event_values.of(*event));
+            let wanted = match event {
+                ImpactEvent::SlipStopped => Slope::Falling,
+                ImpactEvent::Compressed | ImpactEvent::Restituted => Slope::Rising,
             };
             let mut found: Vec<Crossing> = Vec::new();
-            tracker.scan(&KNOTS, &values, |s| at(s).of(*mark), &mut found);
+            tracker.scan(&KNOTS, &values, |s| at(s).of(*event), &mut found);
             let crossing = found.iter().find(|crossing| crossing.slope == wanted);
             if let Some(crossing) = crossing
                 && first.is_none_or(|(s, _)| crossing.s < s)
             {
-                first = Some((crossing.s, *mark));
+                first = Some((crossing.s, *event));
             }
         }
         self.watches = watches;
@@ -445,10 +454,10 @@ impl<'a> Collision<'a> {
     }
 
     fn end(&self, y: &State) -> Impact {
-        let process = self.integrator.system();
-        let now = process.progress(y);
-        let unit = process.body.top.mass * process.speed * process.speed;
-        let is_held = process.stage == Stage::Held;
+        let equations = self.integrator.system();
+        let now = equations.impact_state(y);
+        let unit = equations.body.top.mass * equations.speed * equations.speed;
+        let is_held = equations.stage == Stage::Held;
         let mut after = now.velocity;
         if self.restitution == 0.0 {
             after.z = 0.0;
@@ -460,7 +469,7 @@ impl<'a> Collision<'a> {
         Impact {
             impulse: now.impulse,
             couple: now.couple,
-            before: process.before,
+            before: equations.before,
             after,
             restitution: self.restitution,
             normal_loss: -unit * given_back * self.compression.unwrap_or_default(),

@@ -28,7 +28,7 @@ impl Lean {
         let direction = if sin > UPRIGHT_SINE {
             [x / sin, y / sin]
         } else {
-            leaving(cos, &turning(cos))
+            initial_tilt_direction(cos, &turning(cos))
         };
         Self {
             sin,
@@ -39,14 +39,14 @@ impl Lean {
 
     /// Transforms world to lean components.
     #[inline]
-    pub(super) fn of_world(&self, v: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn world_to_lean(&self, v: &Vector3<f64>) -> Vector3<f64> {
         let [x, y] = self.direction;
         Vector3::new(x * v.x + y * v.y, x * v.y - y * v.x, v.z)
     }
 
     /// Transforms lean to world components.
     #[inline]
-    pub(super) fn in_world(&self, v: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn lean_to_world(&self, v: &Vector3<f64>) -> Vector3<f64> {
         let [x, y] = self.direction;
         Vector3::new(x * v.x - y * v.y, y * v.x + x * v.y, v.z)
     }
@@ -73,13 +73,13 @@ impl Lean {
     /// axis is moving, `ṅ = θ̇ e`, then `φ̇ = n̈ · (z′ × e)/2θ̇`: half of `L_z′/A`, minus the contribution of the
     /// torque along `e`. If it is at rest, the line of nodes is along the torque, and
     /// `φ̇ = n⃛ · (z′ × e)/3θ̈ = L_z′/3A`, because friction initially keeps its direction.
-    pub(super) fn going_on(
+    pub(super) fn rates_at_vertical(
         &self,
         tilt: Tilt,
         momentum: &Vector3<f64>,
         torque: &Vector3<f64>,
     ) -> Tilt {
-        let (momentum, torque) = (self.of_world(momentum), self.of_world(torque));
+        let (momentum, torque) = (self.world_to_lean(momentum), self.world_to_lean(torque));
         let sign = self.cos.signum();
         let phi = if momentum.y != 0.0 {
             0.5 * (momentum.z - torque.x / momentum.y)
@@ -101,7 +101,7 @@ impl Lean {
 
 /// The initial tilt direction of a vertical axis that rotates about the horizontal part of a vector.
 #[cold]
-fn leaving(cos: f64, turning: &Vector3<f64>) -> [f64; 2] {
+fn initial_tilt_direction(cos: f64, turning: &Vector3<f64>) -> [f64; 2] {
     let across = cos.signum() * hypot(turning.x, turning.y);
     if across == 0.0 {
         [0.0, 0.0]

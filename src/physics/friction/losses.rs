@@ -37,7 +37,7 @@ const CREEP_TIME: f64 = 1e-5;
 impl Drilling {
     /// The same, smoothed for a free peg.
     #[must_use]
-    pub fn creeping(self, top: &Top) -> Self {
+    pub fn with_creep(self, top: &Top) -> Self {
         let strongest = drilling_torque(self.k, self.patch_radius, top.weight(), 0.0, -1.0);
         Self {
             creep: strongest / top.least_moment() * CREEP_TIME,
@@ -83,13 +83,13 @@ impl Losses {
         omega: &Vector3<f64>,
         axis: &Vector3<f64>,
     ) -> Vector3<f64> {
-        self.at_contact(normal_force, omega) + self.air.torque(omega, axis)
+        self.contact_torque(normal_force, omega) + self.air.torque(omega, axis)
     }
 
     /// The torque of rolling resistance and drilling alone, N m, in any frame whose z axis is vertical.
     #[must_use]
     #[inline]
-    pub fn at_contact(&self, normal_force: f64, omega: &Vector3<f64>) -> Vector3<f64> {
+    pub fn contact_torque(&self, normal_force: f64, omega: &Vector3<f64>) -> Vector3<f64> {
         let drilling = self.drilling.torque(normal_force, omega.z);
         let rolling = self.rolling_resistance(normal_force, omega);
         Vector3::new(-rolling * omega.x, -rolling * omega.y, drilling)
@@ -108,7 +108,7 @@ impl Losses {
 
     /// Maximum contact torque (rolling resistance and drilling), N m.
     #[must_use]
-    pub fn of_contact(&self, normal_force: f64) -> f64 {
+    pub fn max_contact_torque(&self, normal_force: f64) -> f64 {
         let Drilling {
             k, patch_radius, ..
         } = self.drilling;

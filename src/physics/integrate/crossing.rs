@@ -4,7 +4,7 @@
 pub const KNOTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Maximum number of evaluations per search.
-const MOST_EVALUATIONS: usize = 100;
+const MAX_EVALUATIONS: usize = 100;
 
 /// Number of subintervals between knots that are searched for turning points.
 const PIECES: u8 = 4;
@@ -141,24 +141,24 @@ impl SignTracker {
             s: knots[i],
             g: values[i],
         };
-        let shape = Shape::near_zero(knots, values);
+        let shape = Interpolant::near_zero(knots, values);
         let mut from = knot(0);
-        self.pass(&mut from, knot(0), &mut g, found);
+        self.advance(&mut from, knot(0), &mut g, found);
         for i in 1..K {
             if let Some(shape) = &shape {
                 let between = (knots[i - 1], knots[i]);
-                self.pass_turns(&mut from, between, shape, &mut g, found);
+                self.advance_over_turns(&mut from, between, shape, &mut g, found);
             }
-            self.pass(&mut from, knot(i), &mut g, found);
+            self.advance(&mut from, knot(i), &mut g, found);
         }
     }
 
     /// Processes the turning points between two knots.
-    fn pass_turns<const K: usize>(
+    fn advance_over_turns<const K: usize>(
         &mut self,
         from: &mut Point,
         (start, end): (f64, f64),
-        shape: &Shape<K>,
+        shape: &Interpolant<K>,
         g: &mut impl FnMut(f64) -> f64,
         found: &mut Vec<Crossing>,
     ) {
@@ -176,7 +176,7 @@ impl SignTracker {
             let right = if right > end { end } else { right };
             let point = extreme_point(left, right, turn, self.floor, g);
             if point.s > last && point.s < end {
-                self.pass(from, point, g, found);
+                self.advance(from, point, g, found);
                 last = point.s;
             }
         }
@@ -184,7 +184,7 @@ impl SignTracker {
 
     /// Advances to the point `to` and records a sign change, if any. `from` is the last point known to precede the next
     /// change.
-    fn pass(
+    fn advance(
         &mut self,
         from: &mut Point,
         to: Point,
@@ -239,7 +239,7 @@ impl Turn {
 }
 
 /// The interpolation polynomial through the knots, used to find turning points near zero.
-struct Shape<'a, const K: usize> {
+struct Interpolant<'a, const K: usize> {
     knots: &'a [f64; K],
     /// Divided differences: the coefficients of Newton's form.
     coefficients: [f64; K],
@@ -247,7 +247,7 @@ struct Shape<'a, const K: usize> {
     variation: f64,
 }
 
-impl<'a, const K: usize> Shape<'a, K> {
+impl<'a, const K: usize> Interpolant<'a, K> {
     /// The polynomial, unless it has no turning point that can reach zero.
     fn near_zero(knots: &'a [f64; K], values: &[f64; K]) -> Option<Self> {
         let (lowest, highest) = range(values);
@@ -339,7 +339,7 @@ fn extreme_point(
     };
     let mut near_left = evaluate(right - GOLDEN * (right - left));
     let mut near_right = evaluate(left + GOLDEN * (right - left));
-    for _ in 2..MOST_EVALUATIONS {
+    for _ in 2..MAX_EVALUATIONS {
         if near_left.g < -floor || near_right.g < -floor || right - left <= TURN_RESOLUTION {
             break;
         }
@@ -391,7 +391,7 @@ fn root(from: Point, to: Point, new_sign: f64, g: &mut impl FnMut(f64) -> f64) -
     }
     let nudge = 0.2 / (b.s - a.s);
     let mut allowed_width = b.s - a.s;
-    for _ in 0..MOST_EVALUATIONS {
+    for _ in 0..MAX_EVALUATIONS {
         if b.s - a.s <= f64::EPSILON || b.g == 0.0 {
             break;
         }

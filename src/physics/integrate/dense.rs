@@ -35,7 +35,7 @@ impl Bounds {
 
     /// Whether a number lies within these bounds.
     #[must_use]
-    pub fn hold(&self, number: f64) -> bool {
+    pub fn contains(&self, number: f64) -> bool {
         self.least <= number && number <= self.greatest
     }
 
@@ -130,7 +130,7 @@ impl<const N: usize> Dense<N> {
         const LARGEST: [f64; 6] = [0.25, 0.149, 0.0625, 0.0346, 0.0157, 0.0085];
         let c = self.coefficients.each_ref().map(|c| c[i]);
         let (start, end) = (c[0], c[0] + c[1]);
-        let margin = weighed(&c, &LARGEST);
+        let margin = weighted_sum(&c, &LARGEST);
         let rounding = ROUNDING * (c[0].abs() + c[1].abs() + margin);
         Bounds::around(start, end, margin + rounding)
     }
@@ -146,7 +146,7 @@ impl<const N: usize> Dense<N> {
         // The largest slopes of s²(1−s), …, s⁴(1−s)³, rounded up; that of s(1−s) is 1 − 2s.
         const LARGEST: [f64; 6] = [0.0, 1.0, 0.193, 0.136, 0.0537, 0.034];
         let c = self.coefficients.each_ref().map(|c| c[i]);
-        let margin = weighed(&c, &LARGEST);
+        let margin = weighted_sum(&c, &LARGEST);
         let rounding = ROUNDING * (c[1].abs() + c[2].abs() + margin);
         Bounds::around(c[1] + c[2], c[1] - c[2], margin + rounding)
     }
@@ -154,7 +154,7 @@ impl<const N: usize> Dense<N> {
 
 /// The weighted sum of the magnitudes of the coefficients from the third on.
 #[inline]
-fn weighed(coefficients: &[f64; 8], weights: &[f64; 6]) -> f64 {
+fn weighted_sum(coefficients: &[f64; 8], weights: &[f64; 6]) -> f64 {
     let mut sum = 0.0;
     for (coefficient, weight) in coefficients[2..].iter().zip(weights) {
         sum += coefficient.abs() * weight;
@@ -199,7 +199,10 @@ mod tests {
             let (values, slopes) = (dense.bounds(0), dense.slope_bounds(0));
             for s in (0..=500).map(|s| f64::from(s) / 500.0) {
                 let (value, slope) = (dense.component(0, s), dense.slope(s)[0]);
-                assert!(values.hold(value) && slopes.hold(slope), "{seed} {s}");
+                assert!(
+                    values.contains(value) && slopes.contains(slope),
+                    "{seed} {s}"
+                );
             }
         }
     }

@@ -153,7 +153,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     ) -> Result<(), IntegrateError> {
         let before = self.statistics;
         *self = Self::new(system, t, y, self.tolerances, direction)?;
-        self.statistics = self.statistics.after(before);
+        self.statistics = self.statistics.combined_with(before);
         Ok(())
     }
 

@@ -49,7 +49,7 @@ pub struct Statistics {
 impl Statistics {
     /// Combined statistics of this and an earlier integration.
     #[must_use]
-    pub(super) fn after(self, before: Self) -> Self {
+    pub(super) fn combined_with(self, before: Self) -> Self {
         let smallest = match (before.smallest_step, self.smallest_step) {
             (before, 0.0) => before,
             (0.0, now) => now,

@@ -77,7 +77,7 @@ fn losses(values: &Values, free: Option<&Top>) -> Losses {
     };
     Losses {
         rolling_arm: number("rolling.arm"),
-        drilling: free.map_or(drilling, |top| drilling.creeping(top)),
+        drilling: free.map_or(drilling, |top| drilling.with_creep(top)),
         air: Air {
             axial: number("air.axial"),
             transverse: number("air.transverse"),

@@ -11,7 +11,7 @@ use crate::physics::dynamics::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, T
 use crate::physics::dynamics::lean::Lean;
 use crate::physics::dynamics::model::Model;
 use crate::physics::dynamics::motion::{is_departing, slip_of_law};
-use crate::physics::dynamics::reaction::{Arm, FreeBody, Inertia, Reaction};
+use crate::physics::dynamics::reaction::{ContactArm, FreeBody, Inertia, Reaction};
 use crate::physics::dynamics::support::Phase;
 use crate::physics::kinematics::Tilt;
 use crate::physics::math::{atan2, hypot};
@@ -60,7 +60,7 @@ pub(super) struct Parts {
     pub(super) tilt: Tilt,
     /// Velocity of the centre of mass, m/s.
     pub(super) velocity: Vector3<f64>,
-    pub(super) arm: Arm,
+    pub(super) arm: ContactArm,
     /// Velocity of the centre of mass for rolling, m/s.
     pub(super) rolling: Vector3<f64>,
 }
@@ -90,18 +90,18 @@ impl FreeRotation {
     pub(super) fn parts<const N: usize>(&self, y: &[f64; N]) -> Parts {
         let top = &self.model.top;
         let lean = self.lean(y);
-        let turning = lean.of_world(&vector(y, 4));
+        let turning = lean.world_to_lean(&vector(y, 4));
         let axial = lean.sin * turning.x + lean.cos * turning.z;
         let excess = axial * (self.inertia.transverse * self.inertia.per_axial - 1.0);
         let omega = turning + excess * Vector3::new(lean.sin, 0.0, lean.cos);
         let tilt = Tilt::from_omega(lean.sin, lean.cos, omega);
-        let arm = Arm::of(top, lean.sin, lean.cos);
+        let arm = ContactArm::of(top, lean.sin, lean.cos);
         let rolling = arm.cross(&tilt.omega_lean);
         let velocity = match self.phase {
-            Phase::Flying => lean.of_world(&vector(y, 10)),
+            Phase::Flying => lean.world_to_lean(&vector(y, 10)),
             Phase::Holding => rolling,
             Phase::Sliding => {
-                let own = lean.of_world(&vector(y, 10));
+                let own = lean.world_to_lean(&vector(y, 10));
                 Vector3::new(own.x, own.y, rolling.z)
             }
         };
@@ -124,7 +124,7 @@ impl FreeRotation {
             if turning.x != 0.0 || turning.y != 0.0 || self.phase == Phase::Holding {
                 turning
             } else {
-                Arm::of(top, 0.0, cos).up * Vector3::new(y[11], -y[10], 0.0)
+                ContactArm::of(top, 0.0, cos).up * Vector3::new(y[11], -y[10], 0.0)
             }
         })
     }
@@ -150,7 +150,7 @@ impl FreeRotation {
         }
         Some(match departure {
             Departure::Toward(direction) => direction,
-            Departure::GivingWay => body.giving_way(),
+            Departure::GivingWay => body.release_direction(),
         })
     }
 
@@ -193,7 +193,7 @@ impl FreeRotation {
         }
     }
 
-    pub(super) fn in_phase(&self, phase: Phase) -> Self {
+    pub(super) fn with_phase(&self, phase: Phase) -> Self {
         Self {
             phase,
             departure: None,
@@ -205,7 +205,7 @@ impl FreeRotation {
     pub(super) fn completed<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let parts = self.parts(y);
         let mut state = *y;
-        put(&mut state, 10, &parts.lean.in_world(&parts.velocity));
+        put(&mut state, 10, &parts.lean.lean_to_world(&parts.velocity));
         if self.phase != Phase::Flying {
             state[9] = -parts.arm.up;
         }
