@@ -6,9 +6,9 @@
 )]
 
 pub(crate) mod listed;
-pub(crate) mod nearest;
 pub mod outcome;
 pub mod scenario;
 pub mod simulation;
+pub(crate) mod suggestion;
 
 pub use outcome::outcome;

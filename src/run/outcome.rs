@@ -6,7 +6,9 @@
 
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::Scenario;
-use crate::run::simulation::{EventKind, RunEnd, SimulationError, StopReason, Tally, tallied};
+use crate::run::simulation::{
+    EventKind, RunEnd, SimulationError, StopReason, Tally, run_without_samples,
+};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
 use serde_json::Map;
@@ -91,7 +93,7 @@ pub fn outcome(
     scenario: &Scenario,
     carry_on: impl FnMut() -> bool,
 ) -> Result<Outcome, SimulationError> {
-    let (end, tally) = tallied(scenario, carry_on)?;
+    let (end, tally) = run_without_samples(scenario, carry_on)?;
     Ok(Outcome::new(scenario, &end, &tally))
 }
 

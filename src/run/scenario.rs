@@ -3,6 +3,7 @@
 //! [`Values`] holds unvalidated keys and values. A [`Scenario`] is validated and uses the types of `physics`. Names,
 //! units and ranges are defined only in the table [`KEYS`].
 
+mod choice;
 mod definition;
 mod error;
 mod key;
@@ -12,8 +13,8 @@ mod model;
 mod presets;
 mod schema;
 mod values;
-mod words;
 
+pub use choice::{FormulationKind, OnStick};
 pub(crate) use definition::hex;
 pub use definition::{Scenario, Stop};
 pub use error::ScenarioError;
@@ -23,4 +24,3 @@ pub use laws::{LAWS, Law};
 pub use presets::{PRESETS, Preset};
 pub use schema::{SCHEMA_FILE, schema};
 pub use values::Values;
-pub use words::{FormulationKind, OnStick};

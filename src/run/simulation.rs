@@ -15,7 +15,7 @@ mod tally;
 mod watch;
 
 pub use event::{Event, EventKind, StopReason, UPRIGHT};
-pub use free::{FreeSample, Landing};
+pub use free::{FreeSample, ImpactRecord};
 pub use nutation::NutationCycle;
 pub use record::{Record, RunEnd, SimulationError};
 pub use sample::{Energies, Frames, Momenta, Pose, Precession, Sample, Slip, Torques};
@@ -55,7 +55,7 @@ impl Simulation {
     /// Sets a function that is called before each integrator step; there may be millions of steps between two records.
     /// If it returns false, the run ends as interrupted.
     #[must_use]
-    pub fn running_while(mut self, carry_on: impl FnMut() -> bool + 'static) -> Self {
+    pub fn continue_while(mut self, carry_on: impl FnMut() -> bool + 'static) -> Self {
         self.carry_on = Box::new(carry_on);
         self
     }
@@ -85,7 +85,7 @@ impl Iterator for Simulation {
 ///
 /// # Errors
 /// As those of a [`Simulation`].
-pub fn tallied(
+pub fn run_without_samples(
     scenario: &Scenario,
     mut carry_on: impl FnMut() -> bool,
 ) -> Result<(RunEnd, Tally), SimulationError> {
@@ -94,8 +94,10 @@ pub fn tallied(
     type Body = Runner<BodyRotation, { BodyRotation::SHORT_STATE_LENGTH }>;
     let (detail, carry_on) = (Detail::Outcome, &mut carry_on);
     match scenario.formulation {
-        _ if scenario.model.support.is_free() => Free::new(scenario, detail)?.tallied(carry_on),
-        FormulationKind::Euler => Euler::new(scenario, detail)?.tallied(carry_on),
-        FormulationKind::Body => Body::new(scenario, detail)?.tallied(carry_on),
+        _ if scenario.model.support.is_free() => {
+            Free::new(scenario, detail)?.run_without_samples(carry_on)
+        }
+        FormulationKind::Euler => Euler::new(scenario, detail)?.run_without_samples(carry_on),
+        FormulationKind::Body => Body::new(scenario, detail)?.run_without_samples(carry_on),
     }
 }

@@ -9,7 +9,7 @@ use super::quantity::Quantity::{
 };
 use super::topic::Topic;
 use crate::physics::dynamics::Support;
-use crate::run::simulation::{Event, FreeSample, Landing, NutationCycle, Sample};
+use crate::run::simulation::{Event, FreeSample, ImpactRecord, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::OnceLock;
 
@@ -386,7 +386,7 @@ channels! {
     }
 
     /// The channel with a message for each impact of a free peg.
-    LANDINGS: Landing {
+    LANDINGS: ImpactRecord {
         IMPACTS impacts: channel("/top/impact", "toprise.Impact",
             "each impact of a free peg on the table").of_free_peg() {
             TIME = number("time", Time, "when, more exactly than the timestamp", |i| i.time);

@@ -1,6 +1,6 @@
 //! Topics: names of the table's channels.
 
-use crate::run::nearest::near;
+use crate::run::suggestion::suggestion;
 use std::fmt;
 use thiserror::Error;
 
@@ -62,7 +62,7 @@ impl Topics {
 
 /// The error for a name that is not a topic of the table.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("unknown topic {name}{}; topics: {}", near(name, Topic::all().map(Topic::name)), Topic::all().map(Topic::name).collect::<Vec<_>>().join(", "))]
+#[error("unknown topic {name}{}; topics: {}", suggestion(name, Topic::all().map(Topic::name)), Topic::all().map(Topic::name).collect::<Vec<_>>().join(", "))]
 pub struct UnknownTopic {
     /// The name.
     pub name: String,

@@ -1,11 +1,11 @@
 //! A validated scenario.
 
+use super::choice::{FormulationKind, OnStick};
 use super::error::ScenarioError;
-use super::key::{Key, Value, typed};
+use super::key::{Key, Value, short_number};
 use super::keys::{FORMAT, KEYS};
 use super::model::model;
 use super::values::{Values, nanoseconds};
-use super::words::{FormulationKind, OnStick};
 use crate::physics::dynamics::{Model, Start};
 use crate::physics::friction::Dissipation;
 use crate::physics::integrate::Tolerances;
@@ -55,7 +55,7 @@ impl Scenario {
     /// # Errors
     /// The first key that is missing, does not apply, or contradicts another.
     pub fn new(mut values: Values) -> Result<Self, ScenarioError> {
-        values.put("format", FORMAT)?;
+        values.set_value("format", FORMAT)?;
         values.check_presence()?;
         // Equal runs must have equal digests.
         if values.get("support.kind") == Some(&Value::Text("fixed".to_owned())) {
@@ -112,14 +112,14 @@ impl Scenario {
     /// This scenario with some keys changed.
     ///
     /// # Errors
-    /// As [`Values::put`] and [`Scenario::new`].
+    /// As [`Values::set_value`] and [`Scenario::new`].
     pub fn with<'a>(
         &self,
         changes: impl IntoIterator<Item = (&'a str, toml::Value)>,
     ) -> Result<Self, ScenarioError> {
         let mut values = self.values.clone();
         for (path, value) in changes {
-            values.put(path, value)?;
+            values.set_value(path, value)?;
         }
         Self::new(values)
     }
@@ -269,7 +269,7 @@ impl Scenario {
             } else {
                 Err(ScenarioError::OutOfRange {
                     key: "top.center_distance",
-                    value: typed(distance),
+                    value: short_number(distance),
                     allowed:
                         "a finite number > 0 (for a tippe top, which has a negative value, set support.kind = \"free\")"
                             .to_owned(),
@@ -341,10 +341,10 @@ impl Scenario {
         if top.transverse_moment <= offset {
             return Err(ScenarioError::OutOfRange {
                 key: "top.transverse_moment",
-                value: typed(top.transverse_moment),
+                value: short_number(top.transverse_moment),
                 allowed: format!(
                     "more than {} kg m² = top.mass · top.center_distance² (parallel axis theorem)",
-                    typed(offset)
+                    short_number(offset)
                 ),
             });
         }
@@ -361,10 +361,10 @@ impl Scenario {
             if top.axial_moment > limit {
                 return Err(ScenarioError::OutOfRange {
                     key: "top.axial_moment",
-                    value: typed(top.axial_moment),
+                    value: short_number(top.axial_moment),
                     allowed: format!(
                         "at most {} kg m² = {what} (limit for a rigid body)",
-                        typed(limit)
+                        short_number(limit)
                     ),
                 });
             }
@@ -377,7 +377,7 @@ impl Scenario {
         if self.formulation == FormulationKind::Euler && !(theta > 0.0 && theta < PI) {
             return Err(ScenarioError::OutOfRange {
                 key: "initial.theta",
-                value: typed(theta),
+                value: short_number(theta),
                 allowed: "strictly between 0 and π with formulation = \"euler\"; \
                           use formulation = \"body\" for a vertical axis"
                     .to_owned(),
@@ -407,10 +407,10 @@ impl Scenario {
             if wrong {
                 return Err(ScenarioError::Conflict {
                     key,
-                    value: typed(limit.unwrap_or_default()),
+                    value: short_number(limit.unwrap_or_default()),
                     reason: format!(
                         "the start, initial.theta = {}, is already beyond it",
-                        typed(theta)
+                        short_number(theta)
                     ),
                 });
             }
@@ -459,11 +459,11 @@ impl Scenario {
         if duration * 1e9 / self.sample_period_ns as f64 > f64::from(u32::MAX) {
             return Err(ScenarioError::OutOfRange {
                 key: "sampling.period",
-                value: typed(self.sample_period_ns as f64 / 1e9),
+                value: short_number(self.sample_period_ns as f64 / 1e9),
                 allowed: format!(
                     "larger: at most {} samples fit in stop.duration = {} s",
                     u32::MAX,
-                    typed(duration)
+                    short_number(duration)
                 ),
             });
         }

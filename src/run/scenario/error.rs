@@ -7,13 +7,13 @@ use thiserror::Error;
 pub enum ScenarioError {
     /// No preset of this name.
     #[error(
-        "unknown preset {name:?}{near}; presets: {allowed}. For a scenario file, give the path, e.g. ./{name}.toml"
+        "unknown preset {name:?}{hint}; presets: {allowed}. For a scenario file, give the path, e.g. ./{name}.toml"
     )]
     UnknownPreset {
         /// The unknown name.
         name: String,
         /// A "did you mean" hint; may be empty.
-        near: String,
+        hint: String,
         /// The names of all presets.
         allowed: String,
     },
@@ -21,12 +21,12 @@ pub enum ScenarioError {
     #[error("not valid TOML: {0}")]
     Syntax(String),
     /// An unknown key.
-    #[error("unknown key {key}{near}; allowed: {allowed}")]
+    #[error("unknown key {key}{hint}; allowed: {allowed}")]
     UnknownKey {
         /// The key.
         key: String,
         /// A "did you mean" hint; may be empty.
-        near: String,
+        hint: String,
         /// The keys of its section, or all keys.
         allowed: String,
     },

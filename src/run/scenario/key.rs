@@ -26,10 +26,10 @@ impl fmt::Display for Value {
 impl Value {
     /// The value in `--set` notation: text without quotes, numbers like `1e-10`.
     #[must_use]
-    pub fn typed(&self) -> String {
+    pub fn to_set_notation(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),
-            Self::Number(number) => typed(*number),
+            Self::Number(number) => short_number(*number),
         }
     }
 }
@@ -44,7 +44,7 @@ impl From<Value> for toml::Value {
 }
 
 /// A number in short notation, e.g. `1e-10`.
-pub(super) fn typed(number: f64) -> String {
+pub(super) fn short_number(number: f64) -> String {
     let size = number.abs();
     if size == 0.0 || (1e-3..1e15).contains(&size) {
         number.to_string()
@@ -89,7 +89,12 @@ impl fmt::Display for Kind {
             Self::Choice(words) => write!(f, "one of {}", words.join(", ")),
             Self::Any => write!(f, "a finite number"),
             Self::Between(low, high) => {
-                write!(f, "a number from {} to {}", typed(*low), typed(*high))
+                write!(
+                    f,
+                    "a number from {} to {}",
+                    short_number(*low),
+                    short_number(*high)
+                )
             }
             Self::Nanoseconds => write!(f, "a time in whole nanoseconds from 1e-9 to 3600"),
         }
@@ -104,9 +109,9 @@ pub enum Presence {
     /// Never required.
     Optional,
     /// Required if another key has one of these values; otherwise not allowed.
-    With(&'static str, &'static [&'static str]),
+    RequiredWith(&'static str, &'static [&'static str]),
     /// Required if this other key is set; otherwise not allowed.
-    Beside(&'static str),
+    RequiredWithKey(&'static str),
     /// Optional if another key has this value; otherwise not allowed.
     OptionalWith(&'static str, &'static str),
 }

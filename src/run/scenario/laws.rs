@@ -34,11 +34,11 @@ const fn sliding(
 ) -> Law {
     Law {
         make: Some(make),
-        ..adding(name, formula, typical, source)
+        ..additional_loss(name, formula, typical, source)
     }
 }
 
-const fn adding(
+const fn additional_loss(
     name: &'static str,
     formula: &'static str,
     typical: &'static str,
@@ -99,17 +99,17 @@ pub const LAWS: &[Law] = &[
             k: number("friction.k")?,
             patch_radius: number("friction.patch_radius")?,
         })),
-    adding("rolling", "M = −δ N ω_⊥/|ω_⊥|; without rolling |M| ≤ δ N", "δ: 0.01 to 0.3 mm",
+    additional_loss("rolling", "M = −δ N ω_⊥/|ω_⊥|; without rolling |M| ≤ δ N", "δ: 0.01 to 0.3 mm",
         "R. Cross, Am. J. Phys. 81 (2013) 280"),
-    adding("drilling", "M_z′ = −(3π/16) k N a sgn ω_z′", "a: as for contensou", ZHURAVLEV),
-    adding("air", "M = −c_n w_n n − c_t w_t − c |w_n|^(1/2) w_n n", "c_n/I_z: 0.002 to 0.01 1/s",
+    additional_loss("drilling", "M_z′ = −(3π/16) k N a sgn ω_z′", "a: as for contensou", ZHURAVLEV),
+    additional_loss("air", "M = −c_n w_n n − c_t w_t − c |w_n|^(1/2) w_n n", "c_n/I_z: 0.002 to 0.01 1/s",
         "T. von Kármán, Z. Angew. Math. Mech. 1 (1921) 233 (the last term)"),
 ];
 
 /// The values of `friction.law`.
 pub(super) const SLIDING_LAWS: &[&str] = &sliding_laws::<{ count_of_sliding_laws() }>();
 /// All sliding laws except `none`.
-pub(super) const ACTING_LAWS: &[&str] = SLIDING_LAWS.split_at(1).1;
+pub(super) const FRICTIONAL_LAWS: &[&str] = SLIDING_LAWS.split_at(1).1;
 
 const fn count_of_sliding_laws() -> usize {
     let mut count = 0;

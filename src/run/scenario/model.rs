@@ -1,10 +1,10 @@
 //! Builds the model from scenario values.
 
+use super::choice::SupportKind;
 use super::error::ScenarioError;
-use super::key::typed;
+use super::key::short_number;
 use super::laws::sliding_law;
 use super::values::Values;
-use super::words::SupportKind;
 use crate::physics::dynamics::{Model, Support};
 use crate::physics::friction::{Air, Dissipation, Drilling, Friction, FrictionLaw, Losses};
 use crate::physics::top::Top;
@@ -47,7 +47,7 @@ fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioErr
     if matches!(law, FrictionLaw::Contensou { .. }) && values.get("drilling.k").is_some() {
         return Err(ScenarioError::Conflict {
             key: "drilling.k",
-            value: typed(values.number("drilling.k")?),
+            value: short_number(values.number("drilling.k")?),
             reason: "friction.law = \"contensou\" already includes a drilling torque".to_owned(),
         });
     }

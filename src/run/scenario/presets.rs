@@ -5,7 +5,7 @@ use super::error::ScenarioError;
 use super::key::{Key, Value};
 use super::keys::KEYS;
 use super::values::Values;
-use crate::run::nearest::near;
+use crate::run::suggestion::suggestion;
 
 /// The paper's run (V. Tanrıverdi, arXiv:2204.14060, section 3): the base of all presets.
 const PAPER: &str = include_str!("paper.toml");
@@ -268,7 +268,7 @@ impl Scenario {
     #[must_use]
     pub fn title_from(&self, base: &Values) -> String {
         let change = |(key, value): (&Key, Option<&Value>)| match value {
-            Some(value) => format!(", {} = {}", key.path, value.typed()),
+            Some(value) => format!(", {} = {}", key.path, value.to_set_notation()),
             None => format!(", without {}", key.path),
         };
         let changes: Vec<_> = self.changes(base).map(change).collect();
@@ -291,7 +291,7 @@ impl Preset {
             .find(|preset| preset.name == name)
             .ok_or_else(|| ScenarioError::UnknownPreset {
                 name: name.to_owned(),
-                near: near(name, PRESETS.iter().map(|preset| preset.name)),
+                hint: suggestion(name, PRESETS.iter().map(|preset| preset.name)),
                 allowed: PRESETS
                     .iter()
                     .map(|p| p.name)

@@ -1,11 +1,11 @@
 //! Unvalidated keys and values.
 
+use super::choice::Choice;
 use super::error::ScenarioError;
-use super::key::{Key, Kind, Presence, Value, typed};
+use super::key::{Key, Kind, Presence, Value, short_number};
 use super::keys::KEYS;
 use super::laws::{LAWS, Law};
-use super::words::Words;
-use crate::run::nearest::{likeness, near, nearest};
+use crate::run::suggestion::{similarity, suggestion, suggestion_from};
 use std::collections::BTreeMap;
 
 /// Maximum length of a syntax error, bytes.
@@ -29,10 +29,10 @@ impl Values {
         for (name, value) in table {
             if let toml::Value::Table(section) = value {
                 for (inner, value) in section {
-                    values.put(&format!("{name}.{inner}"), value)?;
+                    values.set_value(&format!("{name}.{inner}"), value)?;
                 }
             } else {
-                values.put(&name, value)?;
+                values.set_value(&name, value)?;
             }
         }
         Ok(values)
@@ -62,14 +62,18 @@ impl Values {
                     .map(toml::Value::Float)
             })
             .unwrap_or_else(|| toml::Value::from(text));
-        self.put(path, value)
+        self.set_value(path, value)
     }
 
     /// Sets one key to a number or a text.
     ///
     /// # Errors
     /// An unknown key, a value of the wrong type or out of range.
-    pub fn put(&mut self, path: &str, value: impl Into<toml::Value>) -> Result<(), ScenarioError> {
+    pub fn set_value(
+        &mut self,
+        path: &str,
+        value: impl Into<toml::Value>,
+    ) -> Result<(), ScenarioError> {
         let key = find_key(path)?;
         self.0.insert(key.path, checked(key, &value.into())?);
         Ok(())
@@ -105,16 +109,16 @@ impl Values {
     }
 
     /// The value of a choice key.
-    pub(super) fn choice<T: Words>(&self, path: &'static str) -> Result<T, ScenarioError> {
+    pub(super) fn choice<T: Choice>(&self, path: &'static str) -> Result<T, ScenarioError> {
         let word = self.text(path)?;
-        match T::of_word(word) {
+        match T::from_name(word) {
             Some(meaning) => Ok(meaning),
             None => Err(out_of_range(find_key(path)?, word)),
         }
     }
 
     /// The value of a choice key; `None` if it is not set.
-    pub(super) fn optional_choice<T: Words>(
+    pub(super) fn optional_choice<T: Choice>(
         &self,
         path: &'static str,
     ) -> Result<Option<T>, ScenarioError> {
@@ -128,20 +132,22 @@ impl Values {
             let there = self.0.contains_key(key.path);
             match key.presence {
                 Presence::Required if !there => absent.push(key.path),
-                Presence::With(other, words) => match self.meets(other, words) {
+                Presence::RequiredWith(other, words) => match self.has_one_of(other, words) {
                     true if !there => absent.push(key.path),
                     false if there => return Err(self.inapplicable(key, other, words)),
                     _ => {}
                 },
-                Presence::Beside(other) if there != self.0.contains_key(other) => {
+                Presence::RequiredWithKey(other) if there != self.0.contains_key(other) => {
                     absent.push(if there { other } else { key.path });
                 }
-                Presence::OptionalWith(other, word) if there && !self.meets(other, &[word]) => {
+                Presence::OptionalWith(other, word)
+                    if there && !self.has_one_of(other, &[word]) =>
+                {
                     return Err(self.inapplicable(key, other, &[word]));
                 }
                 Presence::Required
                 | Presence::Optional
-                | Presence::Beside(_)
+                | Presence::RequiredWithKey(_)
                 | Presence::OptionalWith(..) => {}
             }
         }
@@ -152,7 +158,7 @@ impl Values {
     }
 
     /// Whether a key has one of these values.
-    fn meets(&self, path: &'static str, words: &[&str]) -> bool {
+    fn has_one_of(&self, path: &'static str, words: &[&str]) -> bool {
         self.text(path).is_ok_and(|value| words.contains(&value))
     }
 
@@ -179,7 +185,7 @@ fn missing(paths: &[&'static str]) -> ScenarioError {
     };
     let mut missing = keys().map(about).collect::<Vec<_>>().join(", ");
     let of_one_law = |law: &&Law| {
-        let is_its_own = |key: &Key| matches!(key.presence, Presence::With("friction.law", [word]) if *word == law.name);
+        let is_its_own = |key: &Key| matches!(key.presence, Presence::RequiredWith("friction.law", [word]) if *word == law.name);
         keys().any(is_its_own)
     };
     if let Some(law) = LAWS.iter().find(of_one_law) {
@@ -204,7 +210,7 @@ fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
         }
         ScenarioError::UnknownKey {
             key: excerpt(path),
-            near: near_key(&excerpt(path)),
+            hint: key_hint(&excerpt(path)),
             allowed: allowed.join(", "),
         }
     })
@@ -231,14 +237,14 @@ fn excerpt(text: &str) -> String {
 }
 
 /// A "did you mean" hint for an unknown key.
-fn near_key(wrong: &str) -> String {
+fn key_hint(wrong: &str) -> String {
     let has_section = wrong.contains('.');
-    let how_like = |key: &Key| {
+    let score = |key: &Key| {
         let name = key.path.rsplit_once('.').map(|(_, name)| name);
         let name = name.filter(|_| !has_section).unwrap_or(key.path);
-        likeness(wrong, key.path).max(likeness(wrong, name))
+        similarity(wrong, key.path).max(similarity(wrong, name))
     };
-    nearest(KEYS.iter().map(|key| (how_like(key), key.path)))
+    suggestion_from(KEYS.iter().map(|key| (score(key), key.path)))
 }
 
 /// Checks type and range of a value.
@@ -247,8 +253,8 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
         key: key.path,
         value: value
             .as_float()
-            .map_or_else(|| excerpt(&value.to_string()), typed),
-        expected: format!("{}{}", allowed(key), as_meant(key, value)),
+            .map_or_else(|| excerpt(&value.to_string()), short_number),
+        expected: format!("{}{}", allowed(key), unit_hint(key, value)),
     };
     if key.kind.is_text() {
         let text = value.as_str().ok_or_else(wrong_type)?;
@@ -273,7 +279,7 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
     if allowed && number.is_finite() {
         Ok(Value::Number(number))
     } else {
-        Err(out_of_range(key, &typed(number)))
+        Err(out_of_range(key, &short_number(number)))
     }
 }
 
@@ -283,7 +289,7 @@ fn allowed(key: &Key) -> String {
 }
 
 /// A hint for values in degrees or with a decimal comma; otherwise empty.
-fn as_meant(key: &Key, value: &toml::Value) -> String {
+fn unit_hint(key: &Key, value: &toml::Value) -> String {
     let text = value.as_str().unwrap_or_default();
     if let [whole, part] = text.split(',').collect::<Vec<_>>()[..]
         && format!("{whole}.{part}").parse::<f64>().is_ok()
@@ -302,15 +308,15 @@ fn as_meant(key: &Key, value: &toml::Value) -> String {
 }
 
 fn out_of_range(key: &Key, value: &str) -> ScenarioError {
-    let near = if let Kind::Choice(words) = key.kind {
-        near(&excerpt(value), words.iter().copied())
+    let hint = if let Kind::Choice(words) = key.kind {
+        suggestion(&excerpt(value), words.iter().copied())
     } else {
         String::new()
     };
     ScenarioError::OutOfRange {
         key: key.path,
         value: excerpt(value),
-        allowed: format!("{}{near}", allowed(key)),
+        allowed: format!("{}{hint}", allowed(key)),
     }
 }
 

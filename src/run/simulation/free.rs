@@ -69,7 +69,7 @@ impl FreeSample {
 
 /// An impact of a free peg on the table. SI units; vectors in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Landing {
+pub struct ImpactRecord {
     /// Index of the impact in the run, from 0.
     pub index: u32,
     /// Time, s.
@@ -96,7 +96,7 @@ pub struct Landing {
     pub friction_loss: f64,
 }
 
-impl Landing {
+impl ImpactRecord {
     /// An impact with the motion after it.
     pub(super) fn new(hit: &Impact, motion: &Motion, time: f64, time_ns: u64) -> Self {
         let world = |lean: &Vector3<f64>| lean_to_world(lean, motion.angles.phi);

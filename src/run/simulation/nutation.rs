@@ -124,14 +124,14 @@ impl NutationTracker {
     }
 
     /// Discards the open cycle and restarts from here.
-    pub(super) fn interrupt(&mut self, time: f64, motion: Motion) {
+    pub(super) fn restart(&mut self, time: f64, motion: Motion) {
         self.open = OpenCycle::new(time, &motion);
         self.has_begun = false;
     }
 
     /// Records an extreme of θ. Returns whether it belongs to a nutation: its time since the last maximum of θ̇ is not
     /// longer than a nutation takes.
-    pub(super) fn extreme(&mut self, time: f64, motion: &Motion) -> bool {
+    pub(super) fn record_extreme(&mut self, time: f64, motion: &Motion) -> bool {
         self.widen(time, motion);
         let extremes = [self.open.theta_min, self.open.theta_max];
         let period = self.model.nutation_period(&self.open.motion, extremes);
@@ -140,7 +140,7 @@ impl NutationTracker {
 
     /// Records rates as candidates for the extremes of the cycle. Rates right after an impact may belong to the next
     /// cycle.
-    pub(super) fn rates(&mut self, time: f64, motion: &Motion) {
+    pub(super) fn record_rates(&mut self, time: f64, motion: &Motion) {
         if self.jump.is_some_and(|(jump, _)| time <= jump) {
             return;
         }
@@ -151,7 +151,7 @@ impl NutationTracker {
     }
 
     /// Records an impact; the rates before it were recorded already.
-    pub(super) fn jumped(&mut self, time: f64, after: &Motion) {
+    pub(super) fn record_impact(&mut self, time: f64, after: &Motion) {
         if let Some((_, before)) = self.jump.replace((time, after.tilt.rates)) {
             self.open.widen_rates(&before);
         }
@@ -164,11 +164,11 @@ impl NutationTracker {
             &mut open.theta_max,
             motion.angles.theta,
         );
-        self.rates(time, motion);
+        self.record_rates(time, motion);
     }
 
     /// Records a maximum of θ̇, which ends a cycle and starts the next. Returns the cycle if it is complete.
-    pub(super) fn boundary(
+    pub(super) fn end_cycle(
         &mut self,
         time: f64,
         time_ns: u64,

@@ -24,7 +24,7 @@ pub(super) struct Progress {
 
 impl Progress {
     /// Records a step to a time, s; fails if the run has stalled.
-    pub(super) fn step_to(&mut self, time: f64) -> Result<(), SimulationError> {
+    pub(super) fn record_step(&mut self, time: f64) -> Result<(), SimulationError> {
         let (steps, since) = &mut self.steps;
         *steps += 1;
         if *steps < STALLED_STEPS {
@@ -39,7 +39,7 @@ impl Progress {
 
     /// Records the start of a phase at a time, s. Returns the number of phases started within [`CHATTER_TIME`]; fails
     /// if the run has stalled.
-    pub(super) fn enter_phase(&mut self, time: f64) -> Result<u32, SimulationError> {
+    pub(super) fn record_phase(&mut self, time: f64) -> Result<u32, SimulationError> {
         let (phases, since) = &mut self.phases;
         if time - *since >= CHATTER_TIME {
             (*phases, *since) = (0, time);

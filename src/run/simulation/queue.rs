@@ -1,7 +1,7 @@
 //! Queue of the events of a step, in time order.
 
 use super::event::{Event, EventKind};
-use super::free::Landing;
+use super::free::ImpactRecord;
 use super::nutation::NutationCycle;
 use super::record::Record;
 use super::tally::Tally;
@@ -15,7 +15,7 @@ pub(super) enum Pending {
     /// The peg is on the table again, after this many impacts.
     Landing(u32, f64, Motion),
     Nutation(NutationCycle),
-    Impact(Landing),
+    Impact(ImpactRecord),
 }
 
 impl Pending {
@@ -52,12 +52,12 @@ impl Queue {
     }
 
     /// Records the first inversion of a tippe top, at this time, s.
-    pub(super) fn invert(&mut self, time: f64) {
+    pub(super) fn record_inversion(&mut self, time: f64) {
         self.inversion.get_or_insert(time);
     }
 
     /// Discards records after a time, s.
-    pub(super) fn forget_after(&mut self, time: f64) {
+    pub(super) fn discard_after(&mut self, time: f64) {
         let limit = to_nanoseconds(time);
         self.pending.retain(|pending| pending.time_ns() <= limit);
     }
@@ -68,7 +68,7 @@ impl Queue {
     }
 
     /// Removes and returns the next record.
-    pub(super) fn hand_out(&mut self, top: &Top) -> Option<Record> {
+    pub(super) fn pop(&mut self, top: &Top) -> Option<Record> {
         Some(match self.pending.pop_front()? {
             Pending::Event(kind, time, motion) => {
                 self.event(kind, time, motion, kind.describe(top, &motion))
@@ -85,7 +85,7 @@ impl Queue {
             Pending::Impact(landing) => {
                 let index = self.impacts;
                 self.impacts += 1;
-                Record::Impact(Box::new(Landing { index, ..landing }))
+                Record::Impact(Box::new(ImpactRecord { index, ..landing }))
             }
             Pending::Nutation(cycle) => {
                 self.cycles += 1;

@@ -1,7 +1,7 @@
 //! Records, errors and end of a simulation.
 
 use super::event::{Event, StopReason};
-use super::free::Landing;
+use super::free::ImpactRecord;
 use super::nutation::NutationCycle;
 use super::sample::Sample;
 use crate::physics::dynamics::Motion;
@@ -18,7 +18,7 @@ pub enum Record {
     /// A nutation cycle, at its end.
     Nutation(Box<NutationCycle>),
     /// An impact of a free peg.
-    Impact(Box<Landing>),
+    Impact(Box<ImpactRecord>),
 }
 
 impl Record {

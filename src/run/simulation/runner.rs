@@ -1,7 +1,7 @@
 //! The simulation loop: take a step, locate events, yield records in time order.
 
 use super::event::{EventKind, StopReason, UPRIGHT};
-use super::free::Landing;
+use super::free::ImpactRecord;
 use super::nutation::NutationTracker;
 use super::progress::Progress;
 use super::queue::{Pending, Queue, to_nanoseconds};
@@ -9,7 +9,7 @@ use super::record::{Record, RunEnd, SimulationError};
 use super::sample::Sample;
 use super::tally::Tally;
 use super::watch::{
-    Meaning, Watch, accelerations, envelope, is_steady_at_knots, keep_signs, watches,
+    Watch, ZeroKind, accelerations, copy_signs, envelope, is_steady_at_knots, watches,
 };
 use crate::physics::dynamics::{
     Entry, EulerBounds, Formulation, Guard, Model, Motion, Phase, Transition,
@@ -58,7 +58,7 @@ pub(super) struct Runner<F, const N: usize> {
     progress: Progress,
     energy_at_start: f64,
     /// The time at which the step ends early, if it does, and why.
-    end: Option<(f64, End<F, N>)>,
+    end: Option<(f64, EarlyEnd<F, N>)>,
     /// Time and motion of the last record.
     last: (f64, Motion),
     /// Set when the run has ended.
@@ -75,7 +75,7 @@ struct LoopSettings {
 
 /// Reason for ending a step early.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum End<F, const N: usize> {
+enum EarlyEnd<F, const N: usize> {
     /// The run ends. The motion is given after an impact; otherwise it follows from the step.
     Stop(StopReason, Option<Motion>),
     /// The next phase begins.
@@ -95,7 +95,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut end = None;
         if motion.phase == Phase::Holding && scenario.model.support.is_free() {
             queue.push(Pending::Event(EventKind::RollBegins, 0.0, motion));
-            end = (!may_hold).then_some((0.0, End::Stop(StopReason::SlipStopped, None)));
+            end = (!may_hold).then_some((0.0, EarlyEnd::Stop(StopReason::SlipStopped, None)));
         }
         let integrator = Dop853::new(
             formulation,
@@ -143,16 +143,16 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let (system, state) = (self.integrator.system(), self.integrator.y());
         self.reference = system.angles(state, self.reference);
         self.integrator.step_densely()?;
-        self.progress.step_to(self.integrator.t())?;
+        self.progress.record_step(self.integrator.t())?;
         let dense = self.integrator.dense();
         let mut crossings = self.crossings(&dense).into_iter();
-        for (s, meaning, slope) in crossings.by_ref() {
-            self.note(&dense, s, meaning, slope)?;
+        for (s, kind, slope) in crossings.by_ref() {
+            self.handle_zero(&dense, s, kind, slope)?;
             if self.end.is_some() {
                 break;
             }
         }
-        self.take_back(crossings);
+        self.reset_trackers(crossings);
         self.end_at_duration(&dense);
         self.dense = Some(dense);
         Ok(())
@@ -160,20 +160,20 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// Whether the bounds rule out a zero of a watched function in this step.
     #[inline]
-    fn is_quiet(&self, watch: &Watch, bounds: &EulerBounds) -> bool {
+    fn has_no_zero(&self, watch: &Watch, bounds: &EulerBounds) -> bool {
         let (system, sense) = (self.integrator.system(), self.settings.sense);
-        let keeps = |positive| watch.meaning.keeps_sign(positive, system, sense, bounds);
+        let keeps = |positive| watch.kind.keeps_sign(positive, system, sense, bounds);
         watch.tracker.sign().is_some_and(keeps)
     }
 
     /// Resets the trackers of crossings that are discarded because the step ends early.
-    fn take_back(&mut self, crossings: impl DoubleEndedIterator<Item = (f64, Meaning, Slope)>) {
+    fn reset_trackers(
+        &mut self,
+        crossings: impl DoubleEndedIterator<Item = (f64, ZeroKind, Slope)>,
+    ) {
         // In reverse order, so that the sign before the first crossing remains.
-        for (_, meaning, slope) in crossings.rev() {
-            let watch = self
-                .watches
-                .iter_mut()
-                .find(|watch| watch.meaning == meaning);
+        for (_, kind, slope) in crossings.rev() {
+            let watch = self.watches.iter_mut().find(|watch| watch.kind == kind);
             if let Some(watch) = watch {
                 watch.tracker = watch.tracker.before(slope);
             }
@@ -181,7 +181,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 
     /// All zeros of the watched functions in a step, in time order.
-    fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, Meaning, Slope)> {
+    fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, ZeroKind, Slope)> {
         let (system, sense) = (self.integrator.system(), self.settings.sense);
         let bounds = system.bounds(dense);
         let mut motions = None;
@@ -189,37 +189,42 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut found: Vec<Crossing> = Vec::new();
         let mut all = Vec::new();
         for watch in &mut watches {
-            let looks_closer = watch.meaning == Meaning::NutationRate && self.detail == Detail::All;
-            let is_quiet = |bounds| self.is_quiet(watch, bounds);
-            if !looks_closer && bounds.as_ref().is_some_and(is_quiet) {
+            let looks_closer = watch.kind == ZeroKind::NutationRate && self.detail == Detail::All;
+            let has_no_zero = |bounds| self.has_no_zero(watch, bounds);
+            if !looks_closer && bounds.as_ref().is_some_and(has_no_zero) {
                 continue;
             }
-            let Watch { meaning, tracker } = watch;
-            let meaning = *meaning;
+            let Watch { kind, tracker } = watch;
+            let kind = *kind;
             let motions = motions.get_or_insert_with(|| self.motions_at_knots(dense));
             let values = if looks_closer {
                 let of = |motion: &Motion| accelerations(system.model(), motion);
                 let at_knots = motions.each_ref().map(of);
-                envelope(|s| of(&self.motion_alone(dense, s)), &at_knots, &mut all);
+                envelope(
+                    |s| of(&self.motion_without_integrals(dense, s)),
+                    &at_knots,
+                    &mut all,
+                );
                 at_knots.each_ref().map(|acceleration| acceleration.theta)
-            } else if meaning == Meaning::NutationRate
+            } else if kind == ZeroKind::NutationRate
                 && is_steady_at_knots(dense.h, motions, tracker.sign())
             {
                 continue;
             } else {
-                meaning.values(system, sense, motions)
+                kind.values(system, sense, motions)
             };
             tracker.scan(
                 &KNOTS,
                 &values,
                 |s| {
-                    let [value] = meaning.values(system, sense, &[self.motion_alone(dense, s)]);
+                    let [value] =
+                        kind.values(system, sense, &[self.motion_without_integrals(dense, s)]);
                     value
                 },
                 &mut found,
             );
             if !found.is_empty() {
-                all.extend(found.drain(..).map(|c| (c.s, meaning, c.slope)));
+                all.extend(found.drain(..).map(|c| (c.s, kind, c.slope)));
             }
         }
         self.watches = watches;
@@ -232,24 +237,24 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn motions_at_knots(&self, dense: &Dense<N>) -> [Motion; 5] {
         // `map` would move each motion several times.
         let [a, b, c, d, e] = KNOTS;
-        let at = |s| self.motion_alone(dense, s);
+        let at = |s| self.motion_without_integrals(dense, s);
         [at(a), at(b), at(c), at(d), at(e)]
     }
 
     /// Handles a zero of a watched function.
-    fn note(
+    fn handle_zero(
         &mut self,
         dense: &Dense<N>,
         s: f64,
-        meaning: Meaning,
+        kind: ZeroKind,
         slope: Slope,
     ) -> Result<(), SimulationError> {
         let motion = self.motion(dense, s);
         let time = dense.t0 + s * dense.h;
         let mut event = |kind| self.queue.push(Pending::Event(kind, time, motion));
-        match (meaning, slope) {
-            (Meaning::Nutation, slope) => {
-                let is_of_nutation = self.nutation.extreme(time, &motion);
+        match (kind, slope) {
+            (ZeroKind::Nutation, slope) => {
+                let is_of_nutation = self.nutation.record_extreme(time, &motion);
                 match slope {
                     Slope::Rising if motion.angles.theta < UPRIGHT => {
                         event(EventKind::UprightPassage);
@@ -259,37 +264,37 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                     Slope::Rising | Slope::Falling => {}
                 }
             }
-            (Meaning::NutationRate, Slope::Rising) | (Meaning::Envelope, _) => {
-                self.nutation.rates(time, &motion);
+            (ZeroKind::NutationRate, Slope::Rising) | (ZeroKind::Envelope, _) => {
+                self.nutation.record_rates(time, &motion);
             }
-            (Meaning::NutationRate, Slope::Falling) => {
-                let cycle = self.nutation.boundary(time, to_nanoseconds(time), motion);
+            (ZeroKind::NutationRate, Slope::Falling) => {
+                let cycle = self.nutation.end_cycle(time, to_nanoseconds(time), motion);
                 self.queue.extend(cycle.map(Pending::Nutation));
             }
-            (Meaning::Precession, Slope::Falling) => event(EventKind::LoopingBegins),
-            (Meaning::Precession, Slope::Rising) => event(EventKind::LoopingEnds),
-            (Meaning::Strength, Slope::Falling) => event(EventKind::WeakTop),
-            (Meaning::Strength, Slope::Rising) => event(EventKind::StrongTop),
-            (Meaning::Risen(_), Slope::Falling) => {
+            (ZeroKind::Precession, Slope::Falling) => event(EventKind::LoopingBegins),
+            (ZeroKind::Precession, Slope::Rising) => event(EventKind::LoopingEnds),
+            (ZeroKind::Strength, Slope::Falling) => event(EventKind::WeakTop),
+            (ZeroKind::Strength, Slope::Rising) => event(EventKind::StrongTop),
+            (ZeroKind::Risen(_), Slope::Falling) => {
                 event(EventKind::Risen);
-                self.end = Some((time, End::Stop(StopReason::Risen, None)));
+                self.end = Some((time, EarlyEnd::Stop(StopReason::Risen, None)));
             }
-            (Meaning::Fallen(_), Slope::Rising) => {
+            (ZeroKind::Fallen(_), Slope::Rising) => {
                 event(EventKind::Fallen);
                 if self.settings.stop.theta_fallen.is_some() {
-                    self.end = Some((time, End::Stop(StopReason::Fallen, None)));
+                    self.end = Some((time, EarlyEnd::Stop(StopReason::Fallen, None)));
                 }
             }
-            (Meaning::Guard(guard), Slope::Falling) => {
+            (ZeroKind::Guard(guard), Slope::Falling) => {
                 return self.end_phase(guard, time, &dense.at(s), motion);
             }
-            (Meaning::Turning, Slope::Falling) => {
+            (ZeroKind::Rotation, Slope::Falling) => {
                 event(EventKind::Rest);
-                self.end = Some((time, End::Stop(StopReason::Rest, None)));
+                self.end = Some((time, EarlyEnd::Stop(StopReason::Rest, None)));
             }
-            (Meaning::Inversion, Slope::Rising) => self.queue.invert(time),
-            (Meaning::Risen(_) | Meaning::Guard(_) | Meaning::Turning, Slope::Rising)
-            | (Meaning::Fallen(_) | Meaning::Inversion, Slope::Falling) => {}
+            (ZeroKind::Inversion, Slope::Rising) => self.queue.record_inversion(time),
+            (ZeroKind::Risen(_) | ZeroKind::Guard(_) | ZeroKind::Rotation, Slope::Rising)
+            | (ZeroKind::Fallen(_) | ZeroKind::Inversion, Slope::Falling) => {}
         }
         Ok(())
     }
@@ -306,16 +311,16 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         if guard == Guard::Slip && stops_at_rest {
             self.queue
                 .push(Pending::Event(EventKind::SlipStops, time, motion));
-            self.end = Some((time, End::Stop(StopReason::SlipStopped, None)));
+            self.end = Some((time, EarlyEnd::Stop(StopReason::SlipStopped, None)));
             return Ok(());
         }
-        self.nutation.rates(time, &motion);
+        self.nutation.record_rates(time, &motion);
         let system = *self.integrator.system();
         let entry = system
             .enter(guard, state, self.reference)
             .map_err(|_| SimulationError::Impact { time })?;
         let at = time + entry.delay;
-        self.note_entry(&entry, system.phase(), at);
+        self.queue_entry_events(&entry, system.phase(), at);
         let stop = match entry.transition {
             Transition::BecomesSingular => Some(StopReason::Singular),
             Transition::Jams => Some(StopReason::Jam),
@@ -333,15 +338,15 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             | Transition::Lands(_) => None,
         };
         let end = match stop {
-            None => End::Enter(entry),
-            Some(reason) => End::Stop(reason, after_impact(&entry)),
+            None => EarlyEnd::Enter(entry),
+            Some(reason) => EarlyEnd::Stop(reason, after_impact(&entry)),
         };
         self.end = Some((at, end));
         Ok(())
     }
 
     /// Queues the events at the start of a phase.
-    fn note_entry(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
+    fn queue_entry_events(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
         let motion = entry.motion;
         let event = |kind| Pending::Event(kind, time, motion);
         self.queue
@@ -358,9 +363,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
         if let Transition::Bounces(hit) | Transition::Lands(hit) = &entry.transition {
             self.bounces += 1;
-            let landing = Landing {
+            let landing = ImpactRecord {
                 bounce: self.bounces,
-                ..Landing::new(hit, &motion, time, to_nanoseconds(time))
+                ..ImpactRecord::new(hit, &motion, time, to_nanoseconds(time))
             };
             self.queue.push(Pending::Impact(landing));
         }
@@ -382,18 +387,18 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let earliest = self.end.map_or(step_end, |(time, _)| time);
         if duration <= earliest {
             let after = match &self.end {
-                Some((time, End::Enter(entry))) if *time <= duration => after_impact(entry),
-                Some((time, End::Stop(_, after))) if *time <= duration => *after,
+                Some((time, EarlyEnd::Enter(entry))) if *time <= duration => after_impact(entry),
+                Some((time, EarlyEnd::Stop(_, after))) if *time <= duration => *after,
                 _ => None,
             };
-            self.end = Some((duration, End::Stop(StopReason::Duration, after)));
-            self.queue.forget_after(duration);
+            self.end = Some((duration, EarlyEnd::Stop(StopReason::Duration, after)));
+            self.queue.discard_after(duration);
         }
     }
 
     /// The motion without integrals (0) and without unwrapping φ and ψ; sufficient for event location.
     #[inline]
-    fn motion_alone(&self, dense: &Dense<N>, s: f64) -> Motion {
+    fn motion_without_integrals(&self, dense: &Dense<N>, s: f64) -> Motion {
         let state = dense.first_at(F::CONTROLLED, s);
         let system = self.integrator.system();
         system.motion_without_turns(&state, self.reference)
@@ -440,7 +445,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// Starts another phase within the last step.
     #[cold]
     fn enter(&mut self, time: f64, entry: &Entry<F, N>) -> Result<(), SimulationError> {
-        let phases = self.progress.enter_phase(time)?;
+        let phases = self.progress.record_phase(time)?;
         self.dense = None;
         let system = entry.formulation;
         self.reference = system.angles(&entry.state, self.reference);
@@ -453,10 +458,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let before = std::mem::replace(&mut self.watches, watches(&self.settings.stop, &system));
         let motion = system.motion(&entry.state, self.reference);
         if self.model().support.is_free() {
-            self.nutation.jumped(time, &motion);
-            keep_signs(&before, &mut self.watches);
+            self.nutation.record_impact(time, &motion);
+            copy_signs(&before, &mut self.watches);
         } else {
-            self.nutation.interrupt(time, motion);
+            self.nutation.restart(time, motion);
         }
         self.end = None;
         Ok(())
@@ -466,11 +471,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// if `carry_on` does.
     fn advance(&mut self, carry_on: &mut dyn FnMut() -> bool) -> Result<bool, SimulationError> {
         let went_on = match self.end {
-            Some((time, End::Stop(reason, after))) => {
+            Some((time, EarlyEnd::Stop(reason, after))) => {
                 self.stop(time, reason, after);
                 Ok(())
             }
-            Some((time, End::Enter(entry))) => self.enter(time, &entry),
+            Some((time, EarlyEnd::Enter(entry))) => self.enter(time, &entry),
             None if carry_on() => self.step(),
             None => return Ok(false),
         };
@@ -482,7 +487,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 
     /// Runs to the end. Returns the end and the event counts.
-    pub(super) fn tallied(
+    pub(super) fn run_without_samples(
         mut self,
         carry_on: &mut dyn FnMut() -> bool,
     ) -> Result<(RunEnd, Tally), SimulationError> {
@@ -519,7 +524,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
                 return Ok(Some(self.sample(time_ns)));
             }
             let top = &self.integrator.system().model().top;
-            if let Some(record) = self.queue.hand_out(top) {
+            if let Some(record) = self.queue.pop(top) {
                 if let Record::Event(event) = &record {
                     self.last = (event.time, event.motion);
                 }

@@ -11,15 +11,15 @@ const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
 
 /// A watched function of the motion.
 pub(super) struct Watch {
-    /// Meaning of its zeros.
-    pub meaning: Meaning,
+    /// Kind of its zeros.
+    pub kind: ZeroKind,
     /// Its sign so far.
     pub tracker: SignTracker,
 }
 
-/// Meaning of a watched function's zero.
+/// Kind of a zero of a watched function.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Meaning {
+pub(super) enum ZeroKind {
     /// An extreme of θ.
     Nutation,
     /// An extreme of θ̇.
@@ -39,10 +39,10 @@ pub(super) enum Meaning {
     /// The guard that ends the phase.
     Guard(Guard),
     /// A top whose contact point sticks stops turning.
-    Turning,
+    Rotation,
 }
 
-impl Meaning {
+impl ZeroKind {
     /// The values of the watched function in motions with this sense of precession (+1 or −1). Factors of sin θ make it
     /// regular upright.
     #[inline]
@@ -53,21 +53,23 @@ impl Meaning {
         motions: &[Motion; K],
     ) -> [f64; K] {
         match self {
-            Self::Nutation => each(motions, |m| m.tilt.sin * m.tilt.rates.theta),
-            Self::NutationRate => each(motions, |m| accelerations(system.model(), m).theta),
+            Self::Nutation => map_motions(motions, |m| m.tilt.sin * m.tilt.rates.theta),
+            Self::NutationRate => map_motions(motions, |m| accelerations(system.model(), m).theta),
             // Located by `envelope`, without a tracker.
             Self::Envelope => [f64::NAN; K],
-            Self::Precession => each(motions, |m| {
+            Self::Precession => map_motions(motions, |m| {
                 sense * m.tilt.rates.phi * m.tilt.sin * m.tilt.sin
             }),
             Self::Strength => {
                 let top = system.model().nutating_top();
-                each(motions, |m| top.strength_ratio(&m.tilt) - 1.0)
+                map_motions(motions, |m| top.strength_ratio(&m.tilt) - 1.0)
             }
-            Self::Risen(limit) | Self::Fallen(limit) => each(motions, |m| m.angles.theta - limit),
-            Self::Inversion => each(motions, |m| m.angles.theta - FRAC_PI_2),
-            Self::Guard(guard) => each(motions, |m| system.guard(guard, m)),
-            Self::Turning => each(motions, |m| sense * m.tilt.omega_lean.z),
+            Self::Risen(limit) | Self::Fallen(limit) => {
+                map_motions(motions, |m| m.angles.theta - limit)
+            }
+            Self::Inversion => map_motions(motions, |m| m.angles.theta - FRAC_PI_2),
+            Self::Guard(guard) => map_motions(motions, |m| system.guard(guard, m)),
+            Self::Rotation => map_motions(motions, |m| sense * m.tilt.omega_lean.z),
         }
     }
 
@@ -99,7 +101,7 @@ impl Meaning {
             Self::Risen(limit) | Self::Fallen(limit) => is_beyond(limit, positive, bounds),
             Self::Inversion => is_beyond(FRAC_PI_2, positive, bounds),
             Self::Guard(guard) => positive && system.guard_is_positive(guard, bounds),
-            Self::Envelope | Self::Turning => false,
+            Self::Envelope | Self::Rotation => false,
         }
     }
 }
@@ -133,7 +135,7 @@ pub(super) fn accelerations(model: &Model, motion: &Motion) -> Euler {
 
 /// Maps each motion to a number.
 #[inline]
-fn each<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [f64; K] {
+fn map_motions<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [f64; K] {
     let mut numbers = [0.0; K];
     for (number, motion) in numbers.iter_mut().zip(motions) {
         *number = of(motion);
@@ -146,7 +148,7 @@ fn each<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [
 pub(super) fn envelope(
     at: impl Fn(f64) -> Euler,
     at_knots: &[Euler; 5],
-    found: &mut Vec<(f64, Meaning, Slope)>,
+    found: &mut Vec<(f64, ZeroKind, Slope)>,
 ) {
     for component in [|a: &Euler| a.phi, |a: &Euler| a.psi] {
         for i in 1..KNOTS.len() {
@@ -159,7 +161,7 @@ pub(super) fn envelope(
                 } else {
                     Slope::Falling
                 };
-                found.push((start + s * width, Meaning::Envelope, slope));
+                found.push((start + s * width, ZeroKind::Envelope, slope));
             }
         }
     }
@@ -197,11 +199,11 @@ pub(super) fn is_steady_at_knots(h: f64, motions: &[Motion; 5], sign: Option<boo
 }
 
 /// Copies tracker signs from the previous phase.
-pub(super) fn keep_signs(before: &[Watch], now: &mut [Watch]) {
+pub(super) fn copy_signs(before: &[Watch], now: &mut [Watch]) {
     for watch in now {
-        let known = before.iter().find(|known| {
-            known.meaning == watch.meaning && !matches!(watch.meaning, Meaning::Guard(_))
-        });
+        let known = before
+            .iter()
+            .find(|known| known.kind == watch.kind && !matches!(watch.kind, ZeroKind::Guard(_)));
         if let Some(known) = known {
             watch.tracker = known.tracker;
         }
@@ -231,38 +233,38 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
     stop: &Stop,
     formulation: &F,
 ) -> Vec<Watch> {
-    let watch = |meaning, floor| Watch {
-        meaning,
+    let watch = |kind, floor| Watch {
+        kind,
         tracker: SignTracker::with_floor(floor),
     };
     let model = formulation.model();
     let is_free = model.support.is_free();
     let guards = formulation.guards().iter().map(|guard| Watch {
-        meaning: Meaning::Guard(*guard),
+        kind: ZeroKind::Guard(*guard),
         tracker: guard_tracker(*guard, is_free),
     });
     if formulation.phase() == Phase::Holding && !is_free {
-        let mut watches = vec![watch(Meaning::Strength, 0.0)];
+        let mut watches = vec![watch(ZeroKind::Strength, 0.0)];
         watches.extend(guards);
-        watches.push(watch(Meaning::Turning, 0.0));
+        watches.push(watch(ZeroKind::Rotation, 0.0));
         return watches;
     }
     let mut watches = vec![
-        watch(Meaning::Nutation, NUTATION_FLOOR.0),
-        watch(Meaning::NutationRate, NUTATION_FLOOR.1),
-        watch(Meaning::Precession, 0.0),
+        watch(ZeroKind::Nutation, NUTATION_FLOOR.0),
+        watch(ZeroKind::NutationRate, NUTATION_FLOOR.1),
+        watch(ZeroKind::Precession, 0.0),
     ];
     // A tippe top has no strength event, and `Inversion` replaces `Fallen`.
     if model.top.center_distance > 0.0 {
         let fallen = stop.theta_fallen.unwrap_or(FRAC_PI_2);
-        watches.push(watch(Meaning::Strength, 0.0));
-        watches.push(watch(Meaning::Fallen(fallen), 0.0));
+        watches.push(watch(ZeroKind::Strength, 0.0));
+        watches.push(watch(ZeroKind::Fallen(fallen), 0.0));
     } else {
-        watches.push(watch(Meaning::Inversion, 0.0));
+        watches.push(watch(ZeroKind::Inversion, 0.0));
     }
     watches.extend(
         stop.theta_risen
-            .map(|limit| watch(Meaning::Risen(limit), 0.0)),
+            .map(|limit| watch(ZeroKind::Risen(limit), 0.0)),
     );
     watches.extend(guards);
     watches

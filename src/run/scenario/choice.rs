@@ -3,13 +3,13 @@
 use crate::physics::friction::Dissipation;
 
 /// An enum with string values in scenarios.
-pub(super) trait Words: Copy + 'static {
+pub(super) trait Choice: Copy + 'static {
     /// All names with their variants, in listing order.
-    const WORDS: &'static [(&'static str, Self)];
+    const NAMES: &'static [(&'static str, Self)];
 
     /// The variant with this name.
-    fn of_word(word: &str) -> Option<Self> {
-        let found = Self::WORDS.iter().find(|(known, _)| *known == word);
+    fn from_name(word: &str) -> Option<Self> {
+        let found = Self::NAMES.iter().find(|(known, _)| *known == word);
         found.map(|(_, meaning)| *meaning)
     }
 }
@@ -23,8 +23,8 @@ pub enum FormulationKind {
     Body,
 }
 
-impl Words for FormulationKind {
-    const WORDS: &'static [(&'static str, Self)] = &[("euler", Self::Euler), ("body", Self::Body)];
+impl Choice for FormulationKind {
+    const NAMES: &'static [(&'static str, Self)] = &[("euler", Self::Euler), ("body", Self::Body)];
 }
 
 /// Action when the contact point stops slipping: `stop.on_stick`.
@@ -36,8 +36,8 @@ pub enum OnStick {
     Continue,
 }
 
-impl Words for OnStick {
-    const WORDS: &'static [(&'static str, Self)] =
+impl Choice for OnStick {
+    const NAMES: &'static [(&'static str, Self)] =
         &[("stop", Self::Stop), ("continue", Self::Continue)];
 }
 
@@ -48,12 +48,12 @@ pub(super) enum SupportKind {
     Free,
 }
 
-impl Words for SupportKind {
-    const WORDS: &'static [(&'static str, Self)] = &[("fixed", Self::Fixed), ("free", Self::Free)];
+impl Choice for SupportKind {
+    const NAMES: &'static [(&'static str, Self)] = &[("fixed", Self::Fixed), ("free", Self::Free)];
 }
 
-impl Words for Dissipation {
-    const WORDS: &'static [(&'static str, Self)] = &[
+impl Choice for Dissipation {
+    const NAMES: &'static [(&'static str, Self)] = &[
         ("full", Self::Full),
         ("without-nutation-part", Self::WithoutNutationPart),
         ("precession-term-only", Self::PrecessionTermOnly),
@@ -64,18 +64,18 @@ impl Words for Dissipation {
 }
 
 pub(super) const FORMULATIONS: &[&str] =
-    &words::<FormulationKind, { FormulationKind::WORDS.len() }>();
-pub(super) const ON_STICK: &[&str] = &words::<OnStick, { OnStick::WORDS.len() }>();
-pub(super) const SUPPORTS: &[&str] = &words::<SupportKind, { SupportKind::WORDS.len() }>();
-pub(super) const DISSIPATIONS: &[&str] = &words::<Dissipation, { Dissipation::WORDS.len() }>();
+    &names::<FormulationKind, { FormulationKind::NAMES.len() }>();
+pub(super) const ON_STICK: &[&str] = &names::<OnStick, { OnStick::NAMES.len() }>();
+pub(super) const SUPPORTS: &[&str] = &names::<SupportKind, { SupportKind::NAMES.len() }>();
+pub(super) const DISSIPATIONS: &[&str] = &names::<Dissipation, { Dissipation::NAMES.len() }>();
 
 /// The names of a choice, for the table of keys.
-const fn words<T: Words, const N: usize>() -> [&'static str; N] {
-    let mut words = [""; N];
+const fn names<T: Choice, const N: usize>() -> [&'static str; N] {
+    let mut names = [""; N];
     let mut i = 0;
     while i < N {
-        words[i] = T::WORDS[i].0;
+        names[i] = T::NAMES[i].0;
         i += 1;
     }
-    words
+    names
 }
