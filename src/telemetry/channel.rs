@@ -20,7 +20,7 @@ pub struct ChannelInfo {
     /// Whether some samples have no message on this channel.
     pub is_optional: bool,
     /// Whether the channel exists only for a free peg.
-    pub is_of_free_peg: bool,
+    pub is_free_peg_only: bool,
 }
 
 /// A number or text of a message.

@@ -60,19 +60,19 @@ impl Telemetry {
     /// The recorded topics for this support, in table order.
     #[must_use]
     pub fn topics(&self, support: Support) -> Topics {
-        if Topic::all_with(support).all(|topic| self.wants(topic)) {
+        if Topic::all_with(support).all(|topic| self.is_enabled(topic)) {
             return Topics::All;
         }
         Topics::Only(
             Topic::all_with(support)
-                .filter(|topic| self.wants(*topic))
+                .filter(|topic| self.is_enabled(*topic))
                 .collect(),
         )
     }
 
     /// Whether messages of this topic are produced.
     #[must_use]
-    pub fn wants(&self, topic: Topic) -> bool {
+    pub fn is_enabled(&self, topic: Topic) -> bool {
         self.wanted[topic.index()]
     }
 

@@ -22,7 +22,7 @@ impl Message<'_> {
     /// The channel's topic.
     #[must_use]
     pub fn topic(&self) -> Topic {
-        Topic::at(self.channel)
+        Topic::from_index(self.channel)
     }
 }
 

@@ -7,8 +7,8 @@
 use super::channel::{ChannelInfo, Content, Member};
 use super::decoding::{DecodeError, Object, Paths, Row, Target};
 use super::message::Message;
-use super::schema::described;
-use super::wire::{Wire, take};
+use super::schema::with_unit_and_frame;
+use super::wire::{Wire, take_field};
 use prost::Message as _;
 use prost::encoding::{WireType, encode_key, encode_varint};
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -79,17 +79,17 @@ fn comments(channel: &ChannelInfo, member: &Member<'_>) -> Vec<String> {
         Content::Text(index) => vec![channel.texts[*index].meaning.to_owned()],
         Content::Number(index) => {
             let leaf = &channel.numbers[*index];
-            vec![described(leaf.meaning, leaf)]
+            vec![with_unit_and_frame(leaf.meaning, leaf)]
         }
         Content::Object(leaves) if is_components(channel, leaves) => {
             let leaf = &channel.numbers[leaves[0].1];
-            vec![described(leaf.meaning, leaf)]
+            vec![with_unit_and_frame(leaf.meaning, leaf)]
         }
         Content::Object(leaves) => leaves
             .iter()
             .map(|(name, index)| {
                 let leaf = &channel.numbers[*index];
-                format!("{name}: {}", described(leaf.meaning, leaf))
+                format!("{name}: {}", with_unit_and_frame(leaf.meaning, leaf))
             })
             .collect(),
     }
@@ -440,7 +440,7 @@ impl Object<u32> {
     fn fill(&self, mut data: &[u8], row: &mut Row) -> Result<(), String> {
         let mut next = 0;
         while !data.is_empty() {
-            let (number, wire) = take(&mut data)?;
+            let (number, wire) = take_field(&mut data)?;
             match (self.find(number, &mut next), wire) {
                 (Some(Target::Number(index)), Wire::Eight(bits)) => {
                     row.numbers[*index] = f64::from_bits(bits);

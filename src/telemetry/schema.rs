@@ -45,7 +45,7 @@ fn group_schema(channel: &ChannelInfo, parent: &str, leaves: &[(&str, usize)]) -
         let leaf = &channel.numbers[*index];
         // A vector has one description; members of other objects have their own.
         let meaning = if leaf.is_component {
-            description = described(leaf.meaning, leaf);
+            description = with_unit_and_frame(leaf.meaning, leaf);
             format!("{name} component")
         } else {
             leaf.meaning.to_owned()
@@ -60,7 +60,7 @@ fn leaf_schema(kind: &str, leaf: &Leaf, meaning: &str) -> Value {
 }
 
 /// A description with its unit and frame.
-pub(super) fn described(meaning: &str, leaf: &Leaf) -> String {
+pub(super) fn with_unit_and_frame(meaning: &str, leaf: &Leaf) -> String {
     let meaning = with_unit(meaning, leaf);
     if leaf.frame.is_empty() {
         meaning

@@ -32,7 +32,7 @@ pub struct Channel<S: 'static> {
     /// Description of the channel.
     pub meaning: &'static str,
     /// Whether the channel exists only for a free peg.
-    pub is_of_free_peg: bool,
+    pub is_free_peg_only: bool,
     /// Filter: whether a value produces a message (default: always).
     pub present: Option<fn(&S) -> bool>,
     /// Its fields.
@@ -80,8 +80,8 @@ mod frame {
 
 impl<S> Channel<S> {
     /// Restricts the channel to a free peg.
-    const fn of_free_peg(mut self) -> Self {
-        self.is_of_free_peg = true;
+    const fn free_peg_only(mut self) -> Self {
+        self.is_free_peg_only = true;
         self
     }
 
@@ -206,7 +206,7 @@ macro_rules! channels {
 
             $(
                 #[doc = concat!("`", $topic, "`.")]
-                pub const $TOPIC: Topic = Topic::at(Order::$TOPIC as usize);
+                pub const $TOPIC: Topic = Topic::from_index(Order::$TOPIC as usize);
 
                 #[doc = concat!("The fields of `", $topic, "`.")]
                 pub mod $fields {
@@ -220,7 +220,7 @@ macro_rules! channels {
                         topic: $topic,
                         schema: $schema,
                         meaning: $meaning,
-                        is_of_free_peg: false,
+                        is_free_peg_only: false,
                         present: None,
                         fields: &[$(Field::<$Source>::$kind($($argument),*)$(.$method($text))*),*],
                     }$(.$option($($value)?))*;
@@ -323,14 +323,14 @@ channels! {
             STRENGTH_RATIO = number("strength_ratio", Number, "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.precession.strength_ratio);
         }
         CENTER_OF_MASS center_of_mass: channel("/top/center_of_mass", "toprise.CenterOfMass",
-            "the centre of mass of a top with a free peg").of_free_peg().present_if(|s| s.free.is_some()) {
+            "the centre of mass of a top with a free peg").free_peg_only().present_if(|s| s.free.is_some()) {
             POSITION = vector("position", Length, frame::WORLD, "position", |s| of_free(s, |f| f.center));
             VELOCITY = vector("velocity", Velocity, frame::WORLD, "velocity", |s| of_free(s, |f| f.center_velocity));
             ACCELERATION = vector("acceleration", LinearAcceleration, frame::WORLD, "acceleration", |s| of_free(s, |f| f.center_acceleration));
             ANGULAR_MOMENTUM = vector("angular_momentum", Momentum, frame::WORLD, "angular momentum about it", |s| of_free(s, |f| f.central_momentum));
         }
         FREE_PEG free_peg: channel("/top/free_peg", "toprise.FreePeg",
-            "what a free peg does on the table and above it").of_free_peg().present_if(|s| s.free.is_some()) {
+            "what a free peg does on the table and above it").free_peg_only().present_if(|s| s.free.is_some()) {
             GAP = number("gap", Length, "height of the peg above the table", |s| number_of_free(s, |f| f.gap));
             VELOCITY = vector("velocity", Velocity, frame::WORLD, "velocity of the peg's centre", |s| of_free(s, |f| f.peg_velocity));
             JELLETT = number("jellett", Jellett, "Jellett's integral l L_n + R L_z′ about the centre of mass, which no force at the point of contact changes", |s| number_of_free(s, |f| f.jellett));
@@ -388,7 +388,7 @@ channels! {
     /// The channel with a message for each impact of a free peg.
     LANDINGS: ImpactRecord {
         IMPACTS impacts: channel("/top/impact", "toprise.Impact",
-            "each impact of a free peg on the table").of_free_peg() {
+            "each impact of a free peg on the table").free_peg_only() {
             TIME = number("time", Time, "when, more exactly than the timestamp", |i| i.time);
             BOUNCE = number("bounce", Number, "impacts since the peg left the table, or since the start, this one counted", |i| f64::from(i.bounce));
             STAYS = number("stays", Number, "1 if the peg stays on the table, 0 if it bounces", |i| f64::from(u8::from(i.stays)));
@@ -451,7 +451,7 @@ fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
         numbers,
         is_sampled,
         is_optional: channel.present.is_some(),
-        is_of_free_peg: channel.is_of_free_peg,
+        is_free_peg_only: channel.is_free_peg_only,
     }
 }
 
@@ -483,7 +483,7 @@ impl Topic {
 
     /// All topics, in table order.
     pub fn all() -> impl ExactSizeIterator<Item = Self> {
-        (0..channels().len()).map(Self::at)
+        (0..channels().len()).map(Self::from_index)
     }
 
     /// Its name, e.g. `/top/state`.
@@ -494,7 +494,7 @@ impl Topic {
 
     /// The topics of runs with this support, in table order.
     pub fn all_with(support: Support) -> impl Iterator<Item = Self> {
-        Self::all().filter(move |topic| support.is_free() || !topic.info().is_of_free_peg)
+        Self::all().filter(move |topic| support.is_free() || !topic.info().is_free_peg_only)
     }
 
     /// The channel.

@@ -10,7 +10,7 @@ pub struct Topic(usize);
 
 impl Topic {
     /// The topic of the channel with this index in [`channels`].
-    pub(super) const fn at(index: usize) -> Self {
+    pub(super) const fn from_index(index: usize) -> Self {
         Self(index)
     }
 

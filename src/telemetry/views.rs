@@ -46,7 +46,7 @@ pub struct ViewChannel {
     /// Description of the channel.
     pub meaning: &'static str,
     /// Whether the channel exists only for a free peg.
-    pub is_of_free_peg: bool,
+    pub is_free_peg_only: bool,
     /// Source topics; a view message is emitted with each message of the last one.
     sources: &'static [Topic],
     kind: Kind,
@@ -97,16 +97,16 @@ const fn view(
         schema,
         definition,
         meaning,
-        is_of_free_peg: false,
+        is_free_peg_only: false,
         sources,
         kind,
     }
 }
 
 /// A view that exists only for a free peg.
-const fn of_free_peg(view: ViewChannel) -> ViewChannel {
+const fn free_peg_only(view: ViewChannel) -> ViewChannel {
     ViewChannel {
-        is_of_free_peg: true,
+        is_free_peg_only: true,
         ..view
     }
 }
@@ -130,7 +130,7 @@ const VIEWS: &[ViewChannel] = &[
         "arrow of the slip velocity in frame `contact`; the legend gives its scale"),
     view(Kind::FrictionTorque, "/view/friction_torque", FIELD, &[TORQUE],
         "arrow of the torque of friction in frame `top`; the legend gives its scale"),
-    of_free_peg(view(Kind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
+    free_peg_only(view(Kind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
         "normal force of a free peg, N: 0 while it flies")),
     view(Kind::Log, "/log", LOG, &[EVENTS], "events but for nutation extremes, as log lines"),
 ];
@@ -160,9 +160,9 @@ pub struct Views {
 }
 
 impl Views {
-    /// Prepares the views of a run of `scenario` that `wants` some topics of the table.
+    /// Prepares the views of a run of `scenario`. `is_enabled` returns whether a topic of the table is recorded.
     #[must_use]
-    pub fn new(scenario: &Scenario, wants: impl Fn(Topic) -> bool) -> Self {
+    pub fn new(scenario: &Scenario, is_enabled: impl Fn(Topic) -> bool) -> Self {
         let top = scenario.model.top;
         let is_free = scenario.model.support.is_free();
         let proportions = Proportions::new(&top);
@@ -173,9 +173,9 @@ impl Views {
                 Kind::FrictionTorque => scales.torque.is_some(),
                 _ => true,
             };
-            let has_channel = is_free || !view.is_of_free_peg;
+            let has_channel = is_free || !view.is_free_peg_only;
             let mut sources = view.sources.iter().copied();
-            let is_wanted = has_scale && has_channel && sources.clone().all(&wants);
+            let is_wanted = has_scale && has_channel && sources.clone().all(&is_enabled);
             sources.next_back().filter(|_| is_wanted)
         };
         let period = scenario.sample_period_ns.max(1);
@@ -193,14 +193,14 @@ impl Views {
 
     /// Whether there will be messages of the view with this index.
     #[must_use]
-    pub fn wants(&self, view: usize) -> bool {
+    pub fn is_enabled(&self, view: usize) -> bool {
         self.sources[view].is_some()
     }
 
     /// Calls `emit` for each view triggered by a message, with its index in [`view_channels`], sequence number and
     /// bytes. The time is that of the message.
-    pub fn take(&mut self, message: &Message<'_>, mut emit: impl FnMut(usize, u32, &[u8])) {
-        self.envelope.take(message);
+    pub fn process(&mut self, message: &Message<'_>, mut emit: impl FnMut(usize, u32, &[u8])) {
+        self.envelope.update(message);
         let is_due = message.sequence.is_multiple_of(self.stride);
         if channels()[message.channel].is_sampled && !is_due {
             return;

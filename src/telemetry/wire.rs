@@ -16,7 +16,7 @@ pub(super) enum Wire<'a> {
 
 /// Removes the first field. Returns its number and content.
 #[inline]
-pub(super) fn take<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
+pub(super) fn take_field<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
     let (number, wire) = match **data {
         // Most field numbers are small.
         [key @ 8..0x80, ..] => {

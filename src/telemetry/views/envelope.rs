@@ -27,7 +27,7 @@ impl Envelope {
     }
 
     /// Processes a message of any channel.
-    pub(super) fn take(&mut self, message: &Message<'_>) {
+    pub(super) fn update(&mut self, message: &Message<'_>) {
         self.now_ns = message.time_ns;
         if message.topic() == NUTATION {
             self.ranges = NUTATING
@@ -55,7 +55,7 @@ mod tests {
 
     fn state(envelope: &mut Envelope, sequence: u32) {
         let channel = STATE.index();
-        envelope.take(&Message {
+        envelope.update(&Message {
             channel,
             sequence,
             time_ns: 1_000_000 * u64::from(sequence),
@@ -81,7 +81,7 @@ mod tests {
             numbers: &numbers,
             texts: &[],
         };
-        envelope.take(&message);
+        envelope.update(&message);
     }
 
     #[test]
