@@ -19,11 +19,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Eight modules; each uses only those before it: [`physics`] (mechanics), [`run`] (scenarios, simulation),
-//! [`telemetry`] (channels, encodings), [`archive`] (recordings), [`analysis`] (verify, diff, explain, figures),
-//! `sweep` (feature `sweep`), `rerun` (feature `rerun`), [`cli`].
-
-//! On WebAssembly there is no [`cli`], and files can't be read or written: [`archive::writer`] writes into memory.
+//! Eight modules: [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
+//! [`archive`] (recordings), [`analysis`] (verify, diff, explain, figures), `sweep` (tables of runs; feature `sweep`),
+//! `rerun` (Rerun viewer; feature `rerun`), [`cli`] (the program). Each uses only those before it, except that
+//! `analysis::figures` reads the tables of `sweep`.
+//!
+//! On WebAssembly there is no [`cli`] and no file access: [`archive::writer`] writes to memory.
 
 #![forbid(unsafe_code)]
 

@@ -1,5 +1,5 @@
-//! The mechanics of a heavy symmetric top: its body, the friction at its peg, the equations of motion and the
-//! integrator that solves them. Nothing here depends on time series, files or viewers.
+//! Mechanics of a heavy symmetric top: rigid body, friction, equations of motion, and the integrator. Independent of
+//! time series, files and viewers.
 
 #![deny(
     clippy::wildcard_enum_match_arm,

@@ -1,5 +1,4 @@
-//! Runs: the scenario that defines one, the simulation that turns it into samples, events and nutation cycles, and the
-//! outcome that is left of it in a table of many.
+//! Scenarios, their simulation, and outcomes.
 
 #![deny(
     clippy::wildcard_enum_match_arm,
@@ -7,9 +6,9 @@
 )]
 
 pub(crate) mod listed;
-pub(crate) mod nearest;
 pub mod outcome;
 pub mod scenario;
 pub mod simulation;
+pub(crate) mod suggestion;
 
 pub use outcome::outcome;

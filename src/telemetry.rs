@@ -1,11 +1,11 @@
-//! The telemetry of a run: one table defines what is logged, and everything else follows from it.
+//! The telemetry of a run: recorded channels, defined in one table.
 //!
-//! [`table`] declares each channel once: its topic, and for each field the name, quantity, frame, meaning and
-//! where in a sample it comes from. From the table follow the messages, written and read ([`encoding`]: [`json`]
-//! and [`protobuf`]), their schemas ([`schema`]), the content digest ([`digest`]), the MCAP channels and the Rerun
-//! entities. [`fields`] names its topics and fields for the code that reads messages.
+//! [`table`] declares each channel once: its topic and, for each field, the name, quantity, frame, description and
+//! source in a sample. Messages and their encodings ([`encoding`]: [`json`] and [`protobuf`]), schemas ([`schema`]),
+//! the content digest ([`digest`]), MCAP channels and Rerun entities are derived from it. [`fields`] has typed handles
+//! of its topics and fields for code that reads messages.
 //!
-//! Sinks see only [`Message`]s: rows of numbers and texts in the order of [`channels`].
+//! Sinks receive only [`Message`]s: rows of numbers and texts in the order of [`channels`].
 
 mod channel;
 mod decoding;

@@ -70,7 +70,7 @@ impl Run {
         };
         let simulation = Simulation::new(&scenario)?;
         Ok(Self {
-            simulation: simulation.running_while(carry_on),
+            simulation: simulation.continue_while(carry_on),
             scenario,
             steps,
             columns: vec![Vec::new(); COLUMNS.len()],

@@ -20,9 +20,9 @@ fn key(key: &Key) -> Json {
         Kind::Text | Kind::Name | Kind::Any | Kind::Between(..) | Kind::Nanoseconds => None,
     };
     let (needs, of) = match key.presence {
-        Presence::With(other, words) => (Some(other), words.to_vec()),
+        Presence::RequiredWith(other, words) => (Some(other), words.to_vec()),
         Presence::OptionalWith(other, word) => (Some(other), vec![word]),
-        Presence::Beside(other) => (Some(other), Vec::new()),
+        Presence::RequiredWithKey(other) => (Some(other), Vec::new()),
         Presence::Required | Presence::Optional => (None, Vec::new()),
     };
     json!({
@@ -37,14 +37,19 @@ fn key(key: &Key) -> Json {
         // Another key that it needs, with one of these words if there are any.
         "needs": needs,
         "of": of,
-        "required": matches!(key.presence, Presence::Required | Presence::With(..) | Presence::Beside(_)),
+        "required": matches!(key.presence, Presence::Required | Presence::RequiredWith(..) | Presence::RequiredWithKey(_)),
     })
 }
 
 fn preset(preset: &Preset) -> Json {
     let scenario = preset.scenario().ok();
     let entries = scenario.iter().flat_map(Scenario::entries);
-    let values = entries.map(|(key, value)| (key.path.to_owned(), Json::from(Value::typed(value))));
+    let values = entries.map(|(key, value)| {
+        (
+            key.path.to_owned(),
+            Json::from(Value::to_set_notation(value)),
+        )
+    });
     json!({
         "name": preset.name,
         "description": preset.description(),

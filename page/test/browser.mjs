@@ -92,14 +92,14 @@ const tests = {
     assert.equal(await tab.textContent("#error"), "friction.k = -1: must be a number from 0 to 100");
     for (const id of ["pin", "save", "copy-command", "copy-link"]) assert.ok(await tab.isDisabled(`#${id}`), id);
     await box(tab, "friction.k").fill("0,03");
-    await tab.waitForFunction(() => document.getElementById("error").textContent.endsWith("with a decimal point, as in 0.03"));
+    await tab.waitForFunction(() => document.getElementById("error").textContent.endsWith("with a decimal point, e.g. 0.03"));
     await box(tab, "friction.k").fill("0.03");
     await tab.waitForFunction(() => document.getElementById("error").textContent === "");
     assert.ok(await tab.isEnabled("#save"));
   },
   async "a link that is wrong says so"(tab) {
     for (const [hash, error] of [
-      ["#papr", 'there is no preset "papr" (did you mean paper'],
+      ["#papr", 'unknown preset "papr" (did you mean paper'],
       ["#paper&friction.kk=1", "unknown key friction.kk"],
       ["#paper&%", "unknown key %"],
       ["#paper&vs=papr", null],

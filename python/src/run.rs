@@ -178,7 +178,7 @@ fn simulate(
 ) -> Result<(Tables, Outcome, Vec<String>), String> {
     let reported = |error: &dyn std::error::Error| error.to_string();
     let simulation = Simulation::new(scenario).map_err(|error| reported(&error))?;
-    let mut simulation = simulation.running_while(move || !interrupt.is_asked());
+    let mut simulation = simulation.continue_while(move || !interrupt.is_asked());
     let mut telemetry = Telemetry::with_topics(topics);
     let mut tables = Tables::default();
     let mut tally = Tally::default();
@@ -212,7 +212,7 @@ fn save(scenario: &Checked, path: &Path, interrupt: Interrupt) -> Result<(), Str
     let mut telemetry = Telemetry::with_topics(&Topics::All);
     let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, Form::default())
         .map_err(|error| reported(&error))?;
-    let mut simulation = simulation.running_while(move || !interrupt.is_asked());
+    let mut simulation = simulation.continue_while(move || !interrupt.is_asked());
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
     let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on)
         .map_err(|error| reported(&error))?;

@@ -102,9 +102,9 @@ fn set(values: &mut Values, key: &str, value: &Bound<'_, PyAny>) -> PyResult<()>
     } else if let Ok(text) = value.cast::<PyString>() {
         values.set(key, text.to_cow()?.as_ref())
     } else if let Ok(truth) = value.cast::<PyBool>() {
-        values.put(key, truth.is_true())
+        values.set_value(key, truth.is_true())
     } else if let Ok(number) = value.extract::<f64>() {
-        values.put(key, number)
+        values.set_value(key, number)
     } else {
         let kind = value.get_type().name()?;
         let text = format!("{key}: must be a number, a text or None, not {kind}");

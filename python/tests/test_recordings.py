@@ -62,7 +62,7 @@ def test_a_run_is_a_mapping_of_topics(brief):
         brief["/top/impact"]
     with pytest.raises(KeyError, match="no column thet; columns: time_ns, "):
         brief["/top/state"].numpy("thet")
-    with pytest.raises(ValueError, match=r"there is no topic /top/stat \(did you mean /top/state\?\);"):
+    with pytest.raises(ValueError, match=r"unknown topic /top/stat \(did you mean /top/state\?\);"):
         toprise.run("paper", topics=["/top/stat"])
 
 

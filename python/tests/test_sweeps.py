@@ -239,7 +239,7 @@ def test_a_design_is_the_rows_of_a_sweep(tmp_path):
         toprise.design(SPEC, 0, 2401)
     with pytest.raises(toprise.ScenarioError, match="did you mean friction.k"):
         toprise.design({"over": {"friction.kk": [1]}})
-    with pytest.raises(toprise.ScenarioError, match="no preset"):
+    with pytest.raises(toprise.ScenarioError, match="unknown preset"):
         toprise.design({"bases": ["papr"]})
     with pytest.raises(toprise.SweepError, match="friction.k is set and varies too"):
         toprise.design({"set": {"friction.k": 0.1}, "over": {"friction.k": [1]}})

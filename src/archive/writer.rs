@@ -67,9 +67,9 @@ impl Opening {
     /// For the run of `scenario` with the topics that `telemetry` wants.
     pub(crate) fn new(scenario: &Scenario, telemetry: &Telemetry, form: Form) -> Self {
         let support = scenario.model.support;
-        let wants = |topic| telemetry.wants(topic);
-        let topics = Topic::all_with(support).filter(|topic| wants(*topic));
-        let views = form.views.then(|| Views::new(scenario, wants));
+        let is_enabled = |topic| telemetry.is_enabled(topic);
+        let topics = Topic::all_with(support).filter(|topic| is_enabled(*topic));
+        let views = form.views.then(|| Views::new(scenario, is_enabled));
         let mut channels: Vec<_> = topics.map(|t| Declared::table(t, form.encoding)).collect();
         channels.extend(views.iter().flat_map(Declared::views));
         let mut run = run_entries(scenario);
@@ -129,7 +129,7 @@ impl Declared {
 
     fn views(views: &Views) -> impl Iterator<Item = Self> {
         let wanted = view_channels().iter().enumerate();
-        let wanted = wanted.filter(|(index, _)| views.wants(*index));
+        let wanted = wanted.filter(|(index, _)| views.is_enabled(*index));
         wanted.map(|(_, view)| Self {
             topic: view.topic,
             encoding: "cdr",
@@ -174,7 +174,7 @@ impl RunEncoder {
         let channel = Some(message.channel);
         batch.end_message(self.table_ids[message.channel], channel, message);
         if let Some(views) = &mut self.views {
-            views.take(message, |view, sequence, data| {
+            views.process(message, |view, sequence, data| {
                 batch.data.extend_from_slice(data);
                 let head = Message {
                     sequence,

@@ -7,7 +7,7 @@ use super::report;
 use super::status::Status;
 use super::table::Table;
 use crate::analysis::explain::{
-    Chapter, Explanation, Fact, EventSummary, Stage, explain as explained,
+    Chapter, EventSummary, Explanation, Fact, Stage, explain as explained,
 };
 use crate::analysis::phrase::significant;
 use anyhow::{Context as _, Error};

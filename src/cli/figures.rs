@@ -19,8 +19,8 @@ use crate::analysis::figures::{
 };
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
-use crate::run::nearest::near;
 use crate::run::scenario::Preset;
+use crate::run::suggestion::suggestion;
 use anyhow::{Context as _, Error, bail};
 use clap::{Args, ValueEnum};
 #[cfg(feature = "sweep")]
@@ -95,8 +95,8 @@ fn parse_name(text: &str) -> Result<String, String> {
         return Ok(text.to_owned());
     }
     let all: Vec<_> = names().collect();
-    let near = near(text, names());
-    Err(format!("no such figure{near}; figures: {}", all.join(", ")))
+    let hint = suggestion(text, names());
+    Err(format!("no such figure{hint}; figures: {}", all.join(", ")))
 }
 
 fn parse_width(text: &str) -> Result<f64, String> {

@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     };
     let began = Instant::now();
     let asked = interrupt.clone();
-    let mut simulation = Simulation::new(&scenario)?.running_while(move || !asked.is_requested());
+    let mut simulation = Simulation::new(&scenario)?.continue_while(move || !asked.is_requested());
     let preface = McapSink::preface(&scenario, &telemetry, form)?;
     let (files, earlier) =
         RunFiles::start(arguments, &arguments.stem(&scenario, &values), &preface)?;

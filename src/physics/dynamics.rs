@@ -1,18 +1,17 @@
 //! The equations of motion of a top on a table.
 //!
-//! A [`Model`] holds the physics that every formulation shares: the top, its friction and the [`Support`] that holds its
-//! peg, with the forces, the torques and the terms of the Euler accelerations. A [`Formulation`] chooses the variables
-//! in which the motion is integrated:
+//! A [`Model`] holds the physics shared by all formulations: the top, its friction and its [`Support`]. It computes
+//! forces, torques and the terms of the Euler accelerations. A [`Formulation`] defines the integration variables:
 //!
 //! * [`EulerAngles`]: the paper's equations (7) as printed, for a fixed peg; singular upright.
 //! * [`BodyRotation`]: orientation and angular momentum, for a fixed peg; regular everywhere.
 //! * [`FreeRotation`]: orientation, angular momentum and the motion of the centre of mass, for a free peg.
 //!
-//! A motion consists of phases ([`Phase`]). [`Formulation::guards`] are functions that are positive while one lasts;
-//! where one of them falls to zero, [`Formulation::enter`] returns the transition.
+//! A motion consists of phases ([`Phase`]). [`Formulation::guards`] are positive during a phase; at a zero,
+//! [`Formulation::enter`] starts the next one.
 //!
-//! The function that gives the friction to the integrator, [`Friction::contact`](crate::physics::friction::Friction::contact), is the one whose
-//! numbers are logged.
+//! The recorded friction is computed by the same function as that of the integrator,
+//! [`Friction::contact`](crate::physics::friction::Friction::contact).
 
 mod accelerations;
 mod body;

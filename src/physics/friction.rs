@@ -1,11 +1,11 @@
-//! Friction: which force and which torques answer the motion, and which parts of them enter it.
+//! Friction forces and torques, and the parts of them that enter the equations of motion.
 //!
-//! [`FrictionLaw`] gives the force of sliding at the point of contact. [`Losses`] are torques that belong
-//! to no slip: rolling resistance, drilling, air. [`Dissipation`] chooses parts of the sliding's torque.
+//! [`FrictionLaw`] computes the sliding friction force. [`Losses`] are torques independent of slip: rolling resistance,
+//! drilling, air drag. [`Dissipation`] selects components of the sliding friction torque.
 
 #![allow(
     clippy::inline_always,
-    reason = "with hints alone the friction is called and not unrolled into the derivative, and runs take a quarter longer"
+    reason = "plain #[inline] does not inline this; runs would take 25 % longer"
 )]
 
 mod law;
@@ -19,23 +19,23 @@ use crate::physics::top::Top;
 use nalgebra::Vector3;
 use std::ops::Mul;
 
-/// Which parts of the torque of sliding friction enter the equations of motion. [`Losses`] always do.
+/// Parts of the sliding friction torque included in the equations of motion. [`Losses`] are always included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dissipation {
     /// All of it: the paper's equation (4).
     Full,
-    /// Everything but the part that opposes the nutation θ̇: the paper's equations (6) and (7). The slip speed
-    /// in its denominator keeps its θ̇.
+    /// All but the component about the line of nodes (opposite to θ̇): the paper's equations (6) and (7). The slip
+    /// speed in its denominator keeps its θ̇.
     WithoutNutationPart,
-    /// The term in φ̈ of (7) alone: the paper's figure 4a. Not a torque of any force.
+    /// Only the term in φ̈ of (7): the paper's figure 4a. Not the torque of a force.
     PrecessionTermOnly,
-    /// The term in ψ̈ of (7) alone: the paper's figure 4b. Not a torque of any force.
+    /// Only the term in ψ̈ of (7): the paper's figure 4b. Not the torque of a force.
     SpinTermOnly,
-    /// The component `τ_2` of the torque of (6) about `n × e_N`, which tilts the axis: what figure 4a
-    /// leaves out of an equation is here left out of the torque. `L_n` stays constant.
+    /// The component `τ_2` of the torque of (6) about `n × e_N`, which tilts the axis; the torque counterpart of figure
+    /// 4a. `L_n` stays constant.
     TiltTorqueOnly,
-    /// The component `τ_3` of the torque of (6) about the symmetry axis, which takes spin: the
-    /// counterpart for figure 4b.
+    /// The component `τ_3` of the torque of (6) about the symmetry axis, which reduces the spin; the torque counterpart
+    /// of figure 4b.
     SpinTorqueOnly,
 }
 
@@ -46,8 +46,8 @@ impl Dissipation {
         matches!(self, Self::PrecessionTermOnly | Self::SpinTermOnly)
     }
 
-    /// Whether what acts is the torque of a force at the point of contact: it then has no component about
-    /// the vertical and gives no energy.
+    /// Whether the torque is that of a force at the contact point, i.e. has no vertical component and never adds
+    /// energy.
     #[must_use]
     pub fn is_of_force(self) -> bool {
         matches!(self, Self::Full | Self::WithoutNutationPart)
@@ -63,14 +63,14 @@ pub struct Contact {
     pub slip_speed: f64,
     /// Normal force, N.
     pub normal_force: f64,
-    /// Friction force of the law, N (without the nutation part if the model leaves it out).
+    /// Friction force of the law, N (without the nutation component if the model omits it).
     pub force: Vector3<f64>,
-    /// Torque in addition to that of the force, N m: rolling resistance, drilling, air. None if nothing of that kind
-    /// acts.
+    /// Torque in addition to that of the force, N m: rolling resistance, drilling, air drag. `None` if there are no
+    /// such losses.
     pub losses: Option<Vector3<f64>>,
 }
 
-/// A force and a couple at the point of contact: in N and N m, or of friction per newton of normal force, in 1 and m.
+/// A force and a couple at the point of contact: in N and N m, or per unit normal force (dimensionless and m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench {
     /// The force, horizontal.
@@ -91,7 +91,7 @@ impl Mul<f64> for Wrench {
     }
 }
 
-/// A friction law with its active parts, and the losses.
+/// A sliding law, its included components, and the losses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// The law of sliding.
@@ -105,38 +105,38 @@ pub struct Friction {
 /// The force and torque that keep a contact point at rest, and their bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grip {
-    /// The torque about the peg's centre that friction would have to have in the lean frame, N m.
-    pub needed: Vector3<f64>,
-    /// The largest that it can have, N m.
-    pub strongest: f64,
+    /// The required friction torque about the peg's centre, lean frame, N m.
+    pub required: Vector3<f64>,
+    /// The maximum friction torque, N m.
+    pub maximum: f64,
 }
 
 impl Grip {
     /// Whether the contact point stays at rest.
     #[must_use]
     pub fn holds(&self) -> bool {
-        self.strongest > 0.0 && self.margin() >= 0.0
+        self.maximum > 0.0 && self.margin() >= 0.0
     }
 
-    /// Margin of the drilling torque, N m; negative where it yields.
+    /// Margin of the static torque, N m; negative if it yields.
     #[must_use]
     pub fn margin(&self) -> f64 {
-        self.strongest - self.needed.norm()
+        self.maximum - self.required.norm()
     }
 
-    /// The torque that friction has: what is needed, as far as it goes. N m.
+    /// The friction torque: the required torque, limited to the maximum, N m.
     fn torque(&self) -> Vector3<f64> {
-        let needed = self.needed.norm();
-        if needed > self.strongest {
-            self.needed * (self.strongest / needed)
+        let required = self.required.norm();
+        if required > self.maximum {
+            self.required * (self.maximum / required)
         } else {
-            self.needed
+            self.required
         }
     }
 }
 
 impl Friction {
-    /// Sliding by `law` alone.
+    /// Friction with a sliding law and no losses.
     #[must_use]
     pub fn sliding(law: FrictionLaw, dissipation: Dissipation) -> Self {
         Self {
@@ -168,14 +168,13 @@ impl Friction {
         }
     }
 
-    /// Action of friction at a point of contact that slips with `slip` (m/s), per newton of normal force, while the
-    /// top turns with `omega` (rad/s). Both are in the lean frame. Everything at the contact is proportional to the
-    /// normal force; only the air is not.
+    /// Friction per unit normal force for a slip velocity (m/s) and an angular velocity `omega` (rad/s), both in the
+    /// lean frame. All contact friction is proportional to the normal force; air drag is not.
     ///
-    /// A contact point at rest has no force of sliding here: where the law is set-valued, it is what holds the point.
+    /// At rest the sliding force is 0 here; the static friction of a set-valued law is computed separately.
     #[must_use]
     #[inline(always)]
-    pub fn per_newton(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
+    pub fn per_normal_force(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
         let speed = (slip.x * slip.x + slip.y * slip.y).sqrt();
         let force = if speed > 0.0 {
             -self.law.resistance(speed, omega.z, 1.0) * slip
@@ -184,7 +183,7 @@ impl Friction {
         };
         let mut couple = self
             .losses
-            .map_or_else(Vector3::zeros, |losses| losses.at_contact(1.0, omega));
+            .map_or_else(Vector3::zeros, |losses| losses.contact_torque(1.0, omega));
         if let FrictionLaw::Contensou { k, patch_radius } = self.law {
             couple.z += drilling_torque(k, patch_radius, 1.0, speed, omega.z);
         }
@@ -201,7 +200,7 @@ impl Friction {
         }
     }
 
-    /// Force of a contact point that slips, N.
+    /// Sliding friction force, N.
     #[inline(always)]
     fn force(
         &self,
@@ -218,21 +217,21 @@ impl Friction {
         force
     }
 
-    /// Whether the torque jumps where the slip stops.
+    /// Whether the torque is discontinuous at zero slip.
     #[must_use]
     #[inline]
     pub fn is_set_valued(&self) -> bool {
         self.law.static_bound(1.0) + self.rolling_arm() > 0.0
     }
 
-    /// Whether the force of sliding jumps where the slip stops, so that it can hold a contact point at rest.
+    /// Whether the sliding force is discontinuous at zero slip, so that the contact point can stick.
     #[must_use]
     #[inline]
     pub fn is_set_valued_at_rest(&self) -> bool {
         self.law.static_bound(1.0) > 0.0
     }
 
-    /// Whether a contact point at rest can stay so: whether the law is set-valued there, and acts whole.
+    /// Whether the contact point can stick: the law is set-valued and no component is dropped.
     #[must_use]
     #[inline]
     pub fn can_stick(&self) -> bool {
@@ -248,10 +247,10 @@ impl Friction {
         let losses = self
             .torque_of_losses(0.0, normal_force, omega, tilt.axis())
             .unwrap_or_default();
-        let needed = top.turning_torque(tilt, losses.z) - top.gravity_torque(tilt) - losses;
+        let required = top.turning_torque(tilt, losses.z) - top.gravity_torque(tilt) - losses;
         Grip {
-            needed: Vector3::new(needed.x, needed.y, 0.0),
-            strongest: top.peg_radius * self.law.static_bound(normal_force)
+            required: Vector3::new(required.x, required.y, 0.0),
+            maximum: top.peg_radius * self.law.static_bound(normal_force)
                 + self.rolling_arm() * normal_force,
         }
     }
@@ -263,8 +262,7 @@ impl Friction {
         self.losses.map_or(0.0, |losses| losses.rolling_arm)
     }
 
-    /// Force and losses of a contact point at rest: both take their share of what holds it. Rare, and so
-    /// kept out of the integrator's inner loop.
+    /// Static force and losses, which share the required torque. Not inlined, because it is rare.
     #[cold]
     fn held(
         &self,
@@ -278,14 +276,14 @@ impl Friction {
         }
         let grip = self.grip(top, normal_force, &tilt);
         let torque = grip.torque();
-        let share = top.peg_radius * self.law.static_bound(normal_force) / grip.strongest;
+        let share = top.peg_radius * self.law.static_bound(normal_force) / grip.maximum;
         let force = share / top.peg_radius * Vector3::new(-torque.y, torque.x, 0.0);
         (force, losses.map(|losses| losses + (1.0 - share) * torque))
     }
 
-    /// Torque of friction about the peg's centre in addition to that of the force, N m, in any frame whose z axis
-    /// is vertical, from slip speed (m/s), normal force (N), and in that frame angular velocity (rad/s) and
-    /// direction of the symmetry axis. None if nothing of that kind acts.
+    /// Torque of friction about the peg's centre in addition to that of the force, N m, in any frame whose z axis is
+    /// vertical, from slip speed (m/s), normal force (N), and in that frame angular velocity (rad/s) and direction of the
+    /// symmetry axis. `None` if there are no losses.
     #[must_use]
     #[inline(always)]
     pub fn torque_of_losses(
@@ -295,7 +293,7 @@ impl Friction {
         omega: Vector3<f64>,
         axis: Vector3<f64>,
     ) -> Option<Vector3<f64>> {
-        // What most runs don't have stays out of the integrator's inner loop.
+        // Keep rare losses out of the inner loop.
         self.has_losses()
             .then(|| self.sum_of_losses(slip_speed, normal_force, omega, axis))
     }
@@ -320,8 +318,7 @@ impl Friction {
 
     /// Torque of friction about the peg's centre that enters the motion, in the lean frame, N m.
     ///
-    /// For the two ablations of the paper it is the torque that would produce the accelerations that are
-    /// kept.
+    /// For the two ablations of the paper: the torque equivalent to the retained acceleration terms.
     #[must_use]
     #[inline(always)]
     pub fn torque(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
@@ -334,8 +331,8 @@ impl Friction {
 
     /// The terms that friction adds to θ̈, φ̈ and ψ̈, rad/s² (the last terms of the paper's equation (7)).
     ///
-    /// They grow without bound toward upright; upright itself only their sum about the vertical has
-    /// a meaning and φ̈ is taken as 0, as for the rates.
+    /// They diverge towards the vertical. Upright, only their sum about the vertical is defined, and φ̈ is taken as 0,
+    /// as for the rates.
     #[must_use]
     #[inline(always)]
     pub fn euler_accelerations(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Euler {
@@ -346,7 +343,7 @@ impl Friction {
         }
     }
 
-    /// Whether nothing takes energy from the top.
+    /// Whether there is no friction and no other loss.
     #[must_use]
     pub fn is_none(&self) -> bool {
         self.law.is_none() && self.losses.is_none_or(|losses| losses.is_none())
@@ -389,7 +386,7 @@ impl Friction {
         )
     }
 
-    /// The components in the node frame of the force's torque that are kept, N m.
+    /// The retained components of the friction torque in the node frame, N m.
     #[inline(always)]
     fn kept_torque(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
         let torque = tilt.lean_to_node(&contact_torque(top, contact));

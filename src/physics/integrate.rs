@@ -1,10 +1,10 @@
-//! Numerical integration of ordinary differential equations. Knows no top.
+//! Numerical integration of ordinary differential equations.
 //!
 //! [`Dop853`] is the explicit Runge–Kutta method of order 8 by Dormand and Prince with step control and
 //! dense output of order 7; [`SignTracker`] locates zeros of functions on that output.
 //!
-//! Everything here is `+ − × ÷` and `sqrt`, which IEEE 754 rounds exactly, in an order that the source
-//! fixes: the same problem gives the same bits on every machine.
+//! Uses only `+ − × ÷` and `sqrt`, which IEEE 754 rounds exactly, in a fixed order: the results are bit-identical on
+//! every machine.
 //!
 //! # Sources
 //! * E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I. Nonstiff Problems*,

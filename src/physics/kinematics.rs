@@ -1,4 +1,4 @@
-//! Orientation, rates and slip velocity of a top: geometry without forces.
+//! Kinematics of a top: orientation, rates, slip velocity.
 //!
 //! Conventions are the paper's (V. Tanrıverdi, arXiv:2204.14060): z-x-z Euler angles, φ the
 //! precession about the vertical, θ the nutation (inclination) about the line of nodes, ψ the spin
@@ -11,17 +11,16 @@
 //! | world | horizontal, where the line of nodes is at φ = 0 | horizontal | vertical, up |
 //! | body | fixed in the top | fixed in the top | symmetry axis `n` |
 //! | node | line of nodes `e_N` | `e_2 = n × e_N` | symmetry axis `n` |
-//! | lean | direction in which the top leans | line of nodes `e_N` | vertical, up |
+//! | lean | horizontal direction of the tilt | line of nodes `e_N` | vertical, up |
 //!
-//! The lean frame turns with the precession only: contact forces are simplest there.
+//! The lean frame rotates with the precession only; contact forces are simplest in it.
 
 use crate::physics::math::{atan2, hypot, sin_cos, unwrap_near};
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 use std::ops::Add;
 
-/// Below this sine of θ the axis counts as vertical: the precession and the spin can't be distinguished in double precision,
-/// and their rates would overflow.
+/// Below this sin θ the axis counts as vertical: φ and ψ can't be distinguished, and their rates would overflow.
 pub const UPRIGHT_SINE: f64 = 1e-60;
 
 /// One number per Euler angle: the angles, their rates or their accelerations.
@@ -50,8 +49,7 @@ impl Add for Euler {
     }
 }
 
-/// The inclination and the angular velocity as the contact and gravity see them: everything that
-/// does not depend on the directions in which φ and ψ point.
+/// Inclination and angular velocity: everything that does not depend on φ and ψ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tilt {
     /// sin θ.
@@ -79,9 +77,9 @@ impl Tilt {
         }
     }
 
-    /// From the lean of the symmetry axis and the angular velocity in the lean frame, rad/s.
+    /// From sine and cosine of θ and the angular velocity in the lean frame, rad/s.
     ///
-    /// Where the axis is vertical (sin θ = 0), φ̇ is taken as 0: that of an axis which stays so.
+    /// Where the axis is vertical (sin θ = 0), φ̇ is taken as 0.
     #[must_use]
     #[inline]
     pub fn from_omega(sin: f64, cos: f64, omega_lean: Vector3<f64>) -> Self {
@@ -107,8 +105,7 @@ impl Tilt {
         }
     }
 
-    /// Whether the axis is so near the vertical that precession and spin have no meaning of their
-    /// own.
+    /// Whether the axis is so close to the vertical that φ and ψ are undefined.
     #[must_use]
     #[inline]
     pub fn is_upright(&self) -> bool {
@@ -136,7 +133,7 @@ impl Tilt {
         self.lean_to_node(&self.omega_lean)
     }
 
-    /// A vector's lean components turned into its node components.
+    /// Transforms lean to node components.
     #[must_use]
     #[inline]
     pub fn lean_to_node(&self, v: &Vector3<f64>) -> Vector3<f64> {
@@ -147,7 +144,7 @@ impl Tilt {
         )
     }
 
-    /// A vector's node components turned into its lean components.
+    /// Transforms node to lean components.
     #[must_use]
     #[inline]
     pub fn node_to_lean(&self, v: &Vector3<f64>) -> Vector3<f64> {
@@ -158,8 +155,8 @@ impl Tilt {
         )
     }
 
-    /// Velocity of the contact point of a sphere of radius `radius` (m) about its resting centre,
-    /// in the lean frame, m/s: `ω × r` with `r = −R z′` (the paper's equation (3)).
+    /// Velocity of the contact point of a sphere of radius `radius` (m) with a fixed centre, in the lean frame, m/s:
+    /// `ω × r` with `r = −R z′` (the paper's equation (3)).
     #[must_use]
     #[inline]
     pub fn slip_velocity(&self, radius: f64) -> Vector3<f64> {
@@ -167,7 +164,7 @@ impl Tilt {
     }
 }
 
-/// Sine and cosine of an inclination, rad. The double next to π means π.
+/// Sine and cosine of an inclination, rad. The double closest to π is treated as π.
 #[inline]
 fn inclined_by(theta: f64) -> (f64, f64) {
     if theta == PI {
@@ -177,7 +174,7 @@ fn inclined_by(theta: f64) -> (f64, f64) {
     }
 }
 
-/// Orientation of the top: turns body components into world components.
+/// Orientation of the top: transforms body to world components.
 #[must_use]
 pub fn world_from_body(angles: Euler) -> UnitQuaternion<f64> {
     let (sin_tilt, cos_tilt) = if angles.theta == PI {
@@ -197,9 +194,8 @@ pub fn world_from_body(angles: Euler) -> UnitQuaternion<f64> {
 
 /// Euler angles of an orientation, φ and ψ unwrapped to lie nearest to those of `reference`.
 ///
-/// The quaternion need not be of unit length, but it must follow `reference` continuously (not jump
-/// to its negative), so that half a turn differs from none. Where the axis is vertical, only φ + ψ exists, or φ − ψ where
-/// it points down; φ is then that of `reference`.
+/// The quaternion need not be of unit length, but its sign must be continuous with `reference`. If the axis is
+/// vertical, only φ + ψ (upright) or φ − ψ (inverted) is defined, and φ is taken from `reference`.
 #[must_use]
 pub fn euler_angles(quaternion: &Quaternion<f64>, reference: Euler) -> Euler {
     let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
@@ -226,27 +222,27 @@ pub fn inclination(quaternion: &Quaternion<f64>) -> f64 {
     2.0 * atan2(hypot(x, y), hypot(w, z))
 }
 
-/// Turns the components of a vector about the z axis by `angle` rad.
+/// Rotates a vector about the z axis by `angle` rad.
 #[must_use]
 pub fn turn_about_z(v: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let (sin, cos) = sin_cos(angle);
     Vector3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
 }
 
-/// A vector's node components turned into its body components, given the spin ψ in rad.
+/// Transforms node to body components, for the spin ψ in rad.
 #[must_use]
 pub fn node_to_body(v: &Vector3<f64>, psi: f64) -> Vector3<f64> {
     turn_about_z(v, -psi)
 }
 
-/// A vector's world components turned into its lean components, given the precession φ in rad.
+/// Transforms world to lean components, for the precession φ in rad.
 #[must_use]
 pub fn world_to_lean(v: &Vector3<f64>, phi: f64) -> Vector3<f64> {
     let (sin, cos) = sin_cos(phi);
     Vector3::new(sin * v.x - cos * v.y, cos * v.x + sin * v.y, v.z)
 }
 
-/// A vector's lean components turned into its world components, given the precession φ in rad.
+/// Transforms lean to world components, for the precession φ in rad.
 #[must_use]
 pub fn lean_to_world(v: &Vector3<f64>, phi: f64) -> Vector3<f64> {
     let (sin, cos) = sin_cos(phi);

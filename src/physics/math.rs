@@ -1,8 +1,7 @@
 //! The only place for transcendental functions.
 //!
-//! The platform's `sin`, `cos`, … differ in the last bit between machines and even between CPUs of
-//! one machine. Everything that can reach a recording uses these wrappers of the portable `libm`
-//! crate instead; `clippy.toml` forbids the methods of `f64`.
+//! The platform's `sin`, `cos`, … can differ in the last bit between platforms. All values that can reach a recording
+//! are computed with these wrappers of the portable `libm` crate; `clippy.toml` forbids the methods of `f64`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -54,10 +53,9 @@ pub fn log10(x: f64) -> f64 {
     libm::log10(x)
 }
 
-/// `sqrt(x² + y²)`, of numbers whose squares neither overflow nor underflow.
+/// `sqrt(x² + y²)`, without protection against overflow and underflow.
 ///
-/// Plain arithmetic and the exactly rounded square root: faster than a guarded `hypot`, and the
-/// lengths of this project lie far from the limits.
+/// Faster than `libm::hypot`; inputs here are far from the limits.
 #[must_use]
 pub fn hypot(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()

@@ -1,4 +1,4 @@
-//! The rigid body: a heavy symmetric top with a spherical peg, and what gravity does to it.
+//! The rigid body: a heavy symmetric top with a spherical peg.
 
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::math::cos;
@@ -25,14 +25,14 @@ pub struct Top {
 /// The two rates of regular precession, rad/s (Klein and Sommerfeld, The Theory of the Top).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrecessionRoots {
-    /// The slow root: gravity against spin.
+    /// The slow root.
     pub slow: f64,
-    /// The fast root: nearly free of gravity.
+    /// The fast root (almost independent of gravity).
     pub fast: f64,
 }
 
 impl PrecessionRoots {
-    /// The roots of `quadratic φ̇² − spin φ̇ + constant = 0`, unless they are not real or the fast one is infinite.
+    /// The roots of `quadratic φ̇² − spin φ̇ + constant = 0`, if they are real and finite.
     #[must_use]
     pub(super) fn of(quadratic: f64, spin: f64, constant: f64) -> Option<Self> {
         let discriminant = spin * spin - 4.0 * quadratic * constant;
@@ -71,7 +71,7 @@ impl Top {
         self.transverse_moment - self.mass * self.center_distance * self.center_distance
     }
 
-    /// The least moment of inertia about an axis through the centre of mass, kg m².
+    /// The smallest principal moment of inertia about the centre of mass, kg m².
     #[must_use]
     pub fn least_moment(&self) -> f64 {
         let (axial, central) = (self.axial_moment, self.central_moment());
@@ -106,7 +106,7 @@ impl Top {
 
     /// Contribution of a torque about the peg's centre (node frame, N m) to θ̈, φ̈ and ψ̈, rad/s².
     ///
-    /// Upright only the sum of φ̈ and ψ̈ has a meaning: φ̈ is then taken as 0.
+    /// Upright, only φ̈ + ψ̈ is defined, and φ̈ is taken as 0.
     #[must_use]
     #[inline]
     pub fn euler_accelerations(&self, torque: &Vector3<f64>, tilt: &Tilt) -> Euler {
@@ -129,7 +129,7 @@ impl Top {
         self.transverse_moment * sin * sin + self.axial_moment * cos * cos
     }
 
-    /// The radicand of Routh's integral of a top that rolls, kg² m⁴, given sine and cosine of θ: see
+    /// The radicand of Routh's integral of a rolling top, kg² m⁴, for sine and cosine of θ; see
     /// [`Model::routh`](crate::physics::dynamics::Model::routh).
     #[must_use]
     pub fn rolling_moments(&self, sin: f64, cos: f64) -> f64 {
@@ -139,8 +139,8 @@ impl Top {
         central * axial + self.mass * axial * reach * reach + self.mass * central * lean * lean
     }
 
-    /// Angular momentum in the lean frame, kg m²/s, of a top that turns about the vertical as a whole with
-    /// `omega` rad/s.
+    /// Angular momentum in the lean frame, kg m²/s, of a top that rotates rigidly about the vertical with `omega`
+    /// rad/s.
     #[must_use]
     #[inline]
     pub fn turning_momentum(&self, tilt: &Tilt, omega: f64) -> Vector3<f64> {
@@ -148,8 +148,8 @@ impl Top {
         omega * Vector3::new(product, 0.0, self.vertical_moment(tilt.sin, tilt.cos))
     }
 
-    /// The torque in the lean frame, N m, that keeps a top turning about the vertical as a whole, if
-    /// `vertical` N m act about the vertical.
+    /// The torque in the lean frame, N m, of a top that rotates rigidly about the vertical, with the component
+    /// `vertical` (N m) about the vertical.
     #[must_use]
     #[inline]
     pub fn turning_torque(&self, tilt: &Tilt, vertical: f64) -> Vector3<f64> {
@@ -185,10 +185,10 @@ impl Top {
         self.gravity_moment() * tilt.cos
     }
 
-    /// The precession rates at which θ̈ would vanish at this inclination and spin rate ψ̇: the roots of
+    /// The rates of regular precession (θ̈ = 0) at this inclination and spin rate ψ̇: the roots of
     /// `(I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0`.
     ///
-    /// `None` where they are not real, or where the fast root has gone to infinity.
+    /// `None` if they are not real or the fast root is infinite.
     #[must_use]
     pub fn precession_roots(&self, tilt: &Tilt) -> Option<PrecessionRoots> {
         let quadratic = (self.transverse_moment - self.axial_moment) * tilt.cos;
@@ -196,20 +196,19 @@ impl Top {
         PrecessionRoots::of(quadratic, spin, self.gravity_moment())
     }
 
-    /// The period of nutation without friction, s, given a state of it and the least and greatest θ, rad: exact for any
-    /// amplitude. `None` where the motion would not come back.
+    /// The period of nutation without friction, s, given a state and the extremes of θ, rad: exact for any amplitude.
+    /// `None` if the motion is not periodic.
     ///
     /// With u = cos θ the motion is u̇² = β (u − u₁)(u − u₂)(u − u₃), β = 2 M g l/I_x, where u₁ and u₂ are the given
     /// extremes, and the sum of the roots follows from the conserved energy and axial angular momentum. The period is
-    /// 2π over the arithmetic-geometric mean of √(β (u₃ − u₁)) and √(β (u₃ − u₂)). Where the extremes meet, both are
-    /// the frequency of small nutations, ω² = (L_n/I_x − 2 φ̇ cos θ)² + (φ̇ sin θ)².
+    /// 2π over the arithmetic-geometric mean of √(β (u₃ − u₁)) and √(β (u₃ − u₂)). For equal extremes, both are
     #[must_use]
     pub fn nutation_period(&self, tilt: &Tilt, [least, greatest]: [f64; 2]) -> Option<f64> {
         let (lower, upper) = (cos(greatest), cos(least));
         let gravity = 2.0 * self.gravity_moment() / self.transverse_moment;
         let axial = self.axial_moment * tilt.axial_rate() / self.transverse_moment;
         let omega = tilt.omega_node();
-        // β (u₁ + u₂ + u₃): twice the energy over I_x, less what is in the turning about the axis, and (L_n/I_x)².
+        // β (u₁ + u₂ + u₃): 2 E/I_x without the axial part, and (L_n/I_x)².
         let sum = omega.x * omega.x + omega.y * omega.y + gravity * tilt.cos + axial * axial;
         let squares = [
             sum - gravity * (2.0 * lower + upper),
@@ -219,7 +218,7 @@ impl Top {
             return None;
         }
         let [mut arithmetic, mut geometric] = squares.map(f64::sqrt);
-        // Quadratic convergence: the next round would be exact.
+        // Converges quadratically.
         while (arithmetic - geometric).abs() > 1e-8 * arithmetic {
             (arithmetic, geometric) = (
                 0.5 * (arithmetic + geometric),
@@ -229,12 +228,12 @@ impl Top {
         Some(TAU / arithmetic).filter(|period| period.is_finite())
     }
 
-    /// `|a| / sqrt(4 M g l / I_x)` with `a = I_z (ψ̇ + φ̇ cos θ) / I_x`: above 1 the top is strong, below
-    /// it is weak and an upright top would not stay so (Klein and Sommerfeld; the paper, section 3).
+    /// `|a| / sqrt(4 M g l / I_x)` with `a = I_z (ψ̇ + φ̇ cos θ) / I_x`: above 1 the top is strong; below 1 it is weak
+    /// and not stable upright (Klein and Sommerfeld; the paper, section 3).
     #[must_use]
     pub fn strength_ratio(&self, tilt: &Tilt) -> f64 {
         let a = self.axial_moment * tilt.axial_rate() / self.transverse_moment;
-        // Of a tippe top: turned over, its centre of mass is above that of its sphere.
+        // For a tippe top: inverted, so that its centre of mass is above the centre of the sphere.
         let moment = self.gravity_moment().abs();
         a.abs() / (4.0 * moment / self.transverse_moment).sqrt()
     }

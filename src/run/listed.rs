@@ -1,13 +1,13 @@
 //! Enums that list their variants.
 
-/// Declares an enum whose variants have names, and lists them, so that none is forgotten.
+/// Declares an enum of named variants, with a constant `ALL` of them.
 macro_rules! listed {
     ($(#[$of_enum:meta])* pub enum $Name:ident { $($(#[$of_variant:meta])* $Variant:ident = $name:literal,)+ }) => {
         $(#[$of_enum])*
         pub enum $Name { $($(#[$of_variant])* $Variant,)+ }
 
         impl $Name {
-            /// All of them.
+            /// All variants.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$Variant),+];
 
             /// Its name in recordings.
@@ -16,10 +16,10 @@ macro_rules! listed {
                 match self { $(Self::$Variant => $name),+ }
             }
 
-            /// The one with this name in recordings.
+            /// The variant with this name in recordings.
             #[must_use]
             pub fn find(name: &str) -> Option<Self> {
-                Self::ALL.into_iter().find(|one| one.name() == name)
+                Self::ALL.into_iter().find(|variant| variant.name() == name)
             }
         }
     };

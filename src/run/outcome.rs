@@ -1,13 +1,15 @@
-//! The outcome of a run: the few numbers that a table of many runs has of each.
+//! Outcomes: summary numbers of a run, the columns of a sweep table.
 //!
-//! [`outcome`] runs a scenario for nothing else, and so more than twice as fast as a [`Simulation`](crate::run::simulation::Simulation).
-//! [`COLUMNS`] is the one table of what an outcome consists of: names, units, kinds and meanings of Parquet columns,
-//! JSON members and documents follow from it.
+//! [`outcome`] computes only the outcome and is more than twice as fast as a
+//! [`Simulation`](crate::run::simulation::Simulation). [`COLUMNS`] defines the names, units, types and descriptions of
+//! the values; Parquet columns, JSON members and documents are derived from it.
 
 use self::ColumnKind::{Integer, Text};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::Scenario;
-use crate::run::simulation::{EventKind, RunEnd, SimulationError, StopReason, Tally, tallied};
+use crate::run::simulation::{
+    EventKind, RunEnd, SimulationError, StopReason, Tally, run_without_samples,
+};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
 use serde_json::Map;
@@ -19,17 +21,17 @@ use std::f64::consts::TAU;
 pub struct Outcome {
     /// The reason for the run's end.
     pub stop_reason: StopReason,
-    /// When, s.
+    /// End time, s.
     pub stop_time: f64,
-    /// Time of the rise, s: θ fell to `stop.theta_risen`. None if it did not.
+    /// Time at which θ reached `stop.theta_risen`, s; `None` if it did not.
     pub rise_time: Option<f64>,
-    /// Time at which the spin first became too weak to hold an upright top, s. None if it did not.
+    /// Time at which the top became weak, s; `None` if it did not, or was weak from the start.
     pub weak_time: Option<f64>,
-    /// Time of the first loop, s; of a tippe top, of the precession's first turn backward. None if there was none.
+    /// Time of the first loop (tippe top: first reversal of precession), s; `None` if there was none.
     pub loop_time: Option<f64>,
-    /// Number of times the axis began to loop; of a tippe top: the precession turned backward.
+    /// Number of loops (tippe top: reversals of precession).
     pub loops: u64,
-    /// Number of whole nutation cycles.
+    /// Number of complete nutation cycles.
     pub nutations: u64,
     /// Inclination at the end, rad.
     pub theta: f64,
@@ -39,11 +41,11 @@ pub struct Outcome {
     pub turns: f64,
     /// Change of the energy.
     pub energy: EnergyChange,
-    /// Path that the contact point slipped, m.
+    /// Length of the slip path of the contact point, m.
     pub slip_path: f64,
-    /// Outcome of a free peg; none for a fixed one.
+    /// Outcome of a free peg; `None` for a fixed peg.
     pub free: Option<FreeOutcome>,
-    /// Steps of the integrator.
+    /// Number of integrator steps.
     pub steps: u64,
 }
 
@@ -54,16 +56,16 @@ pub struct EnergyChange {
     pub at_start: f64,
     /// Total energy at the end, J.
     pub at_end: f64,
-    /// Work of friction, J: negative where it took energy.
+    /// Work done by friction and impacts, J; normally negative.
     pub friction_work: f64,
 }
 
 /// Outcome of a free peg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeOutcome {
-    /// Time at which the peg first began to roll, s. None if it did not.
+    /// Time at which the peg first began to roll, s; `None` if it did not.
     pub roll_time: Option<f64>,
-    /// Time at which a tippe top inverted, its axis passing the horizontal, s. None if it did not, and of other tops.
+    /// Time at which the axis of a tippe top passed the horizontal, s; otherwise `None`.
     pub inversion_time: Option<f64>,
     /// Number of times the peg left the table.
     pub hops: u64,
@@ -71,11 +73,11 @@ pub struct FreeOutcome {
     pub impacts: u64,
 }
 
-/// Runs a scenario to its end and returns the outcome: the same, to the last bit, as [`Outcome::new`] gives for a whole
+/// Runs a scenario and returns its outcome, bit-identical to [`Outcome::new`] of a complete
 /// [`Simulation`](crate::run::simulation::Simulation).
 ///
-/// `carry_on` is asked before each step of the integrator, so that it can count steps or watch for an interruption. Once
-/// it returns false, the outcome is that of a run which was [interrupted](StopReason::Interrupted).
+/// `carry_on` is called before each integrator step. If it returns false, the run ends as
+/// [interrupted](StopReason::Interrupted).
 ///
 /// ```
 /// use toprise::run::scenario::Preset;
@@ -92,12 +94,12 @@ pub fn outcome(
     scenario: &Scenario,
     carry_on: impl FnMut() -> bool,
 ) -> Result<Outcome, SimulationError> {
-    let (end, tally) = tallied(scenario, carry_on)?;
+    let (end, tally) = run_without_samples(scenario, carry_on)?;
     Ok(Outcome::new(scenario, &end, &tally))
 }
 
 impl Outcome {
-    /// The outcome of a run of `scenario` that ended so, with these events.
+    /// The outcome of a run of `scenario` with this end and these event counts.
     #[must_use]
     pub fn new(scenario: &Scenario, end: &RunEnd, tally: &Tally) -> Self {
         let motion = &end.motion;
@@ -129,7 +131,7 @@ impl Outcome {
         }
     }
 
-    /// The end of the run and, for a tippe top, that it inverted.
+    /// A sentence about the end of the run and, for a tippe top, its inversion.
     #[must_use]
     pub fn sentence(&self) -> String {
         let inversion = self.free.and_then(|free| free.inversion_time);
@@ -140,7 +142,7 @@ impl Outcome {
         format!("{inversion}{end} at t = {time:.6} s")
     }
 
-    /// The value in a column, by its name; none if there is none, or no such column.
+    /// The value of a column, if the column exists and has a value.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<Cell> {
         let column = COLUMNS.iter().find(|column| column.name == name)?;
@@ -148,7 +150,7 @@ impl Outcome {
     }
 }
 
-/// As an object with a member for each column that has a value.
+/// Serializes as an object with a member for each column that has a value.
 impl Serialize for Outcome {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
@@ -164,7 +166,7 @@ impl Serialize for Outcome {
     }
 }
 
-/// The members are the columns; those that can have no value are absent then.
+/// One member per column; columns without a value are omitted.
 impl JsonSchema for Outcome {
     fn schema_name() -> Cow<'static, str> {
         "Outcome".into()
@@ -188,7 +190,7 @@ impl JsonSchema for Outcome {
         }
         json_schema!({
             "type": "object",
-            "description": "What happened in a run, and how it ended: the columns of a sweep's table.",
+            "description": "Outcome of a run: the columns of a sweep table.",
             "properties": properties,
             "required": required,
         })
@@ -198,9 +200,9 @@ impl JsonSchema for Outcome {
 /// Type of a column's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColumnKind {
-    /// Words: Utf8.
+    /// Text: Utf8.
     Text,
-    /// Whole numbers: Int64.
+    /// Integers: Int64.
     Integer,
     /// Real numbers: Float64.
     Number,
@@ -209,9 +211,9 @@ pub enum ColumnKind {
 /// A value in a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
-    /// A word.
+    /// A text.
     Text(&'static str),
-    /// A whole number.
+    /// An integer.
     Integer(i64),
     /// A real number.
     Number(f64),
@@ -222,11 +224,11 @@ pub enum Cell {
 pub struct Column {
     /// Its name.
     pub name: &'static str,
-    /// The unit; empty where there is none.
+    /// The unit; may be empty.
     pub unit: &'static str,
     /// Type of its values.
     pub kind: ColumnKind,
-    /// Its meaning, and when it has no value.
+    /// Its description, and the condition under which it is null.
     pub meaning: &'static str,
     read: fn(&Outcome) -> Option<Cell>,
 }
@@ -238,12 +240,12 @@ impl Column {
         (self.read)(outcome)
     }
 
-    /// Whether it can have no value.
+    /// Whether it can be null.
     fn may_be_null(&self) -> bool {
         self.meaning.contains("null")
     }
 
-    /// Its meaning and unit as a sentence, with another word for null.
+    /// Its description and unit as a sentence, with `null` replaced.
     fn described(&self, null: &str) -> String {
         let meaning = self.meaning.replace("null", null);
         let (what, unless) = match meaning.split_once(';') {
@@ -293,33 +295,33 @@ fn counted(count: u64) -> Option<Cell> {
     i64::try_from(count).ok().map(Cell::Integer)
 }
 
-/// Columns of an outcome, in the order in which tables have it.
+/// Columns of an outcome, in table order.
 #[rustfmt::skip]
 pub const COLUMNS: &[Column] = &[
-    other("stop_reason", Text, "why the run ended", |o| Some(Cell::Text(o.stop_reason.name()))),
-    number("stop_time", "s", "when the run ended", |o| Some(Cell::Number(o.stop_time))),
-    number("rise_time", "s", "when the top had risen: θ fell to stop.theta_risen; null if it did not",
+    other("stop_reason", Text, "reason for the end of the run", |o| Some(Cell::Text(o.stop_reason.name()))),
+    number("stop_time", "s", "end time", |o| Some(Cell::Number(o.stop_time))),
+    number("rise_time", "s", "time at which θ reached stop.theta_risen; null if it did not",
         |o| o.rise_time.map(Cell::Number)),
-    number("weak_time", "s", "when the spin first became too weak to hold an upright top; null if it did not, or was from the start",
+    number("weak_time", "s", "time at which the top became weak (strength ratio below 1); null if it did not, or was weak from the start",
         |o| o.weak_time.map(Cell::Number)),
-    number("loop_time", "s", "when the axis first began to loop (of a tippe top: the precession turned backward); null if it did not",
+    number("loop_time", "s", "time of the first loop (for a tippe top: of the first reversal of precession); null if there is none",
         |o| o.loop_time.map(Cell::Number)),
-    other("loops", Integer, "how often the axis began to loop (of a tippe top: the precession turned backward)", |o| counted(o.loops)),
-    other("nutations", Integer, "number of whole nutation cycles", |o| counted(o.nutations)),
+    other("loops", Integer, "number of loops (for a tippe top: of reversals of precession)", |o| counted(o.loops)),
+    other("nutations", Integer, "number of complete nutation cycles", |o| counted(o.nutations)),
     number("theta", "rad", "inclination θ at the end", |o| Some(Cell::Number(o.theta))),
     number("phi_dot", "rad/s", "precession rate φ̇ at the end", |o| Some(Cell::Number(o.rates.phi))),
     number("theta_dot", "rad/s", "nutation rate θ̇ at the end", |o| Some(Cell::Number(o.rates.theta))),
     number("psi_dot", "rad/s", "spin rate ψ̇ at the end", |o| Some(Cell::Number(o.rates.psi))),
-    number("turns", "", "turns of precession from start to end", |o| Some(Cell::Number(o.turns))),
+    number("turns", "", "number of turns of precession", |o| Some(Cell::Number(o.turns))),
     number("energy_at_start", "J", "total energy at the start", |o| Some(Cell::Number(o.energy.at_start))),
     number("energy", "J", "total energy at the end", |o| Some(Cell::Number(o.energy.at_end))),
-    number("friction_work", "J", "work of friction: negative where it took energy", |o| Some(Cell::Number(o.energy.friction_work))),
-    number("slip_path", "m", "path that the contact point slipped", |o| Some(Cell::Number(o.slip_path))),
-    number("roll_time", "s", "when the peg first began to roll; null if it did not, and with a fixed peg",
+    number("friction_work", "J", "work done by friction and impacts (normally negative)", |o| Some(Cell::Number(o.energy.friction_work))),
+    number("slip_path", "m", "length of the slip path of the contact point", |o| Some(Cell::Number(o.slip_path))),
+    number("roll_time", "s", "time at which the peg first rolled; null if it did not, or if the peg is fixed",
         |o| o.free?.roll_time.map(Cell::Number)),
-    number("inversion_time", "s", "when a tippe top inverted: its axis passed the horizontal; null if it did not, and of other tops",
+    number("inversion_time", "s", "time at which the axis of a tippe top passed the horizontal; null otherwise",
         |o| o.free?.inversion_time.map(Cell::Number)),
-    other("hops", Integer, "how often the peg left the table; null with a fixed peg", |o| counted(o.free?.hops)),
-    other("impacts", Integer, "number of impacts on the table; null with a fixed peg", |o| counted(o.free?.impacts)),
-    other("steps", Integer, "steps of the integrator", |o| counted(o.steps)),
+    other("hops", Integer, "number of hops; null for a fixed peg", |o| counted(o.free?.hops)),
+    other("impacts", Integer, "number of impacts on the table; null for a fixed peg", |o| counted(o.free?.impacts)),
+    other("steps", Integer, "number of integrator steps", |o| counted(o.steps)),
 ];

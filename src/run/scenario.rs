@@ -1,9 +1,9 @@
-//! Everything that defines a run: read from TOML, checked, and written back in one canonical form.
+//! Scenarios: parsed from TOML, validated, and written in canonical form.
 //!
-//! [`Values`] holds keys and values as a person writes them; [`Scenario`] is what has passed every
-//! check and is turned into the types of the physics. The table of keys, [`KEYS`], is the only place
-//! that has names, units and ranges.
+//! [`Values`] holds unvalidated keys and values. A [`Scenario`] is validated and uses the types of `physics`. Names,
+//! units and ranges are defined only in the table [`KEYS`].
 
+mod choice;
 mod definition;
 mod error;
 mod key;
@@ -13,8 +13,8 @@ mod model;
 mod presets;
 mod schema;
 mod values;
-mod words;
 
+pub use choice::{FormulationKind, OnStick};
 pub(crate) use definition::hex;
 pub use definition::{Scenario, Stop};
 pub use error::ScenarioError;
@@ -24,4 +24,3 @@ pub use laws::{LAWS, Law};
 pub use presets::{PRESETS, Preset};
 pub use schema::{SCHEMA_FILE, schema};
 pub use values::Values;
-pub use words::{FormulationKind, OnStick};

@@ -1,8 +1,7 @@
-//! From a scenario to the stream of what happens: samples at exact times, events, nutation cycles.
+//! Simulation of a scenario: a stream of samples, events and nutation cycles.
 //!
-//! [`Simulation`] is an iterator of [`Record`]s in the order of their times. It does no input or output
-//! and has no clock. Samples and events are read off the integrator's dense output and never change
-//! its steps.
+//! [`Simulation`] is an iterator of [`Record`]s in time order. It does no I/O and uses no clock. Samples and events are
+//! computed from the integrator's dense output and never change its steps.
 
 mod event;
 mod free;
@@ -16,7 +15,7 @@ mod tally;
 mod watch;
 
 pub use event::{Event, EventKind, StopReason, UPRIGHT};
-pub use free::{FreeSample, Landing};
+pub use free::{FreeSample, ImpactRecord};
 pub use nutation::NutationCycle;
 pub use record::{Record, RunEnd, SimulationError};
 pub use sample::{Energies, Frames, Momenta, Pose, Precession, Sample, Slip, Torques};
@@ -53,18 +52,17 @@ impl Simulation {
         })
     }
 
-    /// Ends the run early, as interrupted, once `carry_on` returns false. It is called before each step of the integrator, of
-    /// which there may be millions between two records.
+    /// Sets a function that is called before each integrator step; there may be millions of steps between two records.
+    /// If it returns false, the run ends as interrupted.
     #[must_use]
-    pub fn running_while(mut self, carry_on: impl FnMut() -> bool + 'static) -> Self {
+    pub fn continue_while(mut self, carry_on: impl FnMut() -> bool + 'static) -> Self {
         self.carry_on = Box::new(carry_on);
         self
     }
 
-    /// State of the run at the last record; final once the iterator has ended.
+    /// State of the run at the last record; final after the iterator is exhausted.
     ///
-    /// Before the end, `stop` is [`StopReason::Interrupted`]: that is why a run ends that no one
-    /// carries on.
+    /// Before the end, `stop` is [`StopReason::Interrupted`], the reason if the iterator is dropped early.
     #[must_use]
     pub fn end(&self) -> RunEnd {
         self.run.end()
@@ -79,15 +77,15 @@ impl Iterator for Simulation {
     }
 }
 
-/// Runs a scenario to its end for nothing but that end and what happens before: without samples, without the least and
-/// greatest rates of nutations, and without the integrals that only recordings need. The steps, the events and the end
-/// are those of the [`Simulation`], to the last bit; the derivative is evaluated less often.
+/// Runs a scenario without samples, rate extremes and the integrals needed only for recordings, and returns its end and
+/// event counts. Steps, events and end are bit-identical to those of the [`Simulation`]; the derivative is evaluated
+/// less often.
 ///
-/// `carry_on` is asked before each step of the integrator; once it returns false, the run ends early, as interrupted.
+/// `carry_on` is called before each integrator step; if it returns false, the run ends as interrupted.
 ///
 /// # Errors
 /// As those of a [`Simulation`].
-pub fn tallied(
+pub fn run_without_samples(
     scenario: &Scenario,
     mut carry_on: impl FnMut() -> bool,
 ) -> Result<(RunEnd, Tally), SimulationError> {
@@ -96,8 +94,10 @@ pub fn tallied(
     type Body = Runner<BodyRotation, { BodyRotation::SHORT_STATE_LENGTH }>;
     let (detail, carry_on) = (Detail::Outcome, &mut carry_on);
     match scenario.formulation {
-        _ if scenario.model.support.is_free() => Free::new(scenario, detail)?.tallied(carry_on),
-        FormulationKind::Euler => Euler::new(scenario, detail)?.tallied(carry_on),
-        FormulationKind::Body => Body::new(scenario, detail)?.tallied(carry_on),
+        _ if scenario.model.support.is_free() => {
+            Free::new(scenario, detail)?.run_without_samples(carry_on)
+        }
+        FormulationKind::Euler => Euler::new(scenario, detail)?.run_without_samples(carry_on),
+        FormulationKind::Body => Body::new(scenario, detail)?.run_without_samples(carry_on),
     }
 }

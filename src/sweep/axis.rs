@@ -43,7 +43,7 @@ pub fn find_key(name: &str) -> Result<&'static Key, SweepError> {
     match found {
         Some(key) => Ok(key),
         // The error names the keys that are like it.
-        None => match Values::default().put(name, 0.0) {
+        None => match Values::default().set_value(name, 0.0) {
             Err(error) => Err(error.into()),
             Ok(()) => Err(SweepError::Spec(format!("unknown key {name}"))),
         },

@@ -132,7 +132,7 @@ impl Sweep {
         let mut values = self.spec.base(row).values.clone();
         for (key, value) in self.spec.keys().iter().zip(self.spec.values(row)) {
             if let Some(value) = value {
-                values.put(key.path, value)?;
+                values.set_value(key.path, value)?;
             }
         }
         Scenario::new(values)

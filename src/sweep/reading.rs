@@ -153,7 +153,7 @@ fn read_row(table: &Path, row: u64) -> Result<Values, SweepError> {
     let base = spec.bases.into_iter().nth((row / rows_per_base) as usize);
     let mut values = Values::default();
     for (key, value) in base.into_iter().flat_map(|base| base.scenario) {
-        values.put(&key, value)?;
+        values.set_value(&key, value)?;
     }
     let cell = |column: &dyn Array| {
         let read = cells(column).map_err(wrong)?;
@@ -163,7 +163,7 @@ fn read_row(table: &Path, row: u64) -> Result<Values, SweepError> {
         if let Ok(key) = find_key(field.name())
             && let Some(value) = cell(column)?
         {
-            values.put(key.path, value)?;
+            values.set_value(key.path, value)?;
         }
     }
     let recorded = batch

@@ -1,42 +1,42 @@
-//! Channels as sinks and readers see them: the table without the functions that fill it.
+//! Channel descriptions for sinks and readers (the table without its source functions).
 
 use super::quantity::Quantity;
 
 /// A channel: a stream of messages with the same fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelInfo {
-    /// Topic, as in `/top/state`: the channel's name.
+    /// Topic, e.g. `/top/state`.
     pub topic: &'static str,
     /// Name of the message type.
     pub schema: &'static str,
-    /// Content of the channel.
+    /// Description of the channel.
     pub meaning: &'static str,
-    /// Its texts, in the order of [`Message::texts`](super::Message::texts); in an encoded message they come first.
+    /// Text fields, in the order of [`Message::texts`](super::Message::texts); encoded before the numbers.
     pub texts: Vec<Leaf>,
-    /// Its numbers, in the order of [`Message::numbers`](super::Message::numbers).
+    /// Number fields, in the order of [`Message::numbers`](super::Message::numbers).
     pub numbers: Vec<Leaf>,
-    /// Whether there is a message for each sample; otherwise there is one for each event or nutation.
+    /// Whether the channel has messages for samples; otherwise it has one for each event, nutation or impact.
     pub is_sampled: bool,
     /// Whether some samples have no message on this channel.
     pub is_optional: bool,
-    /// Whether only the recordings of tops with a free peg have it.
-    pub is_of_free_peg: bool,
+    /// Whether the channel exists only for a free peg.
+    pub is_free_peg_only: bool,
 }
 
-/// One number or text of a message.
+/// A number or text of a message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leaf {
-    /// Its name in the message, behind that of its object if it is in one: `theta`, `omega_body.x`.
+    /// Path in the message, e.g. `theta` or `omega_body.x`.
     pub path: String,
     /// The measured quantity.
     pub quantity: Quantity,
-    /// Unit, empty for pure numbers and texts.
+    /// Unit; empty for pure numbers and texts.
     pub unit: &'static str,
-    /// Frame of a vector's components, empty for others.
+    /// Frame of a vector's components; empty for others.
     pub frame: &'static str,
-    /// Its meaning.
+    /// Description.
     pub meaning: &'static str,
-    /// Name of the plot that shows it; leaves of a channel with the same plot are shown together.
+    /// Plot name; fields of a channel with the same plot name share a plot.
     pub plot: &'static str,
     /// Whether it is a component of a vector or a quaternion.
     pub is_component: bool,

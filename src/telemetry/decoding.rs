@@ -1,21 +1,21 @@
-//! Shared parts of all decoders: the rows that they fill, their errors, and the shape of a message.
+//! Shared parts of the decoders: rows, errors, message structure.
 
 use super::channel::ChannelInfo;
 use thiserror::Error;
 
-/// A decoded message; used again for the next one.
+/// A decoded message (reusable buffer).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// Its timestamp, ns.
     pub time_ns: u64,
-    /// Its numbers in the order of the channel's; NaN for those that it doesn't have.
+    /// Its numbers in the order of the channel's; NaN for missing ones.
     pub numbers: Vec<f64>,
-    /// Its texts in the order of the channel's; empty for those that it doesn't have.
+    /// Its texts in the order of the channel's; empty for missing ones.
     pub texts: Vec<String>,
 }
 
 impl Row {
-    /// Makes room for the leaves of a channel.
+    /// Empties the row and resizes it for a channel.
     pub(super) fn clear(&mut self, channel: &ChannelInfo) {
         self.time_ns = 0;
         self.numbers.clear();
@@ -25,16 +25,16 @@ impl Row {
     }
 }
 
-/// The reason why a channel or message of a file can't be decoded.
+/// Error of decoding a channel or message of a file.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum DecodeError {
     /// An encoding that is neither JSON nor protobuf.
-    #[error("messages are encoded as {0:?}; json and protobuf can be read")]
+    #[error("unknown message encoding {0:?}; json and protobuf can be read")]
     Encoding(String),
     /// The schema of the channel can't be read.
     #[error("its schema can't be read: {0}")]
     Schema(String),
-    /// The message is not what its encoding demands.
+    /// The message is malformed.
     #[error("not a {encoding} message: {reason}")]
     Malformed {
         /// The encoding.
@@ -42,16 +42,16 @@ pub enum DecodeError {
         /// The reason.
         reason: String,
     },
-    /// The message's timestamp is not the time at which the file logs it.
-    #[error("its timestamp is {stamp_ns} ns")]
+    /// The message's timestamp differs from its log time.
+    #[error("its timestamp, {stamp_ns} ns, differs from its log time")]
     Timestamp {
         /// The timestamp, ns.
         stamp_ns: u64,
     },
-    /// The message has other fields than its schema.
-    #[error("{found} of {expected} fields of its schema are there, and {unknown} others")]
+    /// The fields of the message don't match its schema.
+    #[error("it has {found} of the {expected} fields of its schema, and {unknown} unknown fields")]
     Fields {
-        /// Fields of the schema that are there.
+        /// Fields of the schema that are present.
         found: usize,
         /// Fields of the schema.
         expected: usize,
@@ -60,7 +60,7 @@ pub enum DecodeError {
     },
 }
 
-/// In what a channel of a file differs from the table's: the file is from another version.
+/// Field differences between a channel of a file and the table (other version).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FieldDifferences {
     /// Fields of the table that the file doesn't have.
@@ -87,7 +87,7 @@ impl FieldDifferences {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no differences.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.missing.is_empty() && self.unknown.is_empty()
@@ -98,7 +98,7 @@ impl FieldDifferences {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Object<K>(pub(super) Vec<(K, Target<K>)>);
 
-/// The destination of a member.
+/// Where a member is stored.
 #[derive(Clone, Debug)]
 pub(super) enum Target<K> {
     Seconds,
@@ -106,12 +106,12 @@ pub(super) enum Target<K> {
     Number(usize),
     Text(usize),
     Object(Object<K>),
-    /// Nowhere.
+    /// Ignored.
     Skipped,
 }
 
 impl<K> Object<K> {
-    /// Skips the leaves that are not among `numbers`, but for the timestamp.
+    /// Skips all leaves except `numbers` and the timestamp.
     pub(super) fn skip_all_but(&mut self, numbers: &[usize]) {
         for (_, target) in &mut self.0 {
             match target {
@@ -123,7 +123,7 @@ impl<K> Object<K> {
         }
     }
 
-    /// The place of the member whose key `is` it; members mostly come in order, so at `next`.
+    /// The position of the member whose key satisfies `is`; `next` is tried first.
     #[inline]
     pub(super) fn position(&self, next: usize, is: impl Fn(&K) -> bool) -> Option<usize> {
         let is_at = |position: &usize| self.0.get(*position).is_some_and(|(key, _)| is(key));
@@ -133,28 +133,27 @@ impl<K> Object<K> {
     }
 }
 
-/// The paths of all fields of a file's schema may take this number of bytes together.
+/// Maximum total length of the field paths of a schema, bytes.
 const LARGEST_PATHS: usize = 1 << 16;
 
-/// The paths of the fields that a file's schema describes.
+/// The paths of the fields of a file's schema.
 ///
-/// Types within types unfold with the power of their depth: a few hundred bytes can describe more fields
-/// than fit into memory.
+/// Nested types expand exponentially, so a malicious schema of a few hundred bytes could exhaust memory.
 #[derive(Debug, Default)]
 pub(super) struct Paths {
-    /// The leaves'.
+    /// Paths of the leaves.
     pub(super) leaves: Vec<String>,
     bytes: usize,
 }
 
 impl Paths {
-    /// Counts a field, before it is unfolded.
+    /// Counts a field before it is expanded.
     pub(super) fn count(&mut self, path: &str) -> Result<(), DecodeError> {
         self.bytes += path.len() + 1;
         if self.bytes <= LARGEST_PATHS {
             return Ok(());
         }
-        let reason = format!("its fields unfold to more than {LARGEST_PATHS} bytes");
+        let reason = format!("its field paths exceed {LARGEST_PATHS} bytes");
         Err(DecodeError::Schema(reason))
     }
 }

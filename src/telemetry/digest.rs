@@ -1,4 +1,4 @@
-//! The content digest: a fingerprint of the recorded data, however the file is encoded and packed.
+//! The content digest: a hash of the recorded data, independent of encoding and compression.
 
 use super::message::Message;
 use super::table::channels;
@@ -7,11 +7,11 @@ use sha2::{Digest as _, Sha256};
 
 /// Accumulates the content digest of a recording.
 ///
-/// Each channel has a SHA-256 over its messages: sequence (u32) and time in ns (u64), the numbers as
-/// the 64 bits of their doubles, then each text after its length in bytes (u64), all little-endian. The
-/// content digest is the SHA-256 over topic, a zero byte, number of messages (u64) and digest of each
-/// channel that has messages, in table order. So the digest depends on
-/// the data alone, not on the encoding, the compression, the chunks, or how the channels' messages are interleaved.
+/// Each channel has a SHA-256 over its messages: sequence (u32) and time in ns (u64), the numbers as the 64 bits of
+/// their doubles, then each text after its length in bytes (u64), all little-endian. The content digest is the SHA-256
+/// over topic, a zero byte, number of messages (u64) and digest of each channel that has messages, in table order. The
+/// digest depends only on the data, not on encoding, compression, chunks, or the order of messages of different
+/// channels.
 #[derive(Clone, Debug)]
 pub struct ContentDigest {
     channels: Vec<(Sha256, u64)>,
@@ -46,7 +46,7 @@ impl ContentDigest {
         self.absorb(message.channel, &content);
     }
 
-    /// Adds the next message of a channel, as [`append_content`] wrote it.
+    /// Adds the next message of a channel, as written by [`append_content`].
     pub fn absorb(&mut self, channel: usize, content: &[u8]) {
         let (hash, count) = &mut self.channels[channel];
         hash.update(content);

@@ -1,4 +1,4 @@
-//! The encodings that messages of a recording can have, each way.
+//! Message encodings: encoders and decoders.
 
 use super::channel::ChannelInfo;
 pub use super::decoding::{DecodeError, FieldDifferences, Row};
@@ -12,28 +12,28 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 listed! {
-    /// An encoding of messages, with the description of its messages that goes with it.
+    /// A message encoding with its schema language.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
     #[serde(rename_all = "snake_case")]
     pub enum Encoding {
-        /// JSON with JSON Schema: read everywhere.
+        /// JSON with JSON Schema (widest support).
         Json = "json",
-        /// Protocol Buffers: smaller, faster, plotted by Rerun.
+        /// Protocol Buffers (smaller, faster, can be plotted in Rerun).
         Protobuf = "protobuf",
     }
 }
 
 impl Encoding {
-    /// Its purpose, as in the help.
+    /// Description for the help.
     #[must_use]
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Json => "JSON with JSON Schema: read everywhere",
-            Self::Protobuf => "Protocol Buffers: smaller, faster, plotted by Rerun",
+            Self::Json => "JSON with JSON Schema (widest support)",
+            Self::Protobuf => "Protocol Buffers (smaller, faster, can be plotted in Rerun)",
         }
     }
 
-    /// The name of its schemas' language in MCAP schemas.
+    /// The MCAP schema encoding.
     #[must_use]
     pub fn schema_encoding(self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ impl Encoding {
         }
     }
 
-    /// The schema of a channel's messages, as it stands in recordings.
+    /// The schema of a channel's messages, as stored in recordings.
     #[must_use]
     pub fn schema(self, channel: &ChannelInfo) -> Vec<u8> {
         match self {
@@ -82,7 +82,7 @@ impl Encoder {
     }
 }
 
-/// The schema of one of our channels is not longer than this.
+/// Maximum length of a channel schema, bytes.
 const LARGEST_SCHEMA: usize = 1 << 20;
 
 /// Decodes the messages of one channel of a file.
@@ -100,8 +100,8 @@ enum Format {
 }
 
 impl Decoder {
-    /// A decoder for messages of the table's `channel`, as a file describes them: with the encoding's
-    /// name, the schema's name and its data.
+    /// A decoder for messages of the table's `channel`, as a file describes them: by encoding name, schema name and
+    /// schema data.
     ///
     /// # Errors
     /// [`DecodeError::Encoding`] or [`DecodeError::Schema`].
@@ -112,7 +112,7 @@ impl Decoder {
         schema: &[u8],
     ) -> Result<Self, DecodeError> {
         if schema.len() > LARGEST_SCHEMA {
-            let reason = format!("it is longer than {LARGEST_SCHEMA} bytes");
+            let reason = format!("longer than {LARGEST_SCHEMA} bytes");
             return Err(DecodeError::Schema(reason));
         }
         let found = Encoding::find(encoding);
@@ -134,7 +134,7 @@ impl Decoder {
         })
     }
 
-    /// In what the file's fields differ from the table's.
+    /// The field differences between the file and the table.
     #[must_use]
     pub fn differences(&self) -> &FieldDifferences {
         &self.differences
@@ -153,8 +153,8 @@ impl Decoder {
         }
     }
 
-    /// A decoder for some of the numbers only, which is faster: others and texts stay as they are in an
-    /// empty row, and what stands behind the last of them in a message is not looked at.
+    /// A faster decoder for some of the numbers; other fields keep their empty values, and data after the last number
+    /// is not checked.
     #[must_use]
     pub fn only(&self, numbers: &[usize]) -> Self {
         Self {

@@ -1,8 +1,8 @@
-//! The topics and fields of the table as constants: handles that read their values from messages.
+//! Typed handles for the topics and fields of the table.
 //!
-//! A handle is called like its field, in capitals and with `_` for the dot: [`state::THETA`] is `theta` of
-//! `/top/state`, [`acceleration::THETA_DDOT_FRICTIONAL`] is `theta_ddot.frictional` of `/top/acceleration`.
-//! A misspelt topic or field does not compile:
+//! A handle has the name of its field in capitals, with `_` for the dot: [`state::THETA`] is `theta` of `/top/state`,
+//! [`acceleration::THETA_DDOT_FRICTIONAL`] is `theta_ddot.frictional` of `/top/acceleration`. A misspelt topic or field
+//! does not compile:
 //!
 //! ```
 //! use toprise::telemetry::fields::{STATE, pose, state};
@@ -25,7 +25,7 @@ pub use super::table::{
     free_peg, impacts, momentum, nutation, pose, precession, state, torque,
 };
 
-/// Quantities of the state with their least and greatest values in a nutation.
+/// State quantities with the fields of their minimum and maximum in a nutation.
 pub(crate) const NUTATING: [[NumberField; 3]; 4] = [
     [state::THETA, nutation::THETA_MIN, nutation::THETA_MAX],
     [

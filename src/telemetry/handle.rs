@@ -1,4 +1,4 @@
-//! Handles of fields and plots: they read values from messages, and know names and units.
+//! Handles of fields and plots: they read values from messages and return names and units.
 
 use super::channel::Leaf;
 use super::message::{Message, Numbers};
@@ -15,12 +15,12 @@ pub struct NumberField {
 }
 
 impl NumberField {
-    /// The number with this index in the messages of a channel, which this plot shows.
+    /// The number with this index in the messages of a channel, shown in this plot.
     pub(super) const fn new(topic: Topic, index: usize, plot: &'static str) -> Self {
         Self { topic, index, plot }
     }
 
-    /// The number at `path` of the channel `topic`, for names that are known only when the program runs.
+    /// The number at `path` of the channel `topic`, for names known only at run time.
     #[must_use]
     pub fn find(topic: &str, path: &str) -> Option<Self> {
         let mut numbers = Topic::find(topic)?.numbers();
@@ -39,7 +39,7 @@ impl NumberField {
         self.index
     }
 
-    /// The plot that shows it.
+    /// Its plot.
     #[must_use]
     pub const fn plot(self) -> Plot {
         Plot {
@@ -54,19 +54,19 @@ impl NumberField {
         &self.topic.info().numbers[self.index]
     }
 
-    /// Its path in a message, as in `theta` or `omega_body.x`.
+    /// Its path in a message, e.g. `theta` or `omega_body.x`.
     #[must_use]
     pub fn path(self) -> &'static str {
         &self.leaf().path
     }
 
-    /// Its unit, empty for pure numbers.
+    /// Its unit; empty for pure numbers.
     #[must_use]
     pub fn unit(self) -> &'static str {
         self.leaf().unit
     }
 
-    /// Its value in some rows; NaN if they don't have it.
+    /// Its value in a message; NaN if it is missing.
     #[inline]
     #[must_use]
     pub fn of(self, rows: &impl Numbers) -> f64 {
@@ -76,7 +76,7 @@ impl NumberField {
     }
 }
 
-/// Topic and path, as in `/top/state.theta`.
+/// Topic and path, e.g. `/top/state.theta`.
 impl fmt::Display for NumberField {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}.{}", self.topic, self.path())
@@ -135,13 +135,13 @@ impl VectorField {
         self.0.topic
     }
 
-    /// The plot that shows it.
+    /// Its plot.
     #[must_use]
     pub const fn plot(self) -> Plot {
         self.0.plot()
     }
 
-    /// Its value in some rows; NaN if they don't have it.
+    /// Its value in a message; NaN if it is missing.
     #[inline]
     #[must_use]
     pub fn of(self, rows: &impl Numbers) -> Vector3<f64> {
@@ -176,7 +176,7 @@ impl RotationField {
         self.0.topic
     }
 
-    /// Its value in some rows, as it was recorded; NaN if they don't have it.
+    /// Its value in a message, as recorded; NaN if it is missing.
     #[inline]
     #[must_use]
     pub fn of(self, rows: &impl Numbers) -> Quaternion<f64> {
@@ -216,7 +216,7 @@ impl TextField {
         &self.topic.info().texts[self.index].path
     }
 
-    /// Its value in a message; empty if the message doesn't have it.
+    /// Its value in a message; empty if it is missing.
     #[inline]
     #[must_use]
     pub fn of<'a>(self, message: &Message<'a>) -> &'a str {
@@ -227,7 +227,7 @@ impl TextField {
     }
 }
 
-/// A plot of a channel: the numbers that are shown together.
+/// A plot of a channel: numbers that are shown together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Plot {
     topic: Topic,
@@ -279,14 +279,14 @@ impl Plot {
     }
 }
 
-/// Topic and name, as in `/top/energy/mechanical`.
+/// Topic and name, e.g. `/top/energy/mechanical`.
 impl fmt::Display for Plot {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.topic, self.name)
     }
 }
 
-/// The number that stands `offset` places behind another.
+/// The number `offset` positions after another.
 const fn part(field: NumberField, offset: usize) -> NumberField {
     NumberField {
         index: field.index + offset,

@@ -9,12 +9,12 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::io::Write as _;
 
-/// The member that every message starts with.
+/// The first member of every message.
 const TIMESTAMP: &str = "timestamp";
 /// The number of parts of a timestamp: seconds and nanoseconds.
 const STAMP_PARTS: usize = 2;
 
-/// Writes messages of all channels as JSON, exact to the last bit of each number.
+/// Writes messages of all channels as JSON, with bit-exact numbers.
 #[derive(Debug)]
 pub struct JsonEncoder {
     templates: Vec<Template>,
@@ -29,7 +29,7 @@ struct Template {
 }
 
 impl JsonEncoder {
-    /// For messages of these channels, which are those of the table or of an earlier version of it.
+    /// For messages of these channels, of the table or an earlier version of it.
     pub(super) fn new(channels: &[ChannelInfo]) -> Self {
         Self {
             templates: channels.iter().map(Template::new).collect(),
@@ -56,7 +56,7 @@ impl JsonEncoder {
     }
 }
 
-/// Time split as in a message's timestamp.
+/// A time split into seconds and nanoseconds, as in timestamps.
 #[must_use]
 pub fn seconds_and_nanoseconds(time_ns: u64) -> (u64, u64) {
     (time_ns / NANOSECONDS, time_ns % NANOSECONDS)
@@ -95,19 +95,19 @@ impl Template {
 #[derive(Clone, Debug)]
 pub(super) struct JsonDecoder {
     message: Object<String>,
-    /// Numbers that the file has.
+    /// Numbers in the file.
     numbers: Vec<usize>,
     /// Leaves and parts of the timestamp that a message must have.
     expected: usize,
-    /// Members of a message other than these.
+    /// Number of unknown members of a message.
     unknown: usize,
-    /// Whether to look no further once everything expected is there.
+    /// Whether to stop once all expected members are found.
     is_partial: bool,
 }
 
 impl JsonDecoder {
-    /// A decoder for the table's `channel`, as the JSON Schema of a file describes it; and the paths of
-    /// the leaves in the file.
+    /// A decoder for the table's `channel`, as described by the JSON Schema of a file; and the paths of the leaves in
+    /// the file.
     pub(super) fn new(
         channel: &ChannelInfo,
         schema: &[u8],
@@ -148,7 +148,7 @@ impl JsonDecoder {
         Ok((decoder, present))
     }
 
-    /// A decoder for some of the numbers only, and the timestamp.
+    /// A decoder for some of the numbers and the timestamp.
     pub(super) fn only(&self, numbers: &[usize]) -> Self {
         let mut decoder = self.clone();
         decoder.message.skip_all_but(numbers);
@@ -194,7 +194,7 @@ impl JsonDecoder {
     }
 }
 
-/// Finds the paths of all numbers and texts that a JSON Schema of ours describes, but for the timestamp.
+/// Finds the paths of all numbers and texts in a JSON Schema, except the timestamp.
 fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), DecodeError> {
     let properties = schema.get("properties").and_then(Value::as_object);
     for (name, inner) in properties.into_iter().flatten() {
@@ -212,8 +212,7 @@ fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), DecodeE
     Ok(())
 }
 
-/// Number of members, other than those of the table, of a message with leaves at these paths. An object that is unknown counts
-/// once, with all that is in it.
+/// Number of unknown members of a message with leaves at these paths. An unknown object counts once.
 fn unknown_members(message: &Object<String>, paths: &[String]) -> usize {
     let members = paths
         .iter()
@@ -221,7 +220,7 @@ fn unknown_members(message: &Object<String>, paths: &[String]) -> usize {
     members.collect::<BTreeSet<_>>().len()
 }
 
-/// The path of the outermost member on the way to a leaf that is unknown, if one is.
+/// The path of the outermost unknown member that contains a leaf, if any.
 fn unknown_member<'a>(message: &Object<String>, path: &'a str) -> Option<&'a str> {
     let (mut object, mut start) = (message, 0);
     loop {
@@ -239,12 +238,12 @@ fn unknown_member<'a>(message: &Object<String>, path: &'a str) -> Option<&'a str
     }
 }
 
-/// Content of a message so far.
+/// Progress of decoding.
 #[derive(Default)]
 struct Tally {
     found: usize,
     unknown: usize,
-    /// Reading ends after this number of members.
+    /// Number of members after which reading ends.
     enough: usize,
 }
 
@@ -256,7 +255,7 @@ struct Filling<'a> {
 }
 
 impl Filling<'_> {
-    /// A member that is repeated adds up until it doesn't fit.
+    /// A repeated member is added, which eventually fails.
     fn add_time<E: de::Error>(&mut self, part_ns: u64) -> Result<(), E> {
         let time = self.row.time_ns.checked_add(part_ns);
         self.row.time_ns = time.ok_or_else(|| E::custom("its timestamp is out of range"))?;
@@ -315,7 +314,7 @@ impl<'de> Visitor<'de> for Filling<'_> {
             }
             self.tally.found += 1;
             if self.tally.found == self.tally.enough {
-                // The only way out of the parser; it is not taken for an error.
+                // serde_json can only be stopped with an error, which is ignored here.
                 return Err(de::Error::custom("enough"));
             }
         }
@@ -323,11 +322,11 @@ impl<'de> Visitor<'de> for Filling<'_> {
     }
 }
 
-/// Reads a member's name as its position; nothing for names that are not known.
+/// Reads a member name as its position; `None` for unknown names.
 #[derive(Clone, Copy)]
 struct Name<'a> {
     object: &'a Object<String>,
-    /// Its place, if the members come in order.
+    /// Its position, if the members are in order.
     next: usize,
 }
 

@@ -1,4 +1,4 @@
-//! The messages of a run: the table applied to its records.
+//! Conversion of records to messages.
 
 use super::message::Message;
 use super::table::channels;
@@ -10,7 +10,7 @@ use crate::physics::dynamics::Support;
 use crate::run::simulation::Record;
 use thiserror::Error;
 
-/// The reason why a record can't be turned into messages.
+/// Error of converting a record to messages.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TelemetryError {
     /// A quantity is infinite or not a number.
@@ -27,7 +27,7 @@ pub enum TelemetryError {
     },
 }
 
-/// Turns the records of a run into messages.
+/// Converts the records of a run to messages.
 #[derive(Debug)]
 pub struct Telemetry {
     wanted: Vec<bool>,
@@ -36,7 +36,7 @@ pub struct Telemetry {
 }
 
 impl Default for Telemetry {
-    /// Makes messages of all topics.
+    /// With all topics.
     fn default() -> Self {
         Self {
             wanted: vec![true; channels().len()],
@@ -47,7 +47,7 @@ impl Default for Telemetry {
 }
 
 impl Telemetry {
-    /// Only the messages of some topics.
+    /// With some topics.
     #[must_use]
     pub fn with_topics(topics: &Topics) -> Self {
         let wanted: Vec<_> = Topic::all().map(|topic| topics.include(&topic)).collect();
@@ -57,22 +57,22 @@ impl Telemetry {
         }
     }
 
-    /// The topics of which a run with this support has messages, in table order.
+    /// The recorded topics for this support, in table order.
     #[must_use]
     pub fn topics(&self, support: Support) -> Topics {
-        if Topic::all_with(support).all(|topic| self.wants(topic)) {
+        if Topic::all_with(support).all(|topic| self.is_enabled(topic)) {
             return Topics::All;
         }
         Topics::Only(
             Topic::all_with(support)
-                .filter(|topic| self.wants(*topic))
+                .filter(|topic| self.is_enabled(*topic))
                 .collect(),
         )
     }
 
-    /// Whether messages of this topic are made.
+    /// Whether messages of this topic are produced.
     #[must_use]
-    pub fn wants(&self, topic: Topic) -> bool {
+    pub fn is_enabled(&self, topic: Topic) -> bool {
         self.wanted[topic.index()]
     }
 

@@ -7,12 +7,12 @@ use super::topic::Topic;
 pub struct Message<'a> {
     /// Index of the channel in [`channels`](super::channels).
     pub channel: usize,
-    /// Number of the sample, event or nutation, from 0; samples without a message on this channel leave gaps.
+    /// Number of the sample, event or nutation, from 0; gaps where samples have no message on this channel.
     pub sequence: u32,
     /// Simulation time, ns.
     pub time_ns: u64,
-    /// The numbers, in the order of [`ChannelInfo::numbers`](super::ChannelInfo::numbers): finite, or NaN where a file
-    /// does not have the field.
+    /// The numbers, in the order of [`ChannelInfo::numbers`](super::ChannelInfo::numbers): finite, or NaN for fields
+    /// missing in a file.
     pub numbers: &'a [f64],
     /// The texts, in the order of [`ChannelInfo::texts`](super::ChannelInfo::texts).
     pub texts: &'a [String],
@@ -22,14 +22,13 @@ impl Message<'_> {
     /// The channel's topic.
     #[must_use]
     pub fn topic(&self) -> Topic {
-        Topic::at(self.channel)
+        Topic::from_index(self.channel)
     }
 }
 
-/// Rows of numbers from which [`fields`](super::fields) read themselves: a message, or the messages of one
-/// instant.
+/// A source of numbers for [`fields`](super::fields): a message, or all messages of one instant.
 pub trait Numbers {
-    /// The numbers of a channel; none if it has no message here.
+    /// The numbers of a channel; `None` if there is no message on it.
     fn numbers(&self, topic: Topic) -> Option<&[f64]>;
 }
 

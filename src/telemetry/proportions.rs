@@ -1,11 +1,11 @@
-//! The shape of a drawn top, which follows from its mechanics.
+//! The drawn shape of a top, derived from its mechanical parameters.
 
 use crate::physics::top::Top;
 
 /// Proportions of a drawn top, in metres: a spherical peg, a disc on a cone, a stem.
 ///
-/// A tippe top, whose centre of mass is below the centre of its peg, is drawn as a ball instead: the peg, cut off at the
-/// shoulder, and a stem that reaches up to where the peg would end. So it stands on its stem when it has inverted.
+/// A tippe top, whose centre of mass is below the centre of its peg, is drawn as a truncated ball with a stem that
+/// reaches to the sphere, so that it stands on its stem after inverting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Proportions {
     /// Whether it is drawn as a tippe top.
@@ -62,7 +62,7 @@ impl Proportions {
         }
     }
 
-    /// The length that a scene, its arrows and its table are drawn to.
+    /// The length scale of a scene.
     #[must_use]
     pub fn size(&self) -> f64 {
         if self.is_ball {
@@ -72,7 +72,7 @@ impl Proportions {
         }
     }
 
-    /// Height above its centre at which a tippe top's ball is cut off.
+    /// Height of the truncation of a tippe top's ball above its centre.
     #[must_use]
     pub fn cut(&self) -> f64 {
         0.7 * self.peg

@@ -2,13 +2,13 @@
 //! `google.protobuf.Timestamp` as field 1, then the members in table order; vectors, quaternions and
 //! groups of terms are messages nested in it.
 //!
-//! All numbers are doubles and are written even when they are zero, so that the sign of a zero stays.
+//! All numbers are doubles and always written, so that negative zeros are preserved.
 
 use super::channel::{ChannelInfo, Content, Member};
 use super::decoding::{DecodeError, Object, Paths, Row, Target};
 use super::message::Message;
-use super::schema::described;
-use super::wire::{Wire, take};
+use super::schema::with_unit_and_frame;
+use super::wire::{Wire, take_field};
 use prost::Message as _;
 use prost::encoding::{WireType, encode_key, encode_varint};
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -21,7 +21,7 @@ const TIMESTAMP_FILE: &str = "google/protobuf/timestamp.proto";
 /// The number of the first member's field; the timestamp has 1.
 const FIRST_FIELD: u32 = 2;
 
-/// The schema of a channel's messages: its file and the one that it imports, serialized.
+/// The schema of a channel's messages: its file and the imported file, serialized.
 #[must_use]
 pub fn file_descriptor_set(channel: &ChannelInfo) -> Vec<u8> {
     let set = FileDescriptorSet {
@@ -30,7 +30,7 @@ pub fn file_descriptor_set(channel: &ChannelInfo) -> Vec<u8> {
     set.encode_to_vec()
 }
 
-/// The schema of a channel's messages as a `.proto` file, with the units, frames and meanings as comments.
+/// The schema of a channel's messages as a `.proto` file, with units, frames and descriptions as comments.
 #[must_use]
 pub fn proto_file(channel: &ChannelInfo) -> String {
     let mut text = format!(
@@ -79,17 +79,17 @@ fn comments(channel: &ChannelInfo, member: &Member<'_>) -> Vec<String> {
         Content::Text(index) => vec![channel.texts[*index].meaning.to_owned()],
         Content::Number(index) => {
             let leaf = &channel.numbers[*index];
-            vec![described(leaf.meaning, leaf)]
+            vec![with_unit_and_frame(leaf.meaning, leaf)]
         }
         Content::Object(leaves) if is_components(channel, leaves) => {
             let leaf = &channel.numbers[leaves[0].1];
-            vec![described(leaf.meaning, leaf)]
+            vec![with_unit_and_frame(leaf.meaning, leaf)]
         }
         Content::Object(leaves) => leaves
             .iter()
             .map(|(name, index)| {
                 let leaf = &channel.numbers[*index];
-                format!("{name}: {}", described(leaf.meaning, leaf))
+                format!("{name}: {}", with_unit_and_frame(leaf.meaning, leaf))
             })
             .collect(),
     }
@@ -207,7 +207,7 @@ fn field(name: &str, number: i32, kind: Type, type_name: Option<String>) -> Fiel
     }
 }
 
-/// The name that protobuf's own JSON gives a field: `phi_dot` becomes `phiDot`, as `protoc` writes it.
+/// The name of a field in protobuf's JSON mapping, as written by `protoc`: `phi_dot` becomes `phiDot`.
 fn json_name(name: &str) -> String {
     let mut words = name.split('_');
     let first = words.next().unwrap_or_default().to_owned();
@@ -225,7 +225,7 @@ pub struct ProtobufEncoder {
 struct Template(Vec<(Vec<u8>, bool)>);
 
 impl ProtobufEncoder {
-    /// For messages of these channels, which are those of the table or of an earlier version of it.
+    /// For messages of these channels, of the table or an earlier version of it.
     pub(super) fn new(channels: &[ChannelInfo]) -> Self {
         Self {
             templates: channels.iter().map(Template::new).collect(),
@@ -280,7 +280,7 @@ impl Template {
                 }
                 Content::Object(leaves) => {
                     encode_key(number, WireType::LengthDelimited, &mut before);
-                    // Each number takes one byte for its key and eight for itself.
+                    // Each number has one byte for its key and eight for its value.
                     encode_varint(leaves.len() as u64 * 9, &mut before);
                     for (_, inner) in leaves.iter().zip(1..) {
                         encode_key(inner, WireType::SixtyFourBit, &mut before);
@@ -297,13 +297,13 @@ impl Template {
 #[derive(Clone, Debug)]
 pub(super) struct ProtobufDecoder {
     message: Object<u32>,
-    /// Numbers that the file has; in proto3 a field that isn't there is zero.
+    /// Numbers in the file; in proto3 a missing field is zero.
     present: Vec<usize>,
 }
 
 impl ProtobufDecoder {
-    /// A decoder for the table's `channel`, as the descriptors of a file describe it; and the paths of the
-    /// leaves in the file.
+    /// A decoder for the table's `channel`, as described by the descriptors of a file; and the paths of the leaves in
+    /// the file.
     pub(super) fn new(
         channel: &ChannelInfo,
         name: &str,
@@ -324,7 +324,7 @@ impl ProtobufDecoder {
         Ok((Self { message, present }, paths.leaves))
     }
 
-    /// A decoder for some of the numbers only, and the timestamp.
+    /// A decoder for some of the numbers and the timestamp.
     pub(super) fn only(&self, numbers: &[usize]) -> Self {
         let mut decoder = self.clone();
         decoder.message.skip_all_but(numbers);
@@ -403,7 +403,7 @@ impl Builder<'_> {
                 self.paths.leaves.push(path);
                 Target::Text(index)
             }
-            // A leaf of the table with another type is another field.
+            // A field of the table with another type counts as unknown.
             (_, None, None) => {
                 self.paths.leaves.push(path);
                 Target::Skipped
@@ -418,7 +418,7 @@ impl Builder<'_> {
     }
 }
 
-/// The message type with a full name, as in `toprise.State`.
+/// The message type with a full name, e.g. `toprise.State`.
 fn find_message<'a>(set: &'a FileDescriptorSet, name: &str) -> Option<&'a DescriptorProto> {
     set.file.iter().find_map(|file| {
         let local = match file.package() {
@@ -436,11 +436,11 @@ fn find_message<'a>(set: &'a FileDescriptorSet, name: &str) -> Option<&'a Descri
 }
 
 impl Object<u32> {
-    /// Reads the fields of a message, or returns what is wrong with it.
+    /// Reads the fields of a message, or returns an error text.
     fn fill(&self, mut data: &[u8], row: &mut Row) -> Result<(), String> {
         let mut next = 0;
         while !data.is_empty() {
-            let (number, wire) = take(&mut data)?;
+            let (number, wire) = take_field(&mut data)?;
             match (self.find(number, &mut next), wire) {
                 (Some(Target::Number(index)), Wire::Eight(bits)) => {
                     row.numbers[*index] = f64::from_bits(bits);
@@ -460,9 +460,9 @@ impl Object<u32> {
                     let time = row.time_ns.checked_add(part);
                     row.time_ns = time.ok_or("its timestamp is out of range")?;
                 }
-                (None, _) => return Err(format!("field {number} is not in its schema")),
+                (None, _) => return Err(format!("field {number} is not in the schema")),
                 (Some(Target::Skipped), wire) if !matches!(wire, Wire::End) => {}
-                _ => return Err(format!("field {number} is not written as its type demands")),
+                _ => return Err(format!("field {number} has the wrong wire type")),
             }
         }
         Ok(())

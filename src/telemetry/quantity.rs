@@ -1,4 +1,4 @@
-//! Kinds of quantities: what a number measures, and so its unit.
+//! Physical quantities and their units.
 
 /// The quantity of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,20 +33,20 @@ pub enum Quantity {
     Impulse,
     /// Jellett's integral: an angular momentum times a length.
     Jellett,
-    /// A rate that the motion is compared with, as that of regular precession.
+    /// A reference rate, such as that of regular precession.
     ReferenceRate,
     /// A time.
     Time,
     /// A count or a ratio.
     Number,
-    /// A yes or no, as 1 or 0: between two samples it is what it was last.
+    /// A flag or state code, constant between samples.
     Flag,
     /// A text.
     Text,
 }
 
 impl Quantity {
-    /// Its SI unit, empty for pure numbers and texts.
+    /// Its SI unit; empty for pure numbers and texts.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {

@@ -3,9 +3,9 @@
 use super::channel::{ChannelInfo, Content, Leaf, Member};
 use serde_json::{Map, Value, json};
 
-/// The JSON Schema of a channel's messages, as it stands in recordings and in `schemas/`.
+/// The JSON Schema of a channel's messages, as stored in recordings and in `schemas/`.
 ///
-/// Strict viewers read no references, alternatives, nulls or arrays, and expect `properties` on every object.
+/// Uses no `$ref`, `oneOf`, `null` or arrays, and `properties` on every object, because some viewers require this.
 #[must_use]
 pub fn json_schema(channel: &ChannelInfo) -> String {
     let mut properties = Map::new();
@@ -43,9 +43,9 @@ fn group_schema(channel: &ChannelInfo, parent: &str, leaves: &[(&str, usize)]) -
     let mut properties = Map::new();
     for (name, index) in leaves {
         let leaf = &channel.numbers[*index];
-        // A vector has one meaning; the members of other objects have their own.
+        // A vector has one description; members of other objects have their own.
         let meaning = if leaf.is_component {
-            description = described(leaf.meaning, leaf);
+            description = with_unit_and_frame(leaf.meaning, leaf);
             format!("{name} component")
         } else {
             leaf.meaning.to_owned()
@@ -59,8 +59,8 @@ fn leaf_schema(kind: &str, leaf: &Leaf, meaning: &str) -> Value {
     json!({ "type": kind, "description": with_unit(meaning, leaf) })
 }
 
-/// A meaning with its unit and frame.
-pub(super) fn described(meaning: &str, leaf: &Leaf) -> String {
+/// A description with its unit and frame.
+pub(super) fn with_unit_and_frame(meaning: &str, leaf: &Leaf) -> String {
     let meaning = with_unit(meaning, leaf);
     if leaf.frame.is_empty() {
         meaning

@@ -1,4 +1,4 @@
-//! The table of channels: the one place that defines what is logged, and the handles of its fields.
+//! The channel table: the single definition of recorded data and of the field handles.
 
 use super::channel::{ChannelInfo, Leaf};
 use super::handle::{NumberField, RotationField, TextField, VectorField};
@@ -9,19 +9,17 @@ use super::quantity::Quantity::{
 };
 use super::topic::Topic;
 use crate::physics::dynamics::Support;
-use crate::run::simulation::{Event, FreeSample, Landing, NutationCycle, Sample};
+use crate::run::simulation::{Event, FreeSample, ImpactRecord, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::OnceLock;
 
-/// The version of the telemetry: of what is recorded, and how it is computed. A change of a channel, or of its
-/// numbers for a motion, raises it.
+/// Version of the telemetry. It is increased if channels, fields or their values change.
 ///
-/// 1. The first, whose recordings don't name it.
-/// 2. Nutation cycles are only those whose period is that of a nutation, and have the ranges of the rates. Integrals of
-///    the terms of φ̈ and ψ̈, the work about each axis of the node frame and that of the friction force are recorded.
-///    Views have the ranges of the nutation.
-/// 3. The ranges of the rates in a nutation hold what is before and after each impact in it, and nothing else. Where the axis
-///    is exactly vertical, φ and the rates are those with which it goes on. Drilling that has stopped the spin of a top with a free peg holds it.
+/// 1. Not stored in recordings.
+/// 2. Nutation cycles must have about the nutation period, and include ranges of the rates. New: integrals of the terms
+///    of φ̈ and ψ̈, work per axis of the node frame, work of the friction force; views with ranges.
+/// 3. Ranges of the rates are exact at impacts. φ and the rates at an exactly vertical axis are limits of the following
+///    motion. Drilling friction of a free peg is smoothed.
 pub const VERSION: u32 = 3;
 
 /// A channel whose messages are made from values of type `S`.
@@ -31,11 +29,11 @@ pub struct Channel<S: 'static> {
     pub topic: &'static str,
     /// Name of the message type.
     pub schema: &'static str,
-    /// Content of the channel.
+    /// Description of the channel.
     pub meaning: &'static str,
-    /// Whether only the recordings of tops with a free peg have it.
-    pub is_of_free_peg: bool,
-    /// Whether a value makes a message; by default every value does.
+    /// Whether the channel exists only for a free peg.
+    pub is_free_peg_only: bool,
+    /// Filter: whether a value produces a message (default: always).
     pub present: Option<fn(&S) -> bool>,
     /// Its fields.
     pub fields: &'static [Field<S>],
@@ -46,13 +44,13 @@ pub struct Channel<S: 'static> {
 pub struct Field<S> {
     /// Name.
     pub name: &'static str,
-    /// The kind of quantity, which has the unit.
+    /// The quantity, which determines the unit.
     pub quantity: Quantity,
-    /// Frame of a vector's components, empty for others.
+    /// Frame of a vector's components; empty for others.
     pub frame: &'static str,
-    /// Meaning, as in schemas.
+    /// Description, as in schemas.
     pub meaning: &'static str,
-    /// Name of the plot that shows it.
+    /// Plot name.
     pub plot: &'static str,
     /// Name of the field that is its time derivative, if the channel has it.
     pub derivative: Option<&'static str>,
@@ -81,13 +79,13 @@ mod frame {
 }
 
 impl<S> Channel<S> {
-    /// Only the recordings of tops with a free peg have it.
-    const fn of_free_peg(mut self) -> Self {
-        self.is_of_free_peg = true;
+    /// Restricts the channel to a free peg.
+    const fn free_peg_only(mut self) -> Self {
+        self.is_free_peg_only = true;
         self
     }
 
-    /// Only these values make a message.
+    /// Sets the filter of values.
     const fn present_if(mut self, present: fn(&S) -> bool) -> Self {
         self.present = Some(present);
         self
@@ -146,13 +144,13 @@ impl<S> Field<S> {
         Self::new(name, Text, meaning, Source::Text(get))
     }
 
-    /// Shows the field in a plot together with others.
+    /// Assigns the field to a shared plot.
     const fn in_plot(mut self, plot: &'static str) -> Self {
         self.plot = plot;
         self
     }
 
-    /// Names the field's time derivative.
+    /// Sets the field that is the time derivative.
     const fn with_derivative(mut self, derivative: &'static str) -> Self {
         self.derivative = Some(derivative);
         self
@@ -186,8 +184,8 @@ const fn index<S>(fields: &[Field<S>], place: usize) -> usize {
     }
 }
 
-/// Declares channels by what their messages are made from. Each becomes a row of a table, a [`Topic`], and a module with the handles of
-/// its fields.
+/// Declares channels, grouped by the source type of their messages. Each becomes a row of a table, a [`Topic`], and a
+/// module with the handles of its fields.
 macro_rules! channels {
     ($(
         $(#[$doc:meta])*
@@ -208,7 +206,7 @@ macro_rules! channels {
 
             $(
                 #[doc = concat!("`", $topic, "`.")]
-                pub const $TOPIC: Topic = Topic::at(Order::$TOPIC as usize);
+                pub const $TOPIC: Topic = Topic::from_index(Order::$TOPIC as usize);
 
                 #[doc = concat!("The fields of `", $topic, "`.")]
                 pub mod $fields {
@@ -222,7 +220,7 @@ macro_rules! channels {
                         topic: $topic,
                         schema: $schema,
                         meaning: $meaning,
-                        is_of_free_peg: false,
+                        is_free_peg_only: false,
                         present: None,
                         fields: &[$(Field::<$Source>::$kind($($argument),*)$(.$method($text))*),*],
                     }$(.$option($($value)?))*;
@@ -325,14 +323,14 @@ channels! {
             STRENGTH_RATIO = number("strength_ratio", Number, "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.precession.strength_ratio);
         }
         CENTER_OF_MASS center_of_mass: channel("/top/center_of_mass", "toprise.CenterOfMass",
-            "the centre of mass of a top with a free peg").of_free_peg().present_if(|s| s.free.is_some()) {
+            "the centre of mass of a top with a free peg").free_peg_only().present_if(|s| s.free.is_some()) {
             POSITION = vector("position", Length, frame::WORLD, "position", |s| of_free(s, |f| f.center));
             VELOCITY = vector("velocity", Velocity, frame::WORLD, "velocity", |s| of_free(s, |f| f.center_velocity));
             ACCELERATION = vector("acceleration", LinearAcceleration, frame::WORLD, "acceleration", |s| of_free(s, |f| f.center_acceleration));
             ANGULAR_MOMENTUM = vector("angular_momentum", Momentum, frame::WORLD, "angular momentum about it", |s| of_free(s, |f| f.central_momentum));
         }
         FREE_PEG free_peg: channel("/top/free_peg", "toprise.FreePeg",
-            "what a free peg does on the table and above it").of_free_peg().present_if(|s| s.free.is_some()) {
+            "what a free peg does on the table and above it").free_peg_only().present_if(|s| s.free.is_some()) {
             GAP = number("gap", Length, "height of the peg above the table", |s| number_of_free(s, |f| f.gap));
             VELOCITY = vector("velocity", Velocity, frame::WORLD, "velocity of the peg's centre", |s| of_free(s, |f| f.peg_velocity));
             JELLETT = number("jellett", Jellett, "Jellett's integral l L_n + R L_z′ about the centre of mass, which no force at the point of contact changes", |s| number_of_free(s, |f| f.jellett));
@@ -388,9 +386,9 @@ channels! {
     }
 
     /// The channel with a message for each impact of a free peg.
-    LANDINGS: Landing {
+    LANDINGS: ImpactRecord {
         IMPACTS impacts: channel("/top/impact", "toprise.Impact",
-            "each impact of a free peg on the table").of_free_peg() {
+            "each impact of a free peg on the table").free_peg_only() {
             TIME = number("time", Time, "when, more exactly than the timestamp", |i| i.time);
             BOUNCE = number("bounce", Number, "impacts since the peg left the table, or since the start, this one counted", |i| f64::from(i.bounce));
             STAYS = number("stays", Number, "1 if the peg stays on the table, 0 if it bounces", |i| f64::from(u8::from(i.stays)));
@@ -453,7 +451,7 @@ fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
         numbers,
         is_sampled,
         is_optional: channel.present.is_some(),
-        is_of_free_peg: channel.is_of_free_peg,
+        is_free_peg_only: channel.is_free_peg_only,
     }
 }
 
@@ -477,7 +475,7 @@ fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
 }
 
 impl Topic {
-    /// The topic with this name, for names that are known only when the program runs.
+    /// The topic with this name, for names known only at run time.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::all().find(|topic| topic.name() == name)
@@ -485,18 +483,18 @@ impl Topic {
 
     /// All topics, in table order.
     pub fn all() -> impl ExactSizeIterator<Item = Self> {
-        (0..channels().len()).map(Self::at)
+        (0..channels().len()).map(Self::from_index)
     }
 
-    /// Its name, as in `/top/state`.
+    /// Its name, e.g. `/top/state`.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.info().topic
     }
 
-    /// The topics that runs with this support have, in table order.
+    /// The topics of runs with this support, in table order.
     pub fn all_with(support: Support) -> impl Iterator<Item = Self> {
-        Self::all().filter(move |topic| support.is_free() || !topic.info().is_of_free_peg)
+        Self::all().filter(move |topic| support.is_free() || !topic.info().is_free_peg_only)
     }
 
     /// The channel.

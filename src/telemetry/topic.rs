@@ -1,6 +1,6 @@
 //! Topics: names of the table's channels.
 
-use crate::run::nearest::near;
+use crate::run::suggestion::suggestion;
 use std::fmt;
 use thiserror::Error;
 
@@ -10,29 +10,29 @@ pub struct Topic(usize);
 
 impl Topic {
     /// The topic of the channel with this index in [`channels`].
-    pub(super) const fn at(index: usize) -> Self {
+    pub(super) const fn from_index(index: usize) -> Self {
         Self(index)
     }
 
-    /// The channel's index in [`channels`], as in [`Message::channel`](super::Message::channel).
+    /// The channel's index in [`channels`], equal to [`Message::channel`](super::Message::channel).
     #[must_use]
     pub const fn index(self) -> usize {
         self.0
     }
 }
 
-/// A choice of channels by their topics: topics of the table, or with `T = String` of any file.
+/// A selection of topics: of the table, or with `T = String` of any file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Topics<T = Topic> {
     /// Every channel.
     #[default]
     All,
-    /// The channels with these topics; none if there are none.
+    /// The channels with these topics; may be empty.
     Only(Vec<T>),
 }
 
 impl<T: PartialEq> Topics<T> {
-    /// Whether a topic is chosen.
+    /// Whether a topic is selected.
     pub fn include<N: ?Sized>(&self, topic: &N) -> bool
     where
         T: PartialEq<N>,
@@ -48,7 +48,7 @@ impl Topics {
     /// The topics of the table with these names.
     ///
     /// # Errors
-    /// [`UnknownTopic`] for a name that the table doesn't have.
+    /// [`UnknownTopic`] for a name that is not in the table.
     pub fn named(names: &[impl AsRef<str>]) -> Result<Self, UnknownTopic> {
         let find = |name: &str| {
             Topic::find(name).ok_or_else(|| UnknownTopic {
@@ -62,7 +62,7 @@ impl Topics {
 
 /// The error for a name that is not a topic of the table.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("there is no topic {name}{}; topics: {}", near(name, Topic::all().map(Topic::name)), Topic::all().map(Topic::name).collect::<Vec<_>>().join(", "))]
+#[error("unknown topic {name}{}; topics: {}", suggestion(name, Topic::all().map(Topic::name)), Topic::all().map(Topic::name).collect::<Vec<_>>().join(", "))]
 pub struct UnknownTopic {
     /// The name.
     pub name: String,

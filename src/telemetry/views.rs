@@ -1,15 +1,14 @@
-//! Channels for viewers: with them a recording can be watched without toprise.
+//! ROS 2 channels for viewers.
 //!
-//! Rerun opens views by itself only for messages of ROS 2; Foxglove and Lichtblick show them too. So some
-//! quantities of the table are written a second time in that form, thinned out to 100 Hz: the top's shape and
-//! motion, two arrows, plots, and the log of events. These channels follow from the messages of the table and are
-//! not part of the content digest.
+//! Rerun creates views automatically only for ROS 2 messages; Foxglove and Lichtblick support them, too. Some
+//! quantities are therefore duplicated in that form at 100 Hz: shape and pose of the top, two arrows, plots and the
+//! event log. These channels are derived from the table and not part of the content digest.
 //!
-//! Behind what nutates stand its least and its greatest value in the last nutation. Viewers that draw the mean of all
-//! that shares a pixel, as Rerun does from 0.41 on, would show no nutation without these.
+//! Nutating quantities are followed by their minimum and maximum in the last nutation, because viewers that average the
+//! values of a pixel (Rerun from 0.41) would hide the nutation.
 //!
-//! There are as few as possible. Rerun makes one plot for each of the three arrays of a `JointState`
-//! and one for a `Float64MultiArray`, which it names after its topic, and eight plots at most. `MagneticField` is the vector message that it draws as an arrow.
+//! Rerun creates one plot per array of a `JointState`, one per `Float64MultiArray` (named after its topic), and at most
+//! eight plots. It draws `MagneticField` as an arrow.
 
 mod cdr;
 mod envelope;
@@ -29,10 +28,10 @@ use crate::run::scenario::Scenario;
 use crate::run::simulation::EventKind;
 use nalgebra::Vector3;
 
-/// The level of all messages of the log.
+/// Level of all log messages.
 const INFO: u8 = 20;
 
-/// The least time between two messages of a view, ns.
+/// Minimum time between two messages of a view, ns.
 const PERIOD_NS: u64 = 10_000_000;
 
 /// A channel for viewers.
@@ -42,13 +41,13 @@ pub struct ViewChannel {
     pub topic: &'static str,
     /// Name of the message type in ROS 2.
     pub schema: &'static str,
-    /// Its definition, in the language `ros2msg`.
+    /// Its definition (`ros2msg`).
     pub definition: &'static str,
-    /// Content of the channel.
+    /// Description of the channel.
     pub meaning: &'static str,
-    /// Whether only recordings of a free peg have it.
-    pub is_of_free_peg: bool,
-    /// The topics of the table that it is made from; its messages come with those of the last one.
+    /// Whether the channel exists only for a free peg.
+    pub is_free_peg_only: bool,
+    /// Source topics; a view message is emitted with each message of the last one.
     sources: &'static [Topic],
     kind: Kind,
 }
@@ -98,16 +97,16 @@ const fn view(
         schema,
         definition,
         meaning,
-        is_of_free_peg: false,
+        is_free_peg_only: false,
         sources,
         kind,
     }
 }
 
-/// A view that only recordings of a free peg have.
-const fn of_free_peg(view: ViewChannel) -> ViewChannel {
+/// A view that exists only for a free peg.
+const fn free_peg_only(view: ViewChannel) -> ViewChannel {
     ViewChannel {
-        is_of_free_peg: true,
+        is_free_peg_only: true,
         ..view
     }
 }
@@ -131,7 +130,7 @@ const VIEWS: &[ViewChannel] = &[
         "arrow of the slip velocity in frame `contact`; the legend gives its scale"),
     view(Kind::FrictionTorque, "/view/friction_torque", FIELD, &[TORQUE],
         "arrow of the torque of friction in frame `top`; the legend gives its scale"),
-    of_free_peg(view(Kind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
+    free_peg_only(view(Kind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
         "normal force of a free peg, N: 0 while it flies")),
     view(Kind::Log, "/log", LOG, &[EVENTS], "events but for nutation extremes, as log lines"),
 ];
@@ -142,14 +141,14 @@ pub fn view_channels() -> &'static [ViewChannel] {
     VIEWS
 }
 
-/// Makes the messages of the view channels from those of the table.
+/// Generates the view messages from table messages.
 #[derive(Debug)]
 pub struct Views {
     top: Top,
     scales: Scales,
     /// Number of samples from one view to the next.
     stride: u32,
-    /// For each view the topic whose messages it comes with; none if there are no messages of the view.
+    /// For each view, the topic that triggers it; `None` if the view is not written.
     sources: Vec<Option<Topic>>,
     /// The description of the top's shape, until it has been sent.
     description: Option<String>,
@@ -161,9 +160,9 @@ pub struct Views {
 }
 
 impl Views {
-    /// Prepares the views of a run of `scenario` that `wants` some topics of the table.
+    /// Prepares the views of a run of `scenario`. `is_enabled` returns whether a topic of the table is recorded.
     #[must_use]
-    pub fn new(scenario: &Scenario, wants: impl Fn(Topic) -> bool) -> Self {
+    pub fn new(scenario: &Scenario, is_enabled: impl Fn(Topic) -> bool) -> Self {
         let top = scenario.model.top;
         let is_free = scenario.model.support.is_free();
         let proportions = Proportions::new(&top);
@@ -174,9 +173,9 @@ impl Views {
                 Kind::FrictionTorque => scales.torque.is_some(),
                 _ => true,
             };
-            let has_channel = is_free || !view.is_of_free_peg;
+            let has_channel = is_free || !view.is_free_peg_only;
             let mut sources = view.sources.iter().copied();
-            let is_wanted = has_scale && has_channel && sources.clone().all(&wants);
+            let is_wanted = has_scale && has_channel && sources.clone().all(&is_enabled);
             sources.next_back().filter(|_| is_wanted)
         };
         let period = scenario.sample_period_ns.max(1);
@@ -194,14 +193,14 @@ impl Views {
 
     /// Whether there will be messages of the view with this index.
     #[must_use]
-    pub fn wants(&self, view: usize) -> bool {
+    pub fn is_enabled(&self, view: usize) -> bool {
         self.sources[view].is_some()
     }
 
-    /// Passes to `emit` the views that come with a message: index in [`view_channels`], sequence number and bytes.
-    /// Their time is that of the message.
-    pub fn take(&mut self, message: &Message<'_>, mut emit: impl FnMut(usize, u32, &[u8])) {
-        self.envelope.take(message);
+    /// Calls `emit` for each view triggered by a message, with its index in [`view_channels`], sequence number and
+    /// bytes. The time is that of the message.
+    pub fn process(&mut self, message: &Message<'_>, mut emit: impl FnMut(usize, u32, &[u8])) {
+        self.envelope.update(message);
         let is_due = message.sequence.is_multiple_of(self.stride);
         if channels()[message.channel].is_sampled && !is_due {
             return;
@@ -216,7 +215,7 @@ impl Views {
         }
     }
 
-    /// Encodes the view of a message into `cdr`; false if the message has none.
+    /// Encodes the view of a message into `cdr`. Returns false if the message has no view.
     fn write(&mut self, kind: Kind, message: &Message<'_>) -> bool {
         let (cdr, envelope) = (&mut self.cdr, &self.envelope);
         let time = message.time_ns;
@@ -275,7 +274,7 @@ impl Views {
                 }
                 cdr.time(time).u8(INFO).string(name);
                 cdr.string(events::DESCRIPTION.of(message));
-                // File, function and line of the code that logs: they mean nothing here.
+                // File, function and line of the logging code: unused.
                 cdr.string("").string("").u32(0);
             }
         }

@@ -1,4 +1,4 @@
-//! Protobuf's wire format: the fields of a message, one after the other.
+//! The protobuf wire format: decoding of fields.
 
 use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
 
@@ -14,11 +14,11 @@ pub(super) enum Wire<'a> {
     End,
 }
 
-/// Takes a field off the front: its number, and what stands in it.
+/// Removes the first field. Returns its number and content.
 #[inline]
-pub(super) fn take<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
+pub(super) fn take_field<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
     let (number, wire) = match **data {
-        // Most numbers of fields are small.
+        // Most field numbers are small.
         [key @ 8..0x80, ..] => {
             *data = &data[1..];
             let wire = WireType::try_from(u64::from(key & 7));

@@ -92,7 +92,7 @@ fn another_reader_finds_everything() {
     }
     assert_eq!(counts["/top/state"], 501);
     assert_eq!(counts["/tf"], 51);
-    let views = view_channels().iter().filter(|view| !view.is_of_free_peg);
+    let views = view_channels().iter().filter(|view| !view.is_free_peg_only);
     assert_eq!(counts.len(), topics_of_fixed_peg() + views.count());
 }
 

@@ -29,7 +29,7 @@ fn run_records_and_summarises() {
     let directory = tempdir().unwrap();
     let text = answer(toprise(&directory).args(SHORT));
     for part in [
-        "the duration is over at t = 0.200000 s",
+        "the run reached its duration at t = 0.200000 s",
         "recordings/paper_duration0.2.mcap",
         "201 samples",
         "sha-256",

@@ -150,7 +150,7 @@ fn finely_sampled(scenario: &Scenario) -> Option<Scenario> {
         ("integrator.relative_tolerance", 1e-12),
         ("integrator.absolute_tolerance", 1e-12),
     ] {
-        values.put(key, value).unwrap();
+        values.set_value(key, value).unwrap();
     }
     Scenario::new(values).ok()
 }
@@ -161,8 +161,9 @@ fn assert_ranges_are_tight(scenario: &Scenario) -> usize {
     let run = Run::of(scenario);
     for cycle in &run.cycles {
         let near = |time: f64| {
-            let at =
-                |impact: &&toprise::run::simulation::Landing| (impact.time - time).abs() < 1e-9;
+            let at = |impact: &&toprise::run::simulation::ImpactRecord| {
+                (impact.time - time).abs() < 1e-9
+            };
             if run.impacts.iter().any(|impact| at(&impact)) {
                 0.0
             } else {

@@ -187,11 +187,11 @@ fn the_page_of_keys_is_that_of_the_table() {
         let presence = match key.presence {
             Presence::Required => "always".to_owned(),
             Presence::Optional => "optional".to_owned(),
-            Presence::With(other, words) if words.len() < 4 => {
+            Presence::RequiredWith(other, words) if words.len() < 4 => {
                 format!("with `{other}` = {}", words.join(", "))
             }
-            Presence::With(other, _) => format!("with any `{other}` but none"),
-            Presence::Beside(other) => format!("with `{other}`"),
+            Presence::RequiredWith(other, _) => format!("with any `{other}` but none"),
+            Presence::RequiredWithKey(other) => format!("with `{other}`"),
             Presence::OptionalWith(other, word) => format!("optional with `{other}` = {word}"),
         };
         let (path, meaning, kind) = (key.path, key.meaning, key.kind);

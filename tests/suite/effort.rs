@@ -4,7 +4,7 @@ use crate::random_scenarios::{Random, count, free_tops};
 use std::cell::Cell;
 use std::rc::Rc;
 use toprise::run::scenario::{Scenario, Values};
-use toprise::run::simulation::tallied;
+use toprise::run::simulation::run_without_samples;
 
 /// More steps per second of motion are too many.
 const MOST_STEPS: f64 = 1e5;
@@ -16,12 +16,12 @@ const DURATION: f64 = 2.0;
 fn drilling(scenario: &Scenario, random: u64) -> Scenario {
     let with = |drills: bool| {
         let mut values = Values::from_toml(&scenario.to_toml()).unwrap();
-        values.put("stop.duration", DURATION).unwrap();
+        values.set_value("stop.duration", DURATION).unwrap();
         if drills && values.get("drilling.k").is_none() {
             values
-                .put("drilling.k", 0.02 + 0.04 * (random % 8) as f64)
+                .set_value("drilling.k", 0.02 + 0.04 * (random % 8) as f64)
                 .unwrap();
-            values.put("drilling.patch_radius", 2e-4).unwrap();
+            values.set_value("drilling.patch_radius", 2e-4).unwrap();
         }
         Scenario::new(values)
     };
@@ -35,7 +35,7 @@ fn costly(seed: u64, tops: usize) -> Vec<String> {
         let scenario = drilling(&scenario, number);
         let steps = Rc::new(Cell::new(0.0));
         let counted = Rc::clone(&steps);
-        let outcome = tallied(&scenario, move || {
+        let outcome = run_without_samples(&scenario, move || {
             counted.set(counted.get() + 1.0);
             counted.get() <= MOST_STEPS * DURATION
         });
@@ -94,7 +94,7 @@ fn regress_tops_whose_spin_stops_get_on() {
         ("stop.duration", "4"),
     ];
     let scenario = crate::support::scenario("free-viscous", &stalled);
-    let (end, _) = tallied(&scenario, || true).unwrap();
+    let (end, _) = run_without_samples(&scenario, || true).unwrap();
     assert_eq!(end.time, 4.0);
     assert!((end.statistics.accepted as f64) < MOST_STEPS * end.time);
 }

@@ -331,7 +331,7 @@ impl Writing {
 }
 
 fn views_of_fixed_peg() -> impl Iterator<Item = &'static ViewChannel> {
-    view_channels().iter().filter(|view| !view.is_of_free_peg)
+    view_channels().iter().filter(|view| !view.is_free_peg_only)
 }
 
 impl Forgery {

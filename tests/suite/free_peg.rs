@@ -9,7 +9,7 @@ use toprise::physics::dynamics::{
 use toprise::physics::friction::{Dissipation, Friction, FrictionLaw, Losses, Smoothing};
 use toprise::physics::kinematics::{Euler, lean_to_world};
 use toprise::run::scenario::Scenario;
-use toprise::run::simulation::{Event, EventKind, Landing, Sample, StopReason};
+use toprise::run::simulation::{Event, EventKind, ImpactRecord, Sample, StopReason};
 
 fn reference() -> Value {
     serde_json::from_str(include_str!("../data/free_peg.json")).unwrap()
@@ -275,8 +275,8 @@ fn events_of<'a>(truth: &'a Value, kind: &'static str) -> impl Iterator<Item = &
 fn compare_impacts<'a>(run: &Run, listed: impl Iterator<Item = &'a Value>, first_impact: f64) {
     for truth in listed {
         let time = digits(truth, "t").unwrap();
-        let distance = |hit: &&Landing| (hit.time - time).abs();
-        let nearest = |a: &&Landing, b: &&Landing| distance(a).total_cmp(&distance(b));
+        let distance = |hit: &&ImpactRecord| (hit.time - time).abs();
+        let nearest = |a: &&ImpactRecord, b: &&ImpactRecord| distance(a).total_cmp(&distance(b));
         let hit = run.impacts.iter().min_by(nearest).unwrap();
         let part = if hit.time > first_impact { 1e-7 } else { 1e-9 };
         for (key, actual) in [
@@ -509,7 +509,7 @@ fn what_a_support_does_not_allow_is_refused() {
                 &[("initial.peg_x", "0"), ("initial.center_y", "0")],
             ]
             .concat(),
-            "initial.center_y is set too",
+            "conflicts with initial.center_y",
         ),
         (
             [&free[..], &[("stop.duration", "")]].concat(),
@@ -521,7 +521,7 @@ fn what_a_support_does_not_allow_is_refused() {
         ),
         (
             [&free[..], &[("top.center_distance", "-0.005")]].concat(),
-            "inverts",
+            "not applicable to a tippe top",
         ),
     ] {
         let error = refused(&changes);

@@ -495,7 +495,7 @@ fn size_of_torques(top: &Top, friction: &Friction, now: &Instant<'_>) -> f64 {
     } = losses.air;
     // The disc's drag grows with the power 3/2 of the rate, and so does its rounding.
     let drag = (2.0 * transverse + axial + 1.5 * disc * omega.sqrt()) * omega;
-    of_force + drag + losses.of_contact(normal) + friction.law.drilling_bound(normal)
+    of_force + drag + losses.max_contact_torque(normal) + friction.law.drilling_bound(normal)
 }
 
 /// The components of a torque of sliding that act, in the world.

@@ -71,7 +71,7 @@ fn scenario(random: &mut Random, reach: Reach) -> Option<Scenario> {
         let decades = if extreme { 3.0 * decades } else { decades };
         middle * exp(std::f64::consts::LN_10 * decades * random.symmetric())
     };
-    let mut set = |path: &str, value: f64| values.put(path, value).is_ok();
+    let mut set = |path: &str, value: f64| values.set_value(path, value).is_ok();
     let mass = spread(random, 0.1, 1.0);
     let length = spread(random, 0.03, 0.5);
     // About the peg: at least that of the mass at its distance.
@@ -146,7 +146,7 @@ fn scenario(random: &mut Random, reach: Reach) -> Option<Scenario> {
     text("friction.law", law);
     text("friction.dissipation", word(random, "friction.dissipation"));
     text("friction.k", &format!("{k:?}"));
-    let mut set = |path: &str, value: f64| values.put(path, value).is_ok();
+    let mut set = |path: &str, value: f64| values.set_value(path, value).is_ok();
     match law {
         "none" => {
             values.set("friction.k", "").unwrap();
@@ -191,7 +191,7 @@ fn free_scenario(random: &mut Random, reach: Reach) -> Option<Scenario> {
     values
         .set("stop.on_stick", ["", "continue"][random.below(2)])
         .unwrap();
-    let mut put = |path: &str, value: f64| values.put(path, value).unwrap();
+    let mut put = |path: &str, value: f64| values.set_value(path, value).unwrap();
     put(
         "support.restitution",
         [0.0, 1.0, random.unit(), random.unit()][random.below(4)],
@@ -252,7 +252,7 @@ fn broken_laws(scenario: &Scenario) -> Vec<String> {
     let Ok(simulation) = simulation else {
         return Vec::new();
     };
-    let mut simulation = simulation.running_while(move || {
+    let mut simulation = simulation.continue_while(move || {
         steps += 1;
         steps <= MOST_STEPS
     });

@@ -242,7 +242,7 @@ fn a_pair_holds_both_runs_and_their_difference() {
     let content = Content::read(&path);
     assert_nothing_is_empty(&content);
     let rows = content.rows();
-    let is_compared = |channel: &&ChannelInfo| channel.is_sampled && !channel.is_of_free_peg;
+    let is_compared = |channel: &&ChannelInfo| channel.is_sampled && !channel.is_free_peg_only;
     for channel in channels().iter().filter(is_compared) {
         for leaf in &channel.numbers {
             let entity = format!("{}/{}", channel.topic, leaf.plot);

@@ -200,7 +200,7 @@ fn each_error_names_key_value_and_what_is_allowed() {
                 ("drilling.k", "0.1"),
                 ("drilling.patch_radius", "1e-4"),
             ],
-            &["drilling.k", "contensou", "of its own"],
+            &["drilling.k", "contensou", "already includes"],
         ),
         (
             &[("stop.on_stick", "continue")],
@@ -289,7 +289,7 @@ fn errors_say_what_to_do_next() {
         (&[("initial.theta", "30deg")], &["(30deg is 0.5236 rad)"]),
         (
             &[("initial.theta", "0,03")],
-            &["with a decimal point, as in 0.03"],
+            &["with a decimal point, e.g. 0.03"],
         ),
         (&[("initial.theta", "30 °")], &["is 0.5236 rad)"]),
     ] {

@@ -12,7 +12,7 @@ use toprise::archive::sink::{Sink, SinkError, record};
 use toprise::archive::writer::Form;
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{
-    Event, EventKind, Landing, NutationCycle, Record, RunEnd, Sample, Simulation,
+    Event, EventKind, ImpactRecord, NutationCycle, Record, RunEnd, Sample, Simulation,
 };
 use toprise::telemetry::{Telemetry, Topics};
 
@@ -42,7 +42,7 @@ pub struct Run {
     pub samples: Vec<Sample>,
     pub events: Vec<Event>,
     pub cycles: Vec<NutationCycle>,
-    pub impacts: Vec<Landing>,
+    pub impacts: Vec<ImpactRecord>,
     pub end: RunEnd,
 }
 

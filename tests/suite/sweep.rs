@@ -1389,7 +1389,10 @@ fn scenarios_of_one_name_are_warned_of() {
         .replace("a.p", "b.p");
     let (code, _, told) = toprise(folder, &line);
     assert_eq!(code, 0);
-    assert!(told.contains("several scenarios have the name one"), "{told}");
+    assert!(
+        told.contains("several scenarios have the name one"),
+        "{told}"
+    );
 }
 
 #[test]

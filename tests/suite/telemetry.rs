@@ -40,7 +40,7 @@ fn precession_views() -> Vec<(Option<[f64; 2]>, Vec<f64>)> {
                 [nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX].map(|field| field.of(&message)),
             );
         }
-        views.take(&message, |view, _, bytes| {
+        views.process(&message, |view, _, bytes| {
             if view_channels()[view].topic == "/view/precession_rate" {
                 // A header of four bytes, an empty layout, the number of values and four bytes of room.
                 assert_eq!(bytes.len(), 4 + 16 + 8 * 3);

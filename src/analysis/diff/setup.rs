@@ -97,7 +97,7 @@ fn flatten(prefix: &str, table: &toml::Table, flat: &mut Flat) {
                 flat.insert(path, text.clone());
             }
             toml::Value::Float(number) => {
-                flat.insert(path, Value::Number(*number).typed());
+                flat.insert(path, Value::Number(*number).to_set_notation());
             }
             value => {
                 flat.insert(path, value.to_string());

@@ -82,7 +82,12 @@ impl RunReport {
         Self {
             scenario: scenario.name().to_owned(),
             changes: changes
-                .map(|(key, value)| (key.path, value.map_or_else(String::new, Value::typed)))
+                .map(|(key, value)| {
+                    (
+                        key.path,
+                        value.map_or_else(String::new, Value::to_set_notation),
+                    )
+                })
                 .collect(),
             scenario_digest: scenario.digest(),
             outcome: Outcome::new(scenario, end, counts),

@@ -1,4 +1,4 @@
-//! Variables without a singularity: orientation as a quaternion and angular momentum.
+//! The singularity-free formulation: quaternion and angular momentum.
 
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entry, Formulation, Guard, Transition};
@@ -14,32 +14,32 @@ use crate::physics::kinematics::{
 use crate::physics::math::atan2;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
-/// The motion as a rotation of the body: regular in every position.
+/// The motion as a rotation of the body: regular in every orientation.
 ///
-/// State: quaternion x, y, z, w (turns body components into world components), angular momentum about
-/// the peg's centre in world components (kg m²/s), then the running integrals.
+/// State: quaternion x, y, z, w (transforms body to world components), angular momentum about the peg's centre in world
+/// components (kg m²/s), then the running integrals.
 ///
-/// The angular momentum in the world varies with the slow precession, while the angular velocity in
-/// the body turns with the spin; it takes longer steps, and what no torque changes stays exactly
-/// constant. The quaternion's length drifts by rounding only and is divided out wherever it is used.
+/// The world-frame angular momentum varies only with the slow precession, which allows longer steps than the body-frame
+/// angular velocity, and its conserved components stay exactly constant. The quaternion norm drifts by rounding only;
+/// it is divided out on use.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyRotation {
     /// The physics.
     pub model: Model,
-    /// Phase of the contact point. Where it sticks, only the vertical component of the angular momentum
-    /// is looked at: the others follow from it.
+    /// Phase of the contact point. While it sticks, only the vertical angular momentum is used; the other components
+    /// follow from it.
     pub phase: Phase,
 }
 
 impl BodyRotation {
-    /// Number of a state's numbers that describe the motion; the running integrals come behind them.
+    /// Number of state components for the motion; the running integrals follow.
     const VARIABLES: usize = 7;
-    /// The length of a state that carries all running integrals.
+    /// State length with all running integrals.
     pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;
-    /// The length of a state that carries only those which an outcome needs.
+    /// State length with only the integrals that an outcome needs.
     pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
 
-    /// Slipping.
+    /// Creates the formulation in the sliding phase.
     #[must_use]
     pub fn new(model: Model) -> Self {
         Self {
@@ -56,7 +56,7 @@ impl BodyRotation {
             let rate = momentum.z / top.vertical_moment(lean.sin, lean.cos);
             return Tilt::from_omega(lean.sin, lean.cos, Vector3::new(0.0, 0.0, rate));
         }
-        let momentum_lean = lean.of_world(momentum);
+        let momentum_lean = lean.world_to_lean(momentum);
         let axial = lean.sin * momentum_lean.x + lean.cos * momentum_lean.z;
         let excess = axial * (1.0 / top.axial_moment - 1.0 / top.transverse_moment);
         let omega =
@@ -75,8 +75,8 @@ impl<const N: usize> System<N> for BodyRotation {
         let tilt = self.tilt(&lean, &momentum(y));
         let contact = self.model.contact(&tilt);
         let friction = self.model.friction_torque(&contact, &tilt);
-        let torque = lean.in_world(&(self.model.top.gravity_torque(&tilt) + friction));
-        let omega = lean.in_world(&tilt.omega_lean);
+        let torque = lean.lean_to_world(&(self.model.top.gravity_torque(&tilt) + friction));
+        let omega = lean.lean_to_world(&tilt.omega_lean);
         let turning = Quaternion::from_imag(omega) * q * 0.5;
         let integrands = if N == Self::STATE_LENGTH {
             let theta = atan2(lean.sin, lean.cos);
@@ -104,9 +104,9 @@ impl BodyRotation {
         with_integrals(first, &Integrals::default())
     }
 
-    /// The state with the contact point brought to rest at the same angular momentum about the vertical.
+    /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
     #[must_use]
-    pub fn brought_to_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
+    pub fn state_at_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let lean = Lean::of(&quaternion(y), |_| momentum(y));
         let held = Self {
             phase: Phase::Holding,
@@ -114,7 +114,7 @@ impl BodyRotation {
         };
         let tilt = held.tilt(&lean, &momentum(y));
         let top = &self.model.top;
-        let momentum = lean.in_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
+        let momentum = lean.lean_to_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
         let mut rested = *y;
         (rested[4], rested[5]) = (momentum.x, momentum.y);
         rested
@@ -122,12 +122,12 @@ impl BodyRotation {
 }
 
 impl<const N: usize> FixedPeg<N> for BodyRotation {
-    fn in_phase(self, phase: Phase) -> Self {
+    fn with_phase(self, phase: Phase) -> Self {
         Self { phase, ..self }
     }
 
-    fn rested(&self, y: &[f64; N]) -> [f64; N] {
-        self.brought_to_rest(y)
+    fn at_rest(&self, y: &[f64; N]) -> [f64; N] {
+        self.state_at_rest(y)
     }
 }
 
@@ -150,7 +150,8 @@ impl<const N: usize> Formulation<N> for BodyRotation {
         if tilt.is_upright() {
             let per_moment = 1.0 / self.model.top.transverse_moment;
             let torque = momentum(&self.derivative(0.0, y));
-            tilt = lean.going_on(tilt, &(momentum(y) * per_moment), &(torque * per_moment));
+            tilt =
+                lean.rates_at_vertical(tilt, &(momentum(y) * per_moment), &(torque * per_moment));
         }
         Motion {
             angles: Euler {

@@ -2,7 +2,7 @@
 
 #![allow(
     clippy::inline_always,
-    reason = "the rates go from the stages to the equations in registers only if what is between is unrolled"
+    reason = "keeps the rates in registers between stages and equations"
 )]
 
 use super::fixed::{self, FixedPeg};
@@ -22,19 +22,19 @@ use nalgebra::UnitQuaternion;
 pub struct EulerAngles {
     /// The physics.
     pub model: Model,
-    /// Phase of the contact point. Where it sticks, θ and ψ stay as they are.
+    /// Phase of the contact point. While it sticks, θ and ψ are constant.
     pub phase: Phase,
 }
 
 impl EulerAngles {
-    /// Number of a state's numbers that describe the motion; the running integrals come behind them.
+    /// Number of state components for the motion; the running integrals follow.
     const VARIABLES: usize = 6;
-    /// The length of a state that carries all running integrals.
+    /// State length with all running integrals.
     pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;
-    /// The length of a state that carries only those which an outcome needs.
+    /// State length with only the integrals that an outcome needs.
     pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
 
-    /// Slipping.
+    /// Creates the formulation in the sliding phase.
     #[must_use]
     pub fn new(model: Model) -> Self {
         Self {
@@ -62,9 +62,8 @@ impl<const N: usize> System<N> for EulerAngles {
 
 /// The time derivatives of the rates and of the running integrals.
 ///
-/// The order of the fields is for speed. The integrator reads them two at a time, and a processor forwards what it has just
-/// stored to a load only if one store holds all of it; otherwise the load waits for the cache. In this order the compiler
-/// stores as pairs what is loaded as pairs: outcomes take a tenth less time, integrations with all integrals a quarter.
+/// The field order is a performance optimisation: it lets the compiler store as pairs what the integrator loads as
+/// pairs (store-to-load forwarding).
 #[repr(C)]
 struct Derivatives<const I: usize> {
     theta_dot: f64,
@@ -92,7 +91,7 @@ impl EulerAngles {
         })
     }
 
-    /// Out of line, so that it is given single numbers in registers: see [`Derivatives`].
+    /// Not inlined, so that arguments are passed in registers; see [`Derivatives`].
     #[inline(never)]
     fn derivatives<const I: usize>(
         &self,
@@ -141,9 +140,9 @@ impl EulerAngles {
         with_integrals(first, &Integrals::default())
     }
 
-    /// The state with the contact point brought to rest at the same angular momentum about the vertical.
+    /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
     #[must_use]
-    pub fn brought_to_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
+    pub fn state_at_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let top = &self.model.top;
         let tilt = Tilt::from_rates(y[1], rates(y));
         let vertical = tilt.node_to_lean(&top.angular_momentum_node(&tilt)).z;
@@ -155,12 +154,12 @@ impl EulerAngles {
 }
 
 impl<const N: usize> FixedPeg<N> for EulerAngles {
-    fn in_phase(self, phase: Phase) -> Self {
+    fn with_phase(self, phase: Phase) -> Self {
         Self { phase, ..self }
     }
 
-    fn rested(&self, y: &[f64; N]) -> [f64; N] {
-        self.brought_to_rest(y)
+    fn at_rest(&self, y: &[f64; N]) -> [f64; N] {
+        self.state_at_rest(y)
     }
 }
 
@@ -172,7 +171,7 @@ impl<const N: usize> Formulation<N> for EulerAngles {
 
     #[inline]
     fn motion_without_turns(&self, y: &[f64; N], _reference: Euler) -> Motion {
-        // Here φ and ψ cost nothing.
+        // φ and ψ are part of the state.
         let angles = angles(y);
         Motion {
             angles,

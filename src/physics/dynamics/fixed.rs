@@ -1,4 +1,4 @@
-//! The phases of a top whose peg's centre stays in place: it slides, or turns about the vertical as a whole.
+//! Phases of a top with a fixed peg: sliding, or sticking and turning about the vertical.
 
 use super::formulation::{Entry, Formulation, Guard, Transition};
 use super::model::Model;
@@ -6,19 +6,19 @@ use super::motion::{Motion, Start};
 use super::support::Phase;
 use crate::physics::kinematics::{Euler, Tilt};
 
-/// A contact point that slips more slowly than this has stopped, m/s: on the scale of a top a nanometre per second.
+/// Slip speeds below this count as zero, m/s.
 pub(super) const NO_SLIP: f64 = 1e-9;
 
-/// Angles nearer than this to θ = 0 or θ = π can't be integrated as Euler angles, rad.
+/// Euler angles are singular within this distance of θ = 0 and θ = π, rad.
 const SINGULAR: f64 = 1e-6;
 
 /// Equations of a top with a fixed peg.
 pub(super) trait FixedPeg<const N: usize>: Formulation<N> {
     /// These equations in another phase.
-    fn in_phase(self, phase: Phase) -> Self;
+    fn with_phase(self, phase: Phase) -> Self;
 
-    /// The state with the contact point brought to rest at the same angular momentum about the vertical.
-    fn rested(&self, state: &[f64; N]) -> [f64; N];
+    /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
+    fn at_rest(&self, state: &[f64; N]) -> [f64; N];
 }
 
 /// Start of the motion: see [`Formulation::start`].
@@ -34,7 +34,7 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     let motion = formulation.motion(&state, start.angles);
     if at_rest && model.grip(&motion.tilt).holds() {
         (
-            formulation.in_phase(Phase::Holding),
+            formulation.with_phase(Phase::Holding),
             state,
             Some(Transition::Holds),
         )
@@ -49,12 +49,12 @@ pub(super) fn guard(model: &Model, guard: Guard, tilt: &Tilt) -> f64 {
         Guard::Slip => model.top.slip_speed(tilt) - NO_SLIP,
         Guard::Grip => model.grip(tilt).margin(),
         Guard::Regular => tilt.sin - SINGULAR,
-        // What a fixed peg does not do.
+        // Not applicable to a fixed peg.
         Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::Rolling => f64::NAN,
     }
 }
 
-/// The transition where a guard has fallen to zero: see [`Formulation::enter`].
+/// The transition at a zero of a guard; see [`Formulation::enter`].
 pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
     formulation: &F,
     guard: Guard,
@@ -72,10 +72,10 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
             (Transition::SlipResumes, Phase::Sliding)
         }
     };
-    let formulation = formulation.in_phase(phase);
+    let formulation = formulation.with_phase(phase);
     Entry {
         formulation,
-        state: formulation.rested(state),
+        state: formulation.at_rest(state),
         delay: 0.0,
         transition,
         motion,

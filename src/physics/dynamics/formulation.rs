@@ -1,4 +1,4 @@
-//! The interface of a choice of variables: equations, phases, and transitions between them.
+//! The trait of formulations: equations, phases and transitions.
 
 use super::impact::Impact;
 use super::model::Model;
@@ -8,20 +8,20 @@ use crate::physics::integrate::{IntegrateError, System, Tolerances};
 use crate::physics::kinematics::Euler;
 use nalgebra::UnitQuaternion;
 
-/// A function of the motion that is positive while a phase lasts. Where it falls to zero, another begins.
+/// A function of the motion that is positive during a phase; its zero ends the phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Guard {
     /// The contact point slips.
     Slip,
-    /// Friction is strong enough to hold the contact point.
+    /// Friction can hold the contact point.
     Grip,
-    /// The table pushes.
+    /// The normal force is positive.
     NormalForce,
-    /// There is a gap between peg and table.
+    /// The gap between peg and table is open.
     Gap,
-    /// The peg can get out of the table's way.
+    /// The peg is not jammed (Painlevé).
     Mobility,
-    /// The top rolls rather than pivots.
+    /// The top rolls, i.e. does not pivot.
     Rolling,
     /// The variables are regular.
     Regular,
@@ -30,9 +30,9 @@ pub enum Guard {
 /// Transition at the end of a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transition {
-    /// The contact point stops slipping, but nothing holds it.
+    /// The contact point stops slipping, but friction can't hold it.
     SlipStops,
-    /// The contact point is held.
+    /// Friction holds the contact point.
     Holds,
     /// The contact point slips again.
     SlipResumes,
@@ -46,9 +46,9 @@ pub enum Transition {
     Bounces(Impact),
     /// The peg hits the table and stays there.
     Lands(Impact),
-    /// The peg jams: no normal force keeps it out of the table.
+    /// The peg jams: no normal force can keep it out of the table.
     Jams,
-    /// The top stands on its peg and turns about the vertical only, held by rolling resistance.
+    /// The top pivots: it turns about the vertical only, held by rolling resistance.
     Pivots,
     /// The variables become singular.
     BecomesSingular,
@@ -61,31 +61,30 @@ pub struct Entry<F, const N: usize> {
     pub formulation: F,
     /// The state at its beginning.
     pub state: [f64; N],
-    /// Time after the end of the phase before, s: the short time until the contact point rests.
+    /// Delay after the previous phase, s: the short time until the contact point is at rest.
     pub delay: f64,
     /// The transition.
     pub transition: Transition,
-    /// The motion that goes with that.
+    /// The motion at its beginning.
     pub motion: Motion,
-    /// The first step is not longer than this, s.
+    /// Maximum length of the first step, s.
     pub first_step: f64,
 }
 
-/// A choice of variables for the equations of motion, with `N` numbers as state; the last are the running
+/// The equations of motion in some set of variables, with `N` state components. The last components are the running
 /// integrals: all [`INTEGRALS`](super::INTEGRALS), or only [`FEW_INTEGRALS`](super::FEW_INTEGRALS).
 pub trait Formulation<const N: usize>: System<N> + Copy {
-    /// By how much each step may err, if the motion is to have these tolerances.
+    /// Tolerances per step for these tolerances of the motion.
     #[must_use]
     fn step_tolerances(tolerances: Tolerances) -> Tolerances {
         tolerances
     }
 
-    /// The equations, the state and what happens where the motion starts. Only if `may_hold` friction can hold the peg of
-    /// a top that turns as a whole from the start.
+    /// The equations, state and transition at the start. If `may_hold`, friction may hold the peg of a top that starts
+    /// turning as a whole.
     fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Transition>);
 
-    /// The motion that a state describes. `reference` are Euler angles of a moment ago, from which φ
-    /// and ψ go on without jumps of whole turns.
+    /// The motion of a state. φ and ψ are unwrapped to be continuous with `reference`.
     fn motion(&self, state: &[f64; N], reference: Euler) -> Motion {
         Motion {
             angles: self.angles(state, reference),
@@ -93,14 +92,13 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
         }
     }
 
-    /// [`Formulation::motion`] for those to whom φ and ψ don't matter: they may be left as they were in `reference`, which
-    /// is cheaper.
+    /// Like [`Formulation::motion`], but φ and ψ may be copied from `reference`, which is cheaper.
     fn motion_without_turns(&self, state: &[f64; N], reference: Euler) -> Motion;
 
     /// The Euler angles of [`Formulation::motion`].
     fn angles(&self, state: &[f64; N], reference: Euler) -> Euler;
 
-    /// The orientation in a state: turns body components into world components.
+    /// The orientation in a state: transforms body to world components.
     fn world_from_body(&self, state: &[f64; N]) -> UnitQuaternion<f64>;
 
     /// The physics.
@@ -109,13 +107,13 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     /// Phase of the contact point.
     fn phase(&self) -> Phase;
 
-    /// The guard that ends the phase.
+    /// The guards of the phase.
     fn guards(&self) -> &'static [Guard];
 
     /// The value of a guard.
     fn guard(&self, guard: Guard, motion: &Motion) -> f64;
 
-    /// The transition where a guard has fallen to zero. `reference` as for [`Formulation::motion`].
+    /// The transition at a zero of a guard. `reference` as for [`Formulation::motion`].
     ///
     /// # Errors
     /// If an impact can't be computed.

@@ -1,8 +1,8 @@
-//! A top whose peg is free: it slides and rolls over the table, lifts off, flies and lands.
+//! A top with a free peg: it slides, rolls, lifts off, flies and lands.
 
 #![allow(
     clippy::inline_always,
-    reason = "with hints alone little of this is unrolled into the derivative, and runs take half as long again"
+    reason = "plain #[inline] does not inline this; runs would take 50 % longer"
 )]
 
 mod state;
@@ -25,18 +25,17 @@ use crate::physics::kinematics::{
 use crate::physics::math::hypot;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 
-/// A peg whose mobility (see [`Guard::Mobility`]) has fallen to this jams. The table's force has then grown to a million
-/// times what it would be without friction.
+/// A peg jams when its mobility (see [`Guard::Mobility`]) falls to this value; the normal force is then a million times
+/// the frictionless one.
 const JAMMED: f64 = 1e-6;
 
-/// A top that turns about a horizontal axis more slowly than this doesn't roll but pivot, rad/s.
+/// Below this horizontal angular velocity a top pivots instead of rolling, rad/s.
 const NO_ROLLING: f64 = 1e-9;
 
-/// The part of the tolerances by which a step may err: the nutation of a top with a free peg grows by itself, and errors
-/// with it.
+/// Fraction of the tolerances used per step, because the nutation of a free top is unstable and amplifies errors.
 const ERROR_SHARE: f64 = 0.02;
 
-/// A relative error below this would be less than the rounding.
+/// Minimum relative tolerance (rounding).
 const ROUNDING: f64 = 1e-14;
 
 impl<const N: usize> System<N> for FreeRotation {
@@ -54,14 +53,14 @@ impl<const N: usize> System<N> for FreeRotation {
         } = &parts;
         let top = &self.model.top;
         let reaction = self.reaction(&parts);
-        let torque = lean.in_world(&(reaction.torque(arm) * self.inertia.per_transverse));
-        let turning = turning(&quaternion(y), &lean.in_world(&tilt.omega_lean));
-        let moving = lean.in_world(velocity);
-        let mut acceleration = lean.in_world(&(reaction.force() * self.inertia.per_mass));
+        let torque = lean.lean_to_world(&(reaction.torque(arm) * self.inertia.per_transverse));
+        let turning = turning(&quaternion(y), &lean.lean_to_world(&tilt.omega_lean));
+        let moving = lean.lean_to_world(velocity);
+        let mut acceleration = lean.lean_to_world(&(reaction.force() * self.inertia.per_mass));
         acceleration.z -= top.gravity;
         let (mut rise, mut fall) = (moving.z, acceleration.z);
         if self.phase != Phase::Flying {
-            // What follows from the inclination is not integrated.
+            // Components that follow from the inclination are not integrated.
             (rise, fall) = (0.0, 0.0);
         }
         let losses = (reaction.friction.couple + reaction.air).dot(&tilt.omega_lean);
@@ -150,7 +149,9 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let mut parts = self.parts(y);
         if parts.tilt.is_upright() {
             let torque = vector(&self.derivative(0.0, y), 4);
-            parts.tilt = parts.lean.going_on(parts.tilt, &vector(y, 4), &torque);
+            parts.tilt = parts
+                .lean
+                .rates_at_vertical(parts.tilt, &vector(y, 4), &torque);
         }
         let Parts {
             lean,
@@ -160,7 +161,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             ..
         } = &parts;
         let to_peg = Vector3::new(arm.lean, 0.0, arm.up + top.peg_radius);
-        let mut position = vector(y, 7) + lean.in_world(&to_peg);
+        let mut position = vector(y, 7) + lean.lean_to_world(&to_peg);
         let mut velocity_lean = velocity + tilt.omega_lean.cross(&to_peg);
         if self.phase != Phase::Flying {
             position.z = top.peg_radius;
@@ -205,7 +206,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let rolls = self.model.friction.rolling_arm() > 0.0;
         match self.phase {
             Phase::Flying => &[Guard::Gap],
-            // Where the table would have to pull, friction could not hold the point either.
+            // A non-positive normal force also ends sticking.
             Phase::Holding if rolls => &[Guard::Grip, Guard::Rolling],
             Phase::Holding => &[Guard::Grip],
             Phase::Sliding => self.sliding_guards,
@@ -220,7 +221,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 .reaction(self.phase, &motion.law_slip(&slip))
         };
         match guard {
-            // What friction can't hold slips, however slowly it begins.
+            // A point that friction can't hold slips, even if it starts slowly.
             Guard::Slip if motion.peg.departure.is_some() => NO_SLIP,
             Guard::Slip => slip.norm() - NO_SLIP,
             Guard::Grip => self.grip(&reaction()),
@@ -247,7 +248,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let (mut delay, mut state) = (0.0, self.completed(y));
         let (formulation, transition) = match guard {
             Guard::Slip => {
-                (state, delay) = self.rested(y);
+                (state, delay) = self.at_rest(y);
                 let next = self.on_table(&state, true);
                 let transition = match next.phase {
                     Phase::Holding => Transition::Rolls,
@@ -257,14 +258,14 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 (next, transition)
             }
             Guard::Grip => {
-                let next = self.departing(&state);
+                let next = self.after_release(&state);
                 let transition = match next.phase {
                     Phase::Flying => Transition::LiftsOff,
                     Phase::Sliding | Phase::Holding => Transition::RollEnds,
                 };
                 (next, transition)
             }
-            Guard::NormalForce => (self.in_phase(Phase::Flying), Transition::LiftsOff),
+            Guard::NormalForce => (self.with_phase(Phase::Flying), Transition::LiftsOff),
             Guard::Gap => {
                 let (next, after, transition) = self.after_impact(&state)?;
                 state = after;
@@ -285,7 +286,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
     }
 }
 
-/// Guards that end a phase of sliding.
+/// Guards that end sliding.
 fn sliding_guards(model: &Model) -> &'static [Guard] {
     use Guard::{Mobility, NormalForce, Rolling, Slip};
     let Model { top, friction, .. } = model;

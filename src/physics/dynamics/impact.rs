@@ -1,10 +1,10 @@
 //! Impacts of a free peg on the table.
 //!
-//! While an impact lasts, nothing moves but the velocities. The slip follows the normal impulse as J.-G. Darboux
-//! (Bull. Sci. Math. 4 (1880) 126) and J. B. Keller (J. Appl. Mech. 53 (1986) 1) describe it: friction acts in proportion
-//! to the normal impulse, in the direction that the slip has at each moment, and the slip may stop, turn and begin again.
-//! Compression lasts until the contact point approaches no longer; restitution, until it has given back the fraction
-//! `e²` of the work of compression (W. J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169). So no impact gains energy.
+//! During an impact, only velocities change. The slip evolves with the normal impulse (J.-G. Darboux, Bull. Sci. Math.
+//! 4 (1880) 126; J. B. Keller, J. Appl. Mech. 53 (1986) 1): friction is proportional to the normal impulse and opposes
+//! the current slip, which may stop, change direction and restart. Compression ends when the approach velocity is zero;
+//! restitution ends when its work is `e²` times the work of compression (W. J. Stronge, Proc. R. Soc. Lond. A 431
+//! (1990) 169). No impact gains energy.
 
 use super::reaction::FreeBody;
 use crate::physics::friction::Wrench;
@@ -15,52 +15,49 @@ use crate::physics::integrate::{
 use crate::physics::math::hypot;
 use nalgebra::Vector3;
 
-/// A contact point that approaches the table more slowly than this doesn't bounce, m/s. Each bounce of a train is lower
-/// than the one before; without an end there would be infinitely many. Between 1e-8 and 1e-5 m/s this moves what follows
-/// by less than 1e-11 s.
-const SLOWEST_BOUNCE: f64 = 1e-6;
+/// Minimum approach speed of a bounce, m/s. Ends sequences of ever smaller bounces.
+const MIN_BOUNCE_SPEED: f64 = 1e-6;
 
-/// The last bounces of a train are cut off earlier where each takes less than this part of the speed.
+/// If a bounce reduces the speed by less than this fraction, the minimum speed is increased.
 const LEAST_LOSS: f64 = 0.01;
-/// But only bounces slower than this, m/s: a top of 0.1 kg has 5e-10 J of them, and they take 2e-5 s each.
-const SLOWEST_ELASTIC_BOUNCE: f64 = 1e-4;
+/// Upper limit of that increase, m/s.
+const MAX_MIN_BOUNCE_SPEED: f64 = 1e-4;
 
-/// A peg that approaches the table more slowly than this doesn't bounce, m/s. Where a bounce takes no speed itself, friction
-/// between bounces may, and a train never ends.
-fn slowest_bounce(restitution: f64) -> f64 {
+/// Minimum approach speed of a bounce for this coefficient of restitution, m/s.
+fn min_bounce_speed(restitution: f64) -> f64 {
     let loss = 1.0 - restitution;
     if loss >= LEAST_LOSS {
-        SLOWEST_BOUNCE
-    } else if loss * SLOWEST_ELASTIC_BOUNCE > LEAST_LOSS * SLOWEST_BOUNCE {
-        SLOWEST_BOUNCE * LEAST_LOSS / loss
+        MIN_BOUNCE_SPEED
+    } else if loss * MAX_MIN_BOUNCE_SPEED > LEAST_LOSS * MIN_BOUNCE_SPEED {
+        MIN_BOUNCE_SPEED * LEAST_LOSS / loss
     } else {
-        SLOWEST_ELASTIC_BOUNCE
+        MAX_MIN_BOUNCE_SPEED
     }
 }
 
-/// Rolling resistance is in proportion to the rate of rolling where it would stop it within this part of an impact: its jump
-/// could not be followed.
+/// Rolling resistance is made proportional to the rolling rate below the rate that it would stop in this fraction of an
+/// impact, because a discontinuity can't be integrated.
 const CREEP_SHARE: f64 = 1e-3;
 
-/// Slower than this fraction of the velocity of the impact the contact point has stopped slipping. What is left is taken
-/// away along a straight line, so that an error of the square of this remains.
+/// Slip below this fraction of the impact speed counts as stopped; the rest is removed along a straight line, with a
+/// quadratic error.
 const SLIP_STOPPED: f64 = 1e-12;
 
-/// An impact that takes more steps has a law of friction that is too steep for its speed.
-const MOST_STEPS: u32 = 20_000;
+/// Maximum number of steps per impact; exceeded only if the friction law is too steep.
+const MAX_STEPS: u32 = 20_000;
 
 /// Result of an impact. Vectors are in the lean frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// Impulse of the table, N s.
     pub impulse: Vector3<f64>,
-    /// Moment of impulse of the couples at the contact, N m s.
+    /// Angular impulse of the contact couples, N m s.
     pub couple: Vector3<f64>,
     /// Velocity of the contact point before, m/s.
     pub before: Vector3<f64>,
     /// Velocity of the contact point after, m/s.
     pub after: Vector3<f64>,
-    /// The coefficient of restitution that acted: 0 for approaches too slow to bounce.
+    /// The effective coefficient of restitution; 0 if the approach is too slow for a bounce.
     pub restitution: f64,
     /// Energy lost by compression and restitution, J.
     pub normal_loss: f64,
@@ -71,7 +68,7 @@ pub struct Impact {
 }
 
 impl Impact {
-    /// A contact point that touches the table without approaching it.
+    /// A contact without approach velocity.
     pub(super) fn without_approach(velocity: Vector3<f64>) -> Self {
         Self {
             impulse: Vector3::zeros(),
@@ -86,64 +83,63 @@ impl Impact {
     }
 }
 
-/// Impulses, moments, work of the normal force and energy lost by friction, as multiples of what the impact's
-/// velocity makes of them.
+/// State: impulses, moments, work of the normal force and energy lost by friction, scaled by the impact speed.
 const SIZE: usize = 8;
-/// Number of them that guards depend on: on all but the energy lost by friction.
-const NEEDED: usize = 7;
+/// Number of components needed for guards (all but the energy lost by friction).
+const GUARD_INPUTS: usize = 7;
 type State = [f64; SIZE];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
-    /// The contact point slips. The direction, if it begins to.
+    /// Slipping; with the direction if the slip has just begun.
     Slipping(Option<Vector3<f64>>),
     /// The contact point is held.
     Held,
 }
 
 #[derive(Clone, Copy)]
-struct Process<'a> {
+struct ImpactEquations<'a> {
     body: &'a FreeBody<'a>,
     before: Vector3<f64>,
-    /// Approach of the contact point before, m/s: the scale of velocities.
+    /// Approach speed before the impact, m/s; the velocity scale.
     speed: f64,
-    /// Below this rate of rolling its resistance is weaker, rad/s.
+    /// Rolling resistance is reduced below this rolling rate, rad/s.
     creep: f64,
     stage: Stage,
 }
 
 /// State of the impact.
-struct Progress {
+struct ImpactState {
     impulse: Vector3<f64>,
     couple: Vector3<f64>,
     velocity: Vector3<f64>,
     omega: Vector3<f64>,
 }
 
-impl Process<'_> {
+impl ImpactEquations<'_> {
     #[inline]
-    fn progress(&self, y: &State) -> Progress {
+    fn impact_state(&self, y: &State) -> ImpactState {
         let top = self.body.top;
         let unit = top.mass * self.speed;
         let impulse = unit * Vector3::new(y[0], y[1], y[2]);
         let couple = unit * top.peg_radius * Vector3::new(y[3], y[4], y[5]);
         let turned = self
             .body
-            .turned_by(&(self.body.arm.cross(&impulse) + couple));
-        Progress {
+            .angular_acceleration(&(self.body.arm.cross(&impulse) + couple));
+        ImpactState {
             impulse,
             couple,
             velocity: self.before
-                + self.body.response.to(&impulse)
-                + self.body.answer_to_couple(&couple),
+                + self.body.inverse_mass.velocity_change(&impulse)
+                + self.body.acceleration_per_couple(&couple),
             omega: self.body.tilt.omega_lean + turned,
         }
     }
 
-    /// Action of friction per newton second of normal impulse while the contact point slips (m/s) and the top turns (rad/s).
+    /// Friction per normal impulse for a slip velocity (m/s) and an angular velocity (rad/s).
     #[inline]
-    fn per_newton(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
-        let mut wrench = self.body.friction.per_newton(slip, omega);
+    fn per_impulse(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
+        let mut wrench = self.body.friction.per_normal_force(slip, omega);
         let rate = hypot(omega.x, omega.y);
         if rate < self.creep {
             wrench.couple.x *= rate / self.creep;
@@ -157,9 +153,10 @@ impl Process<'_> {
         Vector3::new(velocity.x, velocity.y, 0.0)
     }
 
-    /// Friction per newton second of normal impulse, and by how much the slip slows the process down.
+    /// Friction per newton second of normal impulse, and the factor by which the independent variable is slowed near
+    /// zero slip.
     #[inline]
-    fn friction(&self, now: &Progress) -> (Wrench, f64) {
+    fn friction(&self, now: &ImpactState) -> (Wrench, f64) {
         let slip = Self::slip(&now.velocity);
         let friction = self.body.friction;
         match self.stage {
@@ -175,36 +172,36 @@ impl Process<'_> {
                         } else {
                             1.0
                         };
-                        (self.per_newton(&slip, &now.omega), pace)
+                        (self.per_impulse(&slip, &now.omega), pace)
                     }
                     _ => {
-                        // Near the end of slip its direction turns ever faster.
+                        // Near the end of slip its direction changes ever faster.
                         let pace = if friction.is_set_valued_at_rest() {
                             speed / (speed + self.speed)
                         } else {
                             1.0
                         };
-                        (self.per_newton(&slip, &now.omega), pace)
+                        (self.per_impulse(&slip, &now.omega), pace)
                     }
                 }
             }
         }
     }
 
-    /// The velocity that this impact is about, m/s.
+    /// The velocity scale of this impact, m/s.
     fn scale(&self) -> f64 {
         self.speed + hypot(self.before.x, self.before.y)
     }
 
     /// The friction that keeps the contact point at rest, per newton second of normal impulse.
-    fn holding(&self, now: &Progress) -> Wrench {
-        let couple = self.per_newton(&Vector3::zeros(), &now.omega).couple;
-        let by_couple = self.body.answer_to_couple(&couple);
-        let response = &self.body.response;
+    fn holding(&self, now: &ImpactState) -> Wrench {
+        let couple = self.per_impulse(&Vector3::zeros(), &now.omega).couple;
+        let by_couple = self.body.acceleration_per_couple(&couple);
+        let inverse_mass = &self.body.inverse_mass;
         Wrench {
             force: Vector3::new(
-                -(response.coupling + by_couple.x) / response.lean,
-                -by_couple.y / response.node,
+                -(inverse_mass.coupling + by_couple.x) / inverse_mass.lean,
+                -by_couple.y / inverse_mass.node,
                 0.0,
             ),
             couple,
@@ -213,15 +210,15 @@ impl Process<'_> {
 
     /// The phase after the contact point has stopped slipping.
     fn stopped(&self, y: &State) -> Stage {
-        let now = self.progress(y);
+        let now = self.impact_state(y);
         let bound = self.body.friction.law.static_bound(1.0);
         if self.holding(&now).force.norm() <= bound {
             return Stage::Held;
         }
         let slowly = SLIP_STOPPED * self.scale();
         let answer = |direction: &Vector3<f64>| {
-            let friction = self.per_newton(&(slowly * direction), &now.omega);
-            self.body.answer_per_newton(&friction)
+            let friction = self.per_impulse(&(slowly * direction), &now.omega);
+            self.body.acceleration_per_normal_force(&friction)
         };
         match FreeBody::departure(answer) {
             Some(direction) => Stage::Slipping(Some(direction)),
@@ -230,11 +227,11 @@ impl Process<'_> {
     }
 }
 
-impl System<SIZE> for Process<'_> {
+impl System<SIZE> for ImpactEquations<'_> {
     const CONTROLLED: usize = 6;
 
     fn derivative(&self, _: f64, y: &State) -> State {
-        let now = self.progress(y);
+        let now = self.impact_state(y);
         let (friction, pace) = self.friction(&now);
         let Wrench { force, couple } = friction;
         let radius = self.body.top.peg_radius;
@@ -252,27 +249,27 @@ impl System<SIZE> for Process<'_> {
     }
 }
 
-/// Guards of an impact.
+/// Events of an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Mark {
+enum ImpactEvent {
     Compressed,
     Restituted,
     SlipStopped,
 }
 
-/// The values whose zeros are looked for.
-struct Marks {
+/// The watched values.
+struct EventValues {
     compressed: f64,
     restituted: f64,
     slip_stopped: f64,
 }
 
-impl Marks {
-    fn of(&self, mark: Mark) -> f64 {
-        match mark {
-            Mark::Compressed => self.compressed,
-            Mark::Restituted => self.restituted,
-            Mark::SlipStopped => self.slip_stopped,
+impl EventValues {
+    fn of(&self, event: ImpactEvent) -> f64 {
+        match event {
+            ImpactEvent::Compressed => self.compressed,
+            ImpactEvent::Restituted => self.restituted,
+            ImpactEvent::SlipStopped => self.slip_stopped,
         }
     }
 }
@@ -280,14 +277,14 @@ impl Marks {
 /// An impact of a body whose contact point has the velocity `before` (m/s, lean frame), downward.
 ///
 /// # Errors
-/// If the law of friction is too steep to be followed.
+/// If the friction law is too steep.
 pub(super) fn impact(
     body: &FreeBody<'_>,
     before: Vector3<f64>,
     restitution: f64,
 ) -> Result<Impact, IntegrateError> {
     let mut collision = Collision::new(body, before, restitution)?;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         if let Some(end) = collision.step()? {
             return Ok(end);
         }
@@ -297,11 +294,11 @@ pub(super) fn impact(
 }
 
 struct Collision<'a> {
-    integrator: Dop853<Process<'a>, SIZE>,
+    integrator: Dop853<ImpactEquations<'a>, SIZE>,
     restitution: f64,
-    /// The work of compression, negative, once that is over.
+    /// The (negative) work of compression, once it has ended.
     compression: Option<f64>,
-    watches: Vec<(Mark, SignTracker)>,
+    watches: Vec<(ImpactEvent, SignTracker)>,
 }
 
 impl<'a> Collision<'a> {
@@ -311,7 +308,7 @@ impl<'a> Collision<'a> {
         restitution: f64,
     ) -> Result<Self, IntegrateError> {
         let speed = -before.z;
-        let mut process = Process {
+        let mut equations = ImpactEquations {
             body,
             before,
             speed,
@@ -320,18 +317,18 @@ impl<'a> Collision<'a> {
             stage: Stage::Slipping(None),
         };
         let start = [0.0; SIZE];
-        if hypot(before.x, before.y) <= SLIP_STOPPED * process.scale()
+        if hypot(before.x, before.y) <= SLIP_STOPPED * equations.scale()
             && body.friction.is_set_valued_at_rest()
         {
-            process.stage = process.stopped(&start);
+            equations.stage = equations.stopped(&start);
         }
         let tolerances = Tolerances {
             relative: 1e-14,
             absolute: 1e-15,
         };
         let mut collision = Self {
-            integrator: Dop853::new(process, 0.0, start, tolerances, Direction::Forward)?,
-            restitution: if speed < slowest_bounce(restitution) {
+            integrator: Dop853::new(equations, 0.0, start, tolerances, Direction::Forward)?,
+            restitution: if speed < min_bounce_speed(restitution) {
                 0.0
             } else {
                 restitution
@@ -343,75 +340,82 @@ impl<'a> Collision<'a> {
         Ok(collision)
     }
 
-    /// Looks for what can come next.
+    /// Selects the guards to watch.
     fn watch(&mut self) {
-        let process = self.integrator.system();
+        let equations = self.integrator.system();
         let normal = if self.compression.is_some() {
-            (Mark::Restituted, SignTracker::with_sign(false, 0.0))
+            (ImpactEvent::Restituted, SignTracker::with_sign(false, 0.0))
         } else {
-            (Mark::Compressed, SignTracker::with_sign(false, 0.0))
+            (ImpactEvent::Compressed, SignTracker::with_sign(false, 0.0))
         };
         self.watches = vec![normal];
-        if process.stage != Stage::Held && process.body.friction.is_set_valued_at_rest() {
+        if equations.stage != Stage::Held && equations.body.friction.is_set_valued_at_rest() {
             self.watches
-                .push((Mark::SlipStopped, SignTracker::default()));
+                .push((ImpactEvent::SlipStopped, SignTracker::default()));
         }
     }
 
-    /// The values of what is looked for.
+    /// The values of the watched functions.
     #[inline]
-    fn marks(&self, y: &State) -> Marks {
-        let process = self.integrator.system();
-        let velocity = process.progress(y).velocity;
+    fn event_values(&self, y: &State) -> EventValues {
+        let equations = self.integrator.system();
+        let velocity = equations.impact_state(y).velocity;
         let given_back = self.restitution * self.restitution;
-        Marks {
-            compressed: velocity.z / process.speed,
+        EventValues {
+            compressed: velocity.z / equations.speed,
             restituted: y[6] - self.compression.unwrap_or_default() * (1.0 - given_back),
-            slip_stopped: Process::slip(&velocity).norm() / process.scale() - SLIP_STOPPED,
+            slip_stopped: ImpactEquations::slip(&velocity).norm() / equations.scale()
+                - SLIP_STOPPED,
         }
     }
 
-    /// Takes a step; the impact if it ends there.
+    /// Takes a step. Returns the impact if it ends in this step.
     fn step(&mut self) -> Result<Option<Impact>, IntegrateError> {
         self.integrator.step_densely()?;
         let dense = self.integrator.dense();
-        let Some((s, mark)) = self.first_mark(&dense) else {
+        let Some((s, event)) = self.first_event(&dense) else {
             return Ok(None);
         };
         let (t, y) = (dense.t0 + s * dense.h, dense.at(s));
-        match mark {
-            Mark::Compressed => {
+        match event {
+            ImpactEvent::Compressed => {
                 self.compression = Some(y[6]);
                 if self.restitution == 0.0 {
                     return Ok(Some(self.end(&y)));
                 }
-                let process = *self.integrator.system();
-                self.restart(process, t, y)?;
+                let equations = *self.integrator.system();
+                self.restart(equations, t, y)?;
             }
-            Mark::Restituted => return Ok(Some(self.end(&y))),
-            Mark::SlipStopped => {
-                let y = self.without_rest_of_slip(t, y);
-                let mut process = *self.integrator.system();
-                process.stage = process.stopped(&y);
-                self.restart(process, t, y)?;
+            ImpactEvent::Restituted => return Ok(Some(self.end(&y))),
+            ImpactEvent::SlipStopped => {
+                let y = self.extrapolate_to_zero_slip(t, y);
+                let mut equations = *self.integrator.system();
+                equations.stage = equations.stopped(&y);
+                self.restart(equations, t, y)?;
             }
         }
         Ok(None)
     }
 
-    fn restart(&mut self, process: Process<'a>, t: f64, y: State) -> Result<(), IntegrateError> {
-        self.integrator.restart(process, t, y, Direction::Forward)?;
+    fn restart(
+        &mut self,
+        equations: ImpactEquations<'a>,
+        t: f64,
+        y: State,
+    ) -> Result<(), IntegrateError> {
+        self.integrator
+            .restart(equations, t, y, Direction::Forward)?;
         self.watch();
         Ok(())
     }
 
-    /// Goes on along a straight line to where nothing of the slip is left.
-    fn without_rest_of_slip(&self, t: f64, y: State) -> State {
-        let process = self.integrator.system();
-        let slope = process.derivative(t, &y);
-        let slip = Process::slip(&process.progress(&y).velocity);
+    /// Extrapolates linearly to zero slip.
+    fn extrapolate_to_zero_slip(&self, t: f64, y: State) -> State {
+        let equations = self.integrator.system();
+        let slope = equations.derivative(t, &y);
+        let slip = ImpactEquations::slip(&equations.impact_state(&y).velocity);
         let ahead: State = std::array::from_fn(|i| y[i] + slope[i]);
-        let change = Process::slip(&process.progress(&ahead).velocity) - slip;
+        let change = ImpactEquations::slip(&equations.impact_state(&ahead).velocity) - slip;
         let span = slip.norm_squared() / -change.dot(&slip);
         if span > 0.0 && span.is_finite() {
             std::array::from_fn(|i| y[i] + span * slope[i])
@@ -420,27 +424,29 @@ impl<'a> Collision<'a> {
         }
     }
 
-    fn first_mark(&mut self, dense: &Dense<SIZE>) -> Option<(f64, Mark)> {
+    fn first_event(&mut self, dense: &Dense<SIZE>) -> Option<(f64, ImpactEvent)> {
         let mut watches = std::mem::take(&mut self.watches);
-        let state = |s| dense.first_at(NEEDED, s);
-        let at = |s| self.marks(&state(s));
-        // Not `map`, which would move everything several times.
+        let state = |s| dense.first_at(GUARD_INPUTS, s);
+        let at = |s| self.event_values(&state(s));
+        // `map` would move everything several times.
         let [a, b, c, d, e] = KNOTS;
-        let marks = [at(a), at(b), at(c), at(d), at(e)];
-        let mut first: Option<(f64, Mark)> = None;
-        for (mark, tracker) in &mut watches {
-            let values = marks.each_ref().map(|marks| marks.of(*mark));
-            let wanted = match mark {
-                Mark::SlipStopped => Slope::Falling,
-                Mark::Compressed | Mark::Restituted => Slope::Rising,
+        let event_values = [at(a), at(b), at(c), at(d), at(e)];
+        let mut first: Option<(f64, ImpactEvent)> = None;
+        for (event, tracker) in &mut watches {
+            let values = event_values
+                .each_ref()
+                .map(|event_values| event_values.of(*event));
+            let wanted = match event {
+                ImpactEvent::SlipStopped => Slope::Falling,
+                ImpactEvent::Compressed | ImpactEvent::Restituted => Slope::Rising,
             };
             let mut found: Vec<Crossing> = Vec::new();
-            tracker.scan(&KNOTS, &values, |s| at(s).of(*mark), &mut found);
+            tracker.scan(&KNOTS, &values, |s| at(s).of(*event), &mut found);
             let crossing = found.iter().find(|crossing| crossing.slope == wanted);
             if let Some(crossing) = crossing
                 && first.is_none_or(|(s, _)| crossing.s < s)
             {
-                first = Some((crossing.s, *mark));
+                first = Some((crossing.s, *event));
             }
         }
         self.watches = watches;
@@ -448,10 +454,10 @@ impl<'a> Collision<'a> {
     }
 
     fn end(&self, y: &State) -> Impact {
-        let process = self.integrator.system();
-        let now = process.progress(y);
-        let unit = process.body.top.mass * process.speed * process.speed;
-        let is_held = process.stage == Stage::Held;
+        let equations = self.integrator.system();
+        let now = equations.impact_state(y);
+        let unit = equations.body.top.mass * equations.speed * equations.speed;
+        let is_held = equations.stage == Stage::Held;
         let mut after = now.velocity;
         if self.restitution == 0.0 {
             after.z = 0.0;
@@ -463,7 +469,7 @@ impl<'a> Collision<'a> {
         Impact {
             impulse: now.impulse,
             couple: now.couple,
-            before: process.before,
+            before: equations.before,
             after,
             restitution: self.restitution,
             normal_loss: -unit * given_back * self.compression.unwrap_or_default(),

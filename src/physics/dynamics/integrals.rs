@@ -1,26 +1,22 @@
-//! Integrals over the motion that travel with it.
+//! Running integrals over the motion.
 
-#![allow(
-    clippy::inline_always,
-    reason = "with hints alone this is called and not unrolled into the derivative"
-)]
+#![allow(clippy::inline_always, reason = "plain #[inline] does not inline this")]
 
 use super::accelerations::Accelerations;
 use crate::physics::kinematics::Tilt;
 use nalgebra::Vector3;
 
-/// Number of running integrals, if all do: see [`Integrals`].
+/// Number of all running integrals; see [`Integrals`].
 pub const INTEGRALS: usize = 11;
 
-/// Number of them that an outcome needs, the first: the work of friction and the path slipped. They influence nothing, so a
-/// state that carries no more has the same motion, to the last bit, and costs less.
+/// Number of integrals needed for an outcome: the first ones, work of friction and slip path. Integrals don't affect
+/// the motion, so a state with fewer integrals has a bit-identical motion at less cost.
 pub const FEW_INTEGRALS: usize = 2;
 
-/// Integrals over the motion so far, from the start of the run. They are carried along by the
-/// integrator and never influence the motion.
+/// Integrals over the motion since the start of the run. The integrator computes them without effect on the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Integrals {
-    /// Work that friction did on the top, J (negative where it took energy).
+    /// Work that friction and impacts did on the top, J (normally negative).
     pub friction_work: f64,
     /// Length of the path that the contact point slipped over the table, m.
     pub slip_path: f64,
@@ -28,14 +24,14 @@ pub struct Integrals {
     pub theta: f64,
     /// Work that friction did about the line of nodes, the perpendicular `n × e_N` and the symmetry axis, J.
     pub work_node: Vector3<f64>,
-    /// Work that the force of the friction law does along the path of the contact point, J. What drops a part of
-    /// friction does other work.
+    /// Work that the force of the friction law does along the slip path, J. Differs from `friction_work` with losses,
+    /// and if the model drops a part of friction.
     pub slip_work: f64,
     /// The terms of φ̈ and the frictional one of ψ̈, integrated.
     pub terms: TermIntegrals,
 }
 
-/// Integrals of terms of the Euler accelerations, rad/s. They grow only while `sin θ` is above [`TERMS_SINE`].
+/// Integrals of terms of the Euler accelerations, rad/s. They are accumulated only while `sin θ` > [`TERMS_SINE`].
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct TermIntegrals {
     /// ∫ of the gyroscopic term of φ̈.
@@ -65,11 +61,11 @@ impl TermIntegrals {
     }
 }
 
-/// Below this sine of θ the terms of φ̈ and ψ̈ are not summed. They grow like 1/sin² θ, so that the sums would keep
-/// nothing but the rounding of a passage through upright.
+/// Below this sin θ the terms of φ̈ and ψ̈ are not accumulated: they grow like 1/sin² θ, and the sums would be
+/// dominated by rounding.
 pub const TERMS_SINE: f64 = 1e-6;
 
-/// The running integrals as the end of a state vector.
+/// The running integrals as the last components of a state vector.
 #[inline]
 fn as_array(integrals: &Integrals) -> [f64; INTEGRALS] {
     let Integrals {
@@ -95,7 +91,7 @@ fn as_array(integrals: &Integrals) -> [f64; INTEGRALS] {
     ]
 }
 
-/// The running integrals at the end of a state vector, behind its first `M` numbers; 0 for those it does not carry.
+/// The running integrals at the end of a state vector, after its first `M` components; 0 for absent ones.
 #[inline]
 pub(super) fn integrals<const M: usize, const N: usize>(state: &[f64; N]) -> Integrals {
     let at = |index: usize| state.get(M + index).copied().unwrap_or_default();
@@ -114,7 +110,7 @@ pub(super) fn integrals<const M: usize, const N: usize>(state: &[f64; N]) -> Int
     }
 }
 
-/// All or few of the running integrals, or of what they grow by per second.
+/// The first `I` running integrals, or their rates.
 #[inline(always)]
 pub(super) fn first_of<const I: usize>(integrals: &Integrals) -> [f64; I] {
     const {
@@ -124,7 +120,7 @@ pub(super) fn first_of<const I: usize>(integrals: &Integrals) -> [f64; I] {
     std::array::from_fn(|i| all[i])
 }
 
-/// A state vector: `first`, then the running integrals, or what both grow by per second.
+/// A state vector (or its derivative): `first`, followed by the running integrals.
 #[inline(always)]
 pub(super) fn with_integrals<const M: usize, const N: usize>(
     first: [f64; M],

@@ -1,23 +1,23 @@
-//! The lean frame of an orientation that is given as a quaternion.
+//! The lean frame of a quaternion.
 
 use crate::physics::kinematics::{Euler, Tilt, UPRIGHT_SINE};
 use crate::physics::math::{atan2, hypot, unwrap_near};
 use nalgebra::{Quaternion, Vector3};
 
-/// The lean of the symmetry axis: where it points, as seen from above.
+/// Tilt direction of the symmetry axis (its horizontal direction).
 ///
-/// A vertical axis leans nowhere. If it doesn't stay vertical, its lean is the one with which it goes on; so no number jumps
-/// between this moment and what follows.
+/// A vertical axis has no tilt direction. If it is about to tilt, the direction of the following motion is used, so
+/// that values are continuous.
 pub(super) struct Lean {
     pub(super) sin: f64,
     pub(super) cos: f64,
-    /// Horizontal unit vector in which the axis leans, world; zero where it is vertical and stays so.
+    /// Horizontal unit vector of the tilt direction, world frame; zero if the axis stays vertical.
     direction: [f64; 2],
 }
 
 impl Lean {
-    /// The lean of an orientation. A vertical axis, with this cosine of θ, is about to turn about the horizontal part of the
-    /// vector `turning`, world.
+    /// The tilt direction of an orientation. For a vertical axis, `turning(cos θ)` returns the vector about whose
+    /// horizontal part it is about to rotate, world frame.
     #[inline]
     pub(super) fn of(q: &Quaternion<f64>, turning: impl FnOnce(f64) -> Vector3<f64>) -> Self {
         let per_square = 1.0 / q.norm_squared();
@@ -28,7 +28,7 @@ impl Lean {
         let direction = if sin > UPRIGHT_SINE {
             [x / sin, y / sin]
         } else {
-            leaving(cos, &turning(cos))
+            initial_tilt_direction(cos, &turning(cos))
         };
         Self {
             sin,
@@ -37,22 +37,22 @@ impl Lean {
         }
     }
 
-    /// World components turned into lean components.
+    /// Transforms world to lean components.
     #[inline]
-    pub(super) fn of_world(&self, v: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn world_to_lean(&self, v: &Vector3<f64>) -> Vector3<f64> {
         let [x, y] = self.direction;
         Vector3::new(x * v.x + y * v.y, x * v.y - y * v.x, v.z)
     }
 
-    /// Lean components turned into world components.
+    /// Transforms lean to world components.
     #[inline]
-    pub(super) fn in_world(&self, v: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn lean_to_world(&self, v: &Vector3<f64>) -> Vector3<f64> {
         let [x, y] = self.direction;
         Vector3::new(x * v.x - y * v.y, y * v.x + x * v.y, v.z)
     }
 
-    /// Euler angles of a moment ago for [`euler_angles`](crate::physics::kinematics::euler_angles), which keeps their φ where
-    /// the axis is vertical: with the φ of the lean there.
+    /// Reference angles for [`euler_angles`](crate::physics::kinematics::euler_angles), which keeps their φ if the axis
+    /// is vertical: with the φ of the tilt direction in that case.
     pub(super) fn reference(&self, before: Euler) -> Euler {
         let [x, y] = self.direction;
         if self.sin > UPRIGHT_SINE || (x == 0.0 && y == 0.0) {
@@ -66,20 +66,20 @@ impl Lean {
         }
     }
 
-    /// The rates with which a vertical axis goes on, from its angular momentum (world) and the torque, both over the moment of
-    /// inertia across the axis.
+    /// The limits of the Euler rates at a vertical axis, from the angular momentum and the torque (world frame), both
+    /// divided by the transverse moment of inertia.
     ///
-    /// With `n = ±z′` and `L = A n × ṅ + L_n n` the horizontal part of `L̇ = τ` is `±A z′ × n̈ + L_n ṅ = τ`. An axis that moves,
-    /// `ṅ = θ̇ e`, turns its lean `e` by `φ̇ = n̈ · (z′ × e)/2θ̇`: so φ̇ is half of `L_z′/A`, less what the torque along `e` does.
-    /// An axis that rests is moved by a torque, and its line of nodes is along it; `φ̇ = n⃛ · (z′ × e)/3θ̈` is a third of
-    /// `L_z′/A`, because friction keeps its direction at first.
-    pub(super) fn going_on(
+    /// With `n = ±z′` and `L = A n × ṅ + L_n n`, the horizontal part of `L̇ = τ` is `±A z′ × n̈ + L_n ṅ = τ`. If the
+    /// axis is moving, `ṅ = θ̇ e`, then `φ̇ = n̈ · (z′ × e)/2θ̇`: half of `L_z′/A`, minus the contribution of the
+    /// torque along `e`. If it is at rest, the line of nodes is along the torque, and
+    /// `φ̇ = n⃛ · (z′ × e)/3θ̈ = L_z′/3A`, because friction initially keeps its direction.
+    pub(super) fn rates_at_vertical(
         &self,
         tilt: Tilt,
         momentum: &Vector3<f64>,
         torque: &Vector3<f64>,
     ) -> Tilt {
-        let (momentum, torque) = (self.of_world(momentum), self.of_world(torque));
+        let (momentum, torque) = (self.world_to_lean(momentum), self.world_to_lean(torque));
         let sign = self.cos.signum();
         let phi = if momentum.y != 0.0 {
             0.5 * (momentum.z - torque.x / momentum.y)
@@ -99,10 +99,9 @@ impl Lean {
     }
 }
 
-/// The direction in which a vertical axis with this cosine of θ begins to lean, if it turns about the horizontal part of a
-/// vector.
+/// The initial tilt direction of a vertical axis that rotates about the horizontal part of a vector.
 #[cold]
-fn leaving(cos: f64, turning: &Vector3<f64>) -> [f64; 2] {
+fn initial_tilt_direction(cos: f64, turning: &Vector3<f64>) -> [f64; 2] {
     let across = cos.signum() * hypot(turning.x, turning.y);
     if across == 0.0 {
         [0.0, 0.0]

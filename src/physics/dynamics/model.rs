@@ -1,8 +1,8 @@
-//! The physics that every formulation shares: a top, its friction, and the accelerations that follow.
+//! The physics shared by all formulations.
 
 #![allow(
     clippy::inline_always,
-    reason = "with hints alone the friction is called and not unrolled into the derivative, and runs take a quarter longer"
+    reason = "plain #[inline] does not inline this; runs would take 25 % longer"
 )]
 
 use super::accelerations::{Accelerations, accelerations_about, inertial_terms_with_gravity};
@@ -15,7 +15,7 @@ use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::{PrecessionRoots, Top};
 use nalgebra::Vector3;
 
-/// A top, the friction that acts on it, and how the table holds it.
+/// A top with its friction and support.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
     /// The rigid body and gravity.
@@ -27,7 +27,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// The contact in a motion.
+    /// The state of the contact for a motion.
     #[must_use]
     pub fn contact_in(&self, motion: &Motion) -> Contact {
         if !self.support.is_free() {
@@ -56,8 +56,8 @@ impl Model {
 
     /// The Euler accelerations in a motion with this contact, rad/s².
     ///
-    /// The terms of [`Model::accelerations`] are those of a top whose peg's centre stays in place. A free peg adds the
-    /// torque of its own acceleration; the whole is computed about the centre of mass, where there is none.
+    /// [`Model::accelerations`] assumes that the peg's centre does not accelerate. For a free peg, the accelerations
+    /// are computed about the centre of mass instead.
     #[must_use]
     pub fn euler_accelerations(&self, contact: &Contact, motion: &Motion) -> Euler {
         let tilt = &motion.tilt;
@@ -111,11 +111,11 @@ impl Model {
         }
     }
 
-    /// The top with a fixed peg that nutates as this one does while its free peg rolls, at an inclination with this cosine;
-    /// exact for small nutations of an axis near the vertical.
+    /// The equivalent top with a fixed peg for nutation while rolling, at this cos θ; exact for small nutations near
+    /// the vertical.
     ///
     /// With the height `h = R + l cos θ` of the centre of mass its moments of inertia are `A + M h²`, about the contact
-    /// point, and `I_z + M R h`: the centre of mass goes round with the spin, because the peg rolls.
+    /// point, and `I_z + M R h`: because of rolling, the centre of mass circles with the spin.
     #[must_use]
     pub fn rolling_top(&self, cos: f64) -> Top {
         let top = &self.top;
@@ -128,7 +128,7 @@ impl Model {
     }
 
     /// The period of nutation without friction in a motion with these least and greatest θ (rad), s: see
-    /// [`Top::nutation_period`]. `None` where the motion would not come back.
+    /// [`Top::nutation_period`]. `None` if the motion is not periodic.
     #[must_use]
     pub fn nutation_period(&self, motion: &Motion, extremes: [f64; 2]) -> Option<f64> {
         let top = if self.rolls(motion) {
@@ -139,12 +139,12 @@ impl Model {
         top.nutation_period(&motion.tilt, extremes)
     }
 
-    /// The precession rates at which θ̈ would vanish at this inclination and spin rate: [`Top::precession_roots`] of a peg
-    /// that is fixed or slides without friction.
+    /// The rates of regular precession at this inclination and spin rate: [`Top::precession_roots`] for a fixed peg or
+    /// frictionless sliding.
     ///
-    /// Of a peg that rolls, with the height `h = R + l cos θ` of the centre of mass, they are the roots of
-    /// `((A − I_z) cos θ + M l h) φ̇² − (I_z + M R h) ψ̇ φ̇ + M g l = 0`: the centre of mass then goes round in a circle, for
-    /// which friction gives the force.
+    /// For a rolling peg, with the height `h = R + l cos θ` of the centre of mass, they are the roots of
+    /// `((A − I_z) cos θ + M l h) φ̇² − (I_z + M R h) ψ̇ φ̇ + M g l = 0`: the centre of mass moves in a circle, and
+    /// friction provides the centripetal force.
     #[must_use]
     pub fn precession_roots(&self, motion: &Motion) -> Option<PrecessionRoots> {
         let (top, tilt) = (&self.top, &motion.tilt);
@@ -163,8 +163,8 @@ impl Model {
         self.support.is_free() && motion.phase == Phase::Holding
     }
 
-    /// Jellett's integral `l L_n + R L_z′` about the centre of mass, kg m³/s: no force at the point of contact changes
-    /// it (J. H. Jellett, A Treatise on the Theory of Friction, 1872).
+    /// Jellett's integral `l L_n + R L_z′` about the centre of mass, kg m³/s: not changed by any force at the contact
+    /// point (J. H. Jellett, A Treatise on the Theory of Friction, 1872).
     #[must_use]
     pub fn jellett(&self, motion: &Motion) -> f64 {
         let momentum = self.central_momentum_lean(motion);
@@ -172,8 +172,8 @@ impl Model {
         self.top.center_distance * axial + self.top.peg_radius * momentum.z
     }
 
-    /// Routh's integral of a top that rolls, kg m²/s: `L_n/I_z · √(A I_z + M I_z (l + R cos θ)² + M A R² sin² θ)`
-    /// with the transverse moment `A` about the centre of mass.
+    /// Routh's integral of a rolling top, kg m²/s: `L_n/I_z · √(A I_z + M I_z (l + R cos θ)² + M A R² sin² θ)` with the
+    /// transverse moment `A` about the centre of mass.
     #[must_use]
     pub fn routh(&self, motion: &Motion) -> f64 {
         let tilt = &motion.tilt;
@@ -191,7 +191,8 @@ impl Model {
             + 0.5 * self.top.mass * velocity.norm_squared()
     }
 
-    /// Potential energy in a motion, J: zero at the height of the centre of a peg that stands on the table.
+    /// Potential energy in a motion, J; zero if the centre of mass is at z = R, the height of the centre of a peg on
+    /// the table.
     #[must_use]
     pub fn potential_energy(&self, motion: &Motion) -> f64 {
         let above_peg = self.top.potential_energy(&motion.tilt);
@@ -210,14 +211,14 @@ impl Model {
         self.kinetic_energy(motion) + self.potential_energy(motion)
     }
 
-    /// The contact in the state `tilt`, if the peg's centre is fixed: the table carries the weight.
+    /// The contact of a fixed peg in the state `tilt`; the normal force equals the weight.
     #[must_use]
     #[inline(always)]
     pub fn contact(&self, tilt: &Tilt) -> Contact {
         self.friction.contact(&self.top, self.top.weight(), tilt)
     }
 
-    /// The force and torque that keep the contact point at rest in the state `tilt`.
+    /// The torque that keeps the contact point at rest in the state `tilt`, and its bound.
     #[must_use]
     #[inline(never)]
     pub fn grip(&self, tilt: &Tilt) -> Grip {
@@ -233,8 +234,7 @@ impl Model {
 
     /// The Euler accelerations, term by term.
     ///
-    /// Upright, where φ and ψ have no meaning of their own, their accelerations are 0 but for
-    /// the friction about the vertical.
+    /// Upright, where φ and ψ are undefined, φ̈ and ψ̈ are 0 except for friction about the vertical.
     #[must_use]
     #[inline(always)]
     pub fn accelerations(&self, contact: &Contact, tilt: &Tilt) -> Accelerations {
@@ -245,7 +245,7 @@ impl Model {
         }
     }
 
-    /// Rates of change of the running integrals that are always kept; 0 for the others.
+    /// Rates of the running integrals of an outcome; 0 for the others.
     #[inline(always)]
     pub(super) fn few_integrands(
         contact: &Contact,

@@ -1,4 +1,4 @@
-//! The motion at one instant, and what it starts from.
+//! The motion at one instant, and initial conditions.
 
 use super::integrals::Integrals;
 use super::support::Phase;
@@ -6,7 +6,7 @@ use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
 use nalgebra::Vector3;
 
-/// The motion at one instant, whatever the formulation that computed it.
+/// The motion at one instant, independent of the formulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Euler angles, rad; φ and ψ unwrapped.
@@ -21,13 +21,12 @@ pub struct Motion {
     pub integrals: Integrals,
 }
 
-/// A contact point that slips more slowly than this after it was at rest goes where friction lets it go, m/s: its
-/// velocity has no direction yet.
+/// Below this slip speed after a departure from rest, friction uses the departure direction, m/s: the slip velocity is
+/// too small to define a direction.
 pub(super) const DEPARTING: f64 = 1e-9;
 
 impl Motion {
-    /// Slip velocity of the contact point over the table in the lean frame, m/s; of a top in flight, that of its lowest
-    /// point.
+    /// Slip velocity of the contact point in the lean frame, m/s; in flight, the velocity of the lowest point.
     #[must_use]
     #[inline]
     pub fn slip_velocity(&self, top: &Top) -> Vector3<f64> {
@@ -35,7 +34,7 @@ impl Motion {
         Vector3::new(velocity.x, velocity.y, 0.0)
     }
 
-    /// The slip that friction answers: that of the departure while there is hardly any.
+    /// The slip velocity used in the friction law: the departure direction while the slip is too slow.
     #[inline]
     pub(super) fn law_slip(&self, slip: &Vector3<f64>) -> Vector3<f64> {
         slip_of_law(slip, self.peg.departure.as_ref())
@@ -50,7 +49,7 @@ impl Motion {
     }
 }
 
-/// The slip that friction answers (m/s, lean frame), where a contact point that was at rest departs in a direction.
+/// The slip velocity used in the friction law (m/s, lean frame), given a departure direction.
 #[inline]
 pub(super) fn slip_of_law(slip: &Vector3<f64>, departure: Option<&Vector3<f64>>) -> Vector3<f64> {
     match departure {
@@ -59,21 +58,20 @@ pub(super) fn slip_of_law(slip: &Vector3<f64>, departure: Option<&Vector3<f64>>)
     }
 }
 
-/// Whether a slip velocity (m/s) is too slow to have a direction.
+/// Whether a slip velocity (m/s) is too small to define a direction.
 #[inline]
 pub(super) fn is_departing(slip: &Vector3<f64>) -> bool {
     slip.norm_squared() < DEPARTING * DEPARTING
 }
 
-/// Position and velocity of the centre of the peg, and what impacts have taken so far. One that is fixed stays where it
-/// is.
+/// Position and velocity of the centre of the peg, and the energy lost in impacts. A fixed peg does not move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peg {
     /// Position of its centre in the world, m; the table is z = 0.
     pub position: Vector3<f64>,
     /// Velocity of its centre in the lean frame, m/s.
     pub velocity_lean: Vector3<f64>,
-    /// The direction, in the lean frame, in which a contact point begins to slip that is still too slow to have one.
+    /// The departure direction in the lean frame, while the slip is too slow to define one.
     pub departure: Option<Vector3<f64>>,
     /// Energy lost in impacts and losses.
     pub dissipated: Dissipated,
@@ -91,7 +89,7 @@ pub struct Dissipated {
 }
 
 impl Peg {
-    /// A peg of this radius (m) that stays where it is, above the origin.
+    /// A fixed peg of this radius (m) above the origin.
     #[must_use]
     #[inline]
     pub fn fixed(radius: f64) -> Self {

@@ -1,11 +1,11 @@
-//! Action of the table on a top with a free peg: the normal force, and friction in proportion to it.
+//! Contact forces on a free peg: normal force and friction.
 //!
-//! All vectors are in the lean frame (x where the axis leans, y line of nodes, z up), torques and moments of inertia are
-//! about the centre of mass. `ρ` leads from the centre of mass to the point of contact.
+//! All vectors are in the lean frame (x tilt direction, y line of nodes, z up), torques and moments of inertia are
+//! about the centre of mass. `ρ` is the vector from the centre of mass to the contact point.
 
 #![allow(
     clippy::inline_always,
-    reason = "with hints alone little of this is unrolled into the derivative, and runs take half as long again"
+    reason = "plain #[inline] does not inline this; runs would take 50 % longer"
 )]
 
 use super::motion::DEPARTING;
@@ -18,12 +18,12 @@ use crate::physics::top::Top;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Number of directions that are tried where a contact point begins to slip.
+/// Number of trial directions for a beginning slip.
 const DIRECTIONS: u32 = 48;
 
-/// The direction in which a contact point gives way is found by the secant method, in few steps.
-const MOST_TURNS: u32 = 8;
-/// The tangent of the first turn.
+/// Maximum number of secant iterations for the departure direction.
+const MAX_ITERATIONS: u32 = 8;
+/// Tangent of the first trial rotation.
 const FIRST_TURN: f64 = 1e-4;
 
 /// A top with a free peg at one inclination.
@@ -32,21 +32,21 @@ pub(super) struct FreeBody<'a> {
     pub(super) top: &'a Top,
     pub(super) friction: &'a Friction,
     pub(super) tilt: Tilt,
-    pub(super) arm: Arm,
+    pub(super) arm: ContactArm,
     pub(super) inertia: Inertia,
-    pub(super) response: Response,
+    pub(super) inverse_mass: InverseMass,
 }
 
-/// The way from the centre of mass to the point of contact, m. It lies in the vertical plane of the symmetry axis.
+/// The vector ρ from the centre of mass to the contact point, m; in the vertical plane of the axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Arm {
-    /// In the direction in which the axis leans.
+pub(super) struct ContactArm {
+    /// In the tilt direction.
     pub(super) lean: f64,
-    /// Upward: negative.
+    /// Upward component; negative.
     pub(super) up: f64,
 }
 
-impl Arm {
+impl ContactArm {
     #[inline(always)]
     pub(super) fn of(top: &Top, sin: f64, cos: f64) -> Self {
         Self {
@@ -66,7 +66,7 @@ impl Arm {
     }
 }
 
-/// The inertia of a top about its centre of mass, and inverses of it that many things need.
+/// Moments of inertia about the centre of mass, and their inverses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Inertia {
     /// 1/kg.
@@ -91,23 +91,23 @@ impl Inertia {
     }
 }
 
-/// The inverse inertia at the point of contact, 1/kg: how its velocity answers an impulse there.
+/// Inverse of the effective mass matrix at the contact point, 1/kg (velocity change per impulse).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Response {
+pub(super) struct InverseMass {
     /// Along the line of nodes.
     pub(super) node: f64,
-    /// In the direction in which the axis leans.
+    /// In the tilt direction.
     pub(super) lean: f64,
     /// Upward.
     pub(super) up: f64,
-    /// Upward to an impulse in the direction of lean, and the reverse.
+    /// Coupling between the vertical and the tilt direction.
     pub(super) coupling: f64,
 }
 
-impl Response {
-    /// The change of velocity by an impulse (N s) in m/s, or the acceleration by a force.
+impl InverseMass {
+    /// The velocity change (m/s) for an impulse (N s), or the acceleration for a force.
     #[inline(always)]
-    pub(super) fn to(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn velocity_change(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(
             self.lean * impulse.x + self.coupling * impulse.z,
             self.node * impulse.y,
@@ -116,10 +116,10 @@ impl Response {
     }
 }
 
-/// Forces on the top except its weight.
+/// All forces on the top except its weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reaction {
-    /// Normal force, N. Negative where the table would have to pull.
+    /// Normal force, N. Negative if contact would require tension.
     pub(super) normal: f64,
     /// Friction force and couple of the contact, N and N m.
     pub(super) friction: Wrench,
@@ -130,7 +130,7 @@ pub(super) struct Reaction {
 impl Reaction {
     /// Torque about the centre of mass, N m.
     #[inline(always)]
-    pub(super) fn torque(&self, arm: &Arm) -> Vector3<f64> {
+    pub(super) fn torque(&self, arm: &ContactArm) -> Vector3<f64> {
         arm.cross(&self.force()) + self.friction.couple + self.air
     }
 
@@ -158,9 +158,9 @@ impl<'a> FreeBody<'a> {
             top,
             friction,
             tilt,
-            arm: Arm::of(top, sin, cos),
+            arm: ContactArm::of(top, sin, cos),
             inertia: *inertia,
-            response: Response {
+            inverse_mass: InverseMass {
                 node: per_mass
                     + reach * reach * per_transverse
                     + radius * radius * sin * sin * per_axial,
@@ -171,9 +171,9 @@ impl<'a> FreeBody<'a> {
         }
     }
 
-    /// The angular acceleration by a torque (N m), rad/s², or the change of angular velocity by a moment of impulse.
+    /// The angular acceleration (rad/s²) for a torque (N m), or the change of angular velocity for an angular impulse.
     #[inline(always)]
-    pub(super) fn turned_by(&self, torque: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn angular_acceleration(&self, torque: &Vector3<f64>) -> Vector3<f64> {
         let (sin, cos) = (self.tilt.sin, self.tilt.cos);
         let Inertia {
             per_transverse,
@@ -188,12 +188,12 @@ impl<'a> FreeBody<'a> {
         )
     }
 
-    /// The acceleration of the contact point, m/s², if the table did nothing.
+    /// The acceleration of the contact point without contact forces, m/s².
     ///
-    /// The axis turns with `ω × n`. Across it the top's own rotation gives the angular acceleration
+    /// The axis rotates with `ω × n`. The gyroscopic angular acceleration perpendicular to it is
     /// `(A − I_z) ω_n (ω × n) / A`, because `ω × L = (I_z − A) ω_n (ω × n)`.
     #[inline(always)]
-    fn loose_acceleration(&self, air: &Vector3<f64>) -> Vector3<f64> {
+    fn free_acceleration(&self, air: &Vector3<f64>) -> Vector3<f64> {
         let omega = self.tilt.omega_lean;
         let (sin, cos) = (self.tilt.sin, self.tilt.cos);
         let axis_turns = Vector3::new(omega.y * cos, omega.z * sin - omega.x * cos, -omega.y * sin);
@@ -205,7 +205,7 @@ impl<'a> FreeBody<'a> {
         let excess = (transverse - self.top.axial_moment) * self.tilt.axial_rate();
         let mut turning = axis_turns * (excess * per_transverse);
         if self.friction.has_losses() {
-            turning += self.turned_by(air);
+            turning += self.angular_acceleration(air);
         }
         let mut acceleration =
             -self.arm.cross(&turning) - self.top.center_distance * omega.cross(&axis_turns);
@@ -213,13 +213,13 @@ impl<'a> FreeBody<'a> {
         acceleration
     }
 
-    /// Acceleration of the contact point per couple there, m/s² per N m.
+    /// Acceleration of the contact point for a couple (N m) at the contact, m/s².
     #[inline(always)]
-    pub(super) fn answer_to_couple(&self, couple: &Vector3<f64>) -> Vector3<f64> {
-        -self.arm.cross(&self.turned_by(couple))
+    pub(super) fn acceleration_per_couple(&self, couple: &Vector3<f64>) -> Vector3<f64> {
+        -self.arm.cross(&self.angular_acceleration(couple))
     }
 
-    /// Action of the table in a phase, while the contact point slips with `slip` (m/s).
+    /// The contact forces in a phase, for the slip velocity `slip` (m/s).
     #[inline(always)]
     pub(super) fn reaction(&self, phase: Phase, slip: &Vector3<f64>) -> Reaction {
         match phase {
@@ -231,7 +231,7 @@ impl<'a> FreeBody<'a> {
 
     /// The acceleration of the contact point in flight, m/s².
     pub(super) fn flying_acceleration(&self) -> Vector3<f64> {
-        self.loose_acceleration(&self.air())
+        self.free_acceleration(&self.air())
     }
 
     #[inline(always)]
@@ -249,57 +249,56 @@ impl<'a> FreeBody<'a> {
         }
     }
 
-    /// The normal force that keeps the contact point at its height, and friction in proportion to it.
+    /// The normal force that prevents vertical motion of the contact point, with the corresponding friction.
     #[inline(always)]
     fn sliding(&self, slip: &Vector3<f64>) -> Reaction {
         let air = self.air();
-        let per_newton = self.friction.per_newton(slip, &self.tilt.omega_lean);
-        let answer = self.answer_per_newton(&per_newton);
-        let normal = -self.loose_acceleration(&air).z / answer.z;
+        let per_normal_force = self.friction.per_normal_force(slip, &self.tilt.omega_lean);
+        let answer = self.acceleration_per_normal_force(&per_normal_force);
+        let normal = -self.free_acceleration(&air).z / answer.z;
         Reaction {
             normal,
-            friction: per_newton * normal,
+            friction: per_normal_force * normal,
             air,
         }
     }
 
-    /// Upward acceleration that a newton of normal force gives the contact point with the friction that it brings,
-    /// as a fraction of what it gives without. Where it is not positive no normal force keeps the peg out of the
-    /// table: the peg jams (P. Painlevé, C. R. Acad. Sci. 121 (1895) 112).
+    /// Vertical acceleration of the contact point per normal force including friction, relative to that without
+    /// friction. If it is not positive, the peg jams (P. Painlevé, C. R. Acad. Sci. 121 (1895) 112).
     #[inline(always)]
     pub(super) fn mobility(&self, slip: &Vector3<f64>) -> f64 {
-        let friction = self.friction.per_newton(slip, &self.tilt.omega_lean);
-        self.answer_per_newton(&friction).z / self.response.up
+        let friction = self.friction.per_normal_force(slip, &self.tilt.omega_lean);
+        self.acceleration_per_normal_force(&friction).z / self.inverse_mass.up
     }
 
-    /// The acceleration of the contact point per newton of normal force with what friction adds.
+    /// The acceleration of the contact point per normal force, including friction.
     #[inline(always)]
-    pub(super) fn answer_per_newton(&self, friction: &Wrench) -> Vector3<f64> {
+    pub(super) fn acceleration_per_normal_force(&self, friction: &Wrench) -> Vector3<f64> {
         let force = Vector3::new(friction.force.x, friction.force.y, 1.0);
-        let answer = self.response.to(&force);
+        let answer = self.inverse_mass.velocity_change(&force);
         if self.friction.has_losses() {
-            answer + self.answer_to_couple(&friction.couple)
+            answer + self.acceleration_per_couple(&friction.couple)
         } else {
             answer
         }
     }
 
-    /// The force that keeps the contact point at rest.
+    /// The forces that keep the contact point at rest.
     #[inline(always)]
     pub(super) fn holding(&self) -> Reaction {
-        let Response {
+        let InverseMass {
             node,
             lean,
             up,
             coupling,
-        } = self.response;
+        } = self.inverse_mass;
         let air = self.air();
         let couple = self
             .friction
-            .per_newton(&Vector3::zeros(), &self.tilt.omega_lean)
+            .per_normal_force(&Vector3::zeros(), &self.tilt.omega_lean)
             .couple;
-        let loose = self.loose_acceleration(&air);
-        let by_couple = self.answer_to_couple(&couple);
+        let loose = self.free_acceleration(&air);
+        let by_couple = self.acceleration_per_couple(&couple);
         let drive = (coupling + by_couple.x) / lean;
         let resistance = up + by_couple.z - coupling * drive;
         let normal = (coupling / lean * loose.x - loose.z) / resistance;
@@ -318,18 +317,18 @@ impl<'a> FreeBody<'a> {
         }
     }
 
-    /// The acceleration of the slip in the phase of sliding, m/s².
+    /// The acceleration of the slip while sliding, m/s².
     pub(super) fn slip_acceleration(&self, slip: &Vector3<f64>) -> Vector3<f64> {
         let reaction = self.sliding(slip);
-        self.loose_acceleration(&reaction.air)
-            + self.response.to(&reaction.force())
-            + self.answer_to_couple(&reaction.friction.couple)
+        self.free_acceleration(&reaction.air)
+            + self.inverse_mass.velocity_change(&reaction.force())
+            + self.acceleration_per_couple(&reaction.friction.couple)
     }
 
-    /// The direction in which a contact point slips that friction has held up to now, or until a moment ago: against the
-    /// force that would still hold it, and turned a little, so that the slip it begins keeps its direction.
+    /// The departure direction of a contact point that friction has just released: opposite to the holding force,
+    /// rotated slightly so that the slip keeps its direction.
     #[cold]
-    pub(super) fn giving_way(&self) -> Vector3<f64> {
+    pub(super) fn release_direction(&self) -> Vector3<f64> {
         let held = self.holding().friction.force;
         let against = -held / held.norm();
         let across = Vector3::new(-against.y, against.x, 0.0);
@@ -341,7 +340,7 @@ impl<'a> FreeBody<'a> {
         };
         let (mut before, mut by) = (0.0, FIRST_TURN);
         let (mut error_before, mut error) = (aside(before), aside(by));
-        for _ in 0..MOST_TURNS {
+        for _ in 0..MAX_ITERATIONS {
             let next = by - error * (by - before) / (error - error_before);
             if !next.is_finite() || next == by {
                 break;
@@ -352,8 +351,8 @@ impl<'a> FreeBody<'a> {
         turned(by)
     }
 
-    /// The unit vector in which a contact point at rest begins to slip under an acceleration that depends on it, if there
-    /// is one: the acceleration then points in that very direction, and most strongly of all such.
+    /// The direction in which a contact point at rest begins to slip: a unit vector parallel to the acceleration that
+    /// it causes; if there are several, the one with the largest acceleration.
     pub(super) fn departure(
         acceleration: impl Fn(&Vector3<f64>) -> Vector3<f64>,
     ) -> Option<Vector3<f64>> {

@@ -1,15 +1,15 @@
-//! Support of the peg, and what the contact point does.
+//! Support of the peg, and contact phases.
 
 /// Support of the peg.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Support {
-    /// The centre of the peg stays in place, as if in a socket: the table carries the weight whatever the top does.
+    /// The centre of the peg stays in place, as if in a socket: the normal force always equals the weight.
     #[default]
     FixedPeg,
     /// The peg stands on the table and moves over it: it slides, rolls, lifts off and lands.
     FreePeg {
-        /// Stronge's coefficient of restitution `e`: an impact gives back `e²` of the work that compression took
-        /// (W. J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169).
+        /// Stronge's coefficient of restitution `e`: the work of restitution is `e²` times the work of compression (W.
+        /// J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169).
         restitution: f64,
     },
 }
@@ -21,8 +21,8 @@ impl Support {
         matches!(self, Self::FreePeg { .. })
     }
 
-    /// The largest tolerances with which the motion can be integrated, relative and absolute (SI). With larger ones the
-    /// slip of a free peg that comes to rest is turned round in each step, and never seen to end.
+    /// The largest allowed integrator tolerances, relative and absolute (SI). With larger ones, the end of slip of a
+    /// free peg is missed, because the slip reverses in each step.
     #[must_use]
     pub fn largest_tolerance(self) -> f64 {
         if self.is_free() { 1e-9 } else { f64::INFINITY }
@@ -32,12 +32,12 @@ impl Support {
 /// Phase of the contact point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Phase {
-    /// Slips, or would: no friction holds it.
+    /// Sliding (no static friction).
     #[default]
     Sliding,
-    /// Stays at rest on the table. A top with a fixed peg then turns about the vertical as a whole; one with a free peg
-    /// rolls.
+    /// Sticking: the contact point is at rest on the table. A top with a fixed peg then turns about the vertical as a
+    /// whole; one with a free peg rolls.
     Holding,
-    /// Is above the table: nothing touches the top but the air.
+    /// In the air.
     Flying,
 }

@@ -1,25 +1,25 @@
-//! Laws of sliding: how large the friction force is, and how the contact patch resists drilling.
+//! Sliding friction laws and drilling torque.
 
 use crate::physics::math::{exp, tanh};
 use std::f64::consts::PI;
 
-/// From this multiple of Stribeck's speed on, e^(−ratio²) is less than 1e-21.
+/// Above this multiple of the Stribeck velocity, e^(−ratio²) is below 1e-21.
 const NEGLIGIBLE_RATIO: f64 = 7.0;
 
-/// A law of sliding friction: the force `f` that answers the slip velocity `v` under a normal force `N`.
+/// A sliding friction law: the force `f` as a function of slip velocity `v` and normal force `N`.
 ///
-/// `k` is always the dimensionless coefficient of friction, speeds are in m/s. The force points against
-/// the slip.
+/// `k` is always the dimensionless coefficient of friction; speeds are in m/s. The force is opposite to the slip
+/// velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrictionLaw {
     /// No friction at all.
     None,
-    /// Coulomb's law `f = −k N v / |v|` (the paper, section 2). At rest the force is any up to `k N`.
+    /// Coulomb's law `f = −k N v / |v|` (the paper, section 2). At rest, |f| ≤ k N.
     Coulomb {
         /// Coefficient of friction `k`, dimensionless.
         k: f64,
     },
-    /// Coulomb's law made smooth at rest, over a scale `v_ε` of the slip speed.
+    /// Coulomb's law, smoothed around zero slip on the scale `v_ε`.
     Regularised {
         /// Coefficient of friction at speeds far above `v_ε`.
         k: f64,
@@ -36,8 +36,8 @@ pub enum FrictionLaw {
         /// Speed `v_0` at which the force is `k N`, m/s.
         speed: f64,
     },
-    /// Stribeck's law `f = −N (k + (k_s − k) e^(−(v/v_s)²) + c_v |v|) v / |v|` (B. Armstrong-Hélouvry,
-    /// P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083). At rest the force is any up to `k_s N`.
+    /// Stribeck's law `f = −N (k + (k_s − k) e^(−(v/v_s)²) + c_v |v|) v / |v|` (B. Armstrong-Hélouvry, P. Dupont, C.
+    /// Canudas de Wit, Automatica 30 (1994) 1083). At rest, |f| ≤ k_s N.
     Stribeck {
         /// Coefficient of kinetic friction `k`.
         k: f64,
@@ -48,13 +48,13 @@ pub enum FrictionLaw {
         /// Slope of the viscous part `c_v`, s/m.
         slope: f64,
     },
-    /// Coulomb's law integrated over a patch that also drills, in V. F. Zhuravlev's approximation (J. Appl.
-    /// Math. Mech. 62 (1998) 705): `f = −k N v / (|v| + 8 a |ω_z′| / 3π)`, with the drilling torque of
+    /// Coulomb's law integrated over a spinning contact patch (Coulomb–Contensou), in V. F. Zhuravlev's approximation
+    /// (J. Appl. Math. Mech. 62 (1998) 705): `f = −k N v / (|v| + 8 a |ω_z′| / 3π)`, with the drilling torque of
     /// [`drilling_torque`].
     Contensou {
         /// Coefficient of friction in the patch.
         k: f64,
-        /// Radius `a` of the patch of contact, m.
+        /// Radius `a` of the contact patch, m.
         patch_radius: f64,
     },
 }
@@ -90,7 +90,7 @@ impl FrictionLaw {
                 slope,
             } => {
                 let ratio = slip_speed / speed;
-                // Farther out the exponential is below the rounding of its sum, and only costs time.
+                // Beyond this, the exponential is below rounding.
                 let excess = if ratio < NEGLIGIBLE_RATIO {
                     (static_k - k) * exp(-ratio * ratio)
                 } else {
@@ -106,7 +106,7 @@ impl FrictionLaw {
         }
     }
 
-    /// No friction force of the law is larger at this slip speed (m/s) under this normal force, N.
+    /// Upper bound of the friction force at a slip speed (m/s) and normal force (N), N.
     #[must_use]
     pub fn bound(&self, slip_speed: f64, normal_force: f64) -> f64 {
         match *self {
@@ -121,7 +121,7 @@ impl FrictionLaw {
         }
     }
 
-    /// No friction force is a larger multiple of the normal force; infinite where it grows with the slip speed.
+    /// Upper bound of |f|/N over all slip speeds; infinite if it grows with the slip speed.
     #[must_use]
     pub fn largest_coefficient(&self) -> f64 {
         match *self {
@@ -137,7 +137,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Largest force that holds a contact point at rest, N; 0 for laws whose force fades with the slip.
+    /// Maximum static friction force, N; 0 for smooth laws.
     #[must_use]
     #[inline]
     pub fn static_bound(&self, normal_force: f64) -> f64 {
@@ -151,7 +151,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Largest torque about the vertical of the patch of contact, N m; 0 for laws without one.
+    /// Maximum torque of the contact patch about the vertical, N m; 0 for laws without a patch.
     #[must_use]
     pub fn drilling_bound(&self, normal_force: f64) -> f64 {
         match *self {
@@ -194,9 +194,9 @@ impl Smoothing {
     }
 }
 
-/// Torque about the vertical, N m, of a patch of contact with radius `a` (m) under the pressure of Hertz
-/// that turns with `ω` (rad/s) and slips (m/s): `−(3π/16) k N a · a ω / (a |ω| + 15π |v| / 16)`
-/// (V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705). Without slip it is that of pure drilling.
+/// Torque about the vertical, N m, of a contact patch of radius `a` (m) with Hertzian pressure that spins with `ω`
+/// (rad/s) and slips (m/s): `−(3π/16) k N a · a ω / (a |ω| + 15π |v| / 16)` (V. F. Zhuravlev, J. Appl. Math. Mech. 62
+/// (1998) 705). Without slip it is that of pure drilling.
 #[must_use]
 #[inline]
 pub fn drilling_torque(k: f64, a: f64, normal_force: f64, slip_speed: f64, omega: f64) -> f64 {

@@ -1,44 +1,43 @@
-//! Losses other than sliding: torques that belong to no slip.
+//! Losses independent of slip: rolling resistance, drilling friction, air drag.
 
 use super::law::drilling_torque;
 use crate::physics::top::Top;
 use nalgebra::Vector3;
 
-/// Rolling resistance, drilling and air. They add to any law of sliding and always act as a whole.
+/// Rolling resistance, drilling and air drag. They can be combined with any sliding law and always act in full.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Losses {
-    /// Arm `δ` of rolling resistance, m: the torque is `−δ N ω_⊥ / |ω_⊥|` (the paper's friction torque has
-    /// this form with δ = k R). At rest it is any up to `δ N`.
+    /// Arm `δ` of rolling resistance, m: the torque is `−δ N ω_⊥ / |ω_⊥|` (the paper's friction torque has this form
+    /// with δ = k R). At rest, |M| ≤ δ N.
     pub rolling_arm: f64,
-    /// Drilling friction of the patch of contact.
+    /// Drilling friction of the contact patch.
     pub drilling: Drilling,
-    /// Drag of the air.
+    /// Air drag.
     pub air: Air,
 }
 
-/// Drilling friction about the vertical, as if nothing slipped: `−(3π/16) k N a sgn ω_z′` (pressure of
-/// Hertz; the limit v = 0 of V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705).
+/// Drilling friction about the vertical, for zero slip: `−(3π/16) k N a sgn ω_z′` (pressure of Hertz; the limit v = 0
+/// of V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705).
 ///
-/// A top that has stopped drilling is held by any torque up to this one. A fixed peg that holds comes to rest there; of a free one
-/// the jump is a slope: below [`Drilling::creep`] the torque is in proportion to `ω_z′`, so that a top that is held creeps.
+/// At zero spin the torque takes any value up to this limit. A fixed peg comes to rest; for a free peg the torque is
+/// proportional to `ω_z′` below [`Drilling::creep`], so the top creeps.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Drilling {
     /// Coefficient of friction in the patch, dimensionless.
     pub k: f64,
-    /// Radius `a` of the patch of contact, m.
+    /// Radius `a` of the contact patch, m.
     pub patch_radius: f64,
-    /// Rate about the vertical up to which the torque grows with it, rad/s; 0 for a jump.
+    /// Rate about the vertical below which the torque is proportional to it, rad/s; 0 for a discontinuous torque.
     pub creep: f64,
 }
 
-/// A top creeps, instead of being held, at rates that drilling stops within this time, s. Shorter times mean less creep and
-/// more steps.
+/// Time constant of the smoothed drilling torque, s. Smaller values reduce creep and increase the number of steps.
 const CREEP_TIME: f64 = 1e-5;
 
 impl Drilling {
-    /// The same under a top that creeps where it is held.
+    /// The same, smoothed for a free peg.
     #[must_use]
-    pub fn creeping(self, top: &Top) -> Self {
+    pub fn with_creep(self, top: &Top) -> Self {
         let strongest = drilling_torque(self.k, self.patch_radius, top.weight(), 0.0, -1.0);
         Self {
             creep: strongest / top.least_moment() * CREEP_TIME,
@@ -58,8 +57,8 @@ impl Drilling {
     }
 }
 
-/// Drag of the air: `−c_n w_n n − c_t w_t − c |w_n|^(1/2) w_n n`, with the angular velocity's part `w_n`
-/// along the symmetry axis `n` and the rest `w_t` across it.
+/// Air drag: `−c_n w_n n − c_t w_t − c |w_n|^(1/2) w_n n`, with the angular velocity's part `w_n` along the symmetry
+/// axis `n` and the rest `w_t` across it.
 ///
 /// The last term is that of a disc with a laminar boundary layer (T. von Kármán, Z. Angew. Math. Mech.
 /// 1 (1921) 233).
@@ -74,9 +73,8 @@ pub struct Air {
 }
 
 impl Losses {
-    /// The torque in N m, in any frame whose z axis is vertical, from the angular velocity (rad/s) and the
-    /// direction of the symmetry axis in that frame. The rolling resistance of a peg that does not roll is
-    /// left out: it depends on what it has to hold.
+    /// The torque in N m, in any frame whose z axis is vertical, from the angular velocity (rad/s) and the direction of
+    /// the symmetry axis in that frame. Excludes static rolling resistance, which depends on the load.
     #[must_use]
     #[inline]
     pub fn torque(
@@ -85,13 +83,13 @@ impl Losses {
         omega: &Vector3<f64>,
         axis: &Vector3<f64>,
     ) -> Vector3<f64> {
-        self.at_contact(normal_force, omega) + self.air.torque(omega, axis)
+        self.contact_torque(normal_force, omega) + self.air.torque(omega, axis)
     }
 
     /// The torque of rolling resistance and drilling alone, N m, in any frame whose z axis is vertical.
     #[must_use]
     #[inline]
-    pub fn at_contact(&self, normal_force: f64, omega: &Vector3<f64>) -> Vector3<f64> {
+    pub fn contact_torque(&self, normal_force: f64, omega: &Vector3<f64>) -> Vector3<f64> {
         let drilling = self.drilling.torque(normal_force, omega.z);
         let rolling = self.rolling_resistance(normal_force, omega);
         Vector3::new(-rolling * omega.x, -rolling * omega.y, drilling)
@@ -108,9 +106,9 @@ impl Losses {
         }
     }
 
-    /// Largest torque of the contact, N m: rolling resistance and drilling.
+    /// Maximum contact torque (rolling resistance and drilling), N m.
     #[must_use]
-    pub fn of_contact(&self, normal_force: f64) -> f64 {
+    pub fn max_contact_torque(&self, normal_force: f64) -> f64 {
         let Drilling {
             k, patch_radius, ..
         } = self.drilling;
@@ -118,7 +116,7 @@ impl Losses {
         self.rolling_arm * normal_force - drilling
     }
 
-    /// Whether there are none.
+    /// Whether all losses are zero.
     #[must_use]
     #[inline]
     pub fn is_none(&self) -> bool {

@@ -1,9 +1,9 @@
-//! The numbers of the method DOP853: nodes, stages, error estimates and dense output.
+//! The coefficients of DOP853: nodes, stages, error estimates and dense output.
 //!
-//! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I. Nonstiff
-//! Problems*, 2nd ed. (Springer, 1993), sections II.5 (the method of order 8 by Dormand and Prince) and
-//! II.6 (dense output), and the authors' program `dop853.f`, from whose decimals `SciPy`'s
-//! `dop853_coefficients.py` (BSD 3-clause) was typed; the numbers below are the nearest `f64` to those.
+//! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I. Nonstiff Problems*, 2nd ed.
+//! (Springer, 1993), sections II.5 (the method of order 8 by Dormand and Prince) and II.6 (dense output), and the
+//! authors' program `dop853.f`, from which `SciPy`'s `dop853_coefficients.py` (BSD 3-clause) was typed. The values
+//! below are the nearest `f64` to its decimals.
 //!
 //! The licence of `dop853.f` (<https://www.unige.ch/~hairer/prog/licence.txt>) is the BSD 2-clause one,
 //! "Copyright (c) 2004, Ernst Hairer"; only the numbers, none of its code, are used here.

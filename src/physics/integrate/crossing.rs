@@ -1,24 +1,23 @@
-//! The points at which a function changes its sign within a step.
+//! Location of sign changes within a step.
 
-/// Fractions of a step at which it is usual to evaluate the functions that [`SignTracker`] watches.
+/// Default points of a step at which functions are evaluated for [`SignTracker`].
 pub const KNOTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Bound on the evaluations of each search. Bisection alone would resolve [0, 1] in 53.
-const MOST_EVALUATIONS: usize = 100;
+/// Maximum number of evaluations per search.
+const MAX_EVALUATIONS: usize = 100;
 
-/// Each interval between knots is searched for turning points in this number of pieces.
+/// Number of subintervals between knots that are searched for turning points.
 const PIECES: u8 = 4;
 
 /// The pieces overlap by this fraction of their width, because the turning points of the interpolation
 /// polynomial are not quite those of the function.
 const OVERLAP: f64 = 0.2;
 
-/// A turning point farther from zero than this fraction of the function's variation over the step does not
-/// reach it. Generous: the interpolation polynomial is off by far less.
+/// A turning point farther from zero than this fraction of the function's range in the step is assumed not to reach
+/// zero. The interpolation polynomial has a much smaller error.
 const GRAZING: f64 = 0.25;
 
-/// A turning point need not be located better than this: around it the values differ by the square, which
-/// is less than their rounding.
+/// Resolution of turning points; the value there varies quadratically, below rounding.
 const TURN_RESOLUTION: f64 = 1e-8;
 
 /// The direction in which a function passes zero.
@@ -30,24 +29,24 @@ pub enum Slope {
     Falling,
 }
 
-/// A change of sign.
+/// A sign change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// The fraction of the step at which it happens, to about an ulp of 1. There the function has its new
-    /// sign or is zero.
+    /// The fraction of the step at which it happens, accurate to about one ulp of 1. The function has its new sign
+    /// there, or is zero.
     pub s: f64,
     /// Its direction.
     pub slope: Slope,
 }
 
-/// Follows the sign of a function from step to step and finds its changes.
+/// Tracks the sign of a function from step to step and finds its changes.
 ///
-/// A change of sign is found exactly once: a zero at the end of one step that turns out to be a crossing
-/// is reported at the start of the next. A zero that is only touched is none. A function that starts at
-/// exactly zero takes its first sign silently. NaN has no sign.
+/// Each sign change is found exactly once. A zero at the end of a step is reported in the next step if it is a
+/// crossing. Touching zero is not a crossing. A function that starts at exactly zero gets its first sign silently. NaN
+/// has no sign.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SignTracker {
-    /// Values up to this magnitude have no sign.
+    /// Noise floor: values up to this magnitude have no sign.
     floor: f64,
     /// The last sign.
     positive: Option<bool>,
@@ -61,9 +60,9 @@ struct Point {
 }
 
 impl SignTracker {
-    /// A tracker for which values within ±`floor`, in the unit of the function, are noise around zero:
-    /// a crossing counts only when the function has left the noise on the other side. Its position is still
-    /// that of a zero. [`SignTracker::default`] has no floor.
+    /// A tracker that treats values within ±`floor` (in the unit of the function) as noise: a crossing counts only if
+    /// the function leaves the noise on the other side. Its position is still that of the zero.
+    /// [`SignTracker::default`] has no noise floor.
     #[must_use]
     pub fn with_floor(floor: f64) -> Self {
         Self {
@@ -72,7 +71,7 @@ impl SignTracker {
         }
     }
 
-    /// A tracker for a function that has this sign to begin with, even if it starts at zero.
+    /// A tracker for a function with this initial sign, even if it starts at zero.
     #[must_use]
     pub fn with_sign(positive: bool, floor: f64) -> Self {
         Self {
@@ -90,18 +89,17 @@ impl SignTracker {
         }
     }
 
-    /// The last sign: whether it was positive. None before the first.
+    /// Whether the last sign was positive; `None` before the first.
     #[must_use]
     pub fn sign(&self) -> Option<bool> {
         self.positive
     }
 
-    /// Appends to `found` the changes of sign of `g` within a step, in the order of `s`.
+    /// Appends to `found` the sign changes of `g` within a step, in the order of `s`.
     ///
-    /// `values` are those of `g` at `knots`, which ascend from the step's start to its end ([`KNOTS`], for
-    /// instance). Several crossings between neighbouring knots are found too, if the polynomial through all
-    /// the knots has the turning points between them. No search evaluates `g` more than 100 times, and
-    /// none happens where `g` stays clear of zero.
+    /// `values` are those of `g` at `knots`, which ascend from the start to the end of the step, e.g. [`KNOTS`].
+    /// Several crossings between adjacent knots are found if the interpolation polynomial has the turning points
+    /// between them. A search evaluates `g` at most 100 times; there is none if `g` is far from zero.
     #[inline]
     pub fn scan<const K: usize>(
         &mut self,
@@ -118,8 +116,8 @@ impl SignTracker {
         }
     }
 
-    /// Whether a function with these values at the knots keeps its sign, so far from zero that no turning point between
-    /// them can reach it.
+    /// Whether a function with these values at the knots keeps its sign with enough margin that no turning point
+    /// reaches zero.
     #[inline]
     fn stays_clear<const K: usize>(&self, values: &[f64; K]) -> bool {
         let (lowest, highest) = range(values);
@@ -131,7 +129,7 @@ impl SignTracker {
         }
     }
 
-    /// [`SignTracker::scan`] of a function that may not stay clear of zero.
+    /// [`SignTracker::scan`] for a function that may reach zero.
     fn search<const K: usize>(
         &mut self,
         knots: &[f64; K],
@@ -143,24 +141,24 @@ impl SignTracker {
             s: knots[i],
             g: values[i],
         };
-        let shape = Shape::near_zero(knots, values);
+        let shape = Interpolant::near_zero(knots, values);
         let mut from = knot(0);
-        self.pass(&mut from, knot(0), &mut g, found);
+        self.advance(&mut from, knot(0), &mut g, found);
         for i in 1..K {
             if let Some(shape) = &shape {
                 let between = (knots[i - 1], knots[i]);
-                self.pass_turns(&mut from, between, shape, &mut g, found);
+                self.advance_over_turns(&mut from, between, shape, &mut g, found);
             }
-            self.pass(&mut from, knot(i), &mut g, found);
+            self.advance(&mut from, knot(i), &mut g, found);
         }
     }
 
-    /// Goes over the turning points between two knots.
-    fn pass_turns<const K: usize>(
+    /// Processes the turning points between two knots.
+    fn advance_over_turns<const K: usize>(
         &mut self,
         from: &mut Point,
         (start, end): (f64, f64),
-        shape: &Shape<K>,
+        shape: &Interpolant<K>,
         g: &mut impl FnMut(f64) -> f64,
         found: &mut Vec<Crossing>,
     ) {
@@ -178,15 +176,15 @@ impl SignTracker {
             let right = if right > end { end } else { right };
             let point = extreme_point(left, right, turn, self.floor, g);
             if point.s > last && point.s < end {
-                self.pass(from, point, g, found);
+                self.advance(from, point, g, found);
                 last = point.s;
             }
         }
     }
 
-    /// Goes on to the point `to`, noting a change of sign. `from` is the last point known to lie before
-    /// the next change.
-    fn pass(
+    /// Advances to the point `to` and records a sign change, if any. `from` is the last point known to precede the next
+    /// change.
+    fn advance(
         &mut self,
         from: &mut Point,
         to: Point,
@@ -223,7 +221,7 @@ impl SignTracker {
     }
 }
 
-/// A turning point, named by the sign of the values that lie around it as seen from it.
+/// Kind of turning point.
 #[derive(Clone, Copy)]
 enum Turn {
     Minimum,
@@ -231,7 +229,7 @@ enum Turn {
 }
 
 impl Turn {
-    /// A value with the sign that makes the turning point a minimum.
+    /// The value, negated for a maximum.
     fn oriented(self, value: f64) -> f64 {
         match self {
             Self::Minimum => value,
@@ -240,8 +238,8 @@ impl Turn {
     }
 }
 
-/// The polynomial through the knots, which shows where the function may turn near zero.
-struct Shape<'a, const K: usize> {
+/// The interpolation polynomial through the knots, used to find turning points near zero.
+struct Interpolant<'a, const K: usize> {
     knots: &'a [f64; K],
     /// Divided differences: the coefficients of Newton's form.
     coefficients: [f64; K],
@@ -249,8 +247,8 @@ struct Shape<'a, const K: usize> {
     variation: f64,
 }
 
-impl<'a, const K: usize> Shape<'a, K> {
-    /// The shape of a function, unless it has no turning point or stays so clear of zero that none can reach it.
+impl<'a, const K: usize> Interpolant<'a, K> {
+    /// The polynomial, unless it has no turning point that can reach zero.
     fn near_zero(knots: &'a [f64; K], values: &[f64; K]) -> Option<Self> {
         let (lowest, highest) = range(values);
         // The polynomial through five equidistant knots leaves the range of its values by at most 0.61 of
@@ -268,8 +266,8 @@ impl<'a, const K: usize> Shape<'a, K> {
         (!shape.is_monotonic()).then_some(shape)
     }
 
-    /// Whether the slopes at the knots exclude a turning point: they have one sign, and are farther from zero
-    /// than from one another. (The slope is a polynomial too, and leaves their range by no more than 0.61 of it.)
+    /// Whether the slopes at the knots rule out a turning point: they have one sign and a sufficient margin. (The slope
+    /// is a polynomial too, and leaves their range by no more than 0.61 of it.)
     fn is_monotonic(&self) -> bool {
         let slopes = self.knots.map(|knot| self.value_and_slope(knot).1);
         let (lowest, highest) = range(&slopes);
@@ -324,8 +322,8 @@ fn divided_differences<const K: usize>(knots: &[f64; K], values: &[f64; K]) -> [
     differences
 }
 
-/// The turning point of `g` between `left` and `right` by golden section, or the first point met on the way
-/// that lies beyond zero (and beyond the noise): more is not needed to separate two crossings.
+/// The turning point of `g` between `left` and `right` (golden-section search), or the first point beyond zero found on
+/// the way, which suffices to separate two crossings.
 fn extreme_point(
     mut left: f64,
     mut right: f64,
@@ -341,7 +339,7 @@ fn extreme_point(
     };
     let mut near_left = evaluate(right - GOLDEN * (right - left));
     let mut near_right = evaluate(left + GOLDEN * (right - left));
-    for _ in 2..MOST_EVALUATIONS {
+    for _ in 2..MAX_EVALUATIONS {
         if near_left.g < -floor || near_right.g < -floor || right - left <= TURN_RESOLUTION {
             break;
         }
@@ -388,12 +386,12 @@ fn root(from: Point, to: Point, new_sign: f64, g: &mut impl FnMut(f64) -> f64) -
     let (mut a, mut b) = (oriented(from), oriented(to));
     let old_sign = a.g < 0.0;
     if !old_sign {
-        // Lost at `from` or before it.
+        // No sign change after `from`.
         return a.s;
     }
     let nudge = 0.2 / (b.s - a.s);
     let mut allowed_width = b.s - a.s;
-    for _ in 0..MOST_EVALUATIONS {
+    for _ in 0..MAX_EVALUATIONS {
         if b.s - a.s <= f64::EPSILON || b.g == 0.0 {
             break;
         }
@@ -409,8 +407,8 @@ fn root(from: Point, to: Point, new_sign: f64, g: &mut impl FnMut(f64) -> f64) -
     b.s
 }
 
-/// The next point to look at in a bracket: the secant's zero, nudged toward the middle so that the bracket shrinks
-/// from both sides, but so close to the middle that the bracket gets narrower than `allowed_width`.
+/// The next ITP point of a bracket: the secant zero, moved towards the midpoint and limited so that the bracket becomes
+/// narrower than `allowed_width`.
 fn itp_point(a: Point, b: Point, nudge: f64, allowed_width: f64) -> f64 {
     let width = b.s - a.s;
     let middle = a.s + 0.5 * width;

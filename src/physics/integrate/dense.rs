@@ -1,4 +1,4 @@
-//! The solution between the steps.
+//! Dense output: the solution within a step.
 
 /// The solution within one accepted step: a polynomial of degree 7 that agrees with the steps in value and
 /// slope at both ends (Hairer, Nørsett, Wanner, II.6).
@@ -20,7 +20,8 @@ impl<const N: usize> Dense<N> {
         std::array::from_fn(|i| self.component(i, s))
     }
 
-    /// The first `count` components of the state at `t0 + s h`, the same bits as those of [`Dense::at`]; 0 for the others.
+    /// The first `count` components of the state at `t0 + s h`, bit-identical to those of [`Dense::at`]; 0 for the
+    /// others.
     #[must_use]
     #[inline]
     pub fn first_at(&self, count: usize, s: f64) -> [f64; N] {
@@ -31,15 +32,14 @@ impl<const N: usize> Dense<N> {
         state
     }
 
-    /// Component `i` of the state at `t0 + s h`, with `s` in [0, 1]: cheaper than [`Dense::at`], and the
-    /// same bits.
+    /// Component `i` of the state at `t0 + s h`, with `s` in [0, 1]: cheaper than [`Dense::at`], and bit-identical.
     ///
     /// # Panics
     /// If `i` is not less than `N`.
     #[must_use]
     #[inline]
     pub fn component(&self, i: usize, s: f64) -> f64 {
-        // The factors s and 1 − s alternate; a published crate has them the wrong way round here.
+        // The factors s and 1 − s alternate.
         let [c0, c1, c2, c3, c4, c5, c6, c7] = self.coefficients.each_ref().map(|c| c[i]);
         let r = 1.0 - s;
         c0 + s * (c1 + r * (c2 + s * (c3 + r * (c4 + s * (c5 + r * (c6 + s * c7))))))

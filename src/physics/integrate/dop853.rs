@@ -2,7 +2,7 @@
 
 #![allow(
     clippy::inline_always,
-    reason = "with hints alone the stages are not unrolled into one function, and steps take twice the time"
+    reason = "plain #[inline] does not inline the stages; steps would take twice as long"
 )]
 
 use super::coefficients::{
@@ -23,30 +23,27 @@ const LARGEST_GROWTH: f64 = 6.0;
 /// Weight of the third-order error estimate (squared) relative to the fifth-order one.
 const WEIGHT_OF_THIRD: f64 = 0.01;
 
-/// The dense output may err by this many times as much as a step.
+/// Allowed error of the dense output, as a multiple of the step tolerance.
 ///
-/// The errors of steps add up, those of the dense output don't: it adds what ten steps do. In smooth motion it errs
-/// by 1 to 7 tolerances where steps err by 0.1, for it is one order less exact than they are; so a smaller multiple
-/// would shorten every step.
+/// Step errors accumulate, dense output errors don't. A smaller multiple would shorten every step, because the dense
+/// output is one order less accurate than the steps.
 const DENSE_ALLOWANCE: f64 = 10.0;
 
-/// Place of the check of the dense output, as a fraction of the step: near the stage at 7/9. There its slope is that at a
-/// more exact state, so its defect is what the derivative changes by over its error, which is large there too.
+/// Fraction of the step at which the dense output is checked, near the stage at 7/9.
 const CHECKED_AT: f64 = 0.8;
 
-/// The defect at [`CHECKED_AT`] is about this multiple of the largest error of the dense output: 2.3 to 3.7 times for
-/// oscillations and tops, 0.7 to 9 times elsewhere (a test holds it to that). For a mere quadrature it is too small.
+/// Typical ratio of the defect at [`CHECKED_AT`] to the maximum error of the dense output (tested). Too small for a
+/// pure quadrature.
 const DEFECT_PER_ERROR: f64 = 2.64;
 
-/// The shortest step that can still advance t well, as a multiple of |t|.
+/// Minimum step length relative to |t|.
 const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
 
 /// The explicit Runge–Kutta method of order 8(5,3) of Dormand and Prince, advanced one accepted step at a
 /// time.
 ///
-/// It does not depend on where the integration ends: a shorter run is an exact prefix of a longer one. Values
-/// between the steps come from [`Dop853::dense`]; steps by [`Dop853::step_densely`] see to it that they err little. Reading
-/// them never alters the steps.
+/// The steps don't depend on the end time: a shorter run is an exact prefix of a longer one. [`Dop853::dense`]
+/// interpolates between steps and never alters them; use [`Dop853::step_densely`] to control its error.
 ///
 /// ```
 /// use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};
@@ -72,13 +69,13 @@ const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
 pub struct Dop853<S, const N: usize> {
     system: S,
     tolerances: Tolerances,
-    /// The last accepted step; one of no length before the first.
+    /// The last accepted step; of length zero before the first.
     last: Step<N>,
     /// The step to try next, with its sign.
     next_h: f64,
-    /// The dense output of the last step, if it has been made but not taken.
+    /// The dense output of the last step, if computed and not yet taken.
     dense: Option<Dense<N>>,
-    /// Whether the steps would be longer if the dense output were not checked.
+    /// Whether the dense output check limits the step length.
     dense_limits: bool,
     statistics: Statistics,
 }
@@ -143,10 +140,10 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         Ok(integrator)
     }
 
-    /// Goes on from (`t`, `y`) with another system, as after an impact. The statistics go on too.
+    /// Restarts from (`t`, `y`) with another system, e.g. after an impact. Statistics continue.
     ///
     /// # Errors
-    /// As [`Dop853::new`]; nothing has changed then.
+    /// As [`Dop853::new`]; the integrator is unchanged in this case.
     pub fn restart(
         &mut self,
         system: S,
@@ -156,11 +153,11 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     ) -> Result<(), IntegrateError> {
         let before = self.statistics;
         *self = Self::new(system, t, y, self.tolerances, direction)?;
-        self.statistics = self.statistics.after(before);
+        self.statistics = self.statistics.combined_with(before);
         Ok(())
     }
 
-    /// Makes the next step no longer than this. For motions that may not be looked past at first: the steps grow again.
+    /// Limits the length of the next step.
     pub fn limit_next_step(&mut self, longest: f64) {
         if self.next_h.abs() > longest {
             self.next_h = longest.copysign(self.next_h);
@@ -173,37 +170,30 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     }
 
     /// The end of the last accepted step, or the start.
-    #[expect(
-        clippy::misnamed_getters,
-        reason = "the last step has a start of its own"
-    )]
+    #[expect(clippy::misnamed_getters, reason = "the last step has its own start")]
     pub fn t(&self) -> f64 {
         self.last.end
     }
 
     /// The state at [`Dop853::t`].
-    #[expect(
-        clippy::misnamed_getters,
-        reason = "the last step has a start of its own"
-    )]
+    #[expect(clippy::misnamed_getters, reason = "the last step has its own start")]
     pub fn y(&self) -> &[f64; N] {
         &self.last.end_y
     }
 
-    /// The derivative at [`Dop853::t`], the very numbers with which the next step begins.
+    /// The derivative at [`Dop853::t`], exactly as used by the next step.
     pub fn dy(&self) -> &[f64; N] {
         &self.last.end_dy
     }
 
-    /// The cost so far.
+    /// Statistics so far.
     pub fn statistics(&self) -> &Statistics {
         &self.statistics
     }
 
     /// Advances by one accepted step.
     ///
-    /// A step tried in vain, because its error is too large or its numbers are not finite, is tried again
-    /// shorter.
+    /// A rejected step (error too large or values not finite) is retried with a shorter length.
     ///
     /// # Errors
     /// [`IntegrateError::StepSizeUnderflow`] if no step that t can resolve succeeds, and
@@ -216,8 +206,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         Ok(())
     }
 
-    /// Advances by one step whose [dense output](Dop853::dense) is good too: it errs by no more than about ten times as
-    /// much as a step may. [`Dop853::step`] doesn't look at that and goes a little faster.
+    /// Advances by one step and also controls the error of its [dense output](Dop853::dense), to about ten times the
+    /// step tolerance. Slightly slower than [`Dop853::step`].
     ///
     /// # Errors
     /// As [`Dop853::step`].
@@ -248,8 +238,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
 
     /// The solution within the last accepted step.
     ///
-    /// Costs three evaluations of the derivative, unless [`Dop853::step_densely`] has made it for its check. Before the
-    /// first step it is the constant start.
+    /// Costs three evaluations of the derivative, unless [`Dop853::step_densely`] has already computed it. Constant
+    /// before the first step.
     pub fn dense(&mut self) -> Dense<N> {
         if let Some(dense) = self.dense.take() {
             dense
@@ -273,12 +263,12 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
                 return Ok((step, step_factor(error, growth_limit)));
             }
             self.reject(h, error);
-            // What has just failed would fail again.
+            // Don't grow right after a rejection.
             growth_limit = 1.0;
         }
     }
 
-    /// Throws a step away whose error is too large or not finite.
+    /// Rejects a step.
     fn reject(&mut self, h: f64, error: f64) {
         self.statistics.rejected += 1;
         self.next_h = h * if error > 1.0 {
@@ -314,8 +304,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         }
     }
 
-    /// The error of the dense output of a step in units of what it may be, by its defect: how far its slope is from the
-    /// derivative.
+    /// Estimated error of the dense output relative to its tolerance, from its defect (slope minus derivative).
     #[inline]
     fn dense_error(&self, step: &Step<N>, dense: &Dense<N>) -> f64 {
         let (t, h) = (step.t + CHECKED_AT * step.h, step.h);
@@ -398,9 +387,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         self.system.derivative(t + node * h, &y)
     }
 
-    /// The local error of a tried step in units of the tolerances, at most 1 if it is good and NaN if its numbers are not
-    /// finite: the fifth-order estimate, damped by the third-order one where they differ much
-    /// (book, II.10).
+    /// The local error of a trial step relative to the tolerances: at most 1 if acceptable, NaN if not finite. Combines
+    /// the fifth- and third-order estimates (book, II.10).
     #[inline]
     fn error(&self, h: f64, y: &[f64; N], k: &Stages<N>) -> f64 {
         let third = combine_controlled::<S, N, _, STAGES>(&ERROR_3, k);
@@ -418,7 +406,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         h.abs() * fifth_squared / (Self::controlled() * damped).sqrt()
     }
 
-    /// A step of length `h` to `y`, unless it ends in numbers that are not finite.
+    /// A step of length `h` to `y`, if its values are finite.
     #[inline]
     fn ended(&mut self, h: f64, y: [f64; N], k: Stages<N>) -> Result<Step<N>, IntegrateError> {
         let end = self.t() + h;
@@ -438,7 +426,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         })
     }
 
-    /// Makes a step the last accepted one, with its dense output if that has been made.
+    /// Accepts a step, with its dense output if computed.
     #[inline]
     fn accept(&mut self, step: Step<N>, dense: Option<Dense<N>>) {
         self.statistics.count_step(step.h.abs());
@@ -446,8 +434,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         self.dense = dense;
     }
 
-    /// A first step such that the terms of the Taylor series behind it are small (book, II.4; `hinit` of
-    /// `dop853.f`).
+    /// The initial step size, from an estimate of the Taylor terms (book, II.4; `hinit` of `dop853.f`).
     fn first_step(&mut self, direction: Direction) -> f64 {
         let sign = match direction {
             Direction::Forward => 1.0,
@@ -541,8 +528,7 @@ fn combine_controlled<S: System<N>, const N: usize, const M: usize, const K: usi
     sum
 }
 
-/// The controlled components of [`advance`]; 0 for the quadratures, which no derivative depends on and which take time to
-/// copy.
+/// The controlled components of [`advance`]; 0 for the quadratures, on which no derivative depends.
 #[inline(always)]
 fn advance_controlled<S: System<N>, const N: usize>(
     y: &[f64; N],
@@ -567,15 +553,15 @@ fn difference<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-/// The next step's length as a multiple of this one's, if this one had such an error.
+/// Step size factor for this error.
 #[inline]
 fn step_factor(error: f64, growth_limit: f64) -> f64 {
-    // An error of 0 makes the quotient infinite, which the limit catches.
+    // An error of 0 gives infinity, which is clamped.
     let factor = SAFETY / eighth_root(error);
     larger(LARGEST_SHRINKAGE, smaller(growth_limit, factor))
 }
 
-/// The eighth root by square roots, which are exactly rounded; `powf` differs between machines.
+/// The eighth root as three square roots, which are exactly rounded (`powf` is not portable).
 #[inline]
 fn eighth_root(x: f64) -> f64 {
     x.sqrt().sqrt().sqrt()

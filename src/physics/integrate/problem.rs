@@ -1,15 +1,15 @@
-//! Types that the integrator shares: equations, tolerances, statistics, errors.
+//! Types of the integrator: equations, tolerances, statistics, errors.
 
 use thiserror::Error;
 
 /// A system of ordinary differential equations y′ = f(t, y) with `N` components.
 pub trait System<const N: usize> {
-    /// The first `CONTROLLED` components enter the error norm and so choose the steps; at least one. The
-    /// rest are quadratures that travel along (a dissipated energy, a path length) and never influence
-    /// the steps. No derivative may depend on them: within a step they are given as 0.
+    /// The first `CONTROLLED` components enter the error norm and so determine the steps; at least one. The rest are
+    /// quadratures (e.g. dissipated energy, path length), which don't affect the steps. No derivative may depend on them:
+    /// within a step they are 0.
     const CONTROLLED: usize = N;
 
-    /// The derivative y′ at (t, y). Where it is not defined it may be infinite or NaN.
+    /// The derivative y′ at (t, y). May be infinite or NaN where it is not defined.
     fn derivative(&self, t: f64, y: &[f64; N]) -> [f64; N];
 }
 
@@ -22,7 +22,7 @@ pub struct Tolerances {
     pub absolute: f64,
 }
 
-/// The way time goes.
+/// Direction of integration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// Toward larger t.
@@ -31,12 +31,12 @@ pub enum Direction {
     Backward,
 }
 
-/// Cost of an integration so far.
+/// Statistics of an integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// Steps taken.
     pub accepted: u64,
-    /// Steps tried and thrown away.
+    /// Rejected steps.
     pub rejected: u64,
     /// Evaluations of the derivative for steps and dense output.
     pub evaluations: u64,
@@ -47,9 +47,9 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Cost of this and an earlier integration together.
+    /// Combined statistics of this and an earlier integration.
     #[must_use]
-    pub(super) fn after(self, before: Self) -> Self {
+    pub(super) fn combined_with(self, before: Self) -> Self {
         let smallest = match (before.smallest_step, self.smallest_step) {
             (before, 0.0) => before,
             (0.0, now) => now,
@@ -65,24 +65,22 @@ impl Statistics {
     }
 }
 
-/// The reason why an integration can't go on.
+/// Error of an integration.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum IntegrateError {
-    /// The tolerances ask for a step that t can't resolve: the solution is singular or discontinuous
-    /// ahead, or the equations are not defined there.
-    #[error(
-        "no step from t = {t:?} on is short enough: the solution is singular or discontinuous there"
-    )]
+    /// The step size fell below the resolution of t: the solution is singular or discontinuous ahead, or the equations
+    /// are not defined there.
+    #[error("step size underflow at t = {t:?}: the solution is singular or discontinuous")]
     StepSizeUnderflow {
         /// The end of the last accepted step.
         t: f64,
-        /// The step, with its sign, that would have been tried next.
+        /// The (signed) next step size.
         step: f64,
     },
     /// The state or its derivative is infinite or not a number.
     #[error("the state or its derivative is not finite at t = {t:?}")]
     NonFiniteState {
-        /// Where.
+        /// Time.
         t: f64,
     },
 }

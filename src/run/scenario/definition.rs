@@ -1,11 +1,11 @@
-//! A scenario that has passed every check, in the types of the physics.
+//! A validated scenario.
 
+use super::choice::{FormulationKind, OnStick};
 use super::error::ScenarioError;
-use super::key::{Key, Value, typed};
+use super::key::{Key, Value, short_number};
 use super::keys::{FORMAT, KEYS};
 use super::model::model;
 use super::values::{Values, nanoseconds};
-use super::words::{FormulationKind, OnStick};
 use crate::physics::dynamics::{Model, Start};
 use crate::physics::friction::Dissipation;
 use crate::physics::integrate::Tolerances;
@@ -16,24 +16,24 @@ use sha2::{Digest as _, Sha256};
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-/// The conditions that end a run; the first that is met does. At least one is set.
+/// The stop conditions of a run; at least one is set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Ends the run when θ falls to this angle, rad (`stop.theta_risen`).
+    /// Stop when θ decreases to this angle, rad (`stop.theta_risen`).
     pub theta_risen: Option<f64>,
-    /// Ends the run when θ grows to this angle, rad (`stop.theta_fallen`).
+    /// Stop when θ increases to this angle, rad (`stop.theta_fallen`).
     pub theta_fallen: Option<f64>,
-    /// Ends the run at this time, s (`stop.duration`).
+    /// Stop at this time, s (`stop.duration`).
     pub duration: Option<f64>,
-    /// Ends the run when the contact point stops slipping, or not (`stop.on_stick`).
+    /// Action when the contact point stops slipping (`stop.on_stick`).
     pub on_stick: OnStick,
 }
 
-/// A checked, complete definition of a run.
+/// A validated, complete definition of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     values: Values,
-    /// Variables of integration.
+    /// Integration variables.
     pub formulation: FormulationKind,
     /// The top and its friction.
     pub model: Model,
@@ -41,23 +41,23 @@ pub struct Scenario {
     pub angles: Euler,
     /// Euler rates at the start, rad/s.
     pub rates: Euler,
-    /// Local error bounds: those of the keys, if the support lets them be as large.
+    /// Integrator tolerances, limited by the support.
     pub tolerances: Tolerances,
     /// Time between samples, ns.
     pub sample_period_ns: u64,
-    /// The conditions that end the run.
+    /// The stop conditions.
     pub stop: Stop,
 }
 
 impl Scenario {
-    /// Checks that `values` are complete and fit together.
+    /// Checks that `values` are complete and consistent.
     ///
     /// # Errors
-    /// The first key that is missing, does not apply here, or contradicts another.
+    /// The first key that is missing, does not apply, or contradicts another.
     pub fn new(mut values: Values) -> Result<Self, ScenarioError> {
-        values.put("format", FORMAT)?;
+        values.set_value("format", FORMAT)?;
         values.check_presence()?;
-        // The same run must have the same digest.
+        // Equal runs must have equal digests.
         if values.get("support.kind") == Some(&Value::Text("fixed".to_owned())) {
             values.remove("support.kind");
         }
@@ -82,7 +82,7 @@ impl Scenario {
                 relative: tolerance("integrator.relative_tolerance")?,
                 absolute: tolerance("integrator.absolute_tolerance")?,
             },
-            // That it is a whole number of them has been checked.
+            // Validated before.
             sample_period_ns: nanoseconds(values.number("sampling.period")?).unwrap_or(1),
             stop: Stop {
                 theta_risen: values.optional_number("stop.theta_risen"),
@@ -109,23 +109,23 @@ impl Scenario {
         Self::new(Values::from_toml(text)?)
     }
 
-    /// This scenario with some keys set to other numbers or words.
+    /// This scenario with some keys changed.
     ///
     /// # Errors
-    /// As [`Values::put`] and [`Scenario::new`].
+    /// As [`Values::set_value`] and [`Scenario::new`].
     pub fn with<'a>(
         &self,
         changes: impl IntoIterator<Item = (&'a str, toml::Value)>,
     ) -> Result<Self, ScenarioError> {
         let mut values = self.values.clone();
         for (path, value) in changes {
-            values.put(path, value)?;
+            values.set_value(path, value)?;
         }
         Self::new(values)
     }
 
-    /// The scenario as TOML in canonical form: every key in the order of the table, with unit and
-    /// meaning. Reading it gives back the same scenario to the last bit.
+    /// The scenario as TOML in canonical form: all keys in table order, with unit and description. Parsing it returns a
+    /// bit-identical scenario.
     #[must_use]
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
@@ -146,7 +146,7 @@ impl Scenario {
         text
     }
 
-    /// The keys that the scenario sets, in the order of the table, with their values.
+    /// The keys that the scenario sets, in table order, with their values.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Key, &Value)> {
         KEYS.iter()
             .filter_map(|key| Some((key, self.values.get(key.path)?)))
@@ -157,26 +157,25 @@ impl Scenario {
         self.values.get(path)
     }
 
-    /// The scenario's name, after which recordings are called.
+    /// The scenario's name, used for file names.
     #[must_use]
     pub fn name(&self) -> &str {
         self.values.text("name").unwrap_or_default()
     }
 
-    /// A sentence about the scenario; empty if it has none.
+    /// The description; may be empty.
     #[must_use]
     pub fn description(&self) -> &str {
         self.values.text("description").unwrap_or_default()
     }
 
-    /// The word that stands for a key's value, empty if the scenario has none: for summaries.
+    /// The text value of a key, or an empty string.
     #[must_use]
     pub fn word(&self, path: &'static str) -> &str {
         self.values.text(path).unwrap_or_default()
     }
 
-    /// SHA-256 over every key and value but the name and the description, in hexadecimal: equal for
-    /// scenarios that define the same run.
+    /// SHA-256 (hex) of all keys and values except name and description. Equal for scenarios that define the same run.
     #[must_use]
     pub fn digest(&self) -> String {
         let mut hash = Sha256::new();
@@ -188,20 +187,20 @@ impl Scenario {
         hex(&hash.finalize())
     }
 
-    /// Whether nothing takes energy from the top.
+    /// Whether there is no friction and no other loss.
     #[must_use]
     pub fn is_frictionless(&self) -> bool {
         self.model.friction.is_none()
     }
 
-    /// Largest friction force of the law at the slip speed of the start, N: the scale for drawing it.
+    /// Upper bound of the friction force at the initial slip speed, N. Used to scale its arrow.
     #[must_use]
     pub fn force_scale(&self) -> f64 {
         let Model { top, friction, .. } = &self.model;
         friction.law.bound(self.slip_speed_at_start(), top.weight())
     }
 
-    /// Torque of that force and of all losses at the start, N m: the scale for drawing it.
+    /// Torque of that force and of all losses at the start, N m. Used to scale its arrow.
     #[must_use]
     pub fn torque_scale(&self) -> f64 {
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
@@ -216,7 +215,7 @@ impl Scenario {
         let top = &self.model.top;
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
         let world = |lean: &Vector3<f64>| lean_to_world(lean, self.angles.phi);
-        // From the peg's centre to the centre of mass, and how fast that grows.
+        // Vector from the peg's centre to the centre of mass, and its derivative.
         let reach = top.center_distance * world(&tilt.axis());
         let growth = top.center_distance * world(&tilt.omega_lean.cross(&tilt.axis()));
         let of_peg = |peg: &str, center: &str, offset: f64| {
@@ -238,7 +237,7 @@ impl Scenario {
         }
     }
 
-    /// Slip speed of the contact point at the start, m/s; of a top that is dropped, that of its lowest point.
+    /// Slip speed of the contact point at the start, m/s; for a dropped top, of its lowest point.
     #[must_use]
     pub fn slip_speed_at_start(&self) -> f64 {
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
@@ -253,12 +252,11 @@ impl Scenario {
         hypot(slip.x, slip.y)
     }
 
-    /// Checks of keys that only one kind of support allows.
+    /// Checks keys that depend on the support.
     fn check_support(&self) -> Result<(), ScenarioError> {
         let distance = self.model.top.center_distance;
         if !self.model.support.is_free() {
-            let allowed =
-                "a finite number > 0; negative with support.kind = \"free\" for a tippe top";
+            let allowed = "a finite number > 0 (for a tippe top, which has a negative value, set support.kind = \"free\")";
             return ensure(distance > 0.0, || {
                 out_of_range("top.center_distance", distance, allowed)
             });
@@ -276,7 +274,7 @@ impl Scenario {
             || {
                 conflict(
                     "top.center_distance",
-                    "must not be 0, and above −top.peg_radius: the centre of mass of a tippe top is inside its sphere",
+                    "must be > −top.peg_radius and not 0 (the centre of mass of a tippe top is inside its sphere)",
                 )
             },
         )?;
@@ -286,20 +284,22 @@ impl Scenario {
         let needs: Vec<&str> = [
             is_euler.then_some("formulation = \"body\""),
             is_part.then_some("friction.dissipation = \"full\""),
-            is_endless.then_some("stop.duration, because it may roll for ever"),
+            is_endless.then_some("stop.duration (it may roll forever)"),
         ]
         .into_iter()
         .flatten()
         .collect();
         ensure(needs.is_empty(), || {
-            let reason = format!("a free top also needs {}", needs.join(", "));
+            let reason = format!("requires {}", needs.join(", "));
             conflict("support.kind", &reason)
         })?;
         let set_key =
             |keys: [&'static str; 2]| keys.into_iter().find(|key| self.values.get(key).is_some());
         for (of_peg, of_center) in PLACES {
             if let (Some(key), Some(other)) = (set_key(of_peg), set_key(of_center)) {
-                let reason = format!("{other} is set too; set one of peg and centre of mass");
+                let reason = format!(
+                    "conflicts with {other}: set the position of either the peg or the centre of mass"
+                );
                 return Err(conflict(key, &reason));
             }
         }
@@ -307,7 +307,7 @@ impl Scenario {
         match limit.filter(|_| distance < 0.0) {
             Some(key) => Err(conflict(
                 key,
-                "a tippe top (top.center_distance < 0) neither rises nor falls but inverts; use stop.duration",
+                "not applicable to a tippe top (top.center_distance < 0); use stop.duration",
             )),
             None => Ok(()),
         }
@@ -318,13 +318,13 @@ impl Scenario {
         let offset = top.mass * top.center_distance * top.center_distance;
         ensure(top.transverse_moment > offset, || {
             let allowed = format!(
-                "more than {} kg m² = top.mass · top.center_distance²: so much the mass has at the centre of mass alone",
-                typed(offset)
+                "more than {} kg m² = top.mass · top.center_distance² (parallel axis theorem)",
+                short_number(offset)
             );
             out_of_range("top.transverse_moment", top.transverse_moment, allowed)
         })?;
-        // No body has a larger axial moment than twice its transverse one, about any point of its axis;
-        // the centre of mass is the hardest.
+        // The axial moment of a rigid body is at most twice its transverse moment about any point of the axis.
+        // The limit is lowest at the centre of mass.
         let limit = 2.0 * top.transverse_moment;
         for (limit, what) in [
             (limit, "2 · top.transverse_moment"),
@@ -335,8 +335,8 @@ impl Scenario {
         ] {
             ensure(top.axial_moment <= limit, || {
                 let allowed = format!(
-                    "at most {} kg m² = {what}: no rigid body exceeds it",
-                    typed(limit)
+                    "at most {} kg m² = {what} (limit for a rigid body)",
+                    short_number(limit)
                 );
                 out_of_range("top.axial_moment", top.axial_moment, allowed)
             })?;
@@ -350,15 +350,15 @@ impl Scenario {
         ensure(
             !is_singular || self.formulation == FormulationKind::Body,
             || {
-                let allowed = "between 0 and π with formulation = \"euler\", which is singular there; \
-                           formulation = \"body\" allows both";
+                let allowed = "strictly between 0 and π with formulation = \"euler\"; \
+                           use formulation = \"body\" for a vertical axis";
                 out_of_range("initial.theta", theta, allowed)
             },
         )?;
         let drops_terms = self.model.friction.dissipation.drops_euler_terms();
         let is_endless = drops_terms && !self.is_frictionless() && self.stop.theta_risen.is_none();
         ensure(!is_endless, || {
-            let reason = "divides by sin θ and needs stop.theta_risen to end before upright";
+            let reason = "requires stop.theta_risen, because its equations divide by sin θ";
             let word = self.word("friction.dissipation");
             conflict("friction.dissipation", word, reason)
         })?;
@@ -368,9 +368,9 @@ impl Scenario {
         let risen = risen.map(|limit| ("stop.theta_risen", limit));
         match risen.or(fallen.map(|limit| ("stop.theta_fallen", limit))) {
             Some((key, limit)) => {
-                let start = typed(theta);
-                let reason = format!("the top starts beyond it, at initial.theta = {start}");
-                Err(conflict(key, typed(limit), reason))
+                let start = short_number(theta);
+                let reason = format!("the start, initial.theta = {start}, is already beyond it");
+                Err(conflict(key, short_number(limit), reason))
             }
             None => Ok(()),
         }
@@ -380,12 +380,12 @@ impl Scenario {
         let conflict = |reason: &str| conflict("stop.on_stick", "continue", reason);
         ensure(self.model.friction.can_stick(), || {
             conflict(
-                "this friction never holds the contact point at rest; friction.law = \"coulomb\" or \
-                 \"stribeck\" and rolling.arm do, if friction.dissipation is \"full\"",
+                "this friction law never sticks; use friction.law = \"coulomb\" or \"stribeck\", or \
+                 rolling.arm, with friction.dissipation = \"full\"",
             )
         })?;
         ensure(self.stop.duration.is_some(), || {
-            conflict("a top may stick for ever; set stop.duration")
+            conflict("requires stop.duration, because the top may stick forever")
         })
     }
 
@@ -402,9 +402,9 @@ impl Scenario {
         let samples = duration * 1e9 / self.sample_period_ns as f64;
         ensure(samples <= f64::from(u32::MAX), || {
             let allowed = format!(
-                "long enough for at most {} samples in stop.duration = {} s",
+                "larger: at most {} samples fit in stop.duration = {} s",
                 u32::MAX,
-                typed(duration)
+                short_number(duration)
             );
             let period = self.sample_period_ns as f64 / 1e9;
             out_of_range("sampling.period", period, allowed)
@@ -432,7 +432,7 @@ fn ensure(holds: bool, error: impl FnOnce() -> ScenarioError) -> Result<(), Scen
 fn out_of_range(key: &'static str, value: f64, allowed: impl Into<String>) -> ScenarioError {
     ScenarioError::OutOfRange {
         key,
-        value: typed(value),
+        value: short_number(value),
         allowed: allowed.into(),
     }
 }

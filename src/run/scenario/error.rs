@@ -2,44 +2,43 @@
 
 use thiserror::Error;
 
-/// The reason why a text is not a scenario that can be run. Each message names the key, the value and what is
-/// allowed.
+/// Error of an invalid scenario. Each message names the key, the value and the allowed values.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ScenarioError {
     /// No preset of this name.
     #[error(
-        "there is no preset {name:?}{near}; presets: {allowed} (a scenario file needs its path, for example ./{name}.toml)"
+        "unknown preset {name:?}{hint}; presets: {allowed}. For a scenario file, give the path, e.g. ./{name}.toml"
     )]
     UnknownPreset {
-        /// The name that was asked for.
+        /// The unknown name.
         name: String,
-        /// A question after the name that was meant; empty if none is like it.
-        near: String,
-        /// The names that exist.
+        /// A "did you mean" hint; may be empty.
+        hint: String,
+        /// The names of all presets.
         allowed: String,
     },
     /// Not TOML.
     #[error("not valid TOML: {0}")]
     Syntax(String),
-    /// A key that scenarios don't have.
-    #[error("unknown key {key}{near}; allowed: {allowed}")]
+    /// An unknown key.
+    #[error("unknown key {key}{hint}; allowed: {allowed}")]
     UnknownKey {
         /// The key.
         key: String,
-        /// A question after the key that was meant; empty if none is like it.
-        near: String,
-        /// Those of its section, or all.
+        /// A "did you mean" hint; may be empty.
+        hint: String,
+        /// The keys of its section, or all keys.
         allowed: String,
     },
-    /// Keys that have to be there are not.
+    /// Required keys are missing.
     #[error("missing: {missing}")]
     MissingKeys {
         /// The keys.
         keys: Vec<&'static str>,
-        /// The keys with what they take.
+        /// The keys with descriptions and allowed values.
         missing: String,
     },
-    /// A number where a word belongs, or the reverse.
+    /// Text instead of a number, or the reverse.
     #[error("{key} = {value}: must be {expected}")]
     WrongType {
         /// The key.
@@ -59,18 +58,18 @@ pub enum ScenarioError {
         /// The allowed values.
         allowed: String,
     },
-    /// A key that is ignored with, or without, the value of another.
+    /// A key that does not apply because of the value of another key.
     #[error(
-        "{key} does not apply {circumstance}: set {other} = {needed}, or remove {key} (--set {key}= on the command line)"
+        "{key} does not apply {circumstance}: set {other} = {needed}, or remove {key} (--set {key}=)"
     )]
     Inapplicable {
         /// The key.
         key: &'static str,
         /// The other key, and its value if it has one.
         circumstance: String,
-        /// The key that makes it meaningless.
+        /// The key that makes it inapplicable.
         other: &'static str,
-        /// The values of that key with which it has a meaning.
+        /// The values of that key with which it applies.
         needed: String,
     },
     /// Two values that exclude each other.
@@ -80,12 +79,12 @@ pub enum ScenarioError {
         key: &'static str,
         /// Its value.
         value: String,
-        /// The contradicted key.
+        /// The reason, with the other key.
         reason: String,
     },
-    /// Nothing would end the run.
+    /// No stop condition.
     #[error(
-        "the run would never stop: set stop.duration (without friction) or at least one of stop.theta_risen, stop.theta_fallen, stop.duration"
+        "the run would never stop: set stop.duration, stop.theta_risen or stop.theta_fallen (without friction: stop.duration)"
     )]
     NeverStops,
 }

@@ -1,4 +1,4 @@
-//! Keys of a scenario: name, its unit, and the values that it takes.
+//! Scenario keys: name, unit and allowed values.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -7,7 +7,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Value {
-    /// A name, a choice or a text.
+    /// Text.
     Text(String),
     /// A number in SI units or radians.
     Number(f64),
@@ -24,12 +24,12 @@ impl fmt::Display for Value {
 }
 
 impl Value {
-    /// The value as one would type it in `--set`: a word without quotes, a number without rows of zeros.
+    /// The value in `--set` notation: text without quotes, numbers like `1e-10`.
     #[must_use]
-    pub fn typed(&self) -> String {
+    pub fn to_set_notation(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),
-            Self::Number(number) => typed(*number),
+            Self::Number(number) => short_number(*number),
         }
     }
 }
@@ -43,8 +43,8 @@ impl From<Value> for toml::Value {
     }
 }
 
-/// A number as one would type it: without rows of zeros.
-pub(super) fn typed(number: f64) -> String {
+/// A number in short notation, e.g. `1e-10`.
+pub(super) fn short_number(number: f64) -> String {
     let size = number.abs();
     if size == 0.0 || (1e-3..1e15).contains(&size) {
         number.to_string()
@@ -53,25 +53,25 @@ pub(super) fn typed(number: f64) -> String {
     }
 }
 
-/// Which values a key takes.
+/// Allowed values of a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// Any text.
     Text,
-    /// A word that can be part of a file's name.
+    /// A portable file name.
     Name,
-    /// One of these words.
+    /// One of these texts.
     Choice(&'static [&'static str]),
     /// Any finite number.
     Any,
-    /// A finite number not less than the first and not larger than the second.
+    /// A number in this closed interval.
     Between(f64, f64),
     /// A whole number of nanoseconds from 1 ns to one hour, in seconds.
     Nanoseconds,
 }
 
 impl Kind {
-    /// Whether the values are texts; otherwise they are numbers.
+    /// Whether the values are texts rather than numbers.
     #[must_use]
     pub fn is_text(self) -> bool {
         matches!(self, Self::Text | Self::Name | Self::Choice(_))
@@ -89,47 +89,52 @@ impl fmt::Display for Kind {
             Self::Choice(words) => write!(f, "one of {}", words.join(", ")),
             Self::Any => write!(f, "a finite number"),
             Self::Between(low, high) => {
-                write!(f, "a number from {} to {}", typed(*low), typed(*high))
+                write!(
+                    f,
+                    "a number from {} to {}",
+                    short_number(*low),
+                    short_number(*high)
+                )
             }
             Self::Nanoseconds => write!(f, "a time in whole nanoseconds from 1e-9 to 3600"),
         }
     }
 }
 
-/// The condition under which a scenario has to, or may, have a key.
+/// Whether a key is required, optional, or depends on another key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Presence {
     /// Always.
     Required,
-    /// May be left out.
+    /// Never required.
     Optional,
-    /// Exactly when another key has one of these values.
-    With(&'static str, &'static [&'static str]),
-    /// Exactly when this other key is there.
-    Beside(&'static str),
-    /// Only when another key has this value; may be left out then too.
+    /// Required if another key has one of these values; otherwise not allowed.
+    RequiredWith(&'static str, &'static [&'static str]),
+    /// Required if this other key is set; otherwise not allowed.
+    RequiredWithKey(&'static str),
+    /// Optional if another key has this value; otherwise not allowed.
     OptionalWith(&'static str, &'static str),
 }
 
-/// One row of the table.
+/// A row of the table of keys.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
-    /// The section and name, as in `top.mass`; a name alone stands before the first section.
+    /// Section and name, e.g. `top.mass`; top-level keys have no section.
     pub path: &'static str,
-    /// Unit, empty where there is none.
+    /// Unit; may be empty.
     pub unit: &'static str,
     /// Allowed values.
     pub kind: Kind,
-    /// The condition under which it is there.
+    /// Whether it is required.
     pub presence: Presence,
-    /// Its meaning.
+    /// Its description.
     pub meaning: &'static str,
-    /// The values from which one would choose, in its unit, as a slider has them; none for words and texts.
+    /// Typical range, used for sliders; `None` for text and choices.
     pub typical: Option<[f64; 2]>,
 }
 
 impl Key {
-    /// With this range to choose from.
+    /// Sets the typical range.
     pub(super) const fn typically(self, low: f64, high: f64) -> Self {
         Self {
             typical: Some([low, high]),
@@ -137,14 +142,14 @@ impl Key {
         }
     }
 
-    /// Whether the range to choose from spans decades, so that a slider is logarithmic.
+    /// Whether the typical range spans decades, so that a slider should be logarithmic.
     #[must_use]
     pub fn is_logarithmic(&self) -> bool {
         self.typical
             .is_some_and(|[low, high]| low > 0.0 && high >= 50.0 * low)
     }
 
-    /// The symbol that its meaning gives it, as in `v_0`; none if it has none. What ends a run has that of another quantity.
+    /// The symbol in its description, e.g. `v_0`. `None` if there is none, and for stop conditions.
     #[must_use]
     pub fn symbol(&self) -> Option<&'static str> {
         let is_symbol = |word: &&str| {
@@ -160,7 +165,7 @@ impl Key {
             .filter(|_| !is_end && !self.kind.is_text())
     }
 
-    /// Its unit in brackets, after a space; empty if it has none.
+    /// The unit in brackets with a leading space, or an empty string.
     #[must_use]
     pub fn in_unit(&self) -> String {
         match self.unit {

@@ -1,10 +1,10 @@
 //! The table of everything that a scenario defines: one row per key.
 
+use super::choice::{DISSIPATIONS, FORMULATIONS, ON_STICK, SUPPORTS};
 use super::key::Key;
 use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Text};
-use super::key::Presence::{self, Beside, Optional, OptionalWith, Required, With};
-use super::laws::{ACTING_LAWS, Law, SLIDING_LAWS};
-use super::words::{DISSIPATIONS, FORMULATIONS, ON_STICK, SUPPORTS};
+use super::key::Presence::{self, Optional, OptionalWith, Required, RequiredWith, RequiredWithKey};
+use super::laws::{FRICTIONAL_LAWS, Law, SLIDING_LAWS};
 use std::f64::consts::PI;
 
 const fn key(
@@ -76,27 +76,27 @@ pub const KEYS: &[Key] = &[
     key("support.restitution", "", Between(0.0, 1.0), FREE,
         "coefficient of restitution e of impacts (Stronge's); 0 if left out").typically(0.0, 1.0),
     key("friction.law", "", Choice(SLIDING_LAWS), Required, "law of friction at the contact"),
-    key("friction.k", "", Between(0.0, 100.0), With("friction.law", ACTING_LAWS),
+    key("friction.k", "", Between(0.0, 100.0), RequiredWith("friction.law", FRICTIONAL_LAWS),
         "coefficient of friction k").typically(0.001, 1.0),
-    key("friction.static_k", "", Between(0.0, 100.0), With("friction.law", &["stribeck"]),
+    key("friction.static_k", "", Between(0.0, 100.0), RequiredWith("friction.law", &["stribeck"]),
         "coefficient of static friction k_s").typically(0.001, 1.0),
     key("friction.smoothing_speed", "m/s", SPEED,
-        With("friction.law", SMOOTH_LAWS),
+        RequiredWith("friction.law", SMOOTH_LAWS),
         "slip speed v_ε below which the force fades").typically(0.001, 1.0),
-    key("friction.viscous_speed", "m/s", SPEED, With("friction.law", &["viscous"]),
+    key("friction.viscous_speed", "m/s", SPEED, RequiredWith("friction.law", &["viscous"]),
         "slip speed v_0 at which the force is k N").typically(0.01, 10.0),
-    key("friction.stribeck_speed", "m/s", SPEED, With("friction.law", &["stribeck"]),
+    key("friction.stribeck_speed", "m/s", SPEED, RequiredWith("friction.law", &["stribeck"]),
         "slip speed v_s over which static friction falls to kinetic").typically(0.001, 1.0),
-    key("friction.viscous_slope", "s/m", Between(0.0, 100.0), With("friction.law", &["stribeck"]),
+    key("friction.viscous_slope", "s/m", Between(0.0, 100.0), RequiredWith("friction.law", &["stribeck"]),
         "growth c_v of the coefficient with the slip speed").typically(0.0, 0.1),
-    key("friction.patch_radius", "m", Between(1e-9, 1.0), With("friction.law", &["contensou"]),
+    key("friction.patch_radius", "m", Between(1e-9, 1.0), RequiredWith("friction.law", &["contensou"]),
         "radius a of the patch of contact").typically(1e-5, 0.01),
     key("friction.dissipation", "",
         Choice(DISSIPATIONS),
-        With("friction.law", ACTING_LAWS), "which parts of the friction torque act"),
+        RequiredWith("friction.law", FRICTIONAL_LAWS), "which parts of the friction torque act"),
     key("rolling.arm", "m", Between(0.0, 1.0), Optional, "arm δ of rolling resistance").typically(0.0, 0.001),
     key("drilling.k", "", Between(0.0, 100.0), Optional, "coefficient k of drilling friction").typically(0.0, 0.5),
-    key("drilling.patch_radius", "m", Between(1e-9, 1.0), Beside("drilling.k"),
+    key("drilling.patch_radius", "m", Between(1e-9, 1.0), RequiredWithKey("drilling.k"),
         "radius a of the patch of contact that drills").typically(1e-5, 0.01),
     key("air.axial", "N m s", Between(0.0, 1.0), Optional,
         "drag c_n of the air per angular velocity along the symmetry axis").typically(0.0, 1e-5),
@@ -120,7 +120,7 @@ impl Law {
     /// The keys of its parameters.
     pub fn parameters(&self) -> impl Iterator<Item = &'static Key> {
         let is_own = |key: &&Key| {
-            if let With("friction.law", words) = key.presence {
+            if let RequiredWith("friction.law", words) = key.presence {
                 return words.contains(&self.name);
             }
             let section = key.path.split_once('.').map(|(section, _)| section);

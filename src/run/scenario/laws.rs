@@ -1,12 +1,12 @@
-//! The table of the laws of friction: words, formulas, sources, and how their parameters make one.
+//! The table of friction laws: names, formulas, sources and constructors.
 
 use super::error::ScenarioError;
 use crate::physics::friction::{FrictionLaw, Smoothing};
 
-/// A law of friction, as a scenario names it.
+/// A friction law of a scenario.
 #[derive(Debug)]
 pub struct Law {
-    /// Its word under `friction.law`, or the section that adds it to any law.
+    /// Its value of `friction.law`, or the section of an additional loss.
     pub name: &'static str,
     /// Force or torque. `f` is the friction force, `v` the slip velocity, `N` the normal force, `ω` the
     /// angular velocity, `ω_⊥` its horizontal part, `w_n` its part along the symmetry axis `n`, `w_t` the
@@ -16,11 +16,11 @@ pub struct Law {
     pub typical: &'static str,
     /// Publication.
     pub source: &'static str,
-    /// Makes a law of sliding from the numbers of its keys; none for what adds to any law.
+    /// Constructs the sliding law from its keys; `None` for additional losses.
     make: Option<fn(Number<'_>) -> Result<FrictionLaw, ScenarioError>>,
 }
 
-/// Looks up the number of a key.
+/// Looks up the numeric value of a key.
 pub(super) type Number<'a> = &'a dyn Fn(&'static str) -> Result<f64, ScenarioError>;
 
 const ZHURAVLEV: &str = "V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705";
@@ -34,11 +34,11 @@ const fn sliding(
 ) -> Law {
     Law {
         make: Some(make),
-        ..adding(name, formula, typical, source)
+        ..additional_loss(name, formula, typical, source)
     }
 }
 
-const fn adding(
+const fn additional_loss(
     name: &'static str,
     formula: &'static str,
     typical: &'static str,
@@ -61,11 +61,11 @@ fn regularised(number: Number<'_>, shape: Smoothing) -> Result<FrictionLaw, Scen
     })
 }
 
-/// All laws: those of sliding in the order of `friction.law`, then those that add to any of them.
+/// All laws: the sliding laws in the order of `friction.law`, then the additional losses.
 #[rustfmt::skip]
 pub const LAWS: &[Law] = &[
     sliding("none", "f = 0", "", "", |_| Ok(FrictionLaw::None)),
-    sliding("coulomb", "f = −k N v/|v|; at rest any up to k N",
+    sliding("coulomb", "f = −k N v/|v|; at rest |f| ≤ k N",
         "k: steel on PTFE 0.04, lubricated 0.05 to 0.1, steel on plastic 0.2 to 0.3",
         "V. Tanrıverdi, arXiv:2204.14060, section 2",
         |number| Ok(FrictionLaw::Coulomb { k: number("friction.k")? })),
@@ -84,7 +84,7 @@ pub const LAWS: &[Law] = &[
             k: number("friction.k")?,
             speed: number("friction.viscous_speed")?,
         })),
-    sliding("stribeck", "f = −N (k + (k_s − k) exp(−(v/v_s)²) + c_v |v|) v/|v|; at rest any up to k_s N",
+    sliding("stribeck", "f = −N (k + (k_s − k) exp(−(v/v_s)²) + c_v |v|) v/|v|; at rest |f| ≤ k_s N",
         "k_s/k: 1.2 to 1.7; v_s: 0.01 to 0.1 m/s",
         "B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083",
         |number| Ok(FrictionLaw::Stribeck {
@@ -99,17 +99,17 @@ pub const LAWS: &[Law] = &[
             k: number("friction.k")?,
             patch_radius: number("friction.patch_radius")?,
         })),
-    adding("rolling", "M = −δ N ω_⊥/|ω_⊥|; without rolling any up to δ N", "δ: 0.01 to 0.3 mm",
+    additional_loss("rolling", "M = −δ N ω_⊥/|ω_⊥|; without rolling |M| ≤ δ N", "δ: 0.01 to 0.3 mm",
         "R. Cross, Am. J. Phys. 81 (2013) 280"),
-    adding("drilling", "M_z′ = −(3π/16) k N a sgn ω_z′", "a: as for contensou", ZHURAVLEV),
-    adding("air", "M = −c_n w_n n − c_t w_t − c |w_n|^(1/2) w_n n", "c_n/I_z: 0.002 to 0.01 1/s",
+    additional_loss("drilling", "M_z′ = −(3π/16) k N a sgn ω_z′", "a: as for contensou", ZHURAVLEV),
+    additional_loss("air", "M = −c_n w_n n − c_t w_t − c |w_n|^(1/2) w_n n", "c_n/I_z: 0.002 to 0.01 1/s",
         "T. von Kármán, Z. Angew. Math. Mech. 1 (1921) 233 (the last term)"),
 ];
 
-/// The words of `friction.law`.
+/// The values of `friction.law`.
 pub(super) const SLIDING_LAWS: &[&str] = &sliding_laws::<{ count_of_sliding_laws() }>();
-/// The laws of sliding that give a force: all but `none`.
-pub(super) const ACTING_LAWS: &[&str] = SLIDING_LAWS.split_at(1).1;
+/// All sliding laws except `none`.
+pub(super) const FRICTIONAL_LAWS: &[&str] = SLIDING_LAWS.split_at(1).1;
 
 const fn count_of_sliding_laws() -> usize {
     let mut count = 0;
@@ -130,14 +130,14 @@ const fn sliding_laws<const N: usize>() -> [&'static str; N] {
 }
 
 impl Law {
-    /// Whether it is a word of `friction.law`; else it adds to any of those.
+    /// Whether it is a sliding law rather than an additional loss.
     #[must_use]
     pub fn is_sliding(&self) -> bool {
         self.make.is_some()
     }
 }
 
-/// The law of sliding with this word and the numbers of its keys; none if there is no such word.
+/// The sliding law with this name; `None` if there is no such law.
 pub(super) fn sliding_law(
     word: &str,
     number: Number<'_>,

@@ -1,15 +1,15 @@
-//! The top and the friction that a scenario's values describe.
+//! Builds the model from scenario values.
 
+use super::choice::SupportKind;
 use super::error::ScenarioError;
-use super::key::typed;
+use super::key::short_number;
 use super::laws::sliding_law;
 use super::values::Values;
-use super::words::SupportKind;
 use crate::physics::dynamics::{Model, Support};
 use crate::physics::friction::{Air, Dissipation, Drilling, Friction, FrictionLaw, Losses};
 use crate::physics::top::Top;
 
-/// The physics that complete values describe.
+/// The model of complete values.
 pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
     let (top, support) = (top(values)?, support(values)?);
     Ok(Model {
@@ -47,8 +47,8 @@ fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioErr
     if matches!(law, FrictionLaw::Contensou { .. }) && values.get("drilling.k").is_some() {
         return Err(ScenarioError::Conflict {
             key: "drilling.k",
-            value: typed(values.number("drilling.k")?),
-            reason: "friction.law = \"contensou\" has a drilling torque of its own".to_owned(),
+            value: short_number(values.number("drilling.k")?),
+            reason: "friction.law = \"contensou\" already includes a drilling torque".to_owned(),
         });
     }
     Ok(Friction {
@@ -63,11 +63,11 @@ fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioErr
 fn law(values: &Values) -> Result<FrictionLaw, ScenarioError> {
     let word = values.text("friction.law")?;
     let law = sliding_law(word, &|key| values.number(key));
-    // That the word is one of them has been checked.
+    // The value was validated before.
     law.unwrap_or(Ok(FrictionLaw::None))
 }
 
-/// The losses of a top, which is `free` if its peg is.
+/// The additional losses; `free` is the top if its peg is free.
 fn losses(values: &Values, free: Option<&Top>) -> Losses {
     let number = |path| values.optional_number(path).unwrap_or_default();
     let drilling = Drilling {
@@ -77,7 +77,7 @@ fn losses(values: &Values, free: Option<&Top>) -> Losses {
     };
     Losses {
         rolling_arm: number("rolling.arm"),
-        drilling: free.map_or(drilling, |top| drilling.creeping(top)),
+        drilling: free.map_or(drilling, |top| drilling.with_creep(top)),
         air: Air {
             axial: number("air.axial"),
             transverse: number("air.transverse"),

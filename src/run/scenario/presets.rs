@@ -1,16 +1,16 @@
-//! Scenarios that come with the program: the paper's run and its variations.
+//! Built-in scenarios: the paper's run and its variations.
 
 use super::definition::Scenario;
 use super::error::ScenarioError;
 use super::key::{Key, Value};
 use super::keys::KEYS;
 use super::values::Values;
-use crate::run::nearest::near;
+use crate::run::suggestion::suggestion;
 
 /// The paper's run (V. Tanrıverdi, arXiv:2204.14060, section 3): the base of all presets.
 const PAPER: &str = include_str!("paper.toml");
 
-/// A named scenario: the paper's with some keys set otherwise.
+/// A named scenario: the paper's with some keys changed.
 #[derive(Debug)]
 pub struct Preset {
     /// Its name, which is the scenario's `name`.
@@ -195,7 +195,7 @@ pub const PRESETS: &[Preset] = &[
     },
 ];
 
-/// A sphere of 40 mm with its centre of mass 6 mm below its own, spinning at 80 rad/s.
+/// A sphere of 40 mm diameter with its centre of mass 6 mm below its centre, spinning at 80 rad/s.
 const TIPPE_TOP: &[(&str, &str)] = &[
     ("formulation", "body"),
     ("gravity", "9.82"),
@@ -242,8 +242,8 @@ const TIPPE_TOP_HANGS: &[(&str, &str)] = &[
 ];
 
 impl Scenario {
-    /// The keys in which it differs from other values, each with its own value if it has one. Names and descriptions don't
-    /// count.
+    /// The keys that differ from those of `from`, with their values (`None` if removed). Name and description are
+    /// ignored.
     pub fn changes<'a>(
         &'a self,
         from: &'a Values,
@@ -254,7 +254,7 @@ impl Scenario {
         changes.filter(|(key, value)| *value != from.get(key.path))
     }
 
-    /// The scenario's name and, if a preset has it, up to two keys in which they differ, as in `paper, friction.k = 0.02`.
+    /// The name, followed by up to two keys that differ from the preset of that name, e.g. `paper, friction.k = 0.02`.
     #[must_use]
     pub fn title(&self) -> String {
         let preset = PRESETS.iter().find(|preset| preset.name == self.name());
@@ -264,11 +264,11 @@ impl Scenario {
         }
     }
 
-    /// The scenario's name and up to two keys in which it differs from other values.
+    /// The name, followed by up to two keys that differ from `base`.
     #[must_use]
     pub fn title_from(&self, base: &Values) -> String {
         let change = |(key, value): (&Key, Option<&Value>)| match value {
-            Some(value) => format!(", {} = {}", key.path, value.typed()),
+            Some(value) => format!(", {} = {}", key.path, value.to_set_notation()),
             None => format!(", without {}", key.path),
         };
         let changes: Vec<_> = self.changes(base).map(change).collect();
@@ -284,14 +284,14 @@ impl Preset {
     /// The preset with this name.
     ///
     /// # Errors
-    /// [`ScenarioError::UnknownPreset`] naming those that exist.
+    /// [`ScenarioError::UnknownPreset`], which lists all presets.
     pub fn find(name: &str) -> Result<&'static Self, ScenarioError> {
         PRESETS
             .iter()
             .find(|preset| preset.name == name)
             .ok_or_else(|| ScenarioError::UnknownPreset {
                 name: name.to_owned(),
-                near: near(name, PRESETS.iter().map(|preset| preset.name)),
+                hint: suggestion(name, PRESETS.iter().map(|preset| preset.name)),
                 allowed: PRESETS
                     .iter()
                     .map(|p| p.name)
@@ -300,7 +300,7 @@ impl Preset {
             })
     }
 
-    /// A sentence about it.
+    /// Its description.
     #[must_use]
     pub fn description(&self) -> &'static str {
         self.description
@@ -309,7 +309,7 @@ impl Preset {
     /// Its keys and values.
     ///
     /// # Errors
-    /// None for the presets of the table; a test reads them all.
+    /// Never for built-in presets; a test reads them all.
     pub fn values(&self) -> Result<Values, ScenarioError> {
         let mut values = Values::from_toml(PAPER)?;
         values.set("name", self.name)?;
@@ -323,7 +323,7 @@ impl Preset {
     /// The scenario.
     ///
     /// # Errors
-    /// None for the presets of the table; a test reads them all.
+    /// Never for built-in presets; a test reads them all.
     pub fn scenario(&self) -> Result<Scenario, ScenarioError> {
         Scenario::new(self.values()?)
     }

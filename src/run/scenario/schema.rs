@@ -1,4 +1,4 @@
-//! The JSON Schema of scenario files, with which editors complete and check them.
+//! The JSON Schema of scenario files, for completion and validation in editors.
 
 use super::key::{Key, Kind};
 use super::keys::KEYS;
@@ -7,11 +7,11 @@ use serde_json::{Map, Value, json};
 /// The name of the schema in `schemas/`.
 pub const SCHEMA_FILE: &str = "scenario.json";
 
-/// The JSON Schema of a scenario file. It checks each key by itself; which keys need each other is checked by
+/// The JSON Schema of a scenario file. It checks keys individually; dependencies between keys are checked by
 /// [`Scenario::new`](super::Scenario::new).
 #[must_use]
 pub fn schema() -> String {
-    // Keys before the first section are in one without a name.
+    // Top-level keys are in a section without a name.
     let mut sections: Vec<(&str, Map<String, Value>)> = Vec::new();
     for key in KEYS {
         let (section, name) = key.path.split_once('.').unwrap_or(("", key.path));

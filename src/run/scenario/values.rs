@@ -1,25 +1,25 @@
-//! Keys with values, as a person writes them.
+//! Unvalidated keys and values.
 
+use super::choice::Choice;
 use super::error::ScenarioError;
-use super::key::{Key, Kind, Presence, Value, typed};
+use super::key::{Key, Kind, Presence, Value, short_number};
 use super::keys::KEYS;
 use super::laws::{LAWS, Law};
-use super::words::Words;
-use crate::run::nearest::{likeness, near, nearest};
+use crate::run::suggestion::{similarity, suggestion, suggestion_from};
 use std::collections::BTreeMap;
 
-/// Errors of syntax that are longer than this are cut, bytes.
+/// Maximum length of a syntax error, bytes.
 const LONGEST_SYNTAX: usize = 1000;
 
-/// Values that are longer than this are cut where an error quotes them, characters.
+/// Maximum length of a value quoted in an error, characters.
 const LONGEST_EXCERPT: usize = 100;
 
-/// Keys with values of the right type, in no particular combination.
+/// Keys and type-checked values; combinations are not checked.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Values(BTreeMap<&'static str, Value>);
 
 impl Values {
-    /// Reads a scenario file, and checks it key by key, but not whether it is complete.
+    /// Parses a scenario file and checks each key, but not completeness.
     ///
     /// # Errors
     /// Malformed TOML, an unknown key, a value of the wrong type or out of range.
@@ -29,17 +29,16 @@ impl Values {
         for (name, value) in table {
             if let toml::Value::Table(section) = value {
                 for (inner, value) in section {
-                    values.put(&format!("{name}.{inner}"), value)?;
+                    values.set_value(&format!("{name}.{inner}"), value)?;
                 }
             } else {
-                values.put(&name, value)?;
+                values.set_value(&name, value)?;
             }
         }
         Ok(values)
     }
 
-    /// Sets one key from `text`, a value as in TOML (quotes around words may be left out). An empty
-    /// text removes the key.
+    /// Sets one key from `text`, a TOML value whose quotes may be omitted. An empty text removes the key.
     ///
     /// # Errors
     /// An unknown key, a value of the wrong type or out of range.
@@ -55,7 +54,7 @@ impl Values {
         };
         let value = value
             .filter(|value| !is_text || value.is_str())
-            // Numbers such as `.5` and `1.`, which TOML has not.
+            // Accept numbers such as `.5` and `1.`, which are not valid TOML.
             .or_else(|| {
                 text.parse()
                     .ok()
@@ -63,20 +62,24 @@ impl Values {
                     .map(toml::Value::Float)
             })
             .unwrap_or_else(|| toml::Value::from(text));
-        self.put(path, value)
+        self.set_value(path, value)
     }
 
-    /// Sets one key to a number or a word.
+    /// Sets one key to a number or a text.
     ///
     /// # Errors
     /// An unknown key, a value of the wrong type or out of range.
-    pub fn put(&mut self, path: &str, value: impl Into<toml::Value>) -> Result<(), ScenarioError> {
+    pub fn set_value(
+        &mut self,
+        path: &str,
+        value: impl Into<toml::Value>,
+    ) -> Result<(), ScenarioError> {
         let key = find_key(path)?;
         self.0.insert(key.path, checked(key, &value.into())?);
         Ok(())
     }
 
-    /// Removes a key whose value is that which holds without it.
+    /// Removes a key that has its default value.
     pub(super) fn remove(&mut self, path: &str) {
         self.0.remove(path);
     }
@@ -105,44 +108,46 @@ impl Values {
         }
     }
 
-    /// The meaning of the word that a key is set to.
-    pub(super) fn choice<T: Words>(&self, path: &'static str) -> Result<T, ScenarioError> {
+    /// The value of a choice key.
+    pub(super) fn choice<T: Choice>(&self, path: &'static str) -> Result<T, ScenarioError> {
         let word = self.text(path)?;
-        match T::of_word(word) {
+        match T::from_name(word) {
             Some(meaning) => Ok(meaning),
             None => Err(out_of_range(find_key(path)?, word)),
         }
     }
 
-    /// The meaning of the word that a key is set to; none if the key is left out.
-    pub(super) fn optional_choice<T: Words>(
+    /// The value of a choice key; `None` if it is not set.
+    pub(super) fn optional_choice<T: Choice>(
         &self,
         path: &'static str,
     ) -> Result<Option<T>, ScenarioError> {
         self.get(path).map(|_| self.choice(path)).transpose()
     }
 
-    /// Checks that each key is there if it has to be, and only if it may be.
+    /// Checks that required keys are set and inapplicable keys are not.
     pub(super) fn check_presence(&self) -> Result<(), ScenarioError> {
         let mut absent = Vec::new();
         for key in KEYS {
             let there = self.0.contains_key(key.path);
             match key.presence {
                 Presence::Required if !there => absent.push(key.path),
-                Presence::With(other, words) => match self.meets(other, words) {
+                Presence::RequiredWith(other, words) => match self.has_one_of(other, words) {
                     true if !there => absent.push(key.path),
                     false if there => return Err(self.inapplicable(key, other, words)),
                     _ => {}
                 },
-                Presence::Beside(other) if there != self.0.contains_key(other) => {
+                Presence::RequiredWithKey(other) if there != self.0.contains_key(other) => {
                     absent.push(if there { other } else { key.path });
                 }
-                Presence::OptionalWith(other, word) if there && !self.meets(other, &[word]) => {
+                Presence::OptionalWith(other, word)
+                    if there && !self.has_one_of(other, &[word]) =>
+                {
                     return Err(self.inapplicable(key, other, &[word]));
                 }
                 Presence::Required
                 | Presence::Optional
-                | Presence::Beside(_)
+                | Presence::RequiredWithKey(_)
                 | Presence::OptionalWith(..) => {}
             }
         }
@@ -152,12 +157,12 @@ impl Values {
         Err(missing(&absent))
     }
 
-    /// Whether a key has one of these words.
-    fn meets(&self, path: &'static str, words: &[&str]) -> bool {
+    /// Whether a key has one of these values.
+    fn has_one_of(&self, path: &'static str, words: &[&str]) -> bool {
         self.text(path).is_ok_and(|value| words.contains(&value))
     }
 
-    /// The error of a key that has a meaning only if the other one has one of these words.
+    /// The error for a key that applies only if another key has one of these values.
     fn inapplicable(&self, key: &Key, other: &'static str, words: &[&str]) -> ScenarioError {
         ScenarioError::Inapplicable {
             key: key.path,
@@ -171,7 +176,7 @@ impl Values {
     }
 }
 
-/// Keys that have to be there and are not, each with what it takes.
+/// The error for missing keys.
 fn missing(paths: &[&'static str]) -> ScenarioError {
     let keys = || KEYS.iter().filter(|key| paths.contains(&key.path));
     let about = |key: &Key| {
@@ -180,7 +185,7 @@ fn missing(paths: &[&'static str]) -> ScenarioError {
     };
     let mut missing = keys().map(about).collect::<Vec<_>>().join(", ");
     let of_one_law = |law: &&Law| {
-        let is_its_own = |key: &Key| matches!(key.presence, Presence::With("friction.law", [word]) if *word == law.name);
+        let is_its_own = |key: &Key| matches!(key.presence, Presence::RequiredWith("friction.law", [word]) if *word == law.name);
         keys().any(is_its_own)
     };
     if let Some(law) = LAWS.iter().find(of_one_law) {
@@ -205,25 +210,25 @@ fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
         }
         ScenarioError::UnknownKey {
             key: excerpt(path),
-            near: near_key(&excerpt(path)),
+            hint: key_hint(&excerpt(path)),
             allowed: allowed.join(", "),
         }
     })
 }
 
-/// The error of a text that is not TOML.
+/// The error for invalid TOML.
 fn syntax(source: &str, error: &toml::de::Error) -> ScenarioError {
     let text = error.to_string();
     if text.len() <= LONGEST_SYNTAX {
         return ScenarioError::Syntax(text);
     }
-    // The parser repeats the line, which would be unreadable.
+    // Omit the source line that the parser repeats, because it is too long.
     let before = error.span().and_then(|span| source.get(..span.start));
     let line = before.map_or(1, |before| 1 + before.matches('\n').count());
     ScenarioError::Syntax(format!("in line {line}: {}", excerpt(error.message())))
 }
 
-/// The beginning of a text, to stand in a message.
+/// A text truncated for a message.
 fn excerpt(text: &str) -> String {
     match text.char_indices().nth(LONGEST_EXCERPT) {
         Some((end, _)) => format!("{}…", &text[..end]),
@@ -231,25 +236,25 @@ fn excerpt(text: &str) -> String {
     }
 }
 
-/// A question after the key most like a wrong one, which may lack its section.
-fn near_key(wrong: &str) -> String {
+/// A "did you mean" hint for an unknown key.
+fn key_hint(wrong: &str) -> String {
     let has_section = wrong.contains('.');
-    let how_like = |key: &Key| {
+    let score = |key: &Key| {
         let name = key.path.rsplit_once('.').map(|(_, name)| name);
         let name = name.filter(|_| !has_section).unwrap_or(key.path);
-        likeness(wrong, key.path).max(likeness(wrong, name))
+        similarity(wrong, key.path).max(similarity(wrong, name))
     };
-    nearest(KEYS.iter().map(|key| (how_like(key), key.path)))
+    suggestion_from(KEYS.iter().map(|key| (score(key), key.path)))
 }
 
-/// A value of the type and in the range that `key` asks for.
+/// Checks type and range of a value.
 fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
     let wrong_type = || ScenarioError::WrongType {
         key: key.path,
         value: value
             .as_float()
-            .map_or_else(|| excerpt(&value.to_string()), typed),
-        expected: format!("{}{}", allowed(key), as_meant(key, value)),
+            .map_or_else(|| excerpt(&value.to_string()), short_number),
+        expected: format!("{}{}", allowed(key), unit_hint(key, value)),
     };
     if key.kind.is_text() {
         let text = value.as_str().ok_or_else(wrong_type)?;
@@ -274,22 +279,22 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
     if allowed && number.is_finite() {
         Ok(Value::Number(number))
     } else {
-        Err(out_of_range(key, &typed(number)))
+        Err(out_of_range(key, &short_number(number)))
     }
 }
 
-/// The values that a key may have, with its unit.
+/// The allowed values of a key, with its unit.
 fn allowed(key: &Key) -> String {
     format!("{}{}", key.kind, key.in_unit())
 }
 
-/// A text in degrees in radians, and a number with a comma with a point; empty for anything else.
-fn as_meant(key: &Key, value: &toml::Value) -> String {
+/// A hint for values in degrees or with a decimal comma; otherwise empty.
+fn unit_hint(key: &Key, value: &toml::Value) -> String {
     let text = value.as_str().unwrap_or_default();
     if let [whole, part] = text.split(',').collect::<Vec<_>>()[..]
         && format!("{whole}.{part}").parse::<f64>().is_ok()
     {
-        return format!(", with a decimal point, as in {whole}.{part}");
+        return format!(", with a decimal point, e.g. {whole}.{part}");
     }
     let number = ["°", "deg", "degrees"]
         .iter()
@@ -303,28 +308,28 @@ fn as_meant(key: &Key, value: &toml::Value) -> String {
 }
 
 fn out_of_range(key: &Key, value: &str) -> ScenarioError {
-    let near = if let Kind::Choice(words) = key.kind {
-        near(&excerpt(value), words.iter().copied())
+    let hint = if let Kind::Choice(words) = key.kind {
+        suggestion(&excerpt(value), words.iter().copied())
     } else {
         String::new()
     };
     ScenarioError::OutOfRange {
         key: key.path,
         value: excerpt(value),
-        allowed: format!("{}{near}", allowed(key)),
+        allowed: format!("{}{hint}", allowed(key)),
     }
 }
 
-/// Whether a text can be part of a file's name on every system, and shows there.
+/// Whether a text is a portable file name that is not hidden.
 fn is_name(text: &str) -> bool {
     let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
     !text.is_empty() && text.len() <= 100 && !text.starts_with('.') && text.chars().all(allowed)
 }
 
-/// Seconds as a whole number of nanoseconds, if they are one, up to an hour.
+/// Converts seconds to nanoseconds, if they are a whole number from 1 ns to one hour.
 ///
-/// A decimal number with at most nine places is the double nearest to `ns / 1e9`, which is also what
-/// the division gives.
+/// A decimal number with at most nine places is parsed as the double nearest to `ns / 1e9`, and the division is
+/// correctly rounded, so both are equal.
 pub(super) fn nanoseconds(seconds: f64) -> Option<u64> {
     let rounded = (seconds * 1e9).round();
     let whole = (1.0..=3.6e12).contains(&rounded) && rounded / 1e9 == seconds;

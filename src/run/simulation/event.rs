@@ -6,20 +6,20 @@ use crate::run::listed::listed;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Something that happened at one moment.
+/// An event of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
     /// The event.
     pub kind: EventKind,
-    /// When, s; exact to the integrator's tolerance.
+    /// Time, s, within the integrator tolerance.
     pub time: f64,
     /// [`Event::time`] rounded to nanoseconds.
     pub time_ns: u64,
-    /// Counts the run's events from 0.
+    /// Index of the event in the run, from 0.
     pub index: u32,
-    /// The motion at that moment.
+    /// The motion at that time.
     pub motion: Motion,
-    /// The event, as a sentence.
+    /// Human-readable description.
     pub description: String,
 }
 
@@ -30,55 +30,55 @@ listed! {
     pub enum EventKind {
         /// The run begins.
         Start = "start",
-        /// θ has fallen to `stop.theta_risen`.
+        /// θ reached `stop.theta_risen`.
         Risen = "risen",
-        /// θ has grown to `stop.theta_fallen`, or to π/2.
+        /// θ reached `stop.theta_fallen`, or π/2.
         Fallen = "fallen",
-        /// θ passes a minimum.
+        /// Minimum of θ.
         NutationMinimum = "nutation_minimum",
-        /// θ passes a maximum.
+        /// Maximum of θ.
         NutationMaximum = "nutation_maximum",
-        /// θ passes a minimum within 0.01 rad of zero: the axis swings through the vertical.
+        /// Minimum of θ within 0.01 rad of zero: the axis passes the vertical.
         UprightPassage = "upright_passage",
-        /// The precession turns retrograde: the axis makes loops.
+        /// The precession becomes retrograde: the axis makes loops.
         LoopingBegins = "looping_begins",
-        /// The precession turns back to its normal sense.
+        /// The precession returns to its normal sense.
         LoopingEnds = "looping_ends",
-        /// The spin has become too weak to hold an upright top: a² = 4 M g l / I_x (Klein and Sommerfeld).
+        /// The top becomes weak: the spin can no longer keep it upright, a² < 4 M g l / I_x (Klein and Sommerfeld).
         WeakTop = "weak_top",
-        /// The spin has become strong enough again: the reverse of [`EventKind::WeakTop`].
+        /// The top becomes strong again: the reverse of [`EventKind::WeakTop`].
         StrongTop = "strong_top",
-        /// The contact point has stopped slipping.
+        /// The contact point stops slipping.
         SlipStops = "slip_stops",
-        /// The contact point has stopped slipping, and friction holds it: the top turns about the vertical as a
-        /// whole.
+        /// The contact point sticks: it stops slipping, friction holds it, and the top turns rigidly about the
+        /// vertical.
         Stick = "stick",
-        /// Friction does not hold the contact point any longer.
+        /// Friction can no longer hold the contact point.
         SlipResumes = "slip_resumes",
-        /// A top whose contact point sticks has stopped turning too.
+        /// A top whose contact point sticks also stops turning.
         Rest = "rest",
-        /// The Euler angles have become singular: sin θ is nearly 0.
+        /// The Euler angles become singular: sin θ is nearly 0.
         Singular = "singular",
         /// The peg leaves the table.
         LiftOff = "lift_off",
-        /// The peg is on the table again, after one impact or several.
+        /// The peg is on the table again, after one or more impacts.
         Landing = "landing",
         /// The peg begins to roll.
         RollBegins = "roll_begins",
-        /// The peg rolls no longer.
+        /// The peg no longer rolls.
         RollEnds = "roll_ends",
-        /// The peg jams: no force of the table keeps it out of it.
+        /// The peg jams: no contact force can keep it out of the table.
         Jam = "jam",
-        /// The top turns about the vertical only; rolling resistance holds it.
+        /// The top turns about the vertical only, held by rolling resistance.
         Pivot = "pivot",
     }
 }
 
-/// A nutation minimum below this angle counts as a passage through upright, rad.
+/// A nutation minimum below this angle counts as an upright passage, rad.
 pub const UPRIGHT: f64 = 0.01;
 
 impl EventKind {
-    /// The event of a transition; none where the phases imply it.
+    /// The event of a transition, if it has one.
     pub(super) fn of(transition: &Transition) -> Option<Self> {
         match transition {
             Transition::Holds => Some(Self::Stick),
@@ -95,27 +95,25 @@ impl EventKind {
         }
     }
 
-    /// Whether it comes with each nutation, hundreds of times in a run, so that lists of events leave it out.
+    /// Whether it occurs in every nutation; such events are omitted from lists.
     #[must_use]
     pub fn is_of_nutation(self) -> bool {
         matches!(self, Self::NutationMinimum | Self::NutationMaximum)
     }
 
-    /// Several events of this kind, as in "10 loops"; none for the end of something, and for what happens once.
+    /// Plural noun for counts, e.g. "10 loops"; `None` for events that end something or occur once.
     #[must_use]
     pub fn plural(self, top: &Top) -> Option<&'static str> {
         match self {
-            Self::LoopingBegins if top.center_distance < 0.0 => {
-                Some("backward turns of the precession")
-            }
+            Self::LoopingBegins if top.center_distance < 0.0 => Some("reversals of the precession"),
             Self::LoopingBegins => Some("loops"),
-            Self::UprightPassage => Some("passages through upright"),
-            Self::SlipStops => Some("stops of the slip"),
+            Self::UprightPassage => Some("upright passages"),
+            Self::SlipStops => Some("slip stops"),
             Self::Stick => Some("intervals of sticking"),
             Self::LiftOff => Some("hops"),
             Self::RollBegins => Some("intervals of rolling"),
-            Self::WeakTop => Some("losses of strength"),
-            Self::StrongTop => Some("gains of strength"),
+            Self::WeakTop => Some("changes from strong to weak"),
+            Self::StrongTop => Some("changes from weak to strong"),
             Self::NutationMinimum => Some("nutation minima"),
             Self::NutationMaximum => Some("nutation maxima"),
             Self::Start
@@ -132,7 +130,7 @@ impl EventKind {
         }
     }
 
-    /// The event of a top, human-readable.
+    /// Human-readable description of an event.
     #[must_use]
     pub(super) fn describe(self, top: &Top, motion: &Motion) -> String {
         let theta = motion.angles.theta;
@@ -196,29 +194,29 @@ impl EventKind {
 }
 
 listed! {
-    /// The reason for a run's end.
+    /// Reason for the end of a run.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
     #[serde(rename_all = "snake_case")]
     pub enum StopReason {
-        /// θ fell to `stop.theta_risen`.
+        /// θ reached `stop.theta_risen`.
         Risen = "risen",
-        /// θ grew to `stop.theta_fallen`.
+        /// θ reached `stop.theta_fallen`.
         Fallen = "fallen",
-        /// `stop.duration` is over.
+        /// The run reached `stop.duration`.
         Duration = "duration",
-        /// The contact point stopped slipping; `stop.on_stick = "continue"` goes on.
+        /// The contact point stopped slipping; use `stop.on_stick = "continue"` to continue.
         SlipStopped = "slip_stopped",
-        /// The contact point sticks and the top has stopped turning: nothing will change.
+        /// The contact point sticks and the top is at rest.
         Rest = "rest",
-        /// The Euler angles became singular; the `body` formulation goes on there.
+        /// The Euler angles became singular; use the `body` formulation to continue.
         Singular = "singular",
-        /// The free peg jammed: no force of the table keeps it out of it.
+        /// The free peg jammed: no contact force can keep it out of the table.
         Jam = "jam",
         /// The top with a free peg turns about the vertical only, held by rolling resistance.
         Pivot = "pivot",
-        /// Nothing in the scenario ended the run: it was broken off.
+        /// The run was interrupted.
         Interrupted = "interrupted",
-        /// The integrator could not go on.
+        /// The simulation failed.
         Failed = "failed",
     }
 }
@@ -230,18 +228,18 @@ impl StopReason {
         match self {
             Self::Risen => "the top has risen",
             Self::Fallen => "the top has fallen",
-            Self::Duration => "the duration is over",
+            Self::Duration => "the run reached its duration",
             Self::SlipStopped => {
-                "the contact point stopped slipping (stop.on_stick = \"continue\" goes on)"
+                "the contact point stopped slipping (to continue, set stop.on_stick = \"continue\")"
             }
-            Self::Rest => "the top rests",
+            Self::Rest => "the top came to rest",
             Self::Singular => {
-                "the Euler angles became singular upright (formulation = \"body\" goes on)"
+                "the Euler angles became singular (to continue, set formulation = \"body\")"
             }
-            Self::Jam => "the peg jams: no force of the table keeps it out of it",
+            Self::Jam => "the peg jammed: no contact force can keep it out of the table",
             Self::Pivot => "the top turns about the vertical only, held by rolling resistance",
             Self::Interrupted => "interrupted",
-            Self::Failed => "the motion could not be computed or recorded further",
+            Self::Failed => "the simulation or recording failed",
         }
     }
 }

@@ -28,14 +28,14 @@ pub struct FreeSample {
     pub routh: f64,
     /// Kinetic energy of the centre of mass, J.
     pub translational_energy: f64,
-    /// Contribution of the peg's acceleration to the Euler accelerations, rad/s².
+    /// Contribution of the acceleration of the peg to the Euler accelerations, rad/s².
     pub driven: Euler,
     /// Energy lost since the start except by sliding.
     pub dissipated: Dissipated,
 }
 
 impl FreeSample {
-    /// All of it; none for a fixed peg.
+    /// Computes the sample; `None` for a fixed peg.
     pub(super) fn new(model: &Model, motion: &Motion, contact: &Contact) -> Option<Self> {
         if !model.support.is_free() {
             return None;
@@ -69,10 +69,10 @@ impl FreeSample {
 
 /// An impact of a free peg on the table. SI units; vectors in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Landing {
-    /// Counts the run's impacts from 0.
+pub struct ImpactRecord {
+    /// Index of the impact in the run, from 0.
     pub index: u32,
-    /// When, s.
+    /// Time, s.
     pub time: f64,
     /// The time rounded to nanoseconds.
     pub time_ns: u64,
@@ -88,7 +88,7 @@ pub struct Landing {
     pub before: Vector3<f64>,
     /// Velocity of the contact point after, m/s.
     pub after: Vector3<f64>,
-    /// The coefficient of restitution that acted.
+    /// The effective coefficient of restitution.
     pub restitution: f64,
     /// Energy lost by compression and restitution, J.
     pub normal_loss: f64,
@@ -96,8 +96,8 @@ pub struct Landing {
     pub friction_loss: f64,
 }
 
-impl Landing {
-    /// An impact after which the motion goes on as `motion`.
+impl ImpactRecord {
+    /// An impact with the motion after it.
     pub(super) fn new(hit: &Impact, motion: &Motion, time: f64, time_ns: u64) -> Self {
         let world = |lean: &Vector3<f64>| lean_to_world(lean, motion.angles.phi);
         let peg = motion.peg.position;

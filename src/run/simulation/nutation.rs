@@ -1,31 +1,30 @@
-//! Nutation cycle by cycle: the averages that show the slow motion.
+//! Nutation cycles and their averages.
 
 use crate::physics::dynamics::{Model, Motion};
 use crate::physics::kinematics::Euler;
 
-/// Largest ratio of a cycle's duration to that of a nutation without friction, or its inverse.
+/// Maximum ratio of a cycle's duration to the frictionless nutation period, or the inverse ratio.
 ///
-/// Friction changes the period within one cycle slightly: in the presets cycles take 0.94 to 1.05 times the
-/// period. A fall takes 9 to 100 times as long, because its pace is that of the friction that undermines the spin.
-/// Twice lies far from either.
+/// Friction changes the period slightly: in the presets, cycles take 0.94 to 1.05 times the frictionless period. A fall
+/// takes 9 to 100 times as long.
 const PERIOD_FACTOR: f64 = 2.0;
 
 /// One nutation, from a maximum of θ̇ to the next.
 ///
-/// Where an impact makes the rates jump, those before it belong to the cycle that lasts until then, and those after it to the
-/// cycle that lasts from then on: to the same one within a cycle, to different ones where θ̈ jumps from positive to negative.
+/// At an impact, the rates before it belong to the cycle up to then, and the rates after it to the cycle from then on.
+/// These are two cycles if the impact is a maximum of θ̇ (θ̈ jumps from positive to negative); otherwise it is one.
 ///
-/// θ itself has no extremes where the ripple is smaller than the drift; θ̇ always has. Maxima of θ̇ that are not about a
-/// period of nutation apart, as before and after a fall, make no cycle.
+/// Cycles are delimited by maxima of θ̇, because θ has no extremes where the drift exceeds the nutation. Maxima of θ̇
+/// that are not about one nutation period apart, e.g. before and after a fall, don't form a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NutationCycle {
-    /// Counts the cycles from 0.
+    /// Index of the cycle in the run, from 0.
     pub index: u32,
-    /// Time of its beginning, s.
+    /// Start time, s.
     pub start: f64,
-    /// Time of its end, s.
+    /// End time, s.
     pub end: f64,
-    /// The end rounded to nanoseconds.
+    /// The end time, rounded to nanoseconds.
     pub time_ns: u64,
     /// Least θ, rad.
     pub theta_min: f64,
@@ -33,8 +32,7 @@ pub struct NutationCycle {
     pub theta_max: f64,
     /// Mean of θ over the cycle, rad.
     pub theta_mean: f64,
-    /// Means of the Euler rates over the cycle, rad/s: exactly the differences of the angles over the
-    /// period.
+    /// Means of the Euler rates over the cycle, rad/s: exactly the changes of the angles divided by the period.
     pub mean_rates: Euler,
     /// Least Euler rates, rad/s.
     pub least_rates: Euler,
@@ -45,23 +43,23 @@ pub struct NutationCycle {
 }
 
 impl NutationCycle {
-    /// Its duration, s.
+    /// Duration, s.
     #[must_use]
     pub fn period(&self) -> f64 {
         self.end - self.start
     }
 }
 
-/// Collects what a cycle needs while it lasts.
+/// Collects the data of the current cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NutationTracker {
     model: Model,
-    /// Cycles finished so far.
+    /// Number of completed cycles.
     count: u32,
-    /// Since the last maximum of θ̇, or since the motion began, which is no beginning of a cycle.
+    /// The current cycle, since the last maximum of θ̇ or the start of the motion.
     open: OpenCycle,
     has_begun: bool,
-    /// Time at which an impact made the motion jump, s, and the rates after it, until it is known whether a cycle ends there.
+    /// Time of a pending impact, s, and the rates after it, until it is known whether it ends a cycle.
     jump: Option<(f64, Euler)>,
 }
 
@@ -94,7 +92,7 @@ impl OpenCycle {
         widen(&mut least.psi, &mut greatest.psi, rates.psi);
     }
 
-    /// Whether what ends at `time` can have been one nutation, from one maximum of θ̇ to the next.
+    /// Whether the cycle ending at `time` has the duration of one nutation.
     fn is_nutation(&self, model: &Model, time: f64) -> bool {
         let extremes = [self.theta_min, self.theta_max];
         let periods = model
@@ -125,24 +123,24 @@ impl NutationTracker {
         }
     }
 
-    /// Forgets the open cycle: the motion goes on from here after a break.
-    pub(super) fn interrupt(&mut self, time: f64, motion: Motion) {
+    /// Discards the open cycle and restarts from here.
+    pub(super) fn restart(&mut self, time: f64, motion: Motion) {
         self.open = OpenCycle::new(time, &motion);
         self.has_begun = false;
     }
 
-    /// Notes an extreme of θ, and returns whether it is one of nutation: it is not if more time has gone by since the
-    /// last maximum of θ̇ than a nutation takes.
-    pub(super) fn extreme(&mut self, time: f64, motion: &Motion) -> bool {
+    /// Records an extreme of θ. Returns whether it belongs to a nutation: its time since the last maximum of θ̇ is not
+    /// longer than a nutation takes.
+    pub(super) fn record_extreme(&mut self, time: f64, motion: &Motion) -> bool {
         self.widen(time, motion);
         let extremes = [self.open.theta_min, self.open.theta_max];
         let period = self.model.nutation_period(&self.open.motion, extremes);
         period.is_none_or(|period| time - self.open.start <= PERIOD_FACTOR * period)
     }
 
-    /// Notes rates that may be the least or greatest of the cycle. Those where the motion has just jumped may belong to the
-    /// next one.
-    pub(super) fn rates(&mut self, time: f64, motion: &Motion) {
+    /// Records rates as candidates for the extremes of the cycle. Rates right after an impact may belong to the next
+    /// cycle.
+    pub(super) fn record_rates(&mut self, time: f64, motion: &Motion) {
         if self.jump.is_some_and(|(jump, _)| time <= jump) {
             return;
         }
@@ -152,8 +150,8 @@ impl NutationTracker {
         self.open.widen_rates(&motion.tilt.rates);
     }
 
-    /// Notes that the motion has jumped. The rates before have been noted.
-    pub(super) fn jumped(&mut self, time: f64, after: &Motion) {
+    /// Records an impact; the rates before it were recorded already.
+    pub(super) fn record_impact(&mut self, time: f64, after: &Motion) {
         if let Some((_, before)) = self.jump.replace((time, after.tilt.rates)) {
             self.open.widen_rates(&before);
         }
@@ -166,11 +164,11 @@ impl NutationTracker {
             &mut open.theta_max,
             motion.angles.theta,
         );
-        self.rates(time, motion);
+        self.record_rates(time, motion);
     }
 
-    /// Notes a maximum of θ̇, which ends a cycle and begins the next.
-    pub(super) fn boundary(
+    /// Records a maximum of θ̇, which ends a cycle and starts the next. Returns the cycle if it is complete.
+    pub(super) fn end_cycle(
         &mut self,
         time: f64,
         time_ns: u64,

@@ -1,7 +1,7 @@
-//! Events within a step, until they are handed out as records in the order of time.
+//! Queue of the events of a step, in time order.
 
 use super::event::{Event, EventKind};
-use super::free::Landing;
+use super::free::ImpactRecord;
 use super::nutation::NutationCycle;
 use super::record::Record;
 use super::tally::Tally;
@@ -9,13 +9,13 @@ use crate::physics::dynamics::Motion;
 use crate::physics::top::Top;
 use std::collections::VecDeque;
 
-/// Something that has happened; times in s.
+/// A pending record; times in s.
 pub(super) enum Pending {
     Event(EventKind, f64, Motion),
     /// The peg is on the table again, after this many impacts.
     Landing(u32, f64, Motion),
     Nutation(NutationCycle),
-    Impact(Landing),
+    Impact(ImpactRecord),
 }
 
 impl Pending {
@@ -28,15 +28,15 @@ impl Pending {
     }
 }
 
-/// Records to be handed out, in the order of time, and counts of those that have been.
+/// Pending records in time order, with counts of the emitted ones.
 #[derive(Default)]
 pub(super) struct Queue {
     pending: VecDeque<Pending>,
-    /// Events that have been handed out.
+    /// Number of emitted events.
     pub(super) events: u32,
-    /// Nutation cycles that have been handed out.
+    /// Number of emitted nutation cycles.
     pub(super) cycles: u32,
-    /// Impacts that have been handed out.
+    /// Number of emitted impacts.
     pub(super) impacts: u32,
     /// Time at which a tippe top inverted, s.
     pub(super) inversion: Option<f64>,
@@ -51,24 +51,24 @@ impl Queue {
         self.pending.extend(pending);
     }
 
-    /// Notes that a tippe top inverted at this time, s, if it had not before.
-    pub(super) fn invert(&mut self, time: f64) {
+    /// Records the first inversion of a tippe top, at this time, s.
+    pub(super) fn record_inversion(&mut self, time: f64) {
         self.inversion.get_or_insert(time);
     }
 
-    /// Forgets what would come after a time, s.
-    pub(super) fn forget_after(&mut self, time: f64) {
+    /// Discards records after a time, s.
+    pub(super) fn discard_after(&mut self, time: f64) {
         let limit = to_nanoseconds(time);
         self.pending.retain(|pending| pending.time_ns() <= limit);
     }
 
-    /// Time of the next one, ns.
+    /// Time of the next record, ns.
     pub(super) fn next_time_ns(&self) -> Option<u64> {
         self.pending.front().map(Pending::time_ns)
     }
 
-    /// The next record.
-    pub(super) fn hand_out(&mut self, top: &Top) -> Option<Record> {
+    /// Removes and returns the next record.
+    pub(super) fn pop(&mut self, top: &Top) -> Option<Record> {
         Some(match self.pending.pop_front()? {
             Pending::Event(kind, time, motion) => {
                 self.event(kind, time, motion, kind.describe(top, &motion))
@@ -85,7 +85,7 @@ impl Queue {
             Pending::Impact(landing) => {
                 let index = self.impacts;
                 self.impacts += 1;
-                Record::Impact(Box::new(Landing { index, ..landing }))
+                Record::Impact(Box::new(ImpactRecord { index, ..landing }))
             }
             Pending::Nutation(cycle) => {
                 self.cycles += 1;
@@ -107,7 +107,7 @@ impl Queue {
         Record::Event(Box::new(event))
     }
 
-    /// Counts everything instead of handing it out. Returns the time, s, and the motion of the last event.
+    /// Counts all records without emitting them. Returns the time, s, and the motion of the last event.
     pub(super) fn count_all(&mut self, tally: &mut Tally) -> Option<(f64, Motion)> {
         let mut last = None;
         for pending in self.pending.drain(..) {

@@ -1,7 +1,7 @@
-//! Output of a simulation: records, the error that ends it, and how it ended.
+//! Records, errors and end of a simulation.
 
 use super::event::{Event, StopReason};
-use super::free::Landing;
+use super::free::ImpactRecord;
 use super::nutation::NutationCycle;
 use super::sample::Sample;
 use crate::physics::dynamics::Motion;
@@ -11,14 +11,14 @@ use thiserror::Error;
 /// One record of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Record {
-    /// Everything at one of the equally spaced sample times.
+    /// A sample.
     Sample(Box<Sample>),
-    /// Something that happened.
+    /// An event.
     Event(Box<Event>),
-    /// A nutation cycle that has just ended.
+    /// A nutation cycle, at its end.
     Nutation(Box<NutationCycle>),
     /// An impact of a free peg.
-    Impact(Box<Landing>),
+    Impact(Box<ImpactRecord>),
 }
 
 impl Record {
@@ -34,63 +34,61 @@ impl Record {
     }
 }
 
-/// The reason why a simulation can't go on.
+/// Error of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SimulationError {
-    /// The integrator gave up.
+    /// The integration failed.
     #[error("the motion can't be integrated further: {0}")]
     Integrate(#[from] IntegrateError),
     /// An impact can't be computed.
-    #[error(
-        "the impact at t = {time:?} s can't be followed: its friction changes too steeply with the velocity of the contact point"
-    )]
+    #[error("the impact at t = {time:?} s can't be computed: the friction law is too steep")]
     Impact {
-        /// When, s.
+        /// Time, s.
         time: f64,
     },
-    /// The steps have become so short that the run would never end.
+    /// The run stalled: steps became too short.
     #[error(
-        "the motion has stalled at t = {time:?} s: a torque jumps back and forth there (drilling against \
+        "the simulation stalled at t = {time:?} s: a discontinuous torque changes sign in every step (drilling against \
              a top that has stopped turning, or a law that is too steep)"
     )]
     Stalled {
-        /// When, s.
+        /// Time, s.
         time: f64,
     },
-    /// The phases have become so short that the run would never end.
+    /// The run stalled: phases became too short.
     #[error(
-        "the motion has stalled at t = {time:?} s: the peg leaves the table and touches it again without end there \
-             (smaller integrator.absolute_tolerance and integrator.relative_tolerance, below 1e-9, distinguish them)"
+        "the simulation stalled at t = {time:?} s: endless lift-offs and landings \
+             (tolerances below 1e-9, integrator.absolute_tolerance and integrator.relative_tolerance, may resolve them)"
     )]
     Chatters {
-        /// When, s.
+        /// Time, s.
         time: f64,
     },
 }
 
-/// End of a run, and its counts.
+/// End of a run, and counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunEnd {
-    /// The reason for its end.
+    /// Reason for the end.
     pub stop: StopReason,
-    /// The time of its end, s.
+    /// Time of the end, s.
     pub time: f64,
-    /// The motion at that moment.
+    /// The motion at the end.
     pub motion: Motion,
-    /// Total energy then, J.
+    /// Total energy at the end, J.
     pub energy: f64,
     /// Total energy at the start, J.
     pub energy_at_start: f64,
     /// Number of samples.
     pub samples: u64,
-    /// Time at which a tippe top inverted, its axis passing the horizontal, s.
+    /// Time at which the axis of a tippe top passed the horizontal, s.
     pub inversion_time: Option<f64>,
     /// Number of events.
     pub events: u64,
-    /// Number of whole nutation cycles.
+    /// Number of complete nutation cycles.
     pub nutations: u64,
     /// Number of impacts of a free peg.
     pub impacts: u64,
-    /// Cost of the integration.
+    /// Statistics of the integrator.
     pub statistics: Statistics,
 }

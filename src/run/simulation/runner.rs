@@ -1,22 +1,22 @@
-//! The loop: step, look for events, hand out records in the order of their times.
+//! The simulation loop: take a step, locate events, yield records in time order.
 
 use super::event::{EventKind, StopReason, UPRIGHT};
-use super::free::Landing;
+use super::free::ImpactRecord;
 use super::nutation::NutationTracker;
 use super::progress::Progress;
 use super::queue::{Pending, Queue, to_nanoseconds};
 use super::record::{Record, RunEnd, SimulationError};
 use super::sample::Sample;
 use super::tally::Tally;
-use super::watch::{Meaning, Watch, accelerations, envelope, keep_signs, watches};
+use super::watch::{Watch, ZeroKind, accelerations, copy_signs, envelope, watches};
 use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Phase, Transition};
 use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{OnStick, Scenario, Stop};
 
-/// A run, whatever its formulation.
+/// A run in any formulation.
 pub(super) trait RecordStream {
-    /// The next record; `None` after the last, or once `carry_on`, which is called before each step, returns false.
+    /// The next record. `None` after the last, or if `carry_on`, which is called before each step, returns false.
     fn next_record(
         &mut self,
         carry_on: &mut dyn FnMut() -> bool,
@@ -26,12 +26,12 @@ pub(super) trait RecordStream {
     fn end(&self) -> RunEnd;
 }
 
-/// Detail of a run. It never changes the steps, nor what happens.
+/// Level of detail of a run. It does not affect steps or events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Detail {
-    /// Everything that is recorded.
+    /// All that is recorded.
     All,
-    /// Events and nutations, which an outcome counts.
+    /// Only events and nutations, as needed for an outcome.
     Outcome,
 }
 
@@ -42,22 +42,22 @@ pub(super) struct Runner<F, const N: usize> {
     detail: Detail,
     watches: Vec<Watch>,
     nutation: NutationTracker,
-    /// The step that records are being read from; none before the first.
+    /// The current step; `None` before the first.
     dense: Option<Dense<N>>,
     /// Euler angles at the start of that step.
     reference: Euler,
-    /// Events within that step that have not been handed out.
+    /// Pending events of that step.
     queue: Queue,
     next_sample: u32,
-    /// Impacts since the peg was last on the table.
+    /// Impacts since the peg left the table.
     bounces: u32,
     progress: Progress,
     energy_at_start: f64,
-    /// The time at which the step is left before its end, once that is known.
-    end: Option<(f64, End<F, N>)>,
-    /// The time up to which records have been handed out, and the motion there.
+    /// The time at which the step ends early, if it does, and why.
+    end: Option<(f64, EarlyEnd<F, N>)>,
+    /// Time and motion of the last record.
     last: (f64, Motion),
-    /// Set once nothing more will come.
+    /// Set when the run has ended.
     stopped: Option<StopReason>,
 }
 
@@ -69,12 +69,12 @@ struct LoopSettings {
     sense: f64,
 }
 
-/// The reason why a step is left before its end.
+/// Reason for ending a step early.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum End<F, const N: usize> {
-    /// The run is over. After an impact this is the motion then; otherwise it is that which the step has there.
+enum EarlyEnd<F, const N: usize> {
+    /// The run ends. The motion is given after an impact; otherwise it follows from the step.
     Stop(StopReason, Option<Motion>),
-    /// Another phase begins.
+    /// The next phase begins.
     Enter(Entry<F, N>),
 }
 
@@ -91,7 +91,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut end = None;
         if motion.phase == Phase::Holding && scenario.model.support.is_free() {
             queue.push(Pending::Event(EventKind::RollBegins, 0.0, motion));
-            end = (!may_hold).then_some((0.0, End::Stop(StopReason::SlipStopped, None)));
+            end = (!may_hold).then_some((0.0, EarlyEnd::Stop(StopReason::SlipStopped, None)));
         }
         let integrator = Dop853::new(
             formulation,
@@ -134,69 +134,74 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.integrator.system().model()
     }
 
-    /// Takes a step and finds what happens in it.
+    /// Takes a step and queues its events.
     fn step(&mut self) -> Result<(), SimulationError> {
         let (system, state) = (self.integrator.system(), self.integrator.y());
         self.reference = system.angles(state, self.reference);
         self.integrator.step_densely()?;
-        self.progress.step_to(self.integrator.t())?;
+        self.progress.record_step(self.integrator.t())?;
         let dense = self.integrator.dense();
         let mut crossings = self.crossings(&dense).into_iter();
-        for (s, meaning, slope) in crossings.by_ref() {
-            self.note(&dense, s, meaning, slope)?;
+        for (s, kind, slope) in crossings.by_ref() {
+            self.handle_zero(&dense, s, kind, slope)?;
             if self.end.is_some() {
                 break;
             }
         }
-        self.take_back(crossings);
+        self.reset_trackers(crossings);
         self.end_at_duration(&dense);
         self.dense = Some(dense);
         Ok(())
     }
 
-    /// Gives watches back the signs that they had where a step is left, before these crossings, which never come.
-    fn take_back(&mut self, crossings: impl DoubleEndedIterator<Item = (f64, Meaning, Slope)>) {
-        // From the last to the first: what holds is the sign before the first.
-        for (_, meaning, slope) in crossings.rev() {
-            let watch = self
-                .watches
-                .iter_mut()
-                .find(|watch| watch.meaning == meaning);
+    /// Resets the trackers of crossings that are discarded because the step ends early.
+    fn reset_trackers(
+        &mut self,
+        crossings: impl DoubleEndedIterator<Item = (f64, ZeroKind, Slope)>,
+    ) {
+        // In reverse order, so that the sign before the first crossing remains.
+        for (_, kind, slope) in crossings.rev() {
+            let watch = self.watches.iter_mut().find(|watch| watch.kind == kind);
             if let Some(watch) = watch {
                 watch.tracker = watch.tracker.before(slope);
             }
         }
     }
 
-    /// All zeros of the watched functions in a step, in the order of time.
-    fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, Meaning, Slope)> {
+    /// All zeros of the watched functions in a step, in time order.
+    fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, ZeroKind, Slope)> {
         let (system, sense) = (self.integrator.system(), self.settings.sense);
         let motions = self.motions_at_knots(dense);
         let mut watches = std::mem::take(&mut self.watches);
         let mut found: Vec<Crossing> = Vec::new();
         let mut all = Vec::new();
-        for Watch { meaning, tracker } in &mut watches {
-            let meaning = *meaning;
-            let looks_closer = meaning == Meaning::NutationRate && self.detail == Detail::All;
+        for Watch { kind, tracker } in &mut watches {
+            let kind = *kind;
+            let looks_closer = kind == ZeroKind::NutationRate && self.detail == Detail::All;
             let values = if looks_closer {
                 let of = |motion: &Motion| accelerations(system.model(), motion);
                 let at_knots = motions.each_ref().map(of);
-                envelope(|s| of(&self.motion_alone(dense, s)), &at_knots, &mut all);
+                envelope(
+                    |s| of(&self.motion_without_integrals(dense, s)),
+                    &at_knots,
+                    &mut all,
+                );
                 at_knots.each_ref().map(|acceleration| acceleration.theta)
             } else {
-                meaning.values(system, sense, &motions)
+                kind.values(system, sense, &motions)
             };
             tracker.scan(
                 &KNOTS,
                 &values,
                 |s| {
-                    let [value] = meaning.values(system, sense, &[self.motion_alone(dense, s)]);
+                    let [value] =
+                        kind.values(system, sense, &[self.motion_without_integrals(dense, s)]);
                     value
                 },
                 &mut found,
             );
             if !found.is_empty() {
-                all.extend(found.drain(..).map(|c| (c.s, meaning, c.slope)));
+                all.extend(found.drain(..).map(|c| (c.s, kind, c.slope)));
             }
         }
         self.watches = watches;
@@ -207,26 +212,26 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// The motions at the [`KNOTS`] of a step.
     fn motions_at_knots(&self, dense: &Dense<N>) -> [Motion; 5] {
-        // Not `map`, which would move each motion several times.
+        // `map` would move each motion several times.
         let [a, b, c, d, e] = KNOTS;
-        let at = |s| self.motion_alone(dense, s);
+        let at = |s| self.motion_without_integrals(dense, s);
         [at(a), at(b), at(c), at(d), at(e)]
     }
 
-    /// Turns a zero of a watched function into what it means.
-    fn note(
+    /// Handles a zero of a watched function.
+    fn handle_zero(
         &mut self,
         dense: &Dense<N>,
         s: f64,
-        meaning: Meaning,
+        kind: ZeroKind,
         slope: Slope,
     ) -> Result<(), SimulationError> {
         let motion = self.motion(dense, s);
         let time = dense.t0 + s * dense.h;
         let mut event = |kind| self.queue.push(Pending::Event(kind, time, motion));
-        match (meaning, slope) {
-            (Meaning::Nutation, slope) => {
-                let is_of_nutation = self.nutation.extreme(time, &motion);
+        match (kind, slope) {
+            (ZeroKind::Nutation, slope) => {
+                let is_of_nutation = self.nutation.record_extreme(time, &motion);
                 match slope {
                     Slope::Rising if motion.angles.theta < UPRIGHT => {
                         event(EventKind::UprightPassage);
@@ -236,42 +241,42 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                     Slope::Rising | Slope::Falling => {}
                 }
             }
-            (Meaning::NutationRate, Slope::Rising) | (Meaning::Envelope, _) => {
-                self.nutation.rates(time, &motion);
+            (ZeroKind::NutationRate, Slope::Rising) | (ZeroKind::Envelope, _) => {
+                self.nutation.record_rates(time, &motion);
             }
-            (Meaning::NutationRate, Slope::Falling) => {
-                let cycle = self.nutation.boundary(time, to_nanoseconds(time), motion);
+            (ZeroKind::NutationRate, Slope::Falling) => {
+                let cycle = self.nutation.end_cycle(time, to_nanoseconds(time), motion);
                 self.queue.extend(cycle.map(Pending::Nutation));
             }
-            (Meaning::Precession, Slope::Falling) => event(EventKind::LoopingBegins),
-            (Meaning::Precession, Slope::Rising) => event(EventKind::LoopingEnds),
-            (Meaning::Strength, Slope::Falling) => event(EventKind::WeakTop),
-            (Meaning::Strength, Slope::Rising) => event(EventKind::StrongTop),
-            (Meaning::Risen(_), Slope::Falling) => {
+            (ZeroKind::Precession, Slope::Falling) => event(EventKind::LoopingBegins),
+            (ZeroKind::Precession, Slope::Rising) => event(EventKind::LoopingEnds),
+            (ZeroKind::Strength, Slope::Falling) => event(EventKind::WeakTop),
+            (ZeroKind::Strength, Slope::Rising) => event(EventKind::StrongTop),
+            (ZeroKind::Risen(_), Slope::Falling) => {
                 event(EventKind::Risen);
-                self.end = Some((time, End::Stop(StopReason::Risen, None)));
+                self.end = Some((time, EarlyEnd::Stop(StopReason::Risen, None)));
             }
-            (Meaning::Fallen(_), Slope::Rising) => {
+            (ZeroKind::Fallen(_), Slope::Rising) => {
                 event(EventKind::Fallen);
                 if self.settings.stop.theta_fallen.is_some() {
-                    self.end = Some((time, End::Stop(StopReason::Fallen, None)));
+                    self.end = Some((time, EarlyEnd::Stop(StopReason::Fallen, None)));
                 }
             }
-            (Meaning::Guard(guard), Slope::Falling) => {
+            (ZeroKind::Guard(guard), Slope::Falling) => {
                 return self.end_phase(guard, time, &dense.at(s), motion);
             }
-            (Meaning::Turning, Slope::Falling) => {
+            (ZeroKind::Rotation, Slope::Falling) => {
                 event(EventKind::Rest);
-                self.end = Some((time, End::Stop(StopReason::Rest, None)));
+                self.end = Some((time, EarlyEnd::Stop(StopReason::Rest, None)));
             }
-            (Meaning::Inversion, Slope::Rising) => self.queue.invert(time),
-            (Meaning::Risen(_) | Meaning::Guard(_) | Meaning::Turning, Slope::Rising)
-            | (Meaning::Fallen(_) | Meaning::Inversion, Slope::Falling) => {}
+            (ZeroKind::Inversion, Slope::Rising) => self.queue.record_inversion(time),
+            (ZeroKind::Risen(_) | ZeroKind::Guard(_) | ZeroKind::Rotation, Slope::Rising)
+            | (ZeroKind::Fallen(_) | ZeroKind::Inversion, Slope::Falling) => {}
         }
         Ok(())
     }
 
-    /// Notes what ends a phase, and what follows: another one, or nothing.
+    /// Handles the end of a phase: starts the next phase or ends the run.
     fn end_phase(
         &mut self,
         guard: Guard,
@@ -283,16 +288,16 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         if guard == Guard::Slip && stops_at_rest {
             self.queue
                 .push(Pending::Event(EventKind::SlipStops, time, motion));
-            self.end = Some((time, End::Stop(StopReason::SlipStopped, None)));
+            self.end = Some((time, EarlyEnd::Stop(StopReason::SlipStopped, None)));
             return Ok(());
         }
-        self.nutation.rates(time, &motion);
+        self.nutation.record_rates(time, &motion);
         let system = *self.integrator.system();
         let entry = system
             .enter(guard, state, self.reference)
             .map_err(|_| SimulationError::Impact { time })?;
         let at = time + entry.delay;
-        self.note_entry(&entry, system.phase(), at);
+        self.queue_entry_events(&entry, system.phase(), at);
         let stop = match entry.transition {
             Transition::BecomesSingular => Some(StopReason::Singular),
             Transition::Jams => Some(StopReason::Jam),
@@ -310,15 +315,15 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             | Transition::Lands(_) => None,
         };
         let end = match stop {
-            None => End::Enter(entry),
-            Some(reason) => End::Stop(reason, after_impact(&entry)),
+            None => EarlyEnd::Enter(entry),
+            Some(reason) => EarlyEnd::Stop(reason, after_impact(&entry)),
         };
         self.end = Some((at, end));
         Ok(())
     }
 
-    /// Notes what happens where a phase begins.
-    fn note_entry(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
+    /// Queues the events at the start of a phase.
+    fn queue_entry_events(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
         let motion = entry.motion;
         let event = |kind| Pending::Event(kind, time, motion);
         self.queue
@@ -335,9 +340,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
         if let Transition::Bounces(hit) | Transition::Lands(hit) = &entry.transition {
             self.bounces += 1;
-            let landing = Landing {
+            let landing = ImpactRecord {
                 bounce: self.bounces,
-                ..Landing::new(hit, &motion, time, to_nanoseconds(time))
+                ..ImpactRecord::new(hit, &motion, time, to_nanoseconds(time))
             };
             self.queue.push(Pending::Impact(landing));
         }
@@ -350,7 +355,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// Ends the run within this step if its duration is over in it.
+    /// Ends the run if `stop.duration` lies within this step.
     fn end_at_duration(&mut self, dense: &Dense<N>) {
         let Some(duration) = self.settings.stop.duration else {
             return;
@@ -359,19 +364,18 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let earliest = self.end.map_or(step_end, |(time, _)| time);
         if duration <= earliest {
             let after = match &self.end {
-                Some((time, End::Enter(entry))) if *time <= duration => after_impact(entry),
-                Some((time, End::Stop(_, after))) if *time <= duration => *after,
+                Some((time, EarlyEnd::Enter(entry))) if *time <= duration => after_impact(entry),
+                Some((time, EarlyEnd::Stop(_, after))) if *time <= duration => *after,
                 _ => None,
             };
-            self.end = Some((duration, End::Stop(StopReason::Duration, after)));
-            self.queue.forget_after(duration);
+            self.end = Some((duration, EarlyEnd::Stop(StopReason::Duration, after)));
+            self.queue.discard_after(duration);
         }
     }
 
-    /// The motion without the integrals over it, which are 0, and without the turns of φ and ψ: what events are looked
-    /// for in.
+    /// The motion without integrals (0) and without unwrapping φ and ψ; sufficient for event location.
     #[inline]
-    fn motion_alone(&self, dense: &Dense<N>, s: f64) -> Motion {
+    fn motion_without_integrals(&self, dense: &Dense<N>, s: f64) -> Motion {
         let state = dense.first_at(F::CONTROLLED, s);
         let system = self.integrator.system();
         system.motion_without_turns(&state, self.reference)
@@ -384,7 +388,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             .motion(&dense.at(s), self.reference)
     }
 
-    /// The time of the next sample, if it lies within what has been integrated and before the end.
+    /// The time of the next sample, if it has been integrated and is not after the end.
     fn next_sample_time(&self) -> Option<u64> {
         let time_ns = u64::from(self.next_sample) * self.settings.period_ns;
         let reached = match (self.end, &self.dense) {
@@ -415,40 +419,40 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Record::Sample(Box::new(sample))
     }
 
-    /// Goes on from within the last step with another phase.
+    /// Starts another phase within the last step.
     #[cold]
     fn enter(&mut self, time: f64, entry: &Entry<F, N>) -> Result<(), SimulationError> {
-        let phases = self.progress.enter_phase(time)?;
+        let phases = self.progress.record_phase(time)?;
         self.dense = None;
         let system = entry.formulation;
         self.reference = system.angles(&entry.state, self.reference);
         self.integrator
             .restart(system, time, entry.state, Direction::Forward)?;
-        // Where phases repeat at once, the step is too long for what happens in it.
+        // If phases repeat immediately, limit the step.
         let quarters = 4_u32.pow((phases - 1).min(10));
         self.integrator
             .limit_next_step(entry.first_step / f64::from(quarters));
         let before = std::mem::replace(&mut self.watches, watches(&self.settings.stop, &system));
         let motion = system.motion(&entry.state, self.reference);
         if self.model().support.is_free() {
-            self.nutation.jumped(time, &motion);
-            keep_signs(&before, &mut self.watches);
+            self.nutation.record_impact(time, &motion);
+            copy_signs(&before, &mut self.watches);
         } else {
-            self.nutation.interrupt(time, motion);
+            self.nutation.restart(time, motion);
         }
         self.end = None;
         Ok(())
     }
 
-    /// Goes on after all records of a step have been handed out: stops, enters another phase, or takes a step. False if
-    /// `carry_on` returns false.
+    /// Continues when all records of a step are emitted: stops, enters the next phase, or takes a step. Returns false
+    /// if `carry_on` does.
     fn advance(&mut self, carry_on: &mut dyn FnMut() -> bool) -> Result<bool, SimulationError> {
         let went_on = match self.end {
-            Some((time, End::Stop(reason, after))) => {
+            Some((time, EarlyEnd::Stop(reason, after))) => {
                 self.stop(time, reason, after);
                 Ok(())
             }
-            Some((time, End::Enter(entry))) => self.enter(time, &entry),
+            Some((time, EarlyEnd::Enter(entry))) => self.enter(time, &entry),
             None if carry_on() => self.step(),
             None => return Ok(false),
         };
@@ -459,8 +463,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(true)
     }
 
-    /// Runs to the end, and returns it with the counts of events.
-    pub(super) fn tallied(
+    /// Runs to the end. Returns the end and the event counts.
+    pub(super) fn run_without_samples(
         mut self,
         carry_on: &mut dyn FnMut() -> bool,
     ) -> Result<(RunEnd, Tally), SimulationError> {
@@ -473,7 +477,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
     }
 
-    /// Ends the run: everything before its end has been handed out.
+    /// Ends the run after all records were emitted.
     fn stop(&mut self, time: f64, reason: StopReason, after: Option<Motion>) {
         let in_step = |dense: &Dense<N>| self.motion(dense, (time - dense.t0) / dense.h);
         if let Some(motion) = after.or_else(|| self.dense.as_ref().map(in_step)) {
@@ -497,7 +501,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
                 return Ok(Some(self.sample(time_ns)));
             }
             let top = &self.integrator.system().model().top;
-            if let Some(record) = self.queue.hand_out(top) {
+            if let Some(record) = self.queue.pop(top) {
                 if let Record::Event(event) = &record {
                     self.last = (event.time, event.motion);
                 }
@@ -528,7 +532,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
     }
 }
 
-/// The motion that an impact leaves behind; none where a phase begins without one.
+/// The motion after an impact; `None` if the phase begins without one.
 fn after_impact<F, const N: usize>(entry: &Entry<F, N>) -> Option<Motion> {
     matches!(
         entry.transition,

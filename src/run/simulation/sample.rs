@@ -1,4 +1,4 @@
-//! Everything that there is to know about the motion at one instant.
+//! All recorded quantities at one instant.
 
 use super::free::FreeSample;
 use crate::physics::dynamics::{Accelerations, Integrals, Model, Motion, Phase};
@@ -16,10 +16,10 @@ pub struct Frames {
     pub node: Vector3<f64>,
 }
 
-/// The state, its derivatives, and what caused them, at one instant. SI units and radians.
+/// State, derivatives, forces and torques at one instant. SI units and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Counts the samples from 0.
+    /// Index of the sample in the run, from 0.
     pub index: u32,
     /// Time since the start: `index` times the sample period, ns.
     pub time_ns: u64,
@@ -27,11 +27,11 @@ pub struct Sample {
     pub angles: Euler,
     /// Inclination and angular velocity.
     pub tilt: Tilt,
-    /// Terms of the Euler accelerations of a top whose peg's centre does not accelerate, rad/s².
+    /// Terms of the Euler accelerations, without the acceleration of the peg, rad/s².
     pub accelerations: Accelerations,
-    /// The Euler accelerations, rad/s²: their sum, and with a free peg what its acceleration adds.
+    /// The total Euler accelerations, rad/s², including the acceleration of a free peg.
     pub euler_accelerations: Euler,
-    /// Orientation, angular velocity and place.
+    /// Orientation, angular velocity and position.
     pub pose: Pose,
     /// Torques about the peg's centre.
     pub torque: Torques,
@@ -51,10 +51,10 @@ pub struct Sample {
     pub free: Option<FreeSample>,
 }
 
-/// Orientation, angular velocity and place of a top.
+/// Orientation, angular velocity and position of a top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Orientation: turns body components into world components.
+    /// Orientation: transforms body to world components.
     pub world_from_body: UnitQuaternion<f64>,
     /// Direction of the symmetry axis, world.
     pub axis: Vector3<f64>,
@@ -123,9 +123,9 @@ pub struct Momenta {
 /// Regular precession at an inclination and a spin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Precession {
-    /// Its rates, where they are real.
+    /// Its rates, if they are real.
     pub roots: Option<PrecessionRoots>,
-    /// Above 1 a strong top, below 1 a weak one: see [`crate::physics::top::Top::strength_ratio`].
+    /// Above 1 for a strong top, below 1 for a weak one; see [`crate::physics::top::Top::strength_ratio`].
     pub strength_ratio: f64,
 }
 
@@ -205,7 +205,7 @@ impl Sample {
         }
     }
 
-    /// Phase of the contact point: 1 slips, 0 does not, 2 is in the air.
+    /// Contact regime: 1 slipping, 0 sticking or rolling, 2 in the air.
     #[must_use]
     pub fn regime(&self) -> f64 {
         match self.free.map(|free| free.phase) {

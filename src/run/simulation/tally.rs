@@ -22,7 +22,7 @@ pub struct EventCount {
 pub struct Tally(Vec<EventCount>);
 
 impl Tally {
-    /// Takes in an event at this time, s.
+    /// Counts an event at this time, s.
     pub fn count(&mut self, kind: EventKind, time: f64) {
         match self.0.iter_mut().find(|known| known.name == kind) {
             Some(known) => {
@@ -38,7 +38,7 @@ impl Tally {
         }
     }
 
-    /// The kinds that happened.
+    /// The event kinds that occurred, with counts.
     #[must_use]
     pub fn counts(&self) -> &[EventCount] {
         &self.0
@@ -50,7 +50,7 @@ impl Tally {
         self.find(kind).map_or(0, |known| known.count)
     }
 
-    /// Time of the first of this kind, s; none if there was none.
+    /// Time of the first event of this kind, s, if any.
     #[must_use]
     pub fn first(&self, kind: EventKind) -> Option<f64> {
         self.find(kind).map(|known| known.first_time)

@@ -1,4 +1,4 @@
-//! Watched functions of the motion, whose zeros mean something.
+//! Functions whose zeros are events.
 
 use crate::physics::dynamics::{Formulation, Guard, Model, Motion, Phase};
 use crate::physics::integrate::{KNOTS, SignTracker, Slope, zero};
@@ -6,44 +6,44 @@ use crate::physics::kinematics::Euler;
 use crate::run::scenario::Stop;
 use std::f64::consts::FRAC_PI_2;
 
-/// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²): smaller values are rounding, not nutation.
+/// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²); smaller values are rounding errors.
 const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
 
-/// A function of the motion whose zeros mean something.
+/// A watched function of the motion.
 pub(super) struct Watch {
-    /// Meaning of its zeros.
-    pub meaning: Meaning,
+    /// Kind of its zeros.
+    pub kind: ZeroKind,
     /// Its sign so far.
     pub tracker: SignTracker,
 }
 
-/// Meaning of a watched function's zero.
+/// Kind of a zero of a watched function.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Meaning {
+pub(super) enum ZeroKind {
     /// An extreme of θ.
     Nutation,
     /// An extreme of θ̇.
     NutationRate,
     /// An extreme of φ̇ or ψ̇, for the least and greatest rates of a cycle.
     Envelope,
-    /// The precession turns round.
+    /// The precession reverses.
     Precession,
-    /// The spin becomes too weak, or strong enough, to hold an upright top.
+    /// The top becomes weak or strong.
     Strength,
-    /// The top has risen to this inclination, rad.
+    /// θ decreases to this angle, rad.
     Risen(f64),
-    /// The top has fallen to this inclination, rad.
+    /// θ increases to this angle, rad.
     Fallen(f64),
-    /// A tippe top inverts: its axis passes the horizontal.
+    /// The axis of a tippe top passes the horizontal.
     Inversion,
     /// The guard that ends the phase.
     Guard(Guard),
-    /// A top whose contact point sticks has come to rest.
-    Turning,
+    /// A top whose contact point sticks stops turning.
+    Rotation,
 }
 
-impl Meaning {
-    /// The values of the watched function in motions with this sense of precession (+1 or −1). Factors of sin θ keep it
+impl ZeroKind {
+    /// The values of the watched function in motions with this sense of precession (+1 or −1). Factors of sin θ make it
     /// regular upright.
     #[inline]
     pub fn values<F: Formulation<N>, const N: usize, const K: usize>(
@@ -53,21 +53,23 @@ impl Meaning {
         motions: &[Motion; K],
     ) -> [f64; K] {
         match self {
-            Self::Nutation => each(motions, |m| m.tilt.sin * m.tilt.rates.theta),
-            Self::NutationRate => each(motions, |m| accelerations(system.model(), m).theta),
-            // Found without a tracker.
+            Self::Nutation => map_motions(motions, |m| m.tilt.sin * m.tilt.rates.theta),
+            Self::NutationRate => map_motions(motions, |m| accelerations(system.model(), m).theta),
+            // Located by `envelope`, without a tracker.
             Self::Envelope => [f64::NAN; K],
-            Self::Precession => each(motions, |m| {
+            Self::Precession => map_motions(motions, |m| {
                 sense * m.tilt.rates.phi * m.tilt.sin * m.tilt.sin
             }),
             Self::Strength => {
                 let top = system.model().nutating_top();
-                each(motions, |m| top.strength_ratio(&m.tilt) - 1.0)
+                map_motions(motions, |m| top.strength_ratio(&m.tilt) - 1.0)
             }
-            Self::Risen(limit) | Self::Fallen(limit) => each(motions, |m| m.angles.theta - limit),
-            Self::Inversion => each(motions, |m| m.angles.theta - FRAC_PI_2),
-            Self::Guard(guard) => each(motions, |m| system.guard(guard, m)),
-            Self::Turning => each(motions, |m| sense * m.tilt.omega_lean.z),
+            Self::Risen(limit) | Self::Fallen(limit) => {
+                map_motions(motions, |m| m.angles.theta - limit)
+            }
+            Self::Inversion => map_motions(motions, |m| m.angles.theta - FRAC_PI_2),
+            Self::Guard(guard) => map_motions(motions, |m| system.guard(guard, m)),
+            Self::Rotation => map_motions(motions, |m| sense * m.tilt.omega_lean.z),
         }
     }
 }
@@ -77,9 +79,9 @@ pub(super) fn accelerations(model: &Model, motion: &Motion) -> Euler {
     model.euler_accelerations(&model.contact_in(motion), motion)
 }
 
-/// A number of each motion.
+/// Maps each motion to a number.
 #[inline]
-fn each<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [f64; K] {
+fn map_motions<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [f64; K] {
     let mut numbers = [0.0; K];
     for (number, motion) in numbers.iter_mut().zip(motions) {
         *number = of(motion);
@@ -87,12 +89,12 @@ fn each<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [
     numbers
 }
 
-/// Finds the turning points of φ̇ and ψ̇ in a step: where the Euler accelerations (`at` a fraction of the step, and at the
-/// knots) pass zero.
+/// Finds the extremes of φ̇ and ψ̇ in a step, i.e. zeros of the Euler accelerations (`at` a fraction of the step, and
+/// at the knots).
 pub(super) fn envelope(
     at: impl Fn(f64) -> Euler,
     at_knots: &[Euler; 5],
-    found: &mut Vec<(f64, Meaning, Slope)>,
+    found: &mut Vec<(f64, ZeroKind, Slope)>,
 ) {
     for component in [|a: &Euler| a.phi, |a: &Euler| a.psi] {
         for i in 1..KNOTS.len() {
@@ -105,29 +107,29 @@ pub(super) fn envelope(
                 } else {
                     Slope::Falling
                 };
-                found.push((start + s * width, Meaning::Envelope, slope));
+                found.push((start + s * width, ZeroKind::Envelope, slope));
             }
         }
     }
 }
 
-/// Lets watches go on with the signs that those of the phase before have seen.
-pub(super) fn keep_signs(before: &[Watch], now: &mut [Watch]) {
+/// Copies tracker signs from the previous phase.
+pub(super) fn copy_signs(before: &[Watch], now: &mut [Watch]) {
     for watch in now {
-        let known = before.iter().find(|known| {
-            known.meaning == watch.meaning && !matches!(watch.meaning, Meaning::Guard(_))
-        });
+        let known = before
+            .iter()
+            .find(|known| known.kind == watch.kind && !matches!(watch.kind, ZeroKind::Guard(_)));
         if let Some(known) = known {
             watch.tracker = known.tracker;
         }
     }
 }
 
-/// Least difference of a free peg's slip speed from that which counts as zero, m/s: half of
-/// it. Slip that begins passes it within steps that each add no more than their error.
+/// Noise floor of the slip guard of a free peg, m/s: half of `NO_SLIP`. A starting slip passes it in steps that add no
+/// more than their error.
 const SLIP_FLOOR: f64 = 5e-10;
 
-/// The tracker of a guard's sign. Those of a free peg are positive when their phase begins, but the slip may begin
+/// The tracker of a guard's sign. For a free peg, guards are positive when a phase begins, except slip, which may start
 /// anywhere. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
 fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
     match guard {
@@ -146,38 +148,38 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
     stop: &Stop,
     formulation: &F,
 ) -> Vec<Watch> {
-    let watch = |meaning, floor| Watch {
-        meaning,
+    let watch = |kind, floor| Watch {
+        kind,
         tracker: SignTracker::with_floor(floor),
     };
     let model = formulation.model();
     let is_free = model.support.is_free();
     let guards = formulation.guards().iter().map(|guard| Watch {
-        meaning: Meaning::Guard(*guard),
+        kind: ZeroKind::Guard(*guard),
         tracker: guard_tracker(*guard, is_free),
     });
     if formulation.phase() == Phase::Holding && !is_free {
-        let mut watches = vec![watch(Meaning::Strength, 0.0)];
+        let mut watches = vec![watch(ZeroKind::Strength, 0.0)];
         watches.extend(guards);
-        watches.push(watch(Meaning::Turning, 0.0));
+        watches.push(watch(ZeroKind::Rotation, 0.0));
         return watches;
     }
     let mut watches = vec![
-        watch(Meaning::Nutation, NUTATION_FLOOR.0),
-        watch(Meaning::NutationRate, NUTATION_FLOOR.1),
-        watch(Meaning::Precession, 0.0),
+        watch(ZeroKind::Nutation, NUTATION_FLOOR.0),
+        watch(ZeroKind::NutationRate, NUTATION_FLOOR.1),
+        watch(ZeroKind::Precession, 0.0),
     ];
-    // A tippe top has no upright position to be too weak for, and inverts where another falls.
+    // A tippe top has no strength event, and `Inversion` replaces `Fallen`.
     if model.top.center_distance > 0.0 {
         let fallen = stop.theta_fallen.unwrap_or(FRAC_PI_2);
-        watches.push(watch(Meaning::Strength, 0.0));
-        watches.push(watch(Meaning::Fallen(fallen), 0.0));
+        watches.push(watch(ZeroKind::Strength, 0.0));
+        watches.push(watch(ZeroKind::Fallen(fallen), 0.0));
     } else {
-        watches.push(watch(Meaning::Inversion, 0.0));
+        watches.push(watch(ZeroKind::Inversion, 0.0));
     }
     watches.extend(
         stop.theta_risen
-            .map(|limit| watch(Meaning::Risen(limit), 0.0)),
+            .map(|limit| watch(ZeroKind::Risen(limit), 0.0)),
     );
     watches.extend(guards);
     watches

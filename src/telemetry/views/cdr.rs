@@ -1,11 +1,11 @@
-//! Messages of ROS 2 as bytes: CDR version 1, little-endian (OMG DDSI-RTPS 2.3, section 10).
+//! Serialization of ROS 2 messages: CDR version 1, little-endian (OMG DDSI-RTPS 2.3, section 10).
 //!
 //! Values are aligned to their size, counted from the end of the four bytes of the header.
 
 /// Four bytes that name the encoding.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
-/// A buffer in which one message after the other is written.
+/// A buffer for one message at a time.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cdr(Vec<u8>);
 
@@ -39,7 +39,7 @@ impl Cdr {
         self
     }
 
-    /// Numbers one after the other, as in a struct or an array of fixed length.
+    /// Numbers without a length, as in a struct or a fixed-length array.
     pub(super) fn f64s(&mut self, values: &[f64]) -> &mut Self {
         for value in values {
             self.align(8);
@@ -63,7 +63,7 @@ impl Cdr {
     /// A `builtin_interfaces/Time`.
     pub(super) fn time(&mut self, time_ns: u64) -> &mut Self {
         let (seconds, nanoseconds) = crate::telemetry::json::seconds_and_nanoseconds(time_ns);
-        // A run of 68 years does not come up: its nanoseconds overflow the index of samples first.
+        // A run can't reach 68 years: the sample index overflows first.
         self.u32(seconds as u32).u32(nanoseconds as u32)
     }
 

@@ -1,17 +1,17 @@
-//! The ranges of what nutates.
+//! Ranges of nutating quantities.
 
 use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
 use crate::telemetry::message::Message;
 
-/// For how many periods after a nutation its ranges stand for the motion, unless the next one ends before.
+/// Number of nutation periods for which the ranges of a nutation are valid, unless the next one ends before.
 const LASTING: f64 = 2.0;
 
-/// The ranges in the last nutation of what nutates.
+/// The ranges of nutating quantities in the last nutation.
 #[derive(Clone, Debug)]
 pub(super) struct Envelope {
     /// Least and greatest values, in the order of [`NUTATING`].
     ranges: [[f64; 2]; 4],
-    /// Until when they stand for the motion, ns.
+    /// End of their validity, ns.
     until_ns: u64,
     /// The time of the last message, ns.
     now_ns: u64,
@@ -26,8 +26,8 @@ impl Envelope {
         }
     }
 
-    /// Takes a message of any channel.
-    pub(super) fn take(&mut self, message: &Message<'_>) {
+    /// Processes a message of any channel.
+    pub(super) fn update(&mut self, message: &Message<'_>) {
         self.now_ns = message.time_ns;
         if message.topic() == NUTATION {
             self.ranges = NUTATING
@@ -37,8 +37,7 @@ impl Envelope {
         }
     }
 
-    /// A value of a quantity, and its least and greatest value in the last nutation: the value itself where there is no
-    /// nutation.
+    /// A value of a quantity, and its minimum and maximum in the last nutation; without nutation, the value itself.
     pub(super) fn around(&self, field: NumberField, value: f64) -> [f64; 3] {
         let place = NUTATING.iter().position(|[known, ..]| *known == field);
         match place.filter(|_| self.now_ns < self.until_ns) {
@@ -56,7 +55,7 @@ mod tests {
 
     fn state(envelope: &mut Envelope, sequence: u32) {
         let channel = STATE.index();
-        envelope.take(&Message {
+        envelope.update(&Message {
             channel,
             sequence,
             time_ns: 1_000_000 * u64::from(sequence),
@@ -82,7 +81,7 @@ mod tests {
             numbers: &numbers,
             texts: &[],
         };
-        envelope.take(&message);
+        envelope.update(&message);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::run::scenario::Scenario;
 use crate::telemetry::proportions::Proportions;
 
-/// Lengths of arrows in metres per unit; none where there is nothing to draw.
+/// Lengths of arrows in metres per unit; `None` if the quantity is zero.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
     /// Scale of slip velocities, m per m/s.
@@ -13,7 +13,7 @@ pub(super) struct Scales {
 }
 
 impl Scales {
-    /// The scales at which the slip velocity at the start and the torque of the law's largest force are drawn
+    /// Scales that make the arrows of the initial slip velocity and of the torque of the largest friction force
     /// somewhat longer than the top.
     pub(super) fn new(scenario: &Scenario, proportions: &Proportions) -> Self {
         let length = 1.6 * proportions.size();
@@ -28,7 +28,7 @@ impl Scales {
     }
 }
 
-/// Rounds to two digits, human-readable.
+/// Rounds to two digits.
 fn two_digits(value: f64) -> f64 {
     format!("{value:.1e}").parse().unwrap_or(value)
 }

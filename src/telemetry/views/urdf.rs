@@ -1,7 +1,7 @@
-//! The top's shape as URDF, with a legend of the views as its first comment, which viewers show as text.
+//! The shape of the top as URDF. Its first comment is a legend of the views, which viewers show as text.
 //!
-//! Rerun draws primitives a quarter opaque, so each part is a stack of thin cylinders or nested spheres,
-//! which look solid. Other viewers know boxes, cylinders and spheres, and want single spaces.
+//! Rerun draws primitives with 25 % opacity, so each part is a stack of thin cylinders or nested spheres, which look
+//! solid. Other viewers support only boxes, cylinders and spheres, and require single spaces.
 
 use super::scales::Scales;
 use crate::physics::math;
@@ -152,7 +152,7 @@ impl Link {
         }
     }
 
-    /// A tippe top, with a stem that stands out: there is no table here that it could go through.
+    /// A tippe top with a protruding stem.
     fn ball(&mut self, p: &Proportions) {
         for shell in [1.0, 0.97, 0.94] {
             self.sphere("cream", shell * p.peg, 0.0);

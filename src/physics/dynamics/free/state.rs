@@ -1,8 +1,8 @@
-//! The state of a top with a free peg, taken apart.
+//! State components of a top with a free peg.
 
 #![allow(
     clippy::inline_always,
-    reason = "with hints alone little of this is unrolled into the derivative, and runs take half as long again"
+    reason = "plain #[inline] does not inline this; runs would take 50 % longer"
 )]
 
 use crate::physics::dynamics::accelerations::accelerations_about;
@@ -11,58 +11,57 @@ use crate::physics::dynamics::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, T
 use crate::physics::dynamics::lean::Lean;
 use crate::physics::dynamics::model::Model;
 use crate::physics::dynamics::motion::{is_departing, slip_of_law};
-use crate::physics::dynamics::reaction::{Arm, FreeBody, Inertia, Reaction};
+use crate::physics::dynamics::reaction::{ContactArm, FreeBody, Inertia, Reaction};
 use crate::physics::dynamics::support::Phase;
 use crate::physics::kinematics::Tilt;
 use crate::physics::math::{atan2, hypot};
 use nalgebra::{Quaternion, Vector3};
 
-/// A contact point that has begun to slip comes to rest, instead of beginning again, where friction could hold it with
-/// this part of its strength left: far more than rounding, far less than it is ever left with for long.
+/// A slowly slipping contact point sticks again, instead of departing, if friction can hold it with this relative
+/// margin (well above rounding).
 const HELD_AGAIN: f64 = 1e-6;
 
-/// The motion as a rotation of the body about its centre of mass, which moves.
+/// Rotation about the centre of mass plus translation of the centre of mass.
 ///
-/// State: quaternion x, y, z, w (turns body components into world components), angular momentum about the centre of mass
-/// over the transverse moment of inertia about it in world components (rad/s: of the size of the rates, so that the
-/// tolerances mean the same for each), position (m) and velocity (m/s) of the centre of mass in the world; then what
-/// impacts and losses have taken (J), and the running integrals.
+/// State: quaternion x, y, z, w (transforms body to world components); angular momentum about the centre of mass
+/// divided by the transverse moment of inertia about it, world frame (rad/s, scaled like the rates so that tolerances
+/// are comparable); position (m) and velocity (m/s) of the centre of mass, world frame; the energy lost in impacts and
+/// other losses (J); and the running integrals.
 ///
-/// On the table the height of the centre of mass follows from the inclination, and so never drifts; where the peg rolls
-/// the velocity follows from the angular velocity. The components for them are looked at in flight and in sliding only.
+/// On the table, the height of the centre of mass is computed from the inclination; while rolling, its velocity is
+/// computed from the angular velocity. The corresponding components are used only in flight and sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeRotation {
     /// The physics.
     pub model: Model,
     /// Phase of the contact point.
     pub phase: Phase,
-    /// Beginning of the slip, if it was at rest before.
+    /// Departure from rest, if the slip has just begun.
     pub(super) departure: Option<Departure>,
     pub(super) inertia: Inertia,
     pub(super) sliding_guards: &'static [Guard],
 }
 
-/// Beginning of the slip of a contact point that was at rest. Its slip is too slow at first to have a direction.
+/// Beginning of the slip of a contact point that was at rest. At first the slip is too slow to define a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Departure {
-    /// In this direction, in the lean frame.
+    /// In this direction, lean frame.
     Toward(Vector3<f64>),
-    /// The state where the friction that held it gives way. It grows too weak by ever more, from nothing, so that the direction
-    /// follows the motion from the start.
+    /// Friction gives way gradually; the direction follows from the motion.
     GivingWay,
 }
 
 pub(super) const CONTROLLED: usize = 13;
 pub(super) const DISSIPATED: usize = 3;
 
-/// A state taken apart, in the lean frame.
+/// Quantities derived from a state, in the lean frame.
 pub(super) struct Parts {
     pub(super) lean: Lean,
     pub(super) tilt: Tilt,
     /// Velocity of the centre of mass, m/s.
     pub(super) velocity: Vector3<f64>,
-    pub(super) arm: Arm,
-    /// The velocity that the centre of mass would have if the peg rolled, m/s.
+    pub(super) arm: ContactArm,
+    /// Velocity of the centre of mass for rolling, m/s.
     pub(super) rolling: Vector3<f64>,
 }
 
@@ -75,11 +74,11 @@ impl Parts {
 }
 
 impl FreeRotation {
-    /// Number of a state's numbers that describe the motion; the running integrals come behind them.
+    /// Number of state components for the motion; the running integrals follow.
     pub(super) const VARIABLES: usize = CONTROLLED + DISSIPATED;
-    /// The length of a state that carries all running integrals.
+    /// State length with all running integrals.
     pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;
-    /// The length of a state that carries only those which an outcome needs.
+    /// State length with only the integrals that an outcome needs.
     pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
 
     #[inline(always)]
@@ -91,18 +90,18 @@ impl FreeRotation {
     pub(super) fn parts<const N: usize>(&self, y: &[f64; N]) -> Parts {
         let top = &self.model.top;
         let lean = self.lean(y);
-        let turning = lean.of_world(&vector(y, 4));
+        let turning = lean.world_to_lean(&vector(y, 4));
         let axial = lean.sin * turning.x + lean.cos * turning.z;
         let excess = axial * (self.inertia.transverse * self.inertia.per_axial - 1.0);
         let omega = turning + excess * Vector3::new(lean.sin, 0.0, lean.cos);
         let tilt = Tilt::from_omega(lean.sin, lean.cos, omega);
-        let arm = Arm::of(top, lean.sin, lean.cos);
+        let arm = ContactArm::of(top, lean.sin, lean.cos);
         let rolling = arm.cross(&tilt.omega_lean);
         let velocity = match self.phase {
-            Phase::Flying => lean.of_world(&vector(y, 10)),
+            Phase::Flying => lean.world_to_lean(&vector(y, 10)),
             Phase::Holding => rolling,
             Phase::Sliding => {
-                let own = lean.of_world(&vector(y, 10));
+                let own = lean.world_to_lean(&vector(y, 10));
                 Vector3::new(own.x, own.y, rolling.z)
             }
         };
@@ -115,7 +114,8 @@ impl FreeRotation {
         }
     }
 
-    /// The lean. Friction turns a vertical axis that rests about the horizontal direction across the slip.
+    /// The tilt direction. If the axis is vertical and at rest, friction tilts it about the horizontal direction
+    /// perpendicular to the slip.
     #[inline(always)]
     pub(super) fn lean<const N: usize>(&self, y: &[f64; N]) -> Lean {
         let top = &self.model.top;
@@ -124,7 +124,7 @@ impl FreeRotation {
             if turning.x != 0.0 || turning.y != 0.0 || self.phase == Phase::Holding {
                 turning
             } else {
-                Arm::of(top, 0.0, cos).up * Vector3::new(y[11], -y[10], 0.0)
+                ContactArm::of(top, 0.0, cos).up * Vector3::new(y[11], -y[10], 0.0)
             }
         })
     }
@@ -138,8 +138,7 @@ impl FreeRotation {
         body.reaction(self.phase, &slip_of_law(&slip, departure.as_ref()))
     }
 
-    /// The direction in which the contact point begins to slip, in the lean frame, while it has hardly begun. None where
-    /// friction could hold it again: then it comes to rest.
+    /// The direction of a beginning slip, in the lean frame; `None` if friction can hold the point again.
     #[inline(always)]
     pub(super) fn departure_of(&self, tilt: &Tilt, slip: &Vector3<f64>) -> Option<Vector3<f64>> {
         let departure = self.departure.filter(|_| is_departing(slip))?;
@@ -151,11 +150,11 @@ impl FreeRotation {
         }
         Some(match departure {
             Departure::Toward(direction) => direction,
-            Departure::GivingWay => body.giving_way(),
+            Departure::GivingWay => body.release_direction(),
         })
     }
 
-    /// Rates of change of the running integrals, all or few, where the losses have this power, W.
+    /// Rates of change of the running integrals (all or few); `losses` is the power of the losses, W.
     #[inline(always)]
     pub(super) fn integrands(
         &self,
@@ -180,7 +179,7 @@ impl FreeRotation {
         if !all {
             return few;
         }
-        // About the peg's centre, as for a fixed peg.
+        // About the centre of the peg, as for a fixed peg.
         let to_contact = Vector3::new(0.0, 0.0, -top.peg_radius);
         let friction =
             to_contact.cross(&reaction.friction.force) + reaction.friction.couple + reaction.air;
@@ -194,7 +193,7 @@ impl FreeRotation {
         }
     }
 
-    pub(super) fn in_phase(&self, phase: Phase) -> Self {
+    pub(super) fn with_phase(&self, phase: Phase) -> Self {
         Self {
             phase,
             departure: None,
@@ -202,11 +201,11 @@ impl FreeRotation {
         }
     }
 
-    /// The state with the components that don't count in this phase as they would be if they did.
+    /// The state with the unused components of this phase filled in.
     pub(super) fn completed<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let parts = self.parts(y);
         let mut state = *y;
-        put(&mut state, 10, &parts.lean.in_world(&parts.velocity));
+        put(&mut state, 10, &parts.lean.lean_to_world(&parts.velocity));
         if self.phase != Phase::Flying {
             state[9] = -parts.arm.up;
         }

@@ -1,4 +1,4 @@
-//! Transitions of a free peg: from rolling to sliding, from impact to impact, and at rest again.
+//! Transitions of a free peg between rolling, sliding and flight.
 
 use super::state::{CONTROLLED, Departure, FreeRotation};
 use crate::physics::dynamics::fixed::NO_SLIP;
@@ -10,47 +10,47 @@ use crate::physics::integrate::{IntegrateError, System as _};
 use crate::physics::math::hypot;
 use nalgebra::Vector3;
 
-/// A peg that lifts off is followed, at first, for no longer than the top takes to turn by this, rad. In so short a step
-/// the dense output errs by rounding only, whatever the tolerances.
+/// Maximum rotation in the first step after lift-off, rad; in such a short step the dense output is exact up to
+/// rounding.
 const FIRST_TURN: f64 = 0.01;
 
 impl FreeRotation {
-    /// Continuation of the motion from a peg that has rolled and is held no longer.
-    pub(super) fn departing<const N: usize>(&self, y: &[f64; N]) -> Self {
+    /// The next phase after friction releases a rolling peg: sliding or flight.
+    pub(super) fn after_release<const N: usize>(&self, y: &[f64; N]) -> Self {
         let parts = self.parts(y);
         let reaction = self.reaction(&parts);
         let sliding = Self {
             departure: Some(Departure::GivingWay),
-            ..self.in_phase(Phase::Sliding)
+            ..self.with_phase(Phase::Sliding)
         };
         if reaction.normal > 0.0 && sliding.reaction(&sliding.parts(y)).normal > 0.0 {
             sliding
         } else {
-            self.in_phase(Phase::Flying)
+            self.with_phase(Phase::Flying)
         }
     }
 
-    /// Continuation of the motion from a peg on the table whose contact point slips, or is `at_rest`.
+    /// The phase of a peg on the table whose contact point slips or is `at_rest`.
     pub(super) fn on_table<const N: usize>(&self, y: &[f64; N], at_rest: bool) -> Self {
-        let mut sliding = self.in_phase(Phase::Sliding);
+        let mut sliding = self.with_phase(Phase::Sliding);
         let parts = sliding.parts(y);
         if at_rest && self.model.friction.is_set_valued_at_rest() {
-            let holding = self.in_phase(Phase::Holding);
+            let holding = self.with_phase(Phase::Holding);
             if holding.is_held(y) {
                 return holding;
             }
             let body = self.body(parts.tilt);
             let accelerated = |direction: &_| body.slip_acceleration(&(NO_SLIP * direction));
             let Some(direction) = FreeBody::departure(accelerated) else {
-                // Friction is too weak by rounding only.
-                return holding.departing(y);
+                // Friction is only too weak because of rounding.
+                return holding.after_release(y);
             };
             sliding.departure = Some(Departure::Toward(direction));
         }
         if sliding.reaction(&parts).normal > 0.0 {
             sliding
         } else {
-            self.in_phase(Phase::Flying)
+            self.with_phase(Phase::Flying)
         }
     }
 
@@ -66,8 +66,8 @@ impl FreeRotation {
         self.model.friction.law.static_bound(reaction.normal) - hypot(force.x, force.y)
     }
 
-    /// The state with the contact point brought to rest, and how long that takes, s.
-    pub(super) fn rested<const N: usize>(&self, y: &[f64; N]) -> ([f64; N], f64) {
+    /// The state after the contact point comes to rest, and the time needed, s.
+    pub(super) fn at_rest<const N: usize>(&self, y: &[f64; N]) -> ([f64; N], f64) {
         let parts = self.parts(y);
         let velocity = parts.contact_velocity();
         let slip = Vector3::new(velocity.x, velocity.y, 0.0);
@@ -81,10 +81,10 @@ impl FreeRotation {
         };
         let slope = self.derivative(0.0, y);
         let state: [f64; N] = std::array::from_fn(|i| y[i] + delay * slope[i]);
-        (self.in_phase(Phase::Holding).completed(&state), delay)
+        (self.with_phase(Phase::Holding).completed(&state), delay)
     }
 
-    /// The state after an impact, and how the motion goes on.
+    /// The state after an impact, and the next phase.
     pub(super) fn after_impact<const N: usize>(
         &self,
         y: &[f64; N],
@@ -96,13 +96,17 @@ impl FreeRotation {
         let body = self.body(parts.tilt);
         let before = parts.contact_velocity();
         if before.z >= 0.0 {
-            return Ok(self.after_touch(y, before));
+            return Ok(self.after_grazing_contact(y, before));
         }
         let hit = impact(&body, before, restitution)?;
         let mut state = *y;
         let moment = parts.arm.cross(&hit.impulse) + hit.couple;
-        let turned = parts.lean.in_world(&(moment * self.inertia.per_transverse));
-        let pushed = parts.lean.in_world(&(hit.impulse * self.inertia.per_mass));
+        let turned = parts
+            .lean
+            .lean_to_world(&(moment * self.inertia.per_transverse));
+        let pushed = parts
+            .lean
+            .lean_to_world(&(hit.impulse * self.inertia.per_mass));
         for i in 0..3 {
             state[4 + i] += turned[i];
             state[10 + i] += pushed[i];
@@ -111,7 +115,7 @@ impl FreeRotation {
         state[Self::VARIABLES] -= hit.normal_loss + hit.friction_loss;
         state[CONTROLLED] += hit.normal_loss;
         state[CONTROLLED + 1] += hit.friction_loss;
-        let flying = self.in_phase(Phase::Flying);
+        let flying = self.with_phase(Phase::Flying);
         if hit.after.z > 0.0 {
             return Ok((flying, state, Transition::Bounces(hit)));
         }
@@ -126,12 +130,12 @@ impl FreeRotation {
         } else {
             Phase::Sliding
         };
-        Ok((next, self.in_phase(landed).completed(&state), transition))
+        Ok((next, self.with_phase(landed).completed(&state), transition))
     }
 
-    /// The state after the peg has touched the table without approaching it, and how the motion goes on. Where it flies on,
-    /// only an error of the dense output has touched the table, and nothing has happened.
-    pub(super) fn after_touch<const N: usize>(
+    /// The state and next phase after a contact without approach velocity. If the peg stays in flight, the contact was
+    /// an error of the dense output.
+    pub(super) fn after_grazing_contact<const N: usize>(
         &self,
         y: &[f64; N],
         velocity: Vector3<f64>,
@@ -151,8 +155,8 @@ impl FreeRotation {
         (next, state, transition)
     }
 
-    /// The longest that the first step in flight may be, s: about as long as the flight, if the peg falls back at once. A
-    /// peg that lifts off has no speed at first, and hardly any height: less than a long step errs by.
+    /// Maximum length of the first step in flight, s: about the duration of the shortest flight. A long step's error
+    /// would exceed the initial height of the peg.
     pub(super) fn first_step<const N: usize>(&self, y: &[f64; N]) -> f64 {
         if self.phase != Phase::Flying {
             return f64::INFINITY;
