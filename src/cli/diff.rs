@@ -10,6 +10,8 @@ use super::arguments::{Override, parse_override};
 use super::input::{Input, open};
 #[cfg(feature = "rerun")]
 use super::output;
+#[cfg(feature = "rerun")]
+use super::page;
 use super::progress::Progress;
 use super::report;
 use super::status::Status;
@@ -174,8 +176,8 @@ impl Observers<'_> {
         let Some(viewer) = self.viewer else {
             return Ok(());
         };
-        let page = content::page(report, false);
-        let (target, written) = viewer.finish(&page.markdown())?;
+        let markdown = page::markdown(&content::page(report, false));
+        let (target, written) = viewer.finish(&markdown)?;
         if let Some(file) = written {
             output::note(&format!("wrote {}", file.line()));
         }

@@ -2,7 +2,7 @@
 
 use super::arguments::{Override, parse_override};
 use super::input::open;
-use super::page::{Page, Part, Section};
+use super::page::{Part, Section};
 use super::report;
 use super::status::Status;
 use super::table::Table;
@@ -46,7 +46,7 @@ pub(super) fn explain(arguments: &ExplainArguments) -> Result<Status, Error> {
     })
 }
 
-fn page(explanation: &Explanation, all: bool) -> Page {
+fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
     let chapters = explanation.chapters.iter();
     let mut sections: Vec<Section> = chapters.map(section).collect();
     sections.push(events(explanation, all));
@@ -59,11 +59,8 @@ fn page(explanation: &Explanation, all: bool) -> Page {
         .extend(explanation.losses.iter().cloned().map(Part::Line));
     sections.push(losses);
     sections.retain(|section| !section.parts.is_empty());
-    Page {
-        title: explanation.title.clone(),
-        sections,
-        ..Page::default()
-    }
+    sections.insert(0, Section::new(&explanation.title));
+    sections
 }
 
 fn section(chapter: &Chapter) -> Section {

@@ -8,7 +8,7 @@ use self::sweep::SweepFigure;
 use super::arguments::OUTPUT;
 use super::input::{Input, open};
 use super::output;
-use super::page::{Page, Section};
+use super::page::Section;
 use super::parallel;
 use super::progress::Progress;
 use super::report;
@@ -262,7 +262,7 @@ fn warn(report: &FiguresReport) {
     }
 }
 
-fn page(report: &FiguresReport) -> Page {
+fn page(report: &FiguresReport) -> Vec<Section> {
     let wrote = |file: &FigureFile| ("wrote", report::file_line(&file.path, file.bytes));
     let mut section = Section::default();
     section.table(Table::of_facts(report.files.iter().map(wrote).collect()));
@@ -270,7 +270,7 @@ fn page(report: &FiguresReport) -> Page {
         let (figure, run, because) = (left.figure, &left.run, left.because);
         section.line(format!("skipped: {figure} of {run}; {because}"));
     }
-    Page::of(section)
+    vec![section]
 }
 
 /// Reads or simulates the runs, all at once.

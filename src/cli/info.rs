@@ -1,7 +1,7 @@
 //! `toprise info`.
 
 use super::numbers::{bytes, count};
-use super::page::{Page, Section};
+use super::page::Section;
 use super::report::{self, LossReport};
 use super::status::Status;
 use super::table::Table;
@@ -70,17 +70,13 @@ impl InfoReport {
         }
     }
 
-    fn page(&self) -> Page {
+    fn page(&self) -> Vec<Section> {
         let mut head = Section::new(&self.file);
         head.note = bytes(self.bytes);
         head.table(Table::of_facts(self.facts()));
-        let mut rest = Section::default();
-        rest.table(self.channel_table());
+        let mut rest = Section::of(self.channel_table());
         rest.table(self.event_table());
-        Page {
-            sections: vec![head, rest],
-            ..Page::default()
-        }
+        vec![head, rest]
     }
 
     fn facts(&self) -> Vec<(&'static str, String)> {

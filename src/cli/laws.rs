@@ -1,6 +1,6 @@
 //! `toprise laws`.
 
-use super::page::{Page, Section};
+use super::page::Section;
 use super::report;
 use super::status::Status;
 use super::table::Table;
@@ -51,7 +51,7 @@ pub(super) fn laws() -> Result<Status, Error> {
 }
 
 impl LawsReport {
-    fn page(&self) -> Page {
+    fn page(&self) -> Vec<Section> {
         let section = |title: &str, adds_to_any: bool| {
             let mut section = Section::new(title);
             for law in self.0.iter().filter(|law| law.adds_to_any == adds_to_any) {
@@ -65,14 +65,11 @@ impl LawsReport {
              w_n and w_t: its components along and across the symmetry axis n, M: torque about the peg's centre, \
              z′: the vertical, R: radius of the peg.",
         );
-        Page {
-            sections: vec![
-                section("Sliding friction (friction.law)", false),
-                section("Additional losses, can be combined with any law", true),
-                symbols,
-            ],
-            ..Page::default()
-        }
+        vec![
+            section("Sliding friction (friction.law)", false),
+            section("Additional losses, can be combined with any law", true),
+            symbols,
+        ]
     }
 }
 

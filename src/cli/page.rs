@@ -13,26 +13,6 @@ const FAINT: Style = Style::new().effects(Effects::DIMMED);
 /// Maximum text width.
 const MAX_WIDTH: usize = 100;
 
-/// Check mark.
-pub(super) const TICK: char = '✓';
-/// Cross mark.
-pub(super) const CROSS: char = '✗';
-
-/// A human-readable report.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Page {
-    /// The subject, above the title.
-    pub(super) subjects: Table,
-    /// The title; empty for none.
-    pub(super) title: String,
-    /// Tone of the title.
-    pub(super) tone: Tone,
-    /// The findings in a few sentences.
-    pub(super) summary: Vec<String>,
-    /// The rest.
-    pub(super) sections: Vec<Section>,
-}
-
 /// Colour of a heading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Tone {
@@ -90,6 +70,30 @@ impl Section {
         }
     }
 
+    /// A heading with a colour.
+    pub(super) fn toned(tone: Tone, title: impl Into<String>) -> Self {
+        Self {
+            tone,
+            ..Self::new(title)
+        }
+    }
+
+    /// A table without a heading.
+    pub(super) fn of(table: Table) -> Self {
+        let mut section = Self::default();
+        section.table(table);
+        section
+    }
+
+    /// With a heading and a note next to it.
+    pub(super) fn titled(self, title: impl Into<String>, note: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            note: note.into(),
+            ..self
+        }
+    }
+
     pub(super) fn line(&mut self, line: impl Into<String>) {
         self.parts.push(Part::Line(line.into()));
     }
@@ -119,7 +123,7 @@ impl Section {
             }
             follows_table = is_table;
             match part {
-                Part::Table(table) => text += &with_coloured_marks(&table.text(columns)),
+                Part::Table(table) => text += &table.text(columns),
                 Part::Line(line) => text += &wrapped(line, width(columns), "  ", "    "),
                 Part::Code(code) => text += &sanitized_lines(code),
             }
@@ -146,47 +150,16 @@ impl Section {
     }
 }
 
-impl Page {
-    /// A page with a single section.
-    pub(super) fn of(section: Section) -> Self {
-        Self {
-            sections: vec![section],
-            ..Self::default()
-        }
-    }
+/// Renders sections as styled text for a terminal of this width.
+pub(super) fn text(sections: &[Section], columns: Option<usize>) -> String {
+    let blocks = sections.iter().map(|section| section.text(columns));
+    let blocks: Vec<_> = blocks.filter(|block| !block.trim().is_empty()).collect();
+    blocks.join("\n")
+}
 
-    /// Renders as styled text for a terminal of this width.
-    pub(super) fn text(&self, columns: Option<usize>) -> String {
-        let mut blocks = vec![self.subjects.text(columns)];
-        let style = self.tone.style();
-        let mut head = String::new();
-        if !self.title.is_empty() {
-            head = format!("{style}{}{style:#}\n", sanitized(&self.title));
-        }
-        if !self.summary.is_empty() {
-            head += &wrapped(&self.summary.join(" "), width(columns), "", "");
-        }
-        blocks.push(head);
-        blocks.extend(self.sections.iter().map(|section| section.text(columns)));
-        blocks.retain(|block| !block.trim().is_empty());
-        blocks.join("\n")
-    }
-
-    /// Renders as Markdown.
-    pub(super) fn markdown(&self) -> String {
-        let mut blocks = Vec::new();
-        if !self.title.is_empty() {
-            blocks.push(format!("# {}\n\n", sanitized(&self.title)));
-        }
-        if !self.summary.is_empty() {
-            blocks.push(format!("{}\n\n", sanitized(&self.summary.join(" "))));
-        }
-        if !self.subjects.rows.is_empty() {
-            blocks.push(self.subjects.markdown() + "\n");
-        }
-        blocks.extend(self.sections.iter().map(Section::markdown));
-        blocks.concat()
-    }
+/// Renders sections as Markdown.
+pub(super) fn markdown(sections: &[Section]) -> String {
+    sections.iter().map(Section::markdown).collect()
 }
 
 /// The text width.
@@ -201,15 +174,6 @@ fn wrapped(sentence: &str, width: usize, first: &str, next: &str) -> String {
         .subsequent_indent(next)
         .word_splitter(textwrap::WordSplitter::NoHyphenation);
     textwrap::fill(&sanitized(sentence), options) + "\n"
-}
-
-/// Colours check and cross marks.
-fn with_coloured_marks(text: &str) -> String {
-    [(TICK, GOOD), (CROSS, BAD)]
-        .into_iter()
-        .fold(text.to_owned(), |text, (sign, style)| {
-            text.replace(sign, &format!("{style}{sign}{style:#}"))
-        })
 }
 
 #[cfg(test)]
@@ -233,19 +197,13 @@ mod tests {
         section.line(hostile);
         section.table(Table::of_texts(vec![vec![hostile.to_owned()]]));
         section.parts.push(Part::Code("a\x1b[2J".to_owned()));
-        let page = Page {
-            subjects: Table::of_texts(vec![vec![hostile.to_owned()]]),
-            title: hostile.to_owned(),
-            summary: vec![hostile.to_owned()],
-            sections: vec![section],
-            ..Page::default()
-        };
-        let plain = anstream::adapter::strip_str(&page.text(Some(80))).to_string();
-        for text in [plain, page.markdown()] {
+        let sections = [section];
+        let plain = anstream::adapter::strip_str(&text(&sections, Some(80))).to_string();
+        for text in [plain, markdown(&sections)] {
             let is_odd = |c: char| c.is_control() && c != '\n';
             assert!(!text.contains(is_odd), "{text:?}");
             assert!(!text.contains("\nerror"), "{text}");
-            assert_eq!(text.matches("a�[2J").count(), 8, "{text}");
+            assert_eq!(text.matches("a�[2J").count(), 4, "{text}");
         }
     }
 }

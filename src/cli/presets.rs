@@ -1,6 +1,6 @@
 //! `toprise presets`.
 
-use super::page::{Page, Part, Section};
+use super::page::{Part, Section};
 use super::report;
 use super::status::Status;
 use super::table::Table;
@@ -52,7 +52,7 @@ pub(super) fn presets(arguments: &PresetsArguments) -> Result<Status, Error> {
 }
 
 impl PresetsReport {
-    fn page(&self, is_one: bool) -> Page {
+    fn page(&self, is_one: bool) -> Vec<Section> {
         let mut section = Section::default();
         if is_one {
             let code = |preset: &PresetReport| Part::Code(preset.scenario.clone());
@@ -64,6 +64,6 @@ impl PresetsReport {
                 .map(|preset| (preset.name, preset.description.to_owned()));
             section.table(Table::of_facts(facts.collect()));
         }
-        Page::of(section)
+        vec![section]
     }
 }

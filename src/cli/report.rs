@@ -3,7 +3,7 @@
 use super::arguments::Format;
 use super::numbers::bytes;
 use super::output;
-use super::page::Page;
+use super::page::{self, Section};
 use crate::archive::publish::Draft;
 use crate::archive::recording::Loss;
 use crate::archive::sink::SinkError;
@@ -13,11 +13,14 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Prints a report in the selected format; --quiet suppresses text.
-pub(super) fn print(report: &impl Serialize, page: impl FnOnce() -> Page) -> Result<(), Error> {
+pub(super) fn print(
+    report: &impl Serialize,
+    sections: impl FnOnce() -> Vec<Section>,
+) -> Result<(), Error> {
     match output::format() {
         Format::Text if output::is_quiet() => {}
-        Format::Text => output::print_styled(&page().text(output::columns()))?,
-        Format::Markdown => output::print(&page().markdown())?,
+        Format::Text => output::print_styled(&page::text(&sections(), output::columns()))?,
+        Format::Markdown => output::print(&page::markdown(&sections()))?,
         Format::Json => output::print_json(&serde_json::to_string_pretty(report)?)?,
     }
     Ok(())
@@ -33,7 +36,7 @@ struct Failure<'a> {
 pub(super) fn print_error(error: &str) {
     if output::format() == Format::Json {
         // The error is on standard error, too.
-        let _ = print(&Failure { error }, Page::default);
+        let _ = print(&Failure { error }, Vec::new);
     }
 }
 

@@ -1,6 +1,6 @@
 //! `toprise schema`.
 
-use super::page::{Page, Part, Section};
+use super::page::{Part, Section};
 use super::report::{self, WrittenFile};
 use super::status::Status;
 use super::table::Table;
@@ -93,7 +93,7 @@ impl SchemaReport {
         self.channels.extend(channels);
     }
 
-    fn page(&self, is_one: bool) -> Page {
+    fn page(&self, is_one: bool) -> Vec<Section> {
         let mut section = Section::default();
         if is_one {
             let code = |channel: &ChannelSchema| Part::Code(channel.definition.clone());
@@ -108,7 +108,7 @@ impl SchemaReport {
         }
         let written = self.written.iter().map(|file| ("wrote", file.line()));
         section.table(Table::of_facts(written.collect()));
-        Page::of(section)
+        vec![section]
     }
 }
 

@@ -1,7 +1,7 @@
 //! `toprise verify`.
 
 use super::numbers::count;
-use super::page::{Page, Section, Tone};
+use super::page::{Section, Tone};
 use super::progress::Progress;
 use super::status::Status;
 use super::table::Table;
@@ -81,12 +81,9 @@ impl VerifyReport {
         worst.map_or(Status::Success, |(_, done)| done)
     }
 
-    fn page(&self) -> Page {
+    fn page(&self) -> Vec<Section> {
         let section = |file: &VerifiedFile| Some(section(&file.file, file.report.as_ref()?));
-        Page {
-            sections: self.0.iter().filter_map(section).collect(),
-            ..Page::default()
-        }
+        self.0.iter().filter_map(section).collect()
     }
 }
 
@@ -107,8 +104,7 @@ impl VerifiedFile {
 
 fn section(file: &str, report: &Report) -> Section {
     let (tone, conclusion) = conclusion(report);
-    let mut section = Section::new(format!("{file}: {conclusion}"));
-    section.tone = tone;
+    let mut section = Section::toned(tone, format!("{file}: {conclusion}"));
     let mut facts = Vec::new();
     if let Some(difference) = &report.difference {
         facts.push(("difference", difference.to_string()));

@@ -3,7 +3,7 @@
 use super::arguments::OUTPUT;
 use super::interrupt::Interrupt;
 use super::output;
-use super::page::{Page, Section};
+use super::page::Section;
 use super::progress::Progress;
 use super::report::{self, WrittenFile};
 use super::status::Status;
@@ -81,16 +81,13 @@ struct ShownRecording {
 }
 
 impl ViewReport {
-    fn page(&self) -> Page {
-        let wrote = self
+    fn page(&self) -> Vec<Section> {
+        let files = self
             .recordings
             .iter()
             .filter_map(|shown| shown.rrd.as_ref());
-        let mut section = Section::default();
-        section.table(Table::of_facts(
-            wrote.map(|file| ("wrote", file.line())).collect(),
-        ));
-        Page::of(section)
+        let wrote = files.map(|file| ("wrote", file.line()));
+        vec![Section::of(Table::of_facts(wrote.collect()))]
     }
 
     /// Whether everything was shown.

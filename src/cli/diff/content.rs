@@ -5,7 +5,7 @@ use crate::analysis::diff::{
 };
 use crate::analysis::phrase::significant;
 use crate::cli::numbers::count;
-use crate::cli::page::{Page, Section, Tone};
+use crate::cli::page::{Section, Tone};
 use crate::cli::table::Table;
 
 /// Maximum number of table rows without --all.
@@ -14,7 +14,7 @@ const MOST_ROWS: usize = 12;
 const MOST_NAMED: usize = 6;
 
 /// The page: one screen, or everything.
-pub(super) fn page(report: &Report, all: bool) -> Page {
+pub(super) fn page(report: &Report, all: bool) -> Vec<Section> {
     let mut sections = vec![setup(report, all), findings(report, all)];
     if all || report.findings.is_empty() {
         sections.push(others(&report.others));
@@ -28,17 +28,11 @@ pub(super) fn page(report: &Report, all: bool) -> Page {
     }
     sections.push(notes(report, all));
     sections.retain(|section| !section.parts.is_empty());
-    let (tone, title) = verdict(report);
-    Page {
-        subjects: subjects(report),
-        title,
-        tone,
-        sections,
-        ..Page::default()
-    }
+    sections.splice(0..0, [subjects(report), verdict(report)]);
+    sections
 }
 
-fn subjects(report: &Report) -> Table {
+fn subjects(report: &Report) -> Section {
     let row = |(letter, run): (&str, &ComparedRun)| {
         vec![
             letter.to_owned(),
@@ -48,16 +42,16 @@ fn subjects(report: &Report) -> Table {
         ]
     };
     let rows = [("A", &report.a), ("B", &report.b)].map(row);
-    Table::of_texts(rows.to_vec())
+    Section::of(Table::of_texts(rows.to_vec()))
 }
 
-fn verdict(report: &Report) -> (Tone, String) {
+fn verdict(report: &Report) -> Section {
     let tone = match report.verdict {
         Verdict::Identical | Verdict::SameValues | Verdict::Equal => Tone::Good,
         Verdict::Agreeing => Tone::Weak,
         Verdict::Different => Tone::Bad,
     };
-    (tone, report.verdict.title().to_owned())
+    Section::toned(tone, report.verdict.title())
 }
 
 /// Differing scenario keys and file metadata.
@@ -118,7 +112,6 @@ fn findings(report: &Report, all: bool) -> Section {
 
 /// The topics that differ, with the first difference of each.
 fn topics(report: &Report) -> Section {
-    let mut section = Section::default();
     let differing = report.channels.iter().filter(|channel| {
         channel.identical < channel.pairs || channel.unmatched != [0; 2] || channel.beyond != [0; 2]
     });
@@ -137,12 +130,10 @@ fn topics(report: &Report) -> Section {
     };
     let rows: Vec<_> = differing.map(row).collect();
     let header = ["topic", "first difference: A, B", "different", "unmatched"];
-    section.table(Table::new(&header, rows, 2));
-    section
+    Section::of(Table::new(&header, rows, 2))
 }
 
 fn others(topics: &[TopicBytes]) -> Section {
-    let mut section = Section::default();
     let row = |topic: &TopicBytes| {
         let first = topic.first.map(|time| format!("{time} s"));
         vec![
@@ -168,14 +159,11 @@ fn others(topics: &[TopicBytes]) -> Section {
         "only B",
         "first",
     ];
-    section.table(Table::new(&header, topics.iter().map(row).collect(), 2));
-    section
+    Section::of(Table::new(&header, topics.iter().map(row).collect(), 2))
 }
 
 /// The fields of a topic that differ.
 fn fields(channel: &ChannelDifference) -> Section {
-    let mut section = Section::new(&channel.topic);
-    section.note = format!("{} pairs", count(channel.pairs));
     let differing = channel
         .fields
         .iter()
@@ -199,16 +187,14 @@ fn fields(channel: &ChannelDifference) -> Section {
         ]
     };
     let header = ["field", "largest B − A", "at", "RMS", "relative"];
-    section.table(Table::new(&header, differing.map(row).collect(), 1));
-    section
+    Section::of(Table::new(&header, differing.map(row).collect(), 1))
+        .titled(&channel.topic, format!("{} pairs", count(channel.pairs)))
 }
 
 fn averages(report: &Report) -> Section {
     let Some(averaged) = &report.averaged else {
         return Section::default();
     };
-    let mut section = Section::new("Averaged motion");
-    section.note = format!("{:.3} s to {:.3} s", averaged.from, averaged.to);
     let rows = averaged.deviations.iter().map(|deviation| {
         vec![
             format!("{} [{}]", deviation.quantity, deviation.unit),
@@ -219,19 +205,16 @@ fn averages(report: &Report) -> Section {
         ]
     });
     let header = ["", "A", "B", "largest B − A", "at"];
-    section.table(Table::new(&header, rows.collect(), 1));
-    section
+    Section::of(Table::new(&header, rows.collect(), 1)).titled(
+        "Averaged motion",
+        format!("{:.3} s to {:.3} s", averaged.from, averaged.to),
+    )
 }
 
 fn models(report: &Report) -> Section {
     let Some(discrepancy) = &report.discrepancy else {
         return Section::default();
     };
-    let mut section = Section::new("Models");
-    section.note = format!(
-        "B − A, evaluated at {} states of A",
-        count(discrepancy.states)
-    );
     let rows = discrepancy.quantities.iter().map(|residual| {
         vec![
             format!("{} [{}]", residual.quantity, residual.unit),
@@ -242,17 +225,19 @@ fn models(report: &Report) -> Section {
         ]
     });
     let header = ["", "largest", "at", "RMS", "RMS of A"];
-    section.table(Table::new(&header, rows.collect(), 1));
-    section
+    Section::of(Table::new(&header, rows.collect(), 1)).titled(
+        "Models",
+        format!(
+            "B − A, evaluated at {} states of A",
+            count(discrepancy.states)
+        ),
+    )
 }
 
 fn integrators(report: &Report) -> Section {
     let Some(floor) = &report.floor else {
         return Section::default();
     };
-    let mut section = Section::new("Integrator errors");
-    section.note =
-        "estimated with tighter tolerances; ≈ marks differences below the integration error".into();
     let rows = [("A", &floor.a), ("B", &floor.b)].map(|(letter, error)| {
         vec![
             letter.to_owned(),
@@ -262,8 +247,10 @@ fn integrators(report: &Report) -> Section {
         ]
     });
     let header = ["", "tolerance", "mean θ [rad]", "events [s]"];
-    section.table(Table::new(&header, rows.to_vec(), 2));
-    section
+    Section::of(Table::new(&header, rows.to_vec(), 2)).titled(
+        "Integrator errors",
+        "estimated with tighter tolerances; ≈ marks differences below the integration error",
+    )
 }
 
 fn notes(report: &Report, all: bool) -> Section {

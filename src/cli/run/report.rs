@@ -1,7 +1,7 @@
 //! The report of a run.
 
 use crate::cli::numbers::{count, counted, number};
-use crate::cli::page::{Page, Section, Tone};
+use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
 use crate::physics::top::Top;
@@ -104,7 +104,7 @@ impl RunReport {
     }
 
     /// The human-readable summary of a run, with a note on files not written.
-    pub(super) fn page(&self, name: &str, top: &Top, not_written: Option<&str>) -> Page {
+    pub(super) fn page(&self, name: &str, top: &Top, not_written: Option<&str>) -> Vec<Section> {
         let mut facts = vec![
             ("state", self.angles()),
             ("rates", self.rates()),
@@ -135,17 +135,15 @@ impl RunReport {
                 "(install the viewer: pip install rerun-sdk==0.36.3)".to_owned(),
             ));
         }
-        let mut section = Section::default();
-        section.table(Table::of_facts(facts));
-        Page {
-            title: format!("{name}: {}", self.outcome.sentence()),
-            tone: match self.outcome.stop_reason {
-                StopReason::Interrupted | StopReason::Failed => Tone::Weak,
-                _ => Tone::Good,
-            },
-            sections: vec![section],
-            ..Page::default()
-        }
+        let tone = match self.outcome.stop_reason {
+            StopReason::Interrupted | StopReason::Failed => Tone::Weak,
+            _ => Tone::Good,
+        };
+        let title = format!("{name}: {}", self.outcome.sentence());
+        vec![
+            Section::toned(tone, title),
+            Section::of(Table::of_facts(facts)),
+        ]
     }
 
     fn angles(&self) -> String {

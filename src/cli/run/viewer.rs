@@ -75,7 +75,8 @@ pub(super) fn identity(
     telemetry: &Telemetry,
 ) -> Identity {
     let stem = mcap.file_stem().unwrap_or_default();
-    let topics = Topic::all_with(scenario.model.support).filter(|topic| telemetry.wants(*topic));
+    let topics =
+        Topic::all_with(scenario.model.support).filter(|topic| telemetry.is_enabled(*topic));
     let playback = if arguments.realtime.is_some() {
         Playback::Following
     } else {

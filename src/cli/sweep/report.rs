@@ -1,7 +1,7 @@
 //! The report of `toprise sweep`.
 
 use crate::cli::numbers::{count, counted, number};
-use crate::cli::page::{Page, Section, Tone};
+use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
 use crate::sweep::{RowError, Shard};
@@ -60,7 +60,7 @@ pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
 }
 
 impl SweepReport {
-    pub(super) fn page(&self, asked: &Asked) -> Page {
+    pub(super) fn page(&self, asked: &Asked) -> Vec<Section> {
         let mut facts = Vec::new();
         let outcomes = summary(&self.outcomes, self.errors);
         if !outcomes.is_empty() {
@@ -97,32 +97,25 @@ impl SweepReport {
             };
             facts.push(("", how.to_owned()));
         }
-        let mut section = Section::default();
-        section.table(Table::of_facts(facts));
-        let (title, tone) = self.title(asked);
-        Page {
-            title,
-            tone,
-            ..Page::of(section)
-        }
+        vec![self.title(asked), Section::of(Table::of_facts(facts))]
     }
 
-    fn title(&self, asked: &Asked) -> (String, Tone) {
+    fn title(&self, asked: &Asked) -> Section {
         let runs = counted(self.runs, "run");
+        let shard = asked.shard.filter(|_| self.table.is_none());
         if self.interrupted {
-            (format!("{runs}: interrupted"), Tone::Weak)
+            Section::toned(Tone::Weak, format!("{runs}: interrupted"))
         } else if asked.dry_run {
-            (runs, Tone::Neutral)
-        } else if let Some(Shard { index, count }) = asked.shard.filter(|_| self.table.is_none()) {
-            (
-                format!("{runs}: shard {index} of {count} is done"),
+            Section::new(runs)
+        } else if let Some(Shard { index, count }) = shard {
+            Section::toned(
                 Tone::Good,
+                format!("{runs}: shard {index} of {count} is done"),
             )
         } else if self.errors > 0 {
-            let errors = count(self.errors);
-            (format!("{runs}, {errors} failed"), Tone::Weak)
+            Section::toned(Tone::Weak, format!("{runs}, {} failed", count(self.errors)))
         } else {
-            (runs, Tone::Good)
+            Section::toned(Tone::Good, runs)
         }
     }
 }
