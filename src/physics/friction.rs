@@ -96,7 +96,7 @@ impl Mul<f64> for Wrench {
 pub struct Friction {
     /// The law of sliding.
     pub law: FrictionLaw,
-    /// The parts of it that act.
+    /// The included components.
     pub dissipation: Dissipation,
     /// Torques of the losses.
     pub losses: Option<Losses>,

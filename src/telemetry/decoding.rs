@@ -134,7 +134,7 @@ impl<K> Object<K> {
 }
 
 /// Maximum total length of the field paths of a schema, bytes.
-const LARGEST_PATHS: usize = 1 << 16;
+const MAX_PATHS_LENGTH: usize = 1 << 16;
 
 /// The paths of the fields of a file's schema.
 ///
@@ -150,10 +150,10 @@ impl Paths {
     /// Counts a field before it is expanded.
     pub(super) fn count(&mut self, path: &str) -> Result<(), DecodeError> {
         self.bytes += path.len() + 1;
-        if self.bytes <= LARGEST_PATHS {
+        if self.bytes <= MAX_PATHS_LENGTH {
             return Ok(());
         }
-        let reason = format!("its field paths exceed {LARGEST_PATHS} bytes");
+        let reason = format!("its field paths exceed {MAX_PATHS_LENGTH} bytes");
         Err(DecodeError::Schema(reason))
     }
 }

@@ -83,7 +83,7 @@ impl Encoder {
 }
 
 /// Maximum length of a channel schema, bytes.
-const LARGEST_SCHEMA: usize = 1 << 20;
+const MAX_SCHEMA_LENGTH: usize = 1 << 20;
 
 /// Decodes the messages of one channel of a file.
 #[derive(Clone, Debug)]
@@ -111,8 +111,8 @@ impl Decoder {
         schema_name: &str,
         schema: &[u8],
     ) -> Result<Self, DecodeError> {
-        if schema.len() > LARGEST_SCHEMA {
-            let reason = format!("longer than {LARGEST_SCHEMA} bytes");
+        if schema.len() > MAX_SCHEMA_LENGTH {
+            let reason = format!("longer than {MAX_SCHEMA_LENGTH} bytes");
             return Err(DecodeError::Schema(reason));
         }
         let found = Encoding::find(encoding);

@@ -2,7 +2,7 @@
 
 use crate::physics::top::Top;
 
-/// Proportions of a drawn top, in metres: a spherical peg, a disc on a cone, a stem.
+/// Proportions of a drawn top, m: a spherical peg, a disc on a cone, a stem.
 ///
 /// A tippe top, whose centre of mass is below the centre of its peg, is drawn as a truncated ball with a stem that
 /// reaches to the sphere, so that it stands on its stem after inverting.

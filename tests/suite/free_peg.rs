@@ -609,7 +609,7 @@ fn val_a_rolling_top_precesses_regularly_at_its_root() {
         Run::of(&scenario_of(&command, 1.0))
     };
     let start = &run(1.75).samples[0];
-    assert_eq!(start.free.unwrap().phase, Phase::Holding);
+    assert_eq!(start.free.unwrap().phase, Phase::Sticking);
     let root = start.precession.roots.unwrap().slow;
     let regular = run(root);
     assert!((regular.samples[0].precession.roots.unwrap().slow - root).abs() < 1e-12);

@@ -694,7 +694,7 @@ fn the_formulations_agree_on_every_derivative_at_rest() {
         theta: 0.0,
         psi: 0.0,
     };
-    let phase = Phase::Holding;
+    let phase = Phase::Sticking;
     let euler = EulerAngles { model, phase };
     let body = BodyRotation { model, phase };
     let y: [f64; EulerAngles::STATE_LENGTH] = EulerAngles::state(angles, rates, &model);

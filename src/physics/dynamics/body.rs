@@ -52,7 +52,7 @@ impl BodyRotation {
     #[inline]
     fn tilt(&self, lean: &Lean, momentum: &Vector3<f64>) -> Tilt {
         let top = &self.model.top;
-        if self.phase == Phase::Holding {
+        if self.phase == Phase::Sticking {
             let rate = momentum.z / top.vertical_moment(lean.sin, lean.cos);
             return Tilt::from_omega(lean.sin, lean.cos, Vector3::new(0.0, 0.0, rate));
         }
@@ -109,7 +109,7 @@ impl BodyRotation {
     pub fn state_at_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let lean = Lean::of(&quaternion(y), |_| momentum(y));
         let held = Self {
-            phase: Phase::Holding,
+            phase: Phase::Sticking,
             ..*self
         };
         let tilt = held.tilt(&lean, &momentum(y));
@@ -132,9 +132,13 @@ impl<const N: usize> FixedPeg<N> for BodyRotation {
 }
 
 impl<const N: usize> Formulation<N> for BodyRotation {
-    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Transition>) {
+    fn start(
+        model: &Model,
+        start: &Start,
+        may_stick: bool,
+    ) -> (Self, [f64; N], Option<Transition>) {
         let state = Self::state(start.angles, start.rates, model);
-        fixed::start(Self::new(*model), state, start, may_hold)
+        fixed::start(Self::new(*model), state, start, may_stick)
     }
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {

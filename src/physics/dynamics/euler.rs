@@ -109,7 +109,7 @@ impl EulerAngles {
         let contact = self.model.contact(&tilt);
         let terms = self.model.accelerations(&contact, &tilt);
         let mut acceleration = terms.total();
-        if self.phase == Phase::Holding {
+        if self.phase == Phase::Sticking {
             (acceleration.theta, acceleration.psi) = (0.0, 0.0);
         }
         let torque = self.model.friction_torque(&contact, &tilt);
@@ -164,9 +164,13 @@ impl<const N: usize> FixedPeg<N> for EulerAngles {
 }
 
 impl<const N: usize> Formulation<N> for EulerAngles {
-    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Transition>) {
+    fn start(
+        model: &Model,
+        start: &Start,
+        may_stick: bool,
+    ) -> (Self, [f64; N], Option<Transition>) {
         let state = Self::state(start.angles, start.rates, model);
-        fixed::start(Self::new(*model), state, start, may_hold)
+        fixed::start(Self::new(*model), state, start, may_stick)
     }
 
     #[inline]

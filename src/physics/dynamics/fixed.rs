@@ -26,17 +26,17 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     formulation: F,
     state: [f64; N],
     start: &Start,
-    may_hold: bool,
+    may_stick: bool,
 ) -> (F, [f64; N], Option<Transition>) {
     let model = formulation.model();
     let tilt = Tilt::from_rates(start.angles.theta, start.rates);
-    let at_rest = may_hold && model.contact(&tilt).slip_speed == 0.0;
+    let at_rest = may_stick && model.contact(&tilt).slip_speed == 0.0;
     let motion = formulation.motion(&state, start.angles);
     if at_rest && model.grip(&motion.tilt).holds() {
         (
-            formulation.with_phase(Phase::Holding),
+            formulation.with_phase(Phase::Sticking),
             state,
-            Some(Transition::Holds),
+            Some(Transition::Sticks),
         )
     } else {
         (formulation, state, None)
@@ -64,7 +64,7 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
     let motion: Motion = formulation.motion(state, reference);
     let (transition, phase) = match guard {
         Guard::Slip if formulation.model().grip(&motion.tilt).holds() => {
-            (Transition::Holds, Phase::Holding)
+            (Transition::Sticks, Phase::Sticking)
         }
         Guard::Slip => (Transition::SlipStops, Phase::Sliding),
         Guard::Regular => (Transition::BecomesSingular, Phase::Sliding),

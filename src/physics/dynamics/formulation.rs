@@ -33,7 +33,7 @@ pub enum Transition {
     /// The contact point stops slipping, but friction can't hold it.
     SlipStops,
     /// Friction holds the contact point.
-    Holds,
+    Sticks,
     /// The contact point slips again.
     SlipResumes,
     /// The peg of a free top begins to roll.
@@ -80,9 +80,10 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
         tolerances
     }
 
-    /// The equations, state and transition at the start. If `may_hold`, friction may hold the peg of a top that starts
+    /// The equations, state and transition at the start. If `may_stick`, friction may hold the peg of a top that starts
     /// turning as a whole.
-    fn start(model: &Model, start: &Start, may_hold: bool) -> (Self, [f64; N], Option<Transition>);
+    fn start(model: &Model, start: &Start, may_stick: bool)
+    -> (Self, [f64; N], Option<Transition>);
 
     /// The motion of a state. φ and ψ are unwrapped to be continuous with `reference`.
     fn motion(&self, state: &[f64; N], reference: Euler) -> Motion {

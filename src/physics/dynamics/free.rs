@@ -136,7 +136,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let slip = flying.parts(&state).contact_velocity();
         let at_rest = hypot(slip.x, slip.y) <= NO_SLIP;
         let formulation = flying.on_table(&state, at_rest);
-        let transition = (formulation.phase == Phase::Holding).then_some(Transition::Rolls);
+        let transition = (formulation.phase == Phase::Sticking).then_some(Transition::Rolls);
         (formulation, state, transition)
     }
 
@@ -207,8 +207,8 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         match self.phase {
             Phase::Flying => &[Guard::Gap],
             // A non-positive normal force also ends sticking.
-            Phase::Holding if rolls => &[Guard::Grip, Guard::Rolling],
-            Phase::Holding => &[Guard::Grip],
+            Phase::Sticking if rolls => &[Guard::Grip, Guard::Rolling],
+            Phase::Sticking => &[Guard::Grip],
             Phase::Sliding => self.sliding_guards,
         }
     }
@@ -251,7 +251,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 (state, delay) = self.at_rest(y);
                 let next = self.on_table(&state, true);
                 let transition = match next.phase {
-                    Phase::Holding => Transition::Rolls,
+                    Phase::Sticking => Transition::Rolls,
                     Phase::Sliding => Transition::SlipStops,
                     Phase::Flying => Transition::LiftsOff,
                 };
@@ -261,7 +261,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 let next = self.after_release(&state);
                 let transition = match next.phase {
                     Phase::Flying => Transition::LiftsOff,
-                    Phase::Sliding | Phase::Holding => Transition::RollEnds,
+                    Phase::Sliding | Phase::Sticking => Transition::RollEnds,
                 };
                 (next, transition)
             }

@@ -19,17 +19,17 @@ use nalgebra::Vector3;
 const MIN_BOUNCE_SPEED: f64 = 1e-6;
 
 /// If a bounce reduces the speed by less than this fraction, the minimum speed is increased.
-const LEAST_LOSS: f64 = 0.01;
+const MIN_LOSS: f64 = 0.01;
 /// Upper limit of that increase, m/s.
 const MAX_MIN_BOUNCE_SPEED: f64 = 1e-4;
 
 /// Minimum approach speed of a bounce for this coefficient of restitution, m/s.
 fn min_bounce_speed(restitution: f64) -> f64 {
     let loss = 1.0 - restitution;
-    if loss >= LEAST_LOSS {
+    if loss >= MIN_LOSS {
         MIN_BOUNCE_SPEED
-    } else if loss * MAX_MIN_BOUNCE_SPEED > LEAST_LOSS * MIN_BOUNCE_SPEED {
-        MIN_BOUNCE_SPEED * LEAST_LOSS / loss
+    } else if loss * MAX_MIN_BOUNCE_SPEED > MIN_LOSS * MIN_BOUNCE_SPEED {
+        MIN_BOUNCE_SPEED * MIN_LOSS / loss
     } else {
         MAX_MIN_BOUNCE_SPEED
     }

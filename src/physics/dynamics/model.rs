@@ -34,7 +34,7 @@ impl Model {
             return self.contact(&motion.tilt);
         }
         let slip = match motion.phase {
-            Phase::Holding => Vector3::zeros(),
+            Phase::Sticking => Vector3::zeros(),
             Phase::Sliding | Phase::Flying => motion.slip_velocity(&self.top),
         };
         let body = self.free_body(motion);
@@ -160,7 +160,7 @@ impl Model {
 
     /// Whether a free peg rolls in a motion.
     fn rolls(&self, motion: &Motion) -> bool {
-        self.support.is_free() && motion.phase == Phase::Holding
+        self.support.is_free() && motion.phase == Phase::Sticking
     }
 
     /// Jellett's integral `l L_n + R L_z′` about the centre of mass, kg m³/s: not changed by any force at the contact

@@ -224,7 +224,7 @@ impl<'a> FreeBody<'a> {
     pub(super) fn reaction(&self, phase: Phase, slip: &Vector3<f64>) -> Reaction {
         match phase {
             Phase::Sliding => self.sliding(slip),
-            Phase::Holding => self.holding(),
+            Phase::Sticking => self.holding(),
             Phase::Flying => self.flying(),
         }
     }

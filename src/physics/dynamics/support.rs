@@ -24,7 +24,7 @@ impl Support {
     /// The largest allowed integrator tolerances, relative and absolute (SI). With larger ones, the end of slip of a
     /// free peg is missed, because the slip reverses in each step.
     #[must_use]
-    pub fn largest_tolerance(self) -> f64 {
+    pub fn max_tolerance(self) -> f64 {
         if self.is_free() { 1e-9 } else { f64::INFINITY }
     }
 }
@@ -37,7 +37,7 @@ pub enum Phase {
     Sliding,
     /// Sticking: the contact point is at rest on the table. A top with a fixed peg then turns about the vertical as a
     /// whole; one with a free peg rolls.
-    Holding,
+    Sticking,
     /// In the air.
     Flying,
 }

@@ -280,8 +280,7 @@ mod tests {
         row.iter().map(|(_, a)| a).sum()
     }
 
-    /// Condition of order 1 for every stage; a published crate has nodes 11 and 12 at 0, and only this
-    /// notices as long as nothing depends on time.
+    /// Condition of order 1 for every stage; for autonomous systems, only this condition detects wrong nodes.
     #[test]
     fn every_row_sums_to_its_node() {
         let rows: [(usize, &[(usize, f64)]); 15] = [
@@ -329,7 +328,7 @@ mod tests {
         }
     }
 
-    /// An error estimate must see nothing of what both of its solutions integrate exactly.
+    /// An error estimate must be zero for functions that both of its solutions integrate exactly.
     #[test]
     fn error_estimates_vanish_up_to_their_order() {
         for (row, order) in [(&ERROR_3, 3), (&ERROR_5, 5)] {

@@ -17,9 +17,9 @@ use super::problem::{Direction, IntegrateError, Statistics, System, Tolerances};
 /// A step aims at this fraction of the length that the error estimate allows.
 const SAFETY: f64 = 0.9;
 /// A step is at least this multiple of the one before.
-const LARGEST_SHRINKAGE: f64 = 0.333;
+const MIN_STEP_FACTOR: f64 = 0.333;
 /// A step is at most this multiple of the one before.
-const LARGEST_GROWTH: f64 = 6.0;
+const MAX_STEP_FACTOR: f64 = 6.0;
 /// Weight of the third-order error estimate (squared) relative to the fifth-order one.
 const WEIGHT_OF_THIRD: f64 = 0.01;
 
@@ -80,7 +80,7 @@ pub struct Dop853<S, const N: usize> {
     statistics: Statistics,
 }
 
-/// A step: where it starts, where it ends, and its stages.
+/// A step: start, end and stages.
 #[derive(Clone, Debug)]
 struct Step<const N: usize> {
     t: f64,
@@ -200,7 +200,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// [`IntegrateError::NonFiniteState`] if one succeeds, but it ends where a quadrature or a derivative is
     /// not finite. The state and the dense output are then still those of the last accepted step.
     pub fn step(&mut self) -> Result<(), IntegrateError> {
-        let (step, factor) = self.try_steps(LARGEST_GROWTH)?;
+        let (step, factor) = self.try_steps(MAX_STEP_FACTOR)?;
         self.next_h = step.h * factor;
         self.accept(step, None);
         Ok(())
@@ -212,7 +212,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// # Errors
     /// As [`Dop853::step`].
     pub fn step_densely(&mut self) -> Result<(), IntegrateError> {
-        let mut growth_limit = LARGEST_GROWTH;
+        let mut growth_limit = MAX_STEP_FACTOR;
         loop {
             let (step, factor) = self.try_steps(growth_limit)?;
             self.statistics.evaluations += 3;
@@ -274,7 +274,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         self.next_h = h * if error > 1.0 {
             step_factor(error, 1.0)
         } else {
-            LARGEST_SHRINKAGE
+            MIN_STEP_FACTOR
         };
     }
 
@@ -558,7 +558,7 @@ fn difference<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
 fn step_factor(error: f64, growth_limit: f64) -> f64 {
     // An error of 0 gives infinity, which is clamped.
     let factor = SAFETY / eighth_root(error);
-    larger(LARGEST_SHRINKAGE, smaller(growth_limit, factor))
+    larger(MIN_STEP_FACTOR, smaller(growth_limit, factor))
 }
 
 /// The eighth root as three square roots, which are exactly rounded (`powf` is not portable).

@@ -63,7 +63,7 @@ impl Scenario {
         }
         let model = model(&values)?;
         let tolerance = |key| -> Result<f64, ScenarioError> {
-            Ok(values.number(key)?.min(model.support.largest_tolerance()))
+            Ok(values.number(key)?.min(model.support.max_tolerance()))
         };
         let scenario = Self {
             formulation: values.choice("formulation")?,

@@ -1,4 +1,4 @@
-//! The table of everything that a scenario defines: one row per key.
+//! The table of scenario keys.
 
 use super::choice::{DISSIPATIONS, FORMULATIONS, ON_STICK, SUPPORTS};
 use super::key::Key;
@@ -24,22 +24,22 @@ const fn key(
     }
 }
 
-/// Masses and moments of inertia. Products of several of them, and of lengths and rates, are numbers still.
+/// Range of masses and moments of inertia; products of several such values don't overflow.
 const INERTIA: Kind = Between(1e-30, 1e30);
-/// Lengths of the top, and the gravity.
+/// Range of lengths of the top, and of gravity.
 const SCALE: Kind = Between(1e-15, 1e15);
-/// Slip speeds that set the scale of a law.
+/// Range of slip speed parameters.
 const SPEED: Kind = Between(1e-9, 1e6);
 
 const SMOOTH_LAWS: &[&str] = &["coulomb-sqrt", "coulomb-tanh", "coulomb-rational"];
 
-/// Presence of keys of a free peg only.
+/// Presence of keys that apply only to a free peg.
 const FREE: Presence = OptionalWith("support.kind", "free");
 
 /// The scenario format that this version writes and reads.
 pub const FORMAT: &str = "toprise-1";
 
-/// Every key, in the order in which a scenario is written.
+/// All keys, in the order of scenario files.
 #[rustfmt::skip]
 pub const KEYS: &[Key] = &[
     key("format", "", Choice(&[FORMAT]), Optional, "version of this format"),
@@ -132,7 +132,7 @@ impl Law {
 }
 
 impl Key {
-    /// Its name without the section, as in `k` of `friction.k`; with it, as in `drilling-k`, if another key has that name.
+    /// The key name without section (`k` for `friction.k`), or with section (`drilling-k`) if it is ambiguous.
     #[must_use]
     pub fn short_name(&self) -> String {
         let short = |path: &'static str| path.rsplit('.').next().unwrap_or(path);

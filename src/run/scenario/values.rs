@@ -9,10 +9,10 @@ use crate::run::suggestion::{similarity, suggestion, suggestion_from};
 use std::collections::BTreeMap;
 
 /// Maximum length of a syntax error, bytes.
-const LONGEST_SYNTAX: usize = 1000;
+const MAX_SYNTAX_LENGTH: usize = 1000;
 
 /// Maximum length of a value quoted in an error, characters.
-const LONGEST_EXCERPT: usize = 100;
+const MAX_EXCERPT_LENGTH: usize = 100;
 
 /// Keys and type-checked values; combinations are not checked.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -219,7 +219,7 @@ fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
 /// The error for invalid TOML.
 fn syntax(source: &str, error: &toml::de::Error) -> ScenarioError {
     let text = error.to_string();
-    if text.len() <= LONGEST_SYNTAX {
+    if text.len() <= MAX_SYNTAX_LENGTH {
         return ScenarioError::Syntax(text);
     }
     // Omit the source line that the parser repeats, because it is too long.
@@ -230,7 +230,7 @@ fn syntax(source: &str, error: &toml::de::Error) -> ScenarioError {
 
 /// A text truncated for a message.
 fn excerpt(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_EXCERPT) {
+    match text.char_indices().nth(MAX_EXCERPT_LENGTH) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_owned(),
     }

@@ -81,7 +81,7 @@ impl EventKind {
     /// The event of a transition, if it has one.
     pub(super) fn of(transition: &Transition) -> Option<Self> {
         match transition {
-            Transition::Holds => Some(Self::Stick),
+            Transition::Sticks => Some(Self::Stick),
             Transition::SlipStops => Some(Self::SlipStops),
             Transition::SlipResumes => Some(Self::SlipResumes),
             Transition::BecomesSingular => Some(Self::Singular),

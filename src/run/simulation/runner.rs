@@ -80,18 +80,18 @@ enum EarlyEnd<F, const N: usize> {
 
 impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     pub(super) fn new(scenario: &Scenario, detail: Detail) -> Result<Self, SimulationError> {
-        let may_hold = scenario.stop.on_stick == OnStick::Continue;
+        let may_stick = scenario.stop.on_stick == OnStick::Continue;
         let (formulation, state, transition) =
-            F::start(&scenario.model, &scenario.start(), may_hold);
+            F::start(&scenario.model, &scenario.start(), may_stick);
         let motion = formulation.motion(&state, scenario.angles);
         let mut queue = Queue::default();
         queue.push(Pending::Event(EventKind::Start, 0.0, motion));
         let kind = transition.as_ref().and_then(EventKind::of);
         queue.extend(kind.map(|kind| Pending::Event(kind, 0.0, motion)));
         let mut end = None;
-        if motion.phase == Phase::Holding && scenario.model.support.is_free() {
+        if motion.phase == Phase::Sticking && scenario.model.support.is_free() {
             queue.push(Pending::Event(EventKind::RollBegins, 0.0, motion));
-            end = (!may_hold).then_some((0.0, EarlyEnd::Stop(StopReason::SlipStopped, None)));
+            end = (!may_stick).then_some((0.0, EarlyEnd::Stop(StopReason::SlipStopped, None)));
         }
         let integrator = Dop853::new(
             formulation,
@@ -302,11 +302,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             Transition::BecomesSingular => Some(StopReason::Singular),
             Transition::Jams => Some(StopReason::Jam),
             Transition::Pivots => Some(StopReason::Pivot),
-            _ if stops_at_rest && entry.formulation.phase() == Phase::Holding => {
+            _ if stops_at_rest && entry.formulation.phase() == Phase::Sticking => {
                 Some(StopReason::SlipStopped)
             }
             Transition::SlipStops
-            | Transition::Holds
+            | Transition::Sticks
             | Transition::SlipResumes
             | Transition::Rolls
             | Transition::RollEnds
@@ -332,7 +332,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             return;
         }
         let after = entry.formulation.phase();
-        if before == Phase::Holding && after != Phase::Holding {
+        if before == Phase::Sticking && after != Phase::Sticking {
             self.queue.push(event(EventKind::RollEnds));
         }
         if before != Phase::Flying && after == Phase::Flying {
@@ -350,7 +350,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             let bounces = std::mem::take(&mut self.bounces);
             self.queue.push(Pending::Landing(bounces, time, motion));
         }
-        if before != Phase::Holding && after == Phase::Holding {
+        if before != Phase::Sticking && after == Phase::Sticking {
             self.queue.push(event(EventKind::RollBegins));
         }
     }

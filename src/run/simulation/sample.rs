@@ -211,7 +211,7 @@ impl Sample {
         match self.free.map(|free| free.phase) {
             Some(Phase::Flying) => 2.0,
             Some(Phase::Sliding) | None if self.contact.slip_speed > 0.0 => 1.0,
-            Some(Phase::Holding | Phase::Sliding) | None => 0.0,
+            Some(Phase::Sticking | Phase::Sliding) | None => 0.0,
         }
     }
 }

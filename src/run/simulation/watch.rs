@@ -158,7 +158,7 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
         kind: ZeroKind::Guard(*guard),
         tracker: guard_tracker(*guard, is_free),
     });
-    if formulation.phase() == Phase::Holding && !is_free {
+    if formulation.phase() == Phase::Sticking && !is_free {
         let mut watches = vec![watch(ZeroKind::Strength, 0.0)];
         watches.extend(guards);
         watches.push(watch(ZeroKind::Rotation, 0.0));

@@ -93,8 +93,8 @@ impl Link {
         self.visual(material, &shape, [0.0, 0.0, height]);
     }
 
-    /// A body of revolution about a vertical through (x, y): `profile` gives its radius at a fraction of
-    /// the way from bottom to top.
+    /// A body of revolution about a vertical through (x, y): `profile` returns its radius at a fraction of the way from
+    /// bottom to top.
     fn stack(
         &mut self,
         material: &str,

@@ -99,7 +99,7 @@ impl FreeRotation {
         let rolling = arm.cross(&tilt.omega_lean);
         let velocity = match self.phase {
             Phase::Flying => lean.world_to_lean(&vector(y, 10)),
-            Phase::Holding => rolling,
+            Phase::Sticking => rolling,
             Phase::Sliding => {
                 let own = lean.world_to_lean(&vector(y, 10));
                 Vector3::new(own.x, own.y, rolling.z)
@@ -121,7 +121,7 @@ impl FreeRotation {
         let top = &self.model.top;
         Lean::of(&quaternion(y), |cos| {
             let turning = vector(y, 4);
-            if turning.x != 0.0 || turning.y != 0.0 || self.phase == Phase::Holding {
+            if turning.x != 0.0 || turning.y != 0.0 || self.phase == Phase::Sticking {
                 turning
             } else {
                 ContactArm::of(top, 0.0, cos).up * Vector3::new(y[11], -y[10], 0.0)

@@ -35,7 +35,7 @@ impl FreeRotation {
         let mut sliding = self.with_phase(Phase::Sliding);
         let parts = sliding.parts(y);
         if at_rest && self.model.friction.is_set_valued_at_rest() {
-            let holding = self.with_phase(Phase::Holding);
+            let holding = self.with_phase(Phase::Sticking);
             if holding.is_held(y) {
                 return holding;
             }
@@ -81,7 +81,7 @@ impl FreeRotation {
         };
         let slope = self.derivative(0.0, y);
         let state: [f64; N] = std::array::from_fn(|i| y[i] + delay * slope[i]);
-        (self.with_phase(Phase::Holding).completed(&state), delay)
+        (self.with_phase(Phase::Sticking).completed(&state), delay)
     }
 
     /// The state after an impact, and the next phase.
@@ -126,7 +126,7 @@ impl FreeRotation {
             Transition::Lands(hit)
         };
         let landed = if hit.is_held {
-            Phase::Holding
+            Phase::Sticking
         } else {
             Phase::Sliding
         };
