@@ -203,7 +203,7 @@ mod tests {
             let is_odd = |c: char| c.is_control() && c != '\n';
             assert!(!text.contains(is_odd), "{text:?}");
             assert!(!text.contains("\nerror"), "{text}");
-            assert_eq!(text.matches("a�[2J").count(), 4, "{text}");
+            assert_eq!(text.matches("a�[2J").count(), 5, "{text}");
         }
     }
 }
