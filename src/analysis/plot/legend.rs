@@ -26,10 +26,13 @@ enum Sample {
 }
 
 impl Entry {
+    fn new(sample: Sample, text: Text) -> Self {
+        Self { sample, text }
+    }
+
     /// The entry of a line whose text is set already.
     pub(crate) fn of(stroke: Stroke, text: Text) -> Self {
-        let sample = Sample::Line(stroke);
-        Self { sample, text }
+        Self::new(Sample::Line(stroke), text)
     }
 
     pub(crate) fn line(stroke: Stroke, markup: &str) -> Self {
@@ -37,33 +40,23 @@ impl Entry {
     }
 
     pub(crate) fn area(fill: Colour, markup: &str) -> Self {
-        Self {
-            sample: Sample::Area(fill),
-            text: Text::markup(markup),
-        }
+        Self::new(Sample::Area(fill), Text::markup(markup))
     }
 
-    pub(crate) fn dot(is_filled: bool, markup: &str) -> Self {
-        Self {
-            sample: Sample::Dot(is_filled),
-            text: Text::markup(markup),
-        }
+    /// The dots at the ends of a path.
+    pub(crate) fn ends() -> [Self; 2] {
+        [(false, "start"), (true, "end")]
+            .map(|(is_filled, name)| Self::new(Sample::Dot(is_filled), Text::plain(name)))
     }
 
     /// Meaning of the marks where curves exceed their axis.
     pub(crate) fn beyond() -> Self {
-        Self {
-            sample: Sample::Marks,
-            text: Text::plain("beyond the axis"),
-        }
+        Self::new(Sample::Marks, Text::plain("beyond the axis"))
     }
 
     /// A remark.
     pub(crate) fn note(text: &str) -> Self {
-        Self {
-            sample: Sample::None,
-            text: Text::plain(text),
-        }
+        Self::new(Sample::None, Text::plain(text))
     }
 
     /// The space between the sample and the text, mm.

@@ -43,7 +43,7 @@ pub(crate) struct Panel {
 impl Panel {
     pub(crate) fn new(symbol: &'static str, unit: &'static str) -> Self {
         Self {
-            quantity: Quantity { symbol, unit },
+            quantity: Quantity::new(symbol, unit),
             bands: Vec::new(),
             envelopes: Vec::new(),
             curves: Vec::new(),
@@ -112,16 +112,6 @@ impl Panel {
     }
 }
 
-/// Labels the upright axes of frames one below the other, with the labels in one line.
-fn name_all_y(drawing: &mut Drawing, frames: &[(&Frame, &Panel)]) {
-    let widths = frames.iter().map(|(frame, _)| frame::ticks_width(&frame.y));
-    let width = widths.fold(0.0, f64::max);
-    for (frame, panel) in frames {
-        let label = panel.quantity.text(frame.y.exponent);
-        frame.label_y(drawing, label, width);
-    }
-}
-
 /// Panels and their common legend.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Page {
@@ -159,13 +149,17 @@ impl Page {
         for (index, frame) in frames.iter().enumerate() {
             self.draw_panel(&mut drawing, index, columns, frame);
         }
+        // The labels of upright axes one below the other stand in one line.
         for column in 0..columns {
-            let of_column = frames
-                .iter()
-                .zip(&self.panels)
-                .skip(column)
-                .step_by(columns);
-            name_all_y(&mut drawing, &of_column.collect::<Vec<_>>());
+            let frames = frames.iter().zip(&self.panels);
+            let frames = frames.skip(column).step_by(columns);
+            let widths = frames
+                .clone()
+                .map(|(frame, _)| frame::ticks_width(&frame.y));
+            let width = widths.fold(0.0, f64::max);
+            for (frame, panel) in frames {
+                frame.label_y(&mut drawing, &panel.quantity, width);
+            }
         }
         drawing.height = top + MARGIN;
         drawing
@@ -189,12 +183,8 @@ impl Page {
         };
         let lines = all.iter().flat_map(Panel::lines);
         let (first, last) = extremes(lines.flatten().map(|point| point.0));
-        let first = if first < NEARLY_ZERO * last {
-            first.min(0.0)
-        } else {
-            first
-        };
-        (first, last)
+        let is_from_zero = (0.0..NEARLY_ZERO * last).contains(&first);
+        (if is_from_zero { 0.0 } else { first }, last)
     }
 
     /// Whether there are numbers below the panel.
@@ -206,22 +196,23 @@ impl Page {
     fn frames(&self, width: f64, columns: usize, top: &mut f64) -> Vec<Frame> {
         let share = (width - 2.0 * MARGIN - (columns - 1) as f64 * COLUMN_GAP) / columns as f64;
         let height = TALLEST.min(share * PROPORTION);
-        let rooms = self.rooms_left(columns, height);
+        let room = |panel: &Panel| frame::room_left(&panel.scale(height), &panel.quantity);
+        let sides = |column: usize| {
+            let left = MARGIN + column as f64 * (share + COLUMN_GAP);
+            let panels = self.panels.iter().skip(column).step_by(columns);
+            let room = panels.map(room).fold(0.0, f64::max);
+            (left + room, left + share - frame::ROOM_RIGHT)
+        };
+        let sides: Vec<_> = (0..columns).map(sides).collect();
         let mut frames: Vec<Frame> = Vec::new();
         for (row, panels) in self.panels.chunks(columns).enumerate() {
             let first = row * columns;
-            let sides: Vec<_> = (0..panels.len())
-                .map(|column| {
-                    let left = MARGIN + column as f64 * (share + COLUMN_GAP);
-                    (left + rooms[column], left + share - frame::ROOM_RIGHT)
-                })
-                .collect();
             *top += self.room_above(first, &sides);
             let tall = panels.iter().map(|panel| panel.height * height);
             let bottom = *top + tall.fold(0.0, f64::max);
-            for (panel, (left, right)) in panels.iter().zip(sides) {
+            for (panel, (left, right)) in panels.iter().zip(&sides) {
                 let (low, high) = self.range(panel);
-                let bounds = Bounds::between((left, *top), (right, bottom));
+                let bounds = Bounds::between((*left, *top), (*right, bottom));
                 frames.push(Frame {
                     x: Scale::new(low, high, frame::ticks_across(bounds.width())),
                     y: panel.scale(height),
@@ -232,18 +223,6 @@ impl Page {
             *top = bottom + if has_axis { frame::ROOM_BELOW } else { 0.0 };
         }
         frames
-    }
-
-    /// The room that the labels to the left of the frames need, for each column.
-    fn rooms_left(&self, columns: usize, height: f64) -> Vec<f64> {
-        let room = |panel: &Panel| {
-            let scale = panel.scale(height);
-            frame::room_left(&scale, &panel.quantity.text(scale.exponent))
-        };
-        let of_column = |column| self.panels.iter().skip(column).step_by(columns).map(room);
-        (0..columns)
-            .map(|column| of_column(column).fold(0.0, f64::max))
-            .collect()
     }
 
     /// The room above a row: for letters and legends.
@@ -277,13 +256,8 @@ impl Page {
             frame.draw_break(drawing);
         }
         if self.has_x_axis(index, columns) {
-            frame.label_x(drawing, self.x.text(frame.x.exponent));
+            frame.label_x(drawing, &self.x);
         }
-        self.draw_heading(drawing, index, frame);
-    }
-
-    fn draw_heading(&self, drawing: &mut Drawing, index: usize, frame: &Frame) {
-        let panel = &self.panels[index];
         let (left, right) = (frame.bounds.left, frame.bounds.right);
         let lines = legend::lines(&panel.legend, right - left - INDENT);
         let baseline = frame.bounds.top - frame::ABOVE - lines.saturating_sub(1) as f64 * LINE;

@@ -84,13 +84,14 @@ impl Bar {
         points.extend_from_within(..1);
         let stroke = style::frame();
         drawing.group("frame", vec![Shape::Line { points, stroke }]);
-        for tick in scale.ticks() {
+        for tick in &scale.ticks {
             let y = bounds.bottom - scale.place(tick.value) * bounds.height() + 0.33 * FONT;
             let place = (right + NUMBER_GAP, y);
             drawing.label(Text::plain(&tick.label), place, Anchor::Start);
         }
         let place = (drawing.width - MARGIN, bounds.top - frame::ABOVE);
-        drawing.label(axis.label(scale.exponent), place, Anchor::End);
+        let label = axis.quantity().text(scale.exponent);
+        drawing.label(label, place, Anchor::End);
     }
 }
 

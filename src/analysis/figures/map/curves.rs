@@ -33,13 +33,11 @@ pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, String> {
         let entry = |curve: &Curve<'_>| Entry::of(curve.stroke, Text::name(curve.name));
         key.extend(curves.iter().map(entry));
     }
-    let outcomes = map.outcomes_in_words();
+    let outcomes: Vec<_> = map.outcomes().into_iter().map(|(words, _)| words).collect();
     let strips = if outcomes.is_empty() { 0 } else { curves.len() };
     if strips > 0 {
-        key.push(Entry::note(&format!(
-            "above the frame: {}",
-            outcomes.join(", ")
-        )));
+        let outcomes = outcomes.join(", ");
+        key.push(Entry::note(&format!("above the frame: {outcomes}")));
     }
     let below_legend = legend::draw_at_top(&mut drawing, &key) + 0.6;
     let pitch = (STRIP + STRIP_GAP).min(STRIPS * chart::height(width) / strips.max(1) as f64);
@@ -64,7 +62,7 @@ pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, String> {
             drawing.group(&format!("{}: no value", curve.name), marks);
         }
     }
-    chart::finish(&mut drawing, &frame, [&map.x, &map.color]);
+    frame.finish(&mut drawing, [&map.x.quantity(), &map.color.quantity()]);
     Ok(drawing)
 }
 

@@ -26,9 +26,12 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
     };
 
     let mut drawing = Drawing::new(width);
-    let mut key = map.outcome_legend();
-    let has_contour = grid.as_ref().is_some_and(Grid::has_contour);
-    if has_contour {
+    let outcomes = map.outcomes().into_iter();
+    let mut key: Vec<_> = outcomes
+        .map(|(words, colour)| Entry::area(colour, &words))
+        .collect();
+    let borders = grid.as_ref().map_or_else(Vec::new, Grid::borders);
+    if !borders.is_empty() {
         let stroke = style::line(style::BLACK, MEDIUM);
         let words = "edge of the runs that loop; ticks point to them";
         key.push(Entry::line(stroke, words));
@@ -48,10 +51,11 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
         let dots = map.runs.iter().map(|run| dot(place(run), colour(run)));
         drawing.group("runs", dots.collect());
     }
-    if let Some(grid) = grid.filter(|_| has_contour) {
-        drawing.group("where looping begins", grid.contour(&frame));
+    if !borders.is_empty() {
+        let lines = borders.iter().flat_map(|border| border.shapes(&frame));
+        drawing.group("where looping begins", lines.collect());
     }
-    chart::finish(&mut drawing, &frame, [&map.x, y]);
+    frame.finish(&mut drawing, [&map.x.quantity(), &y.quantity()]);
     if !bar.is_empty() {
         bar.draw(&mut drawing, frame.bounds, &map.color);
     }
