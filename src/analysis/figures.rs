@@ -37,7 +37,8 @@ pub use crate::analysis::plot::drawing::Drawing;
 
 use crate::analysis::subject::Subject;
 use crate::telemetry::fields::{
-    NumberField, acceleration, contact, energy, free_peg, nutation, pose, precession, state, torque,
+    NUTATION, NumberField, acceleration, contact, energy, free_peg, nutation, pose, precession,
+    state, torque,
 };
 
 /// A figure that can be drawn of runs.
@@ -52,51 +53,15 @@ pub struct Figure {
     /// The fields without which the figure can't be drawn.
     needs: &'static [&'static [NumberField]],
     /// The fields without which parts of the figure are left out.
-    uses: &'static [&'static [NumberField]],
+    uses: &'static [NumberField],
     /// The fields whose means over nutations are drawn.
     means: &'static [NumberField],
-    /// The pegs that the figure applies to.
-    pegs: Pegs,
+    /// Whether the figure is one of free pegs: a held one stays where it is.
+    is_of_free_pegs: bool,
     /// The reason why the figure does not apply to this run; none if it does.
     does_not_apply: fn(&Run) -> Option<&'static str>,
     draw: fn(&[&Run], f64) -> Drawing,
 }
-
-/// Pegs that a figure applies to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Pegs {
-    /// All.
-    All,
-    /// Those that are held: what it shows would be something else for a free one.
-    Held {
-        /// The reason why it does not apply to a free one.
-        because: &'static str,
-    },
-    /// Those that are free: a held one stays where it is.
-    Free,
-}
-
-const CYCLES: &[NumberField] = &[nutation::START, nutation::PERIOD];
-
-const NUTATIONS: &[NumberField] = &[
-    nutation::START,
-    nutation::PERIOD,
-    nutation::THETA_MEAN,
-    nutation::THETA_DOT_MEAN,
-    nutation::PHI_DOT_MEAN,
-    nutation::PSI_DOT_MEAN,
-];
-
-const ENVELOPE: &[NumberField] = &[
-    nutation::THETA_MIN,
-    nutation::THETA_MAX,
-    nutation::THETA_DOT_MIN,
-    nutation::THETA_DOT_MAX,
-    nutation::PHI_DOT_MIN,
-    nutation::PHI_DOT_MAX,
-    nutation::PSI_DOT_MIN,
-    nutation::PSI_DOT_MAX,
-];
 
 const ANGLES: &[NumberField] = &[
     state::THETA,
@@ -139,7 +104,7 @@ const DEFAULTS: Figure = Figure {
     needs: &[],
     uses: &[],
     means: &[],
-    pegs: Pegs::All,
+    is_of_free_pegs: false,
     does_not_apply: |_| None,
     draw: |_, width| Drawing::new(width),
 };
@@ -150,7 +115,6 @@ pub const FIGURES: &[Figure] = &[
         name: "figure-2",
         title: "θ, θ̇, φ̇ and ψ̇ over time",
         needs: &[ANGLES],
-        uses: &[NUTATIONS, ENVELOPE],
         draw: time::motion,
         ..DEFAULTS
     },
@@ -165,18 +129,18 @@ pub const FIGURES: &[Figure] = &[
         name: "figure-4",
         title: "θ of each further run, with the averages of the first",
         least_runs: 2,
-        needs: &[&[state::THETA], NUTATIONS],
-        uses: &[ENVELOPE],
+        needs: &[&[state::THETA, nutation::THETA_MEAN]],
         draw: time::compared,
         ..DEFAULTS
     },
     Figure {
         name: "acceleration",
         title: "Why it rises: the terms of θ̈ and φ̈, averaged over nutations",
-        needs: &[ACCELERATIONS, NUTATIONS],
+        needs: &[ACCELERATIONS, &[nutation::START]],
         means: ACCELERATIONS,
-        pegs: Pegs::Held {
-            because: "the terms are those of a peg that stays in place; a free one adds that of its own acceleration",
+        does_not_apply: |run| {
+            let because = "the terms are those of a peg that stays in place; a free one adds that of its own acceleration";
+            run.has_free_peg.then_some(because)
         },
         draw: time::acceleration,
         ..DEFAULTS
@@ -185,9 +149,10 @@ pub const FIGURES: &[Figure] = &[
         name: "precession",
         title: "φ̇ and the rates of regular precession, between which the top is driven upright",
         needs: &[PRECESSION],
-        uses: &[NUTATIONS, ENVELOPE],
-        pegs: Pegs::Held {
-            because: "the rates are those of a peg that stays in place, and a free one also rolls",
+        does_not_apply: |run| {
+            let because =
+                "the rates are those of a peg that stays in place, and a free one also rolls";
+            run.has_free_peg.then_some(because)
         },
         draw: time::precession,
         ..DEFAULTS
@@ -220,8 +185,8 @@ pub const FIGURES: &[Figure] = &[
         name: "track",
         title: "The track of the contact point of a free peg on the table, from above",
         needs: &[TRACK],
-        uses: &[&[contact::REGIME]],
-        pegs: Pegs::Free,
+        uses: &[contact::REGIME],
+        is_of_free_pegs: true,
         draw: track::track,
         ..DEFAULTS
     },
@@ -230,7 +195,7 @@ pub const FIGURES: &[Figure] = &[
         title: "The normal force on a free peg, and its height above the table",
         needs: &[HOPS],
         means: HOPS,
-        pegs: Pegs::Free,
+        is_of_free_pegs: true,
         does_not_apply: |run| {
             let gaps = run.series(free_peg::GAP).into_iter().map(|point| point.1);
             let highest = gaps.reduce(f64::max);
@@ -253,10 +218,10 @@ impl Run {
         figures: &[&Figure],
         progress: &dyn Fn(u64),
     ) -> Self {
-        let fields = figures
-            .iter()
-            .flat_map(|figure| figure.needs.iter().chain(figure.uses));
-        let fields = fields.copied().chain([CYCLES]).flatten().copied();
+        let needs = figures.iter().flat_map(|figure| figure.needs);
+        let uses = figures.iter().flat_map(|figure| figure.uses);
+        let fields = needs.copied().flatten().chain(uses).copied();
+        let fields = fields.chain(NUTATION.numbers());
         let means = figures.iter().flat_map(|figure| figure.means).copied();
         let (fields, means) = (fields.collect(), means.collect::<Vec<_>>());
         Self::collect(subject.into(), name, fields, &means, progress)
@@ -280,17 +245,17 @@ impl Figure {
     /// The reason why the figure does not apply to a run, whatever the run has recorded.
     #[must_use]
     pub fn does_not_apply(&self, run: &Run) -> Option<&'static str> {
-        match self.pegs {
-            Pegs::Held { because } if run.has_free_peg => Some(because),
-            Pegs::Free if !run.has_free_peg => Some("the peg is held: it stays where it is"),
-            Pegs::All | Pegs::Held { .. } | Pegs::Free => (self.does_not_apply)(run),
+        if self.is_expected_of(run) {
+            (self.does_not_apply)(run)
+        } else {
+            Some("the peg is held: it stays where it is")
         }
     }
 
     /// Whether the figure is expected of a run: one of free pegs is not expected of a held one.
     #[must_use]
     pub fn is_expected_of(&self, run: &Run) -> bool {
-        self.pegs != Pegs::Free || run.has_free_peg
+        run.has_free_peg || !self.is_of_free_pegs
     }
 
     /// Draws the figure with a width in mm. Several runs are drawn over one another; what a run lacks is left out.
