@@ -27,7 +27,7 @@ mod glossary {
         BLACK, BLUE, COLOURS, DASHED, GREEN, GREY, HAIRLINE, SKY, VERMILLION, line,
     };
     use super::text::Text;
-    use crate::physics::math::{cos, hypot, sin};
+    use libm::{cos, hypot, sin};
     use std::f64::consts::{FRAC_PI_3, FRAC_PI_6, PI, TAU};
     use std::path::Path;
 
