@@ -10,19 +10,8 @@ use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
 use crate::telemetry::{Topic, Topics};
 use std::ops::ControlFlow;
 
-/// Largest ratio of a nutation's period to that of the one before. The period changes by some hundredths from one to the
-/// next; in recordings of the first version a fall, which isn't a nutation, ends the last cycle.
-const LONGEST: f64 = 2.0;
-
 /// The longest time between two nutations that is rounding, as a part of the period.
 const GAP: f64 = 0.01;
-
-/// A nutation cycle.
-struct Cycle {
-    start: f64,
-    period: f64,
-    is_nutation: bool,
-}
 
 /// The numbers of a run that some figures need, from a recording or a simulation.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,20 +118,16 @@ impl Run {
     /// nutations is none there is a point that is not a number.
     pub(super) fn averages(&self, field: NumberField) -> Vec<Point> {
         let mut points: Vec<Point> = Vec::new();
-        let left_out = self
-            .channel(NUTATION)
-            .map_or(0.0, |channel| channel.rows.coarseness());
+        let channel = self.channel(NUTATION);
+        let left_out = channel.map_or(0.0, |channel| channel.rows.coarseness());
         let mut last_end = f64::NAN;
-        for (cycle, (_, value)) in self.cycles().zip(self.series(field)) {
-            if !cycle.is_nutation {
-                continue;
-            }
-            let gap = cycle.start - last_end;
-            if gap > left_out + GAP * cycle.period {
+        for ((start, period), (_, value)) in self.cycles().zip(self.series(field)) {
+            let gap = start - last_end;
+            if gap > left_out + GAP * period {
                 points.push((last_end + 0.5 * gap, f64::NAN));
             }
-            points.push((cycle.start + 0.5 * cycle.period, value));
-            last_end = cycle.start + cycle.period;
+            points.push((start + 0.5 * period, value));
+            last_end = start + period;
         }
         points
     }
@@ -158,32 +143,21 @@ impl Run {
 
     /// The least number of samples in a nutation, if it is too small to show the envelope.
     pub(super) fn coarseness(&self) -> Option<f64> {
-        let samples = self
-            .channels
-            .iter()
-            .filter(|channel| channel.topic != NUTATION);
-        let step = samples
-            .map(|channel| channel.rows.step())
-            .reduce(f64::min)?;
-        let nutations = self.cycles().filter(|cycle| cycle.is_nutation);
-        let shortest = nutations.map(|cycle| cycle.period).reduce(f64::min)?;
+        let channels = self.channels.iter();
+        let sampled = channels.filter(|channel| channel.topic != NUTATION);
+        let step = sampled.map(|channel| channel.rows.step());
+        let step = step.reduce(f64::min)?;
+        let shortest = self.cycles().map(|(_, period)| period).reduce(f64::min)?;
         Some(shortest / step).filter(|samples| *samples < sampling::ENOUGH)
     }
 
-    /// The nutation cycles.
-    fn cycles(&self) -> impl Iterator<Item = Cycle> {
-        let [starts, periods] = [nutation::START, nutation::PERIOD].map(|field| self.series(field));
-        let mut before = f64::INFINITY;
+    /// The starts and periods of nutations.
+    fn cycles(&self) -> impl Iterator<Item = (f64, f64)> {
+        let fields = [nutation::START, nutation::PERIOD];
+        let [starts, periods] = fields.map(|field| self.series(field).into_iter());
         starts
-            .into_iter()
             .zip(periods)
-            .map(move |((_, start), (_, period))| Cycle {
-                start,
-                period,
-                // That of a free peg takes longer from where it rolls.
-                is_nutation: self.has_free_peg
-                    || period <= LONGEST * std::mem::replace(&mut before, period),
-            })
+            .map(|(start, period)| (start.1, period.1))
     }
 }
 
@@ -222,12 +196,6 @@ mod tests {
         }
         run.channels.iter_mut().for_each(Channel::finish);
         run.averages(nutation::THETA_MEAN)
-    }
-
-    #[test]
-    fn a_fall_is_no_nutation() {
-        let found = averages(&[[0.0, 0.25], [0.25, 0.25], [0.5, 18.5]]);
-        assert_eq!(found, [(0.125, 0.1), (0.375, 0.1)]);
     }
 
     #[test]

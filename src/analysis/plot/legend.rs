@@ -72,52 +72,41 @@ impl Entry {
     /// The width of what stands before the text, mm.
     fn indent(&self) -> f64 {
         match self.sample {
+            Sample::Line(_) | Sample::Area(_) => BROAD + Self::AFTER_SAMPLE,
+            Sample::Dot(_) => 2.0 * DOT + Self::AFTER_SAMPLE,
+            Sample::Marks => 4.0 * MARK + 0.6 + Self::AFTER_SAMPLE,
             Sample::None => 0.0,
-            sample => sample.width() + Self::AFTER_SAMPLE,
         }
     }
 
     fn draw(&self, drawing: &mut Drawing, left: f64, baseline: f64) {
-        let shapes = self.sample.shapes(left, baseline - 0.24 * FONT);
+        let start = left + self.indent();
+        let (right, middle) = (start - Self::AFTER_SAMPLE, baseline - 0.24 * FONT);
+        let shapes = match self.sample {
+            Sample::Line(stroke) => vec![Shape::Line {
+                points: vec![(left, middle), (right, middle)],
+                stroke,
+            }],
+            Sample::Area(fill) => {
+                let (top, bottom) = (middle - 0.35 * FONT, middle + 0.35 * FONT);
+                vec![Bounds::between((left, top), (right, bottom)).area(fill)]
+            }
+            Sample::Dot(is_filled) => vec![dot((left + DOT, middle), is_filled, style::BLACK)],
+            Sample::Marks => vec![
+                mark((left + MARK, middle - MARK), 1.0),
+                mark((right - MARK, middle + MARK), -1.0),
+            ],
+            Sample::None => Vec::new(),
+        };
         if !shapes.is_empty() {
             drawing.group(&format!("key: {}", self.text.spoken), shapes);
         }
-        let start = left + self.indent();
         drawing.label(self.text.clone(), (start, baseline), Anchor::Start);
     }
 }
 
-impl Sample {
-    /// The width, mm.
-    fn width(self) -> f64 {
-        match self {
-            Self::Line(_) | Self::Area(_) => 6.5,
-            Self::Dot(_) => 2.0 * DOT,
-            Self::Marks => 4.0 * MARK + 0.6,
-            Self::None => 0.0,
-        }
-    }
-
-    fn shapes(self, left: f64, middle: f64) -> Vec<Shape> {
-        let right = left + self.width();
-        match self {
-            Self::Line(stroke) => vec![Shape::Line {
-                points: vec![(left, middle), (right, middle)],
-                stroke,
-            }],
-            Self::Area(fill) => {
-                let (top, bottom) = (middle - 0.35 * FONT, middle + 0.35 * FONT);
-                vec![Bounds::between((left, top), (right, bottom)).area(fill)]
-            }
-            Self::Dot(is_filled) => vec![dot((left + DOT, middle), is_filled, style::BLACK)],
-            Self::Marks => vec![
-                mark((left + MARK, middle - MARK), 1.0),
-                mark((right - MARK, middle + MARK), -1.0),
-            ],
-            Self::None => Vec::new(),
-        }
-    }
-}
+/// The width of lines and areas, mm.
+const BROAD: f64 = 6.5;
 
 /// Half the width of a mark, and its height, mm.
 const MARK: f64 = 0.9;

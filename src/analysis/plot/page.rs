@@ -98,9 +98,8 @@ impl Panel {
     fn is_cut(&self) -> bool {
         let (low, high) = self.range();
         let values = self.lines().into_iter().flatten().map(|point| point.1);
-        let all = extremes(values);
-        let is_rounding = all.0.abs().max(all.1.abs()) < self.rounding;
-        self.is_singular && !is_rounding && (all.0 < low || all.1 > high)
+        let (lowest, highest) = extremes(values);
+        lowest < low - self.rounding || highest > high + self.rounding
     }
 
     /// The scale of the upright axis: the range of the curves and some air.
@@ -138,40 +137,61 @@ const COLUMN_GAP: f64 = 4.0;
 impl Page {
     /// Draws the page with a width in mm; the height follows.
     pub(crate) fn draw(&self, width: f64) -> Drawing {
-        let columns = self.columns(width);
+        let count = self.panels.len();
+        let is_divided = self.panels.iter().any(|panel| panel.is_broken);
+        let is_wide = width >= TWO_COLUMNS && count > 1 && !is_divided;
+        let columns = if is_wide { 2 } else { 1 };
+        let share = (width - 2.0 * MARGIN - (columns - 1) as f64 * COLUMN_GAP) / columns as f64;
+        let height = TALLEST.min(share * PROPORTION);
+        let scales = self.panels.iter().map(|panel| panel.scale(height));
+        let scales: Vec<_> = scales.collect();
+        let of_column = |column: usize| (column..count).step_by(columns);
+        let sides = |column: usize| {
+            let left = MARGIN + column as f64 * (share + COLUMN_GAP);
+            let room =
+                |index: usize| frame::room_left(&scales[index], &self.panels[index].quantity);
+            let room = of_column(column).map(room).fold(0.0, f64::max);
+            (left + room, left + share - frame::ROOM_RIGHT)
+        };
+        let sides: Vec<_> = (0..columns).map(sides).collect();
+        let has_x_axis = |index: usize| !self.shares_x || index + columns >= count;
+
         let mut drawing = Drawing::new(width);
         let mut legend = self.legend.clone();
         if self.panels.iter().any(Panel::is_cut) {
             legend.push(Entry::beyond());
         }
         let mut top = legend::draw_at_top(&mut drawing, &legend);
-        let frames = self.frames(width, columns, &mut top);
-        for (index, frame) in frames.iter().enumerate() {
-            self.draw_panel(&mut drawing, index, columns, frame);
+        let mut frames = Vec::new();
+        for panels in self.panels.chunks(columns) {
+            top += self.room_above(frames.len(), &sides);
+            let tall = panels.iter().map(|panel| panel.height * height);
+            let bottom = top + tall.fold(0.0, f64::max);
+            for (panel, (left, right)) in panels.iter().zip(&sides) {
+                let index = frames.len();
+                let (first, last) = self.range(panel);
+                let bounds = Bounds::between((*left, top), (*right, bottom));
+                let frame = Frame {
+                    x: Scale::new(first, last, frame::ticks_across(bounds.width())),
+                    y: scales[index].clone(),
+                    bounds,
+                };
+                self.draw_panel(&mut drawing, index, &frame, has_x_axis(index));
+                frames.push(frame);
+            }
+            let has_axis = has_x_axis(frames.len() - 1);
+            top = bottom + if has_axis { frame::ROOM_BELOW } else { 0.0 };
         }
         // The labels of upright axes one below the other stand in one line.
         for column in 0..columns {
-            let frames = frames.iter().zip(&self.panels);
-            let frames = frames.skip(column).step_by(columns);
-            let widths = frames
-                .clone()
-                .map(|(frame, _)| frame::ticks_width(&frame.y));
+            let widths = of_column(column).map(|index| frame::ticks_width(&scales[index]));
             let width = widths.fold(0.0, f64::max);
-            for (frame, panel) in frames {
-                frame.label_y(&mut drawing, &panel.quantity, width);
+            for index in of_column(column) {
+                frames[index].label_y(&mut drawing, &self.panels[index].quantity, width);
             }
         }
         drawing.height = top + MARGIN;
         drawing
-    }
-
-    fn columns(&self, width: f64) -> usize {
-        let is_divided = self.panels.iter().any(|panel| panel.is_broken);
-        if width >= TWO_COLUMNS && self.panels.len() > 1 && !is_divided {
-            2
-        } else {
-            1
-        }
     }
 
     /// The range of x of a panel.
@@ -185,44 +205,6 @@ impl Page {
         let (first, last) = extremes(lines.flatten().map(|point| point.0));
         let is_from_zero = (0.0..NEARLY_ZERO * last).contains(&first);
         (if is_from_zero { 0.0 } else { first }, last)
-    }
-
-    /// Whether there are numbers below the panel.
-    fn has_x_axis(&self, index: usize, columns: usize) -> bool {
-        !self.shares_x || index + columns >= self.panels.len()
-    }
-
-    /// Places the frames from `top` downwards, and moves `top` below them.
-    fn frames(&self, width: f64, columns: usize, top: &mut f64) -> Vec<Frame> {
-        let share = (width - 2.0 * MARGIN - (columns - 1) as f64 * COLUMN_GAP) / columns as f64;
-        let height = TALLEST.min(share * PROPORTION);
-        let room = |panel: &Panel| frame::room_left(&panel.scale(height), &panel.quantity);
-        let sides = |column: usize| {
-            let left = MARGIN + column as f64 * (share + COLUMN_GAP);
-            let panels = self.panels.iter().skip(column).step_by(columns);
-            let room = panels.map(room).fold(0.0, f64::max);
-            (left + room, left + share - frame::ROOM_RIGHT)
-        };
-        let sides: Vec<_> = (0..columns).map(sides).collect();
-        let mut frames: Vec<Frame> = Vec::new();
-        for (row, panels) in self.panels.chunks(columns).enumerate() {
-            let first = row * columns;
-            *top += self.room_above(first, &sides);
-            let tall = panels.iter().map(|panel| panel.height * height);
-            let bottom = *top + tall.fold(0.0, f64::max);
-            for (panel, (left, right)) in panels.iter().zip(&sides) {
-                let (low, high) = self.range(panel);
-                let bounds = Bounds::between((*left, *top), (*right, bottom));
-                frames.push(Frame {
-                    x: Scale::new(low, high, frame::ticks_across(bounds.width())),
-                    y: panel.scale(height),
-                    bounds,
-                });
-            }
-            let has_axis = (0..panels.len()).any(|n| self.has_x_axis(first + n, columns));
-            *top = bottom + if has_axis { frame::ROOM_BELOW } else { 0.0 };
-        }
-        frames
     }
 
     /// The room above a row: for letters and legends.
@@ -242,7 +224,7 @@ impl Page {
         index > 0 && self.panels[index - 1].is_broken
     }
 
-    fn draw_panel(&self, drawing: &mut Drawing, index: usize, columns: usize, frame: &Frame) {
+    fn draw_panel(&self, drawing: &mut Drawing, index: usize, frame: &Frame, has_x_axis: bool) {
         let panel = &self.panels[index];
         for band in panel.bands.iter().chain(&panel.envelopes) {
             drawing.group(&band.meaning, frame.areas(band));
@@ -255,7 +237,7 @@ impl Page {
         if panel.is_broken {
             frame.draw_break(drawing);
         }
-        if self.has_x_axis(index, columns) {
+        if has_x_axis {
             frame.label_x(drawing, &self.x);
         }
         let (left, right) = (frame.bounds.left, frame.bounds.right);

@@ -1,7 +1,6 @@
 //! The layout that maps and curves share.
 
 use super::along::Along;
-use super::runs::MapAxis;
 use crate::analysis::plot::frame::{self, Frame};
 use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape};
 use crate::analysis::plot::style::{self, MARGIN};
@@ -19,18 +18,16 @@ pub(super) fn height(width: f64) -> f64 {
     TALLEST.min(width * HEIGHT)
 }
 
-/// The frame below `top` in a drawing of this width, with some room to its right, mm: its axes show these ranges, and its
-/// upright axis shows this.
+/// The frame below `top` in a drawing of this width, with some room to its right, mm, whose axes show these ranges.
 pub(super) fn frame(
     width: f64,
     (top, room_right): (f64, f64),
     [across, upward]: [&Along; 2],
     [x, y]: [(f64, f64); 2],
-    axis: &MapAxis,
 ) -> Frame {
     let height = height(width);
     let y = upward.scale(y, frame::ticks_up(height));
-    let left = MARGIN + frame::room_left(&y, &axis.quantity());
+    let left = MARGIN + frame::room_left(&y, &upward.quantity);
     let right = width - MARGIN - room_right;
     let bounds = Bounds::between((left, top), (right, top + height));
     let x = across.scale(x, frame::ticks_across(bounds.width()));

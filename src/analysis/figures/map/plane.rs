@@ -12,11 +12,11 @@ use crate::analysis::plot::style::{self, LINE, MEDIUM};
 
 /// Draws the runs of a map as cells of a grid, or as dots if they make none.
 pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String> {
-    let across = Along::new(map.values(|run| run.x));
-    let upward = Along::new(map.values(|run| run.y));
+    let across = Along::new(&map.x, map.values(|run| run.x));
+    let upward = Along::new(y, map.values(|run| run.y));
     let axes = [&across, &upward];
     let grid = Grid::of(map, y, axes)?;
-    let bar = Bar::new(map.values(|run| run.color), width);
+    let bar = Bar::new(map, width);
     let colour = |run: &MapRun| {
         if run.color.is_finite() {
             bar.colour(run.color)
@@ -43,7 +43,7 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
         Some(_) => extremes(axis.edges().into_iter()),
         None => aired(axis.range()),
     });
-    let frame = chart::frame(width, (top, bar.room()), axes, ranges, y);
+    let frame = chart::frame(width, (top, bar.room()), axes, ranges);
     if let Some(grid) = &grid {
         drawing.group("runs", grid.areas(&frame, colour));
     } else {
@@ -55,9 +55,9 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
         let lines = borders.iter().flat_map(|border| border.shapes(&frame));
         drawing.group("where looping begins", lines.collect());
     }
-    frame.finish(&mut drawing, [&map.x.quantity(), &y.quantity()]);
+    frame.finish(&mut drawing, axes.map(|axis| &axis.quantity));
     if !bar.is_empty() {
-        bar.draw(&mut drawing, frame.bounds, &map.color);
+        bar.draw(&mut drawing, frame.bounds);
     }
     Ok(drawing)
 }
