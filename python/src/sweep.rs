@@ -296,9 +296,8 @@ pub fn sweep(
 /// The error of Python for one of a sweep.
 pub fn refused_sweep(error: sweeps::SweepError) -> PyErr {
     match error {
-        sweeps::SweepError::Key(error) => errors::scenario(error),
+        sweeps::SweepError::Scenario(error) => errors::scenario(error),
         sweeps::SweepError::Input(error) => errors::input(error),
-        error @ sweeps::SweepError::Base { .. } => errors::scenario(error),
         error => SweepError::new_err(error.to_string()),
     }
 }

@@ -18,14 +18,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#[cfg(test)]
-mod layout_tests;
+mod channel;
 mod locus;
 mod looks;
 #[cfg(feature = "sweep")]
 mod map;
-mod means;
-mod need;
 mod report;
 mod run;
 mod sampling;
@@ -38,10 +35,10 @@ pub use self::report::{FigureFile, FiguresReport, Lacking, LeftOut, RunLoss};
 pub use self::run::Run;
 pub use crate::analysis::plot::drawing::Drawing;
 
-use self::need::Need;
 use crate::analysis::subject::Subject;
 use crate::telemetry::fields::{
-    NumberField, acceleration, contact, energy, free_peg, nutation, pose, precession, state, torque,
+    NUTATION, NumberField, acceleration, contact, energy, free_peg, nutation, pose, precession,
+    state, torque,
 };
 
 /// A figure that can be drawn of runs.
@@ -53,82 +50,27 @@ pub struct Figure {
     pub title: &'static str,
     /// The least number of runs that the figure can be drawn of.
     pub least_runs: usize,
-    /// The numbers without which the figure can't be drawn.
-    needs: &'static [Need],
-    /// The numbers without which parts of the figure are left out.
-    uses: &'static [Need],
-    /// The pegs that the figure applies to.
-    pegs: Pegs,
+    /// The fields without which the figure can't be drawn.
+    needs: &'static [&'static [NumberField]],
+    /// The fields without which parts of the figure are left out.
+    uses: &'static [NumberField],
+    /// The fields whose means over nutations are drawn.
+    means: &'static [NumberField],
+    /// Whether the figure is one of free pegs: a held one stays where it is.
+    is_of_free_pegs: bool,
     /// The reason why the figure does not apply to this run; none if it does.
     does_not_apply: fn(&Run) -> Option<&'static str>,
     draw: fn(&[&Run], f64) -> Drawing,
 }
 
-/// Pegs that a figure applies to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Pegs {
-    /// All.
-    All,
-    /// Those that are held: what it shows would be something else for a free one.
-    Held {
-        /// The reason why it does not apply to a free one.
-        because: &'static str,
-    },
-    /// Those that are free: a held one stays where it is.
-    Free,
-}
-
-/// The need for means over each nutation of some fields.
-const fn means(fields: &'static [NumberField]) -> Need {
-    Need {
-        fields,
-        are_means: true,
-    }
-}
-
-/// The need for samples of some fields.
-const fn samples(fields: &'static [NumberField]) -> Need {
-    Need {
-        fields,
-        are_means: false,
-    }
-}
-
-const ANGLES: Need = samples(&[
+const ANGLES: &[NumberField] = &[
     state::THETA,
     state::THETA_DOT,
     state::PHI_DOT,
     state::PSI_DOT,
-]);
-
-const CYCLES: Need = samples(&[nutation::START, nutation::PERIOD]);
-
-const NUTATIONS: Need = samples(&[
-    nutation::START,
-    nutation::PERIOD,
-    nutation::THETA_MEAN,
-    nutation::THETA_DOT_MEAN,
-    nutation::PHI_DOT_MEAN,
-    nutation::PSI_DOT_MEAN,
-]);
-
-const ENVELOPE: Need = samples(&[
-    nutation::THETA_MIN,
-    nutation::THETA_MAX,
-    nutation::THETA_DOT_MIN,
-    nutation::THETA_DOT_MAX,
-    nutation::PHI_DOT_MIN,
-    nutation::PHI_DOT_MAX,
-    nutation::PSI_DOT_MIN,
-    nutation::PSI_DOT_MAX,
-]);
-
-const THETA: Need = samples(&[state::THETA]);
-const PRECESSION_RATE: Need = samples(&[state::PHI_DOT]);
-const ROOTS: Need = samples(&[precession::SLOW_ROOT, precession::FAST_ROOT]);
-const AXIS: Need = samples(&pose::AXIS.components());
-
-const ACCELERATIONS: Need = means(&[
+];
+const PRECESSION: &[NumberField] = &[state::PHI_DOT, precession::SLOW_ROOT, precession::FAST_ROOT];
+const ACCELERATIONS: &[NumberField] = &[
     acceleration::THETA_DDOT_GYROSCOPIC,
     acceleration::THETA_DDOT_CENTRIFUGAL,
     acceleration::THETA_DDOT_GRAVITATIONAL,
@@ -136,27 +78,23 @@ const ACCELERATIONS: Need = means(&[
     acceleration::PHI_DDOT_GYROSCOPIC,
     acceleration::PHI_DDOT_CORIOLIS,
     acceleration::PHI_DDOT_FRICTIONAL,
-]);
-
-const TORQUE_FIELDS: &[NumberField] = &[
+];
+const TORQUES: &[NumberField] = &[
     torque::GRAVITY_NODE.x(),
     torque::FRICTION_NODE.x(),
     torque::FRICTION_NODE.y(),
     torque::FRICTION_NODE.z(),
 ];
-const SLIP_FIELDS: &[NumberField] = &[contact::SLIP_SPEED, contact::SLIP_PATH];
-const NORMAL_FORCE_FIELDS: &[NumberField] = &[contact::NORMAL_FORCE];
-const GAP_FIELDS: &[NumberField] = &[free_peg::GAP];
-const ENERGY_FIELDS: &[NumberField] = &[
+const SLIP: &[NumberField] = &[contact::SLIP_SPEED, contact::SLIP_PATH];
+const HOPS: &[NumberField] = &[contact::NORMAL_FORCE, free_peg::GAP];
+const ENERGIES: &[NumberField] = &[
     energy::KINETIC,
     energy::POTENTIAL,
     energy::TOTAL,
     energy::FRICTION_WORK,
     energy::FRICTION_POWER,
 ];
-
-const TRACK: Need = samples(&[contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()]);
-const REGIME: Need = samples(&[contact::REGIME]);
+const TRACK: &[NumberField] = &[contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()];
 
 /// The defaults of the table below.
 const DEFAULTS: Figure = Figure {
@@ -165,7 +103,8 @@ const DEFAULTS: Figure = Figure {
     least_runs: 1,
     needs: &[],
     uses: &[],
-    pegs: Pegs::All,
+    means: &[],
+    is_of_free_pegs: false,
     does_not_apply: |_| None,
     draw: |_, width| Drawing::new(width),
 };
@@ -176,15 +115,13 @@ pub const FIGURES: &[Figure] = &[
         name: "figure-2",
         title: "θ, θ̇, φ̇ and ψ̇ over time",
         needs: &[ANGLES],
-        uses: &[NUTATIONS, ENVELOPE],
         draw: time::motion,
         ..DEFAULTS
     },
     Figure {
         name: "figure-3",
         title: "The locus of the symmetry axis, its projection, and its end magnified",
-        needs: &[AXIS],
-        uses: &[CYCLES],
+        needs: &[&pose::AXIS.components()],
         draw: locus::locus,
         ..DEFAULTS
     },
@@ -192,17 +129,18 @@ pub const FIGURES: &[Figure] = &[
         name: "figure-4",
         title: "θ of each further run, with the averages of the first",
         least_runs: 2,
-        needs: &[THETA, NUTATIONS],
-        uses: &[ENVELOPE],
+        needs: &[&[state::THETA, nutation::THETA_MEAN]],
         draw: time::compared,
         ..DEFAULTS
     },
     Figure {
         name: "acceleration",
         title: "Why it rises: the terms of θ̈ and φ̈, averaged over nutations",
-        needs: &[ACCELERATIONS, NUTATIONS],
-        pegs: Pegs::Held {
-            because: "the terms are those of a peg that stays in place; a free one adds that of its own acceleration",
+        needs: &[ACCELERATIONS, &[nutation::START]],
+        means: ACCELERATIONS,
+        does_not_apply: |run| {
+            let because = "the terms are those of a peg that stays in place; a free one adds that of its own acceleration";
+            run.has_free_peg.then_some(because)
         },
         draw: time::acceleration,
         ..DEFAULTS
@@ -210,10 +148,11 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "precession",
         title: "φ̇ and the rates of regular precession, between which the top is driven upright",
-        needs: &[PRECESSION_RATE, ROOTS],
-        uses: &[NUTATIONS, ENVELOPE],
-        pegs: Pegs::Held {
-            because: "the rates are those of a peg that stays in place, and a free one also rolls",
+        needs: &[PRECESSION],
+        does_not_apply: |run| {
+            let because =
+                "the rates are those of a peg that stays in place, and a free one also rolls";
+            run.has_free_peg.then_some(because)
         },
         draw: time::precession,
         ..DEFAULTS
@@ -221,24 +160,24 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "torque",
         title: "Torques along the line of nodes (x), its perpendicular (y) and the symmetry axis (z)",
-        needs: &[samples(TORQUE_FIELDS)],
-        uses: &[CYCLES, means(TORQUE_FIELDS)],
+        needs: &[TORQUES],
+        means: TORQUES,
         draw: time::torque,
         ..DEFAULTS
     },
     Figure {
         name: "slip",
         title: "Slip speed and path slipped",
-        needs: &[samples(SLIP_FIELDS)],
-        uses: &[CYCLES, means(SLIP_FIELDS)],
+        needs: &[SLIP],
+        means: SLIP,
         draw: time::slip,
         ..DEFAULTS
     },
     Figure {
         name: "energy",
         title: "Kinetic, potential and total energy, and what friction takes",
-        needs: &[samples(ENERGY_FIELDS)],
-        uses: &[CYCLES, means(ENERGY_FIELDS)],
+        needs: &[ENERGIES],
+        means: ENERGIES,
         draw: time::energy,
         ..DEFAULTS
     },
@@ -246,17 +185,17 @@ pub const FIGURES: &[Figure] = &[
         name: "track",
         title: "The track of the contact point of a free peg on the table, from above",
         needs: &[TRACK],
-        uses: &[REGIME],
-        pegs: Pegs::Free,
+        uses: &[contact::REGIME],
+        is_of_free_pegs: true,
         draw: track::track,
         ..DEFAULTS
     },
     Figure {
         name: "hops",
         title: "The normal force on a free peg, and its height above the table",
-        needs: &[samples(NORMAL_FORCE_FIELDS), samples(GAP_FIELDS)],
-        uses: &[CYCLES, means(NORMAL_FORCE_FIELDS), means(GAP_FIELDS)],
-        pegs: Pegs::Free,
+        needs: &[HOPS],
+        means: HOPS,
+        is_of_free_pegs: true,
         does_not_apply: |run| {
             let gaps = run.series(free_peg::GAP).into_iter().map(|point| point.1);
             let highest = gaps.reduce(f64::max);
@@ -279,8 +218,13 @@ impl Run {
         figures: &[&Figure],
         progress: &dyn Fn(u64),
     ) -> Self {
-        let needs = figures.iter().flat_map(|figure| figure.all_needs());
-        Self::collect(subject.into(), name, needs, progress)
+        let needs = figures.iter().flat_map(|figure| figure.needs);
+        let uses = figures.iter().flat_map(|figure| figure.uses);
+        let fields = needs.copied().flatten().chain(uses).copied();
+        let fields = fields.chain(NUTATION.numbers());
+        let means = figures.iter().flat_map(|figure| figure.means).copied();
+        let (fields, means) = (fields.collect(), means.collect::<Vec<_>>());
+        Self::collect(subject.into(), name, fields, &means, progress)
     }
 }
 
@@ -294,23 +238,24 @@ impl Figure {
     /// The first need of the figure that a run lacks: a channel, its messages, or a field.
     #[must_use]
     pub fn missing(&self, run: &Run) -> Option<String> {
-        self.needs.iter().find_map(|need| run.missing(need))
+        let mut needs = self.needs.iter().copied().flatten();
+        needs.find_map(|field| run.missing(*field))
     }
 
     /// The reason why the figure does not apply to a run, whatever the run has recorded.
     #[must_use]
     pub fn does_not_apply(&self, run: &Run) -> Option<&'static str> {
-        match self.pegs {
-            Pegs::Held { because } if run.has_free_peg => Some(because),
-            Pegs::Free if !run.has_free_peg => Some("the peg is held: it stays where it is"),
-            Pegs::All | Pegs::Held { .. } | Pegs::Free => (self.does_not_apply)(run),
+        if self.is_expected_of(run) {
+            (self.does_not_apply)(run)
+        } else {
+            Some("the peg is held: it stays where it is")
         }
     }
 
     /// Whether the figure is expected of a run: one of free pegs is not expected of a held one.
     #[must_use]
     pub fn is_expected_of(&self, run: &Run) -> bool {
-        self.pegs != Pegs::Free || run.has_free_peg
+        run.has_free_peg || !self.is_of_free_pegs
     }
 
     /// Draws the figure with a width in mm. Several runs are drawn over one another; what a run lacks is left out.
@@ -321,8 +266,129 @@ impl Figure {
         drawing.title = format!("{} — {}", self.title, names.join(", "));
         drawing
     }
+}
 
-    fn all_needs(&self) -> impl Iterator<Item = &'static Need> {
-        self.needs.iter().chain(self.uses)
+/// Nothing in a figure overlaps or sticks out, whatever it shows.
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::plot::drawing::{Drawing, Label};
+    use crate::analysis::plot::shape::{Bounds, Shape};
+    use crate::analysis::plot::style::FONT;
+    use crate::run::scenario::{Preset, Scenario};
+
+    /// A run that is drawn quickly, and differs from others.
+    fn run(preset: &str, name: &str, duration: &str) -> Run {
+        let mut values = Preset::find(preset).unwrap().values().unwrap();
+        values.set("stop.duration", duration).unwrap();
+        let figures: Vec<_> = FIGURES.iter().collect();
+        let mut run = Run::read(&Scenario::new(values).unwrap(), preset, &figures, &|_| {});
+        run.name = name.to_owned();
+        run
+    }
+
+    fn runs() -> Vec<Run> {
+        vec![
+            run("paper", "paper", "30"),
+            run("paper-spin-term-only", &"a-very-long-name-".repeat(5), "40"),
+            run("full-coulomb", "directory/full_{coulomb}*.mcap", "2"),
+            run("frictionless", "frictionless", "2"),
+        ]
+    }
+
+    /// The space that a label takes.
+    fn space(label: &Label) -> Bounds {
+        let ((x, y), text) = (label.origin, &label.text);
+        let [width, above, below] = [text.width, text.above, text.below].map(|em| em * FONT);
+        if label.is_upward {
+            Bounds::between((x - above, y - width), (x + below, y))
+        } else {
+            Bounds::between((x, y - above), (x + width, y + below))
+        }
+    }
+
+    fn overlap(a: &Bounds, b: &Bounds) -> bool {
+        a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom
+    }
+
+    fn check(drawing: &Drawing, what: &str) {
+        let (width, height) = drawing.size();
+        for (index, label) in drawing.labels.iter().enumerate() {
+            let bounds = space(label);
+            let said = &label.text.spoken;
+            let is_within = bounds.left >= 0.0
+                && bounds.top >= 0.0
+                && bounds.right <= width
+                && bounds.bottom <= height;
+            assert!(is_within, "{what}: {said} sticks out: {bounds:?}");
+            for other in &drawing.labels[index + 1..] {
+                let other_said = &other.text.spoken;
+                let is_apart = !overlap(&bounds, &space(other));
+                assert!(is_apart, "{what}: {said} lies on {other_said}");
+            }
+        }
+        for frame in frames(drawing) {
+            let inside = |label: &&Label| overlap(&space(label), &frame);
+            let label = drawing.labels.iter().find(inside);
+            assert!(
+                label.is_none(),
+                "{what}: {:?} in a frame",
+                label.map(|l| &l.text.spoken)
+            );
+        }
+    }
+
+    /// The frames of all plots.
+    fn frames(drawing: &Drawing) -> Vec<Bounds> {
+        let groups = drawing
+            .groups
+            .iter()
+            .filter(|group| group.meaning == "frame");
+        groups
+            .filter_map(|group| match group.shapes.first() {
+                Some(Shape::Line { points, .. }) => Some(Bounds {
+                    left: points[0].0,
+                    top: points[0].1,
+                    right: points[2].0,
+                    bottom: points[2].1,
+                }),
+                _ => None,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn labels_lie_within_figures_and_apart() {
+        let runs = runs();
+        let alone = |run| vec![run];
+        let mut sets: Vec<Vec<&Run>> = runs.iter().map(alone).collect();
+        sets.push(runs.iter().collect());
+        for figure in FIGURES {
+            for runs in sets.iter().filter(|runs| runs.len() >= figure.least_runs) {
+                for width in [80.0, 85.0, 129.0, 130.0, 170.0, 400.0] {
+                    let what = format!("{} of {} runs, {width} mm", figure.name, runs.len());
+                    check(&figure.draw(runs, width), &what);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lines_lie_within_figures() {
+        let runs = runs();
+        let runs: Vec<_> = runs.iter().collect();
+        for figure in FIGURES {
+            let drawing = figure.draw(&runs, 85.0);
+            for shape in drawing.groups.iter().flat_map(|group| &group.shapes) {
+                let (Shape::Line { points, .. } | Shape::Area { points, .. }) = shape else {
+                    continue;
+                };
+                for (x, y) in points {
+                    let is_within =
+                        (0.0..=drawing.width).contains(x) && (0.0..=drawing.height).contains(y);
+                    assert!(is_within, "{}: ({x}, {y})", figure.name);
+                }
+            }
+        }
     }
 }

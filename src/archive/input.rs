@@ -109,17 +109,9 @@ fn is_mcap(path: &Path) -> bool {
 /// The text of a file.
 ///
 /// # Errors
-/// As [`open_file`].
+/// As [`open_file`], or that it is no text.
 pub fn read_file(path: &Path) -> io::Result<String> {
-    read_text(open_file(path)?)
-}
-
-/// The text in a file that is open.
-///
-/// # Errors
-/// The system's, or that it is no text.
-pub fn read_text(file: File) -> io::Result<String> {
-    io::read_to_string(file).map_err(|error| match error.kind() {
+    io::read_to_string(open_file(path)?).map_err(|error| match error.kind() {
         io::ErrorKind::InvalidData => io::Error::new(error.kind(), "it is not a text in UTF-8"),
         _ => error,
     })

@@ -35,19 +35,16 @@ enum Points {
 /// The key with this name: its path, or its name in tables.
 ///
 /// # Errors
-/// [`SweepError::Key`] if there is none.
+/// [`SweepError::Scenario`] if there is none.
 pub fn find_key(name: &str) -> Result<&'static Key, SweepError> {
-    let found = KEYS
-        .iter()
-        .find(|key| key.path == name || column_name(key) == name);
-    match found {
-        Some(key) => Ok(key),
-        // The error names the keys that are like it.
-        None => match Values::default().set_value(name, 0.0) {
-            Err(error) => Err(error.into()),
-            Ok(()) => Err(SweepError::Spec(format!("unknown key {name}"))),
-        },
-    }
+    let mut keys = KEYS.iter();
+    let found = keys.find(|key| key.path == name || column_name(key) == name);
+    // The error names the keys that are like it.
+    let unknown = || match Values::default().set_value(name, 0.0) {
+        Err(error) => error.into(),
+        Ok(()) => SweepError::Scenario(format!("unknown key {name}")),
+    };
+    found.ok_or_else(unknown)
 }
 
 /// The name of a key's column: its path without dots, which Spark and Rerun don't take in names.
@@ -61,10 +58,9 @@ impl Axis {
     /// quotes, and must where a comma is in them.
     ///
     /// # Errors
-    /// [`SweepError::Key`] for a key that there isn't, [`SweepError::Spec`] for values that make no sense.
+    /// [`SweepError::Scenario`] for a key that there isn't, [`SweepError::Spec`] for values that make no sense.
     pub fn parse(name: &str, text: &str) -> Result<Self, SweepError> {
         let key = find_key(name)?;
-        let wrong = |reason: String| SweepError::Spec(format!("{}={text}: {reason}", key.path));
         let points = if key.kind.is_text() {
             words(text).map(Points::List)
         } else if text.contains("..") {
@@ -74,11 +70,19 @@ impl Axis {
             let values = items.map(|number| Ok(Value::Number(number?)));
             values.collect::<Result<_, _>>().map(Points::List)
         };
-        Ok(Self {
+        let mut axis = Self {
             key,
             text: text.to_owned(),
-            points: points.map_err(wrong)?,
-        })
+            points: Points::List(Vec::new()),
+        };
+        axis.points = points.map_err(|reason| axis.wrong(&reason))?;
+        Ok(axis)
+    }
+
+    /// The error for values that make no sense.
+    pub(super) fn wrong(&self, reason: &str) -> SweepError {
+        let Self { key, text, .. } = self;
+        SweepError::Spec(format!("{}={text}: {reason}", key.path))
     }
 
     /// Takes a list of values, each as it would stand on the command line by itself.
@@ -212,41 +216,33 @@ fn number(text: &str) -> Result<f64, String> {
     if text.is_empty() {
         return Err(EMPTY.to_owned());
     }
-    let number = text.parse().ok();
-    number
-        .filter(|number: &f64| number.is_finite())
-        .ok_or_else(|| format!("{text:?} is not a finite number"))
+    let number: Option<f64> = text.parse().ok();
+    let number = number.filter(|number| number.is_finite());
+    number.ok_or_else(|| format!("{text:?} is not a finite number"))
 }
 
 /// Reads a range.
 fn range(text: &str) -> Result<Points, String> {
     let (ends, steps) = match text.split_once('/') {
-        Some((ends, steps)) => (ends, Some(steps.trim())),
-        None => (text, None),
+        Some((_, steps)) if steps.trim().is_empty() => {
+            return Err("the number of values is missing".to_owned());
+        }
+        Some((ends, steps)) => (ends, steps.trim()),
+        None => (text, ""),
     };
-    let (from, to) = ends
-        .split_once("..")
-        .ok_or("a range is a..b/N, a..b/Nlog, or a..b in a sample")?;
+    let ends = ends.split_once("..");
+    let (from, to) = ends.ok_or("a range is a..b/N, a..b/Nlog, or a..b in a sample")?;
     let (from, to) = (number(from)?, number(to)?);
-    let (count, is_log) = match steps {
-        None => ("", false),
-        Some(steps) => match steps.strip_suffix("log") {
-            Some(count) => (count, true),
-            None => (steps, false),
-        },
-    };
-    let count = match count {
-        "" if steps == Some("") => return Err("the number of values is missing".to_owned()),
+    let count = steps.strip_suffix("log");
+    let is_log = count.is_some();
+    let wrong = |count| format!("{count:?} is not a number of values from 2 to {MOST_VALUES}");
+    let is_possible = |count: &u32| (2..=MOST_VALUES).contains(count);
+    let count = match count.unwrap_or(steps) {
         "" => None,
-        count => Some(
-            count
-                .parse()
-                .ok()
-                .filter(|count| (2..=MOST_VALUES).contains(count))
-                .ok_or_else(|| {
-                    format!("{count:?} is not a number of values from 2 to {MOST_VALUES}")
-                })?,
-        ),
+        text => {
+            let count = text.parse().ok().filter(is_possible);
+            Some(count.ok_or_else(|| wrong(text))?)
+        }
     };
     if is_log && !(from > 0.0 && to > 0.0) {
         return Err("a logarithmic range is between positive numbers".to_owned());

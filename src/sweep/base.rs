@@ -35,12 +35,9 @@ impl Base {
     /// The preset of this name, or the scenario of the file or recording at this path, with some keys set otherwise.
     ///
     /// # Errors
-    /// [`SweepError::Input`] if there is none, [`SweepError::Base`] if a key can't be set.
+    /// [`SweepError::Input`] if there is none, [`SweepError::Scenario`] if a key can't be set.
     pub fn open(word: &str, folder: &Path, set: &[(String, String)]) -> Result<Self, SweepError> {
-        let wrong = |reason| SweepError::Base {
-            name: word.to_owned(),
-            reason,
-        };
+        let wrong = |reason| SweepError::Scenario(format!("{word}: {reason}"));
         let path = folder.join(word);
         let path: PathBuf = if path.is_file() { path } else { word.into() };
         let mut values = input::values(&path)?;

@@ -15,25 +15,28 @@ pub type Cells = Vec<Option<Value>>;
 /// # Errors
 /// The type of the column's values, if they are neither.
 pub fn cells(column: &dyn Array) -> Result<Cells, String> {
-    let kind = match column.data_type() {
-        DataType::Dictionary(_, values) => values,
-        kind => kind,
-    };
-    let cells = match kind {
+    let cells = match values_of(column.data_type()) {
         DataType::Null => Ok(vec![None; column.len()]),
-        DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => words(column),
+        kind if kind.is_string() => words(column),
         // The double next to a decimal is that which its text is read as.
         kind if kind.is_decimal() => {
             cast(column, &DataType::Utf8).and_then(|texts| numbers(&texts))
         }
         kind if kind.is_numeric() => numbers(column),
         kind => {
-            return Err(format!(
-                "values of type {kind} are neither numbers nor words"
-            ));
+            let reason = "neither numbers nor words";
+            return Err(format!("values of type {kind} are {reason}"));
         }
     };
     cells.map_err(|error| error.to_string())
+}
+
+/// The type of a column's values, which may be a dictionary's.
+pub(super) fn values_of(kind: &DataType) -> &DataType {
+    match kind {
+        DataType::Dictionary(_, values) => values,
+        kind => kind,
+    }
 }
 
 /// The column as another type. A value that has none there is an error, not an empty cell.

@@ -8,40 +8,27 @@ pub(super) fn change(before: &Json, now: &Json) -> Option<String> {
 }
 
 fn changed(path: &str, before: &Json, now: &Json) -> Option<String> {
-    let inner = |name: &str| {
-        if path.is_empty() {
-            name.to_owned()
-        } else {
-            format!("{path}.{name}")
-        }
-    };
     match (before, now) {
         (Json::Object(old), Json::Object(new)) => {
-            let names = new.keys().chain(old.keys());
+            let mut names: Vec<_> = new.keys().chain(old.keys()).collect();
             // The number of runs follows from the rest, which is more useful.
-            let (last, first): (Vec<_>, Vec<_>) = names.partition(|name| *name == "runs");
-            let mut all = first.into_iter().chain(last);
-            let differing = all.find_map(|name| {
+            names.sort_by_key(|name| *name == "runs");
+            let differing = names.into_iter().find_map(|name| {
+                let inner = format!("{path}.{name}");
                 let of = |map: &Map<String, Json>| map.get(name).cloned().unwrap_or_default();
-                changed(&inner(name), &of(old), &of(new))
+                changed(inner.trim_start_matches('.'), &of(old), &of(new))
             });
-            let order = || {
-                let same = old.keys().eq(new.keys());
-                (!same).then(|| format!("the order of {path}"))
-            };
-            differing.or_else(order)
+            let is_same = old.keys().eq(new.keys());
+            differing.or_else(|| (!is_same).then(|| format!("the order of {path}")))
         }
         (Json::Array(old), Json::Array(new)) if old.len() == new.len() => {
-            let pairs = old.iter().zip(new).enumerate();
-            pairs
-                .into_iter()
-                .find_map(|(i, (old, new))| changed(&format!("{path}[{i}]"), old, new))
+            let mut pairs = old.iter().zip(new).enumerate();
+            pairs.find_map(|(i, (old, new))| changed(&format!("{path}[{i}]"), old, new))
         }
-        (Json::Array(old), Json::Array(new)) => Some(format!(
-            "{path} had {} entries there, and {} here",
-            old.len(),
-            new.len()
-        )),
+        (Json::Array(old), Json::Array(new)) => {
+            let (there, here) = (old.len(), new.len());
+            Some(format!("{path} had {there} entries there, and {here} here"))
+        }
         (old, new) if old == new => None,
         (Json::Null, new) => Some(format!("{path} = {new} is new")),
         (old, Json::Null) => Some(format!("{path} = {old} is gone")),

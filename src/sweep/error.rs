@@ -13,20 +13,12 @@ pub enum SweepError {
     /// The spec of the sweep is wrong.
     #[error("{0}")]
     Spec(String),
-    /// A scenario that it starts from is wrong.
-    #[error("{name}: {reason}")]
-    Base {
-        /// The preset or file.
-        name: String,
-        /// The reason.
-        reason: ScenarioError,
-    },
+    /// A key that scenarios don't have, or a scenario to start from with a value that it can't have.
+    #[error("{0}")]
+    Scenario(String),
     /// A word names no scenario to start from.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A key that scenarios don't have.
-    #[error(transparent)]
-    Key(#[from] ScenarioError),
     /// A table, a part or the directory of parts belongs to another sweep, is damaged, or can't be read as a table.
     #[error("{0}")]
     File(String),
@@ -47,6 +39,12 @@ pub enum SweepError {
     /// A file can't be read or published.
     #[error(transparent)]
     Sink(#[from] SinkError),
+}
+
+impl From<ScenarioError> for SweepError {
+    fn from(error: ScenarioError) -> Self {
+        Self::Scenario(error.to_string())
+    }
 }
 
 impl SweepError {

@@ -100,16 +100,21 @@ impl Sweep {
             .collect();
         let computed = computed?;
         let mut counts = Counts::default();
-        for (run, row) in rows.clone().zip(&computed) {
-            let stop = row
-                .result
-                .as_ref()
-                .map(|outcome| outcome.stop_reason.name());
+        for (run, Row { result, .. }) in rows.clone().zip(&computed) {
+            let stop = result.as_ref().map(|outcome| outcome.stop_reason.name());
             counts.count(run, stop.map_err(String::as_str));
         }
-        let columns = self.columns(rows, &computed);
-        let batch = RecordBatch::try_new(self.schema.clone(), columns);
-        Some((batch.expect("the columns are made for the schema"), counts))
+        let mut columns = self.design_columns(rows);
+        let results = || computed.iter().map(|row| row.result.as_ref());
+        columns.extend(COLUMNS.iter().map(|column| {
+            let cells = results().map(|outcome| column.of(outcome.ok()?));
+            outcome_column(column, cells)
+        }));
+        let digests = computed.iter().map(|row| row.digest.as_ref());
+        let errors = results().map(Result::err);
+        columns.push(Arc::new(digests.collect::<StringArray>()));
+        columns.push(Arc::new(errors.collect::<StringArray>()));
+        Some((self.batch_of(columns), counts))
     }
 
     /// Some rows of the design: their numbers, bases and what they change, without outcomes.
@@ -118,7 +123,11 @@ impl Sweep {
     /// Never: the columns are made for the schema.
     #[must_use]
     pub fn design(&self, rows: Range<u64>) -> RecordBatch {
-        let columns = self.design_columns(rows);
+        self.batch_of(self.design_columns(rows))
+    }
+
+    /// The first columns of the table.
+    fn batch_of(&self, columns: Vec<ArrayRef>) -> RecordBatch {
         let fields = self.schema.fields()[..columns.len()].to_vec();
         let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), columns);
         batch.expect("the columns are made for the schema")
@@ -145,29 +154,16 @@ impl Sweep {
         Some(row)
     }
 
-    fn columns(&self, rows: Range<u64>, computed: &[Row]) -> Vec<ArrayRef> {
-        let mut columns = self.design_columns(rows);
-        columns.extend(COLUMNS.iter().map(|column| {
-            let outcomes = computed.iter().map(|row| row.result.as_ref().ok());
-            outcome_column(column, outcomes.map(|outcome| column.of(outcome?)))
-        }));
-        let digests = computed.iter().map(|row| row.digest.as_ref());
-        let errors = computed.iter().map(|row| row.result.as_ref().err());
-        columns.push(Arc::new(digests.collect::<StringArray>()));
-        columns.push(Arc::new(errors.collect::<StringArray>()));
-        columns
-    }
-
     fn design_columns(&self, rows: Range<u64>) -> Vec<ArrayRef> {
         let runs = Int64Array::from_iter_values(rows.clone().map(|row| row as i64));
         let names = rows.clone().map(|row| &self.spec.base(row).name);
         let names = StringArray::from_iter_values(names);
         let mut columns: Vec<ArrayRef> = vec![Arc::new(runs), Arc::new(names)];
         let mut values: Vec<_> = rows.map(|row| self.spec.values(row)).collect();
-        let keys = self.spec.keys().iter().enumerate();
-        columns.extend(
-            keys.map(|(i, key)| key_column(key, values.iter_mut().map(|row| row[i].take()))),
-        );
+        for (index, key) in self.spec.keys().iter().enumerate() {
+            let cells = values.iter_mut().map(|row| row[index].take());
+            columns.push(key_column(key, cells));
+        }
         columns
     }
 }
@@ -216,14 +212,9 @@ fn fields(spec: &Spec) -> Vec<Field> {
     }));
     let outcome = |column: &Column| field(column.name, column.kind, column.unit, column.meaning);
     fields.extend(COLUMNS.iter().map(outcome));
-    fields.push(text(
-        "scenario_digest",
-        "SHA-256 of the scenario; null if there is none",
-    ));
-    fields.push(text(
-        "error",
-        "why there is no outcome; null if there is one",
-    ));
+    let digest = "SHA-256 of the scenario; null if there is none";
+    let error = "why there is no outcome; null if there is one";
+    fields.extend([text("scenario_digest", digest), text("error", error)]);
     fields
 }
 

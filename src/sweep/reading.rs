@@ -3,17 +3,13 @@
 use super::axis::find_key;
 use super::cells::{Cells, cells};
 use super::error::SweepError;
-use super::guard::guarded;
+use super::reader::{self, Opened};
 use super::store::{SPEC_ENTRY, entry};
-use crate::archive::input::open_file;
 use crate::run::scenario::{Scenario, Value, Values};
 use arrow_array::{Array, RecordBatch, RecordBatchReader as _};
 use arrow_schema::SchemaRef;
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use serde::Deserialize;
-use std::collections::BTreeMap;
-use std::fs::File;
+use serde::Deserialize as _;
+use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
 
 /// Some columns of a table of outcomes.
@@ -30,33 +26,27 @@ impl Columns {
     /// # Errors
     /// [`SweepError::File`] if it is no Parquet file, or a column is missing.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, SweepError> {
-        guarded(|| Self::of_file(path, names)).map_err(SweepError::table(path))?
-    }
-
-    fn of_file(path: &Path, names: &[&str]) -> Result<Self, SweepError> {
-        let builder = open(path)?;
-        let fields = builder.schema().fields().iter();
-        let all: Vec<&str> = fields.map(|field| field.name().as_str()).collect();
-        let mut wanted = Vec::new();
-        for name in names {
-            let found = (0..all.len()).filter(|i| plain(all[*i]) == plain(name));
-            let before = wanted.len();
-            wanted.extend(found);
-            if wanted.len() == before {
+        let wrong = SweepError::table(path);
+        reader::read(path, |opened| {
+            let fields = opened.schema().fields().iter();
+            let all: Vec<&str> = fields.map(|field| field.name().as_str()).collect();
+            let is = |name: &str, other: &str| plain(name) == plain(other);
+            let is_there = |name: &&&str| all.iter().any(|other| is(name, other));
+            if let Some(name) = names.iter().find(|name| !is_there(name)) {
                 let all = all.join(", ");
                 let reason = format!("there is no column {name}; there are {all}");
-                return Err(SweepError::table(path)(reason));
+                return Err(wrong(reason));
             }
-        }
-        let mask = ProjectionMask::roots(builder.parquet_schema(), wanted);
-        let reader = builder.with_projection(mask).build();
-        let reader = reader.map_err(SweepError::table(path))?;
-        Ok(Self {
-            path: path.to_owned(),
-            schema: reader.schema(),
-            batches: reader
-                .collect::<Result<_, _>>()
-                .map_err(SweepError::table(path))?,
+            let is_wanted = |at: &usize| names.iter().any(|name| is(name, all[*at]));
+            let wanted: Vec<_> = (0..all.len()).filter(is_wanted).collect();
+            let reader = reader::batches(opened, wanted).map_err(SweepError::table(path))?;
+            let schema = reader.schema();
+            let batches = reader.collect::<Result<_, _>>();
+            Ok(Self {
+                path: path.to_owned(),
+                schema,
+                batches: batches.map_err(SweepError::table(path))?,
+            })
         })
     }
 
@@ -114,46 +104,37 @@ impl Columns {
     }
 }
 
-/// The spec in a table's metadata.
-#[derive(Deserialize)]
-struct RecordedSpec {
-    bases: Vec<RecordedBase>,
-}
-
-#[derive(Deserialize)]
-struct RecordedBase {
-    scenario: BTreeMap<String, Value>,
-}
-
 /// The keys and values of the scenario of a row in a sweep's table: those of its base, and what the row changes.
 ///
 /// # Errors
 /// [`SweepError::File`] if it is not the table of a sweep, has no such row, or gives another scenario than the one that was
-/// run; [`SweepError::Key`] if this version doesn't have a key of it.
+/// run; [`SweepError::Scenario`] if this version doesn't have a key of it.
 pub fn values_of_row(table: &Path, row: u64) -> Result<Values, SweepError> {
-    guarded(|| read_row(table, row)).map_err(SweepError::table(table))?
+    reader::read(table, |opened| read_row(table, row, opened))
 }
 
-fn read_row(table: &Path, row: u64) -> Result<Values, SweepError> {
+fn read_row(table: &Path, row: u64, opened: Opened) -> Result<Values, SweepError> {
     let wrong = |reason: String| SweepError::table(table)(reason);
-    let builder = open(table)?;
-    let spec = entry(builder.metadata(), SPEC_ENTRY);
-    let spec: Option<RecordedSpec> = spec.and_then(|text| serde_json::from_str(text).ok());
-    let spec = spec.ok_or_else(|| wrong("it is not the table of a sweep".to_owned()))?;
-    let rows = builder.metadata().file_metadata().num_rows() as u64;
+    let spec = entry(opened.metadata(), SPEC_ENTRY);
+    let spec: Option<Json> = spec.and_then(|text| serde_json::from_str(text).ok());
+    let bases = spec.as_ref().and_then(|spec| spec["bases"].as_array());
+    let bases = bases.ok_or_else(|| wrong("it is not the table of a sweep".to_owned()))?;
+    let rows = opened.metadata().file_metadata().num_rows() as u64;
     if row >= rows {
         let reason = format!("there is no row {row}: it has {rows}, from 0 on");
         return Err(wrong(reason));
     }
-    let reader = builder.with_offset(row as usize).with_limit(1).build();
+    let reader = opened.with_offset(row as usize).with_limit(1).build();
     let batch = reader.map_err(SweepError::table(table))?.next().transpose();
     let batch = batch.map_err(SweepError::table(table))?;
     let batch = batch.ok_or_else(|| wrong(format!("row {row} is missing")))?;
-    let rows_per_base = (rows / spec.bases.len().max(1) as u64).max(1);
-    let base = spec.bases.into_iter().nth((row / rows_per_base) as usize);
+    let rows_per_base = (rows / bases.len().max(1) as u64).max(1);
+    let base = bases.get((row / rows_per_base) as usize);
+    let base = base.and_then(|base| base["scenario"].as_object());
     let mut values = Values::default();
-    for (key, value) in base.into_iter().flat_map(|base| base.scenario) {
-        values.set_value(&key, value)?;
+    for (key, value) in base.into_iter().flatten() {
+        let value = Value::deserialize(value).map_err(SweepError::table(table))?;
+        values.set_value(key, value)?;
     }
     let cell = |column: &dyn Array| {
         let read = cells(column).map_err(wrong)?;
@@ -166,9 +147,8 @@ fn read_row(table: &Path, row: u64) -> Result<Values, SweepError> {
             values.set_value(key.path, value)?;
         }
     }
-    let recorded = batch
-        .column_by_name("scenario_digest")
-        .map(|column| cell(column));
+    let recorded = batch.column_by_name("scenario_digest");
+    let recorded = recorded.map(|column| cell(column));
     let digest = Scenario::new(values.clone()).map(|scenario| Value::Text(scenario.digest()));
     if recorded.transpose()?.flatten() != digest.ok() {
         return Err(wrong(format!(
@@ -176,11 +156,6 @@ fn read_row(table: &Path, row: u64) -> Result<Values, SweepError> {
         )));
     }
     Ok(values)
-}
-
-fn open(path: &Path) -> Result<ParquetRecordBatchReaderBuilder<File>, SweepError> {
-    let file = open_file(path).map_err(SweepError::io("read", path))?;
-    ParquetRecordBatchReaderBuilder::try_new(file).map_err(SweepError::table(path))
 }
 
 /// The name of a column, for a key's path too.

@@ -46,14 +46,11 @@ pub(super) fn row(
     run: Run,
     watch: &Watch<'_>,
 ) -> Option<Row> {
-    let scenario = match scenario {
-        Ok(scenario) => scenario,
+    let (digest, scenario) = match scenario {
+        Ok(scenario) => (Some(scenario.digest()), scenario),
         Err(error) => {
-            let result = Err(error.to_string());
-            return Some(Row {
-                digest: None,
-                result,
-            });
+            let (digest, result) = (None, Err(error.to_string()));
+            return Some(Row { digest, result });
         }
     };
     let mut steps = 0;
@@ -78,7 +75,6 @@ pub(super) fn row(
         }
         Ok(Ok(outcome)) => Ok(outcome),
     };
-    let digest = Some(scenario.digest());
     Some(Row { digest, result })
 }
 

@@ -2,6 +2,7 @@
 
 use super::sobol::{DIMENSIONS, Sobol};
 use super::words;
+use crate::run::scenario::KEYS;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
@@ -14,16 +15,6 @@ pub enum Method {
     Sobol,
     /// Each coordinate by itself at random.
     Random,
-}
-
-impl Method {
-    /// The most axes that a sample by this method has.
-    pub(super) fn most_axes(self) -> usize {
-        match self {
-            Self::Sobol => DIMENSIONS,
-            Self::Random => usize::MAX,
-        }
-    }
 }
 
 /// Points that are chosen among the values of some axes.
@@ -43,6 +34,9 @@ pub struct Sample {
     #[serde(default, deserialize_with = "words::seed")]
     pub seed: u64,
 }
+
+/// Each key may be an axis.
+const _: () = assert!(KEYS.len() <= DIMENSIONS);
 
 /// The coordinates of the points of a sample, each from 0 to below 1.
 #[derive(Clone, Debug, Default)]

@@ -7,6 +7,7 @@ use super::error::SweepError;
 use super::sample::Points;
 use crate::run::scenario::{Key, Value};
 use serde_json::{Map, Value as Json, json};
+use std::collections::HashSet;
 use std::path::Path;
 
 /// Which runs a sweep consists of.
@@ -40,9 +41,8 @@ impl Spec {
         }
         let rows_per_base = design.rows()?;
         let keys = design.keys();
-        let is_earlier = |(i, key): &(usize, &&Key)| keys[..*i].iter().any(|k| k.path == key.path);
-        if let Some((_, twice)) = keys.iter().enumerate().find(is_earlier) {
-            return wrong(format!("{} varies twice", twice.path));
+        if let Some(key) = repeated(keys.iter().map(|key| key.path)) {
+            return wrong(format!("{key} varies twice"));
         }
         let mut set = bases.iter().flat_map(|base| &base.set);
         if let Some(key) = set.find(|key| design.always_has(key)) {
@@ -83,11 +83,7 @@ impl Spec {
     /// A name that several bases have, so that their runs can't be distinguished in the table.
     #[must_use]
     pub fn shared_name(&self) -> Option<&str> {
-        let mut names = self.bases.iter().map(|base| base.name.as_str()).enumerate();
-        let is_earlier = |(index, name): &(usize, &str)| {
-            self.bases[..*index].iter().any(|base| base.name == *name)
-        };
-        names.find(is_earlier).map(|(_, name)| name)
+        repeated(self.bases.iter().map(|base| base.name.as_str()))
     }
 
     /// The files that it was read from: bases, and a table of runs.
@@ -110,14 +106,12 @@ impl Spec {
         match &self.design {
             Design::Grid(axes) => {
                 let mut rest = row;
-                let mut value = |axis: &Axis| {
+                let mut values = vec![None; axes.len()];
+                for (value, axis) in values.iter_mut().zip(axes).rev() {
                     let count = axis.count().unwrap_or(1);
-                    let value = axis.at(rest % count);
+                    *value = Some(axis.at(rest % count));
                     rest /= count;
-                    Some(value)
-                };
-                let mut values: Vec<_> = axes.iter().rev().map(&mut value).collect();
-                values.reverse();
+                }
                 values
             }
             Design::Sample(_, axes) => {
@@ -158,6 +152,12 @@ impl Spec {
         put("max_steps", json!(self.most_steps));
         Json::Object(spec)
     }
+}
+
+/// The first name that is there a second time.
+fn repeated<'a>(mut names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let mut seen = HashSet::new();
+    names.find(|name| !seen.insert(*name))
 }
 
 #[cfg(test)]

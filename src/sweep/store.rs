@@ -17,7 +17,7 @@ use parquet::file::writer::SerializedFileWriter;
 use serde_json::Value as Json;
 use sha2::{Digest as _, Sha256};
 use std::ffi::OsString;
-use std::fs::{self, File, Metadata};
+use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -75,10 +75,10 @@ impl<'a> Store<'a> {
             is_same_file(input, table) || store.is_own(&name.to_string_lossy()) && is_part()
         };
         match sweep.spec().inputs().find(is_in_place) {
-            Some(input) => Err(SinkError::IsInUse {
-                path: input.to_owned(),
+            Some(input) => {
+                let path = input.to_owned();
+                Err(SinkError::IsInUse { path }.into())
             }
-            .into()),
             None => Ok(store),
         }
     }
@@ -94,20 +94,14 @@ impl<'a> Store<'a> {
         }
         let unusable = |reason| SweepError::unusable(table, reason);
         let exists = || unusable("exists and is not the table of a sweep: choose another name");
-        let is_special = |found: Metadata| !found.is_file() && !found.is_dir();
-        if table.metadata().is_ok_and(is_special) {
-            return Err(unusable(
-                "is a pipe or a device: a table is written to a file; choose another name",
-            ));
-        }
-        let file = File::open(table).map_err(SweepError::io("read", table))?;
+        let file = open_file(table).map_err(SweepError::io("read", table))?;
         let metadata = metadata(&file).map_err(|_| exists())?;
         let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(exists)?;
         refuse_other(table, spec, self.sweep.identity())?;
         if !checksum::is_right(&file).map_err(SweepError::io("read", table))? {
-            return Err(unusable(
-                "is damaged, or was changed: choose another name, or remove it and sweep again",
-            ));
+            let reason =
+                "is damaged, or was changed: choose another name, or remove it and sweep again";
+            return Err(unusable(reason));
         }
         counts(&metadata).map(Some).ok_or_else(exists)
     }
@@ -124,7 +118,8 @@ impl<'a> Store<'a> {
             Err(error) => return Err(error.into()),
         }
         self.check_parts()?;
-        self.draft().map(|_| ())
+        self.draft()?;
+        Ok(())
     }
 
     /// Checks that the directory of the parts, if there is one, belongs to this sweep.
@@ -145,9 +140,8 @@ impl<'a> Store<'a> {
     }
 
     /// A draft of the table. What a process that was killed leaves of it goes with the parts.
-    fn draft(&self) -> Result<Draft, SweepError> {
-        let draft = Draft::within(&self.parts, self.table, Existing::Keep);
-        Ok(draft?)
+    fn draft(&self) -> Result<Draft, SinkError> {
+        Draft::within(&self.parts, self.table, Existing::Keep)
     }
 
     /// The file of a part.
@@ -284,12 +278,10 @@ impl<'a> Store<'a> {
         let Ok(file) = open_file(&self.path(part)) else {
             return Ok(None);
         };
-        let Ok(metadata) = metadata(&file) else {
+        let is_right = checksum::is_right(&file).is_ok_and(|is_right| is_right);
+        let Some(metadata) = metadata(&file).ok().filter(|_| is_right) else {
             return Ok(None);
         };
-        if !checksum::is_right(&file).is_ok_and(|is_right| is_right) {
-            return Ok(None);
-        }
         if entry(&metadata, PART_ENTRY) != Some(&self.name(part)) {
             return Err(self.bad(part, "it is of another sweep"));
         }
@@ -318,13 +310,11 @@ fn refuse_other(path: &Path, text: &str, sweep: &Json) -> Result<(), SweepError>
         let reason = "does not name its sweep, because its file is damaged: choose another name, or remove it";
         return Err(SweepError::unusable(path, reason));
     };
-    match change(&before, sweep) {
-        None => Ok(()),
-        Some(change) => Err(SweepError::unusable(
-            path,
-            format!("is of another sweep: {change}; choose another name, or remove it"),
-        )),
-    }
+    let Some(change) = change(&before, sweep) else {
+        return Ok(());
+    };
+    let reason = format!("is of another sweep: {change}; choose another name, or remove it");
+    Err(SweepError::unusable(path, reason))
 }
 
 /// Why a table can't be written: the system's reason, where there is one, and not how the Parquet writer wraps it.

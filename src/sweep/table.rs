@@ -1,18 +1,15 @@
 //! A table with the values of each run: a design made elsewhere.
 
 use super::axis::find_key;
-use super::cells::{Cells, cells as cells_of};
+use super::cells::{Cells, cells as cells_of, values_of};
 use super::error::SweepError;
-use super::guard::guarded;
-use crate::archive::input::{open_file, read_text};
+use super::reader::{self, Opened};
+use crate::archive::input::read_file;
 use crate::run::scenario::{Key, Value, hex};
 use arrow_array::{RecordBatch, new_empty_array};
 use arrow_schema::{DataType, Schema};
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value as Json;
 use sha2::{Digest as _, Sha256};
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// The most rows of a table: it is held in memory.
@@ -41,17 +38,17 @@ impl Table {
     /// [`SweepError::File`] for what is neither, or has a column that is no key.
     pub fn read(path: &Path) -> Result<Self, SweepError> {
         let has = |kind| path.extension().is_some_and(|extension| extension == kind);
-        let file = open_file(path).map_err(SweepError::io("read", path))?;
-        let read = if has("parquet") {
-            from_parquet(file)
+        let wrong = SweepError::table(path);
+        let mut table = if has("parquet") {
+            reader::read(path, |opened| from_parquet(opened).map_err(wrong))?
         } else if has("csv") {
-            from_csv(file)
+            let text = read_file(path).map_err(SweepError::io("read", path))?;
+            from_csv(&text).map_err(wrong)?
         } else {
-            Err("must be a .parquet or a .csv file".to_owned())
+            return Err(wrong("must be a .parquet or a .csv file".to_owned()));
         };
-        let file = Some(path.to_owned());
-        read.map(|table| Self { file, ..table })
-            .map_err(SweepError::table(path))
+        table.file = Some(path.to_owned());
+        Ok(table)
     }
 
     /// Takes the columns of Arrow's batches, which all have this schema. An index of pandas is passed over, unless it is
@@ -164,42 +161,26 @@ fn check_rows(rows: u64) -> Result<(), String> {
 /// Refuses a type none of whose values can be one of this key.
 fn check_type(key: &Key, of: &DataType) -> Result<(), String> {
     cells_of(&new_empty_array(of))?;
-    let is_text = |of: &DataType| {
-        matches!(
-            of,
-            DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View
-        )
-    };
-    let values = match of {
-        DataType::Dictionary(_, values) => values,
-        of => of,
-    };
-    if *values == DataType::Null || is_text(values) == key.kind.is_text() {
+    let of = values_of(of);
+    if *of == DataType::Null || of.is_string() == key.kind.is_text() {
         return Ok(());
     }
-    let are = if is_text(values) { "words" } else { "numbers" };
+    let are = if of.is_string() { "words" } else { "numbers" };
     Err(format!("the values are {are}, and must be {}", key.kind))
 }
 
-fn from_parquet(file: File) -> Result<Table, String> {
-    guarded(|| read_parquet(file))?
-}
-
-fn read_parquet(file: File) -> Result<Table, String> {
-    let message = |error: &dyn std::error::Error| error.to_string();
-    let builder =
-        ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| message(&error))?;
-    let groups = builder.metadata().row_groups().iter();
+fn from_parquet(opened: Opened) -> Result<Table, String> {
+    let groups = opened.metadata().row_groups().iter();
     let rows = groups.map(|group| u64::try_from(group.num_rows()).unwrap_or(u64::MAX));
     let rows = rows.fold(0, u64::saturating_add);
-    let mut table = Table::of_schema(builder.schema(), rows)?;
-    let names = builder.schema().fields().iter().enumerate();
+    let mut table = Table::of_schema(opened.schema(), rows)?;
+    let fields = opened.schema().fields().clone();
     let is_wanted = |name: &String| table.columns.iter().any(|column| column.name == *name);
-    let wanted = names.filter(|(_, field)| is_wanted(field.name()));
-    let wanted = ProjectionMask::roots(builder.parquet_schema(), wanted.map(|(index, _)| index));
-    let reader = builder.with_projection(wanted).build();
-    for batch in reader.map_err(|error| message(&error))? {
-        table.add(&batch.map_err(|error| message(&error))?)?;
+    let wanted = (0..fields.len()).filter(|at| is_wanted(fields[*at].name()));
+    let wanted: Vec<_> = wanted.collect();
+    let reader = reader::batches(opened, wanted).map_err(|error| error.to_string())?;
+    for batch in reader {
+        table.add(&batch.map_err(|error| error.to_string())?)?;
     }
     Ok(table)
 }
@@ -223,72 +204,90 @@ fn is_nameless_index(name: &str) -> bool {
     level.is_some_and(|level| level.parse::<u32>().is_ok())
 }
 
-fn from_csv(file: File) -> Result<Table, String> {
-    let text = read_text(file).map_err(|error| error.to_string())?;
-    if let Some(line) = unclosed_quote(&text) {
+/// Reads a table with commas between its cells, each of which is in one line.
+fn from_csv(text: &str) -> Result<Table, String> {
+    let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
+    let lines = text.split(['\n', '\r']).zip(1..);
+    let mut lines: Vec<(&str, u64)> = lines.collect();
+    // The text ends with the end of a line.
+    lines.pop_if(|(line, _)| line.is_empty());
+    lines.drain(
+        ..lines
+            .iter()
+            .take_while(|(line, _)| line.trim().is_empty())
+            .count(),
+    );
+    if let Some((_, line)) = lines
+        .iter()
+        .find(|(line, _)| line.matches('"').count() % 2 == 1)
+    {
         return Err(format!(
             "line {line}: a quote is opened here that nothing closes"
         ));
     }
-    let mut text = text.trim_start_matches('\u{feff}').to_owned();
-    let header = csv_reader(&text).headers().cloned();
-    let header = header.map_err(|error| error.to_string())?;
-    if header.len() == 1 {
-        text = with_empty_cells(&text);
-    }
+    // A reader passes over an empty line, which is an empty cell where there is one column.
+    let has_one_column = lines
+        .first()
+        .is_some_and(|(header, _)| !header.contains(','));
+    lines.retain(|(line, _)| has_one_column || !line.trim().is_empty());
+    let filled = lines
+        .iter()
+        .map(|(line, _)| if line.trim().is_empty() { "\"\"" } else { line });
+    let filled = filled.collect::<Vec<_>>().join("\n");
+    let mut reader = csv::ReaderBuilder::new();
+    reader
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All);
+    let mut reader = reader.from_reader(filled.as_bytes());
+    let mut records = reader
+        .records()
+        .map(|record| record.map_err(|error| error.to_string()));
+    let header = records.next().transpose()?.unwrap_or_default();
     // A column without a name is an index that pandas has written.
     let mut columns = Vec::new();
     for name in &header {
-        let column = |key| Column {
-            name: name.to_owned(),
-            key,
-            cells: Vec::new(),
-        };
-        columns.push(match name {
+        let key = match name {
             "" => None,
-            name => Some(column(find_key(name).map_err(|error| error.to_string())?)),
-        });
+            name => Some(find_key(name).map_err(|error| error.to_string())?),
+        };
+        columns.push((key, Vec::new()));
     }
     let mut rows: u64 = 0;
-    for record in csv_reader(&text).records() {
-        let record = record.map_err(|error| csv_error(&error, &text))?;
-        let message = |reason: String| {
-            let line = record.position().map_or(0, |start| line(start, &text));
-            format!("line {line}: {reason}")
-        };
-        for (column, cell) in columns.iter_mut().zip(&record) {
-            match column {
-                Some(Column { key, cells, .. }) => {
-                    cells.push(csv_cell(key, cell).map_err(message)?);
-                }
-                None if cell.parse() == Ok(rows) => {}
-                None => {
-                    let reason = format!(
-                        "{cell:?} is in a column without a name, which may only count the rows (0, 1, 2, …): name it, or leave it out"
-                    );
-                    return Err(message(reason));
-                }
-            }
+    for (record, (_, line)) in records.zip(lines.into_iter().skip(1)) {
+        let record = record?;
+        let (count, expected) = (record.len(), header.len());
+        if count != expected {
+            let cells = if count == 1 { "cell" } else { "cells" };
+            return Err(format!(
+                "line {line} has {count} {cells}, and the header {expected}"
+            ));
+        }
+        for ((key, cells), cell) in columns.iter_mut().zip(&record) {
+            let read = match key {
+                Some(key) => csv_cell(key, cell),
+                None if cell.parse() == Ok(rows) => Ok(None),
+                None => Err(format!(
+                    "{cell:?} is in a column without a name, which may only count the rows (0, 1, 2, …): name it, or leave it out"
+                )),
+            };
+            cells.push(read.map_err(|reason| format!("line {line}: {reason}"))?);
         }
         rows += 1;
     }
     check_rows(rows)?;
+    let column = |((key, cells), name): ((Option<&'static Key>, Cells), &str)| {
+        let name = name.to_owned();
+        key.map(|key| Column { name, key, cells })
+    };
     Ok(Table {
-        columns: columns.into_iter().flatten().collect(),
+        columns: columns
+            .into_iter()
+            .zip(&header)
+            .filter_map(column)
+            .collect(),
         rows,
         file: None,
-    })
-}
-
-/// The number of the line in which a quote is opened that nothing closes.
-fn unclosed_quote(text: &str) -> Option<usize> {
-    let lines = text.lines().enumerate();
-    lines.fold(None, |opened, (index, line)| {
-        match line.matches('"').count() % 2 {
-            0 => opened,
-            _ if opened.is_some() => None,
-            _ => Some(index + 1),
-        }
     })
 }
 
@@ -302,52 +301,6 @@ fn csv_cell(key: &Key, cell: &str) -> Result<Option<Value>, String> {
     }
     let number = cell.parse().map(|number| Some(Value::Number(number)));
     number.map_err(|_| format!("{} = {cell:?} is no number", key.path))
-}
-
-/// The error of a CSV file, with its line.
-fn csv_error(error: &csv::Error, text: &str) -> String {
-    match error.kind() {
-        csv::ErrorKind::UnequalLengths {
-            pos: Some(start),
-            expected_len,
-            len,
-        } => {
-            let cells = if *len == 1 { "cell" } else { "cells" };
-            let line = line(start, text);
-            format!("line {line} has {len} {cells}, and the header {expected_len}")
-        }
-        _ => error.to_string(),
-    }
-}
-
-/// The number, from 1, of the line of the text in which a record starts: its position is where the one before it ended.
-fn line(start: &csv::Position, text: &str) -> usize {
-    let is_end = |byte: &u8| matches!(byte, b'\r' | b'\n');
-    let (before, rest) = text
-        .as_bytes()
-        .split_at((start.byte() as usize).min(text.len()));
-    let passed = rest.iter().take_while(|byte| is_end(byte));
-    let all = before.iter().chain(passed);
-    1 + all.filter(|byte| **byte == b'\n').count()
-}
-
-fn csv_reader(text: &str) -> csv::Reader<&[u8]> {
-    let mut builder = csv::ReaderBuilder::new();
-    builder.trim(csv::Trim::All).from_reader(text.as_bytes())
-}
-
-/// A table with one column, with quotes in the lines that are empty: each is an empty cell, but a CSV reader passes over
-/// it.
-fn with_empty_cells(text: &str) -> String {
-    let (mut filled, mut has_header, mut is_quoted) = (String::new(), false, false);
-    for line in text.lines() {
-        let is_empty = line.trim().is_empty() && has_header && !is_quoted;
-        filled += if is_empty { "\"\"" } else { line };
-        filled.push('\n');
-        has_header |= !line.trim().is_empty();
-        is_quoted ^= line.matches('"').count() % 2 == 1;
-    }
-    filled
 }
 
 #[cfg(test)]
@@ -412,6 +365,6 @@ mod tests {
             assert_eq!(read(text).unwrap_err(), message, "{text:?}");
         }
         let message = read(b"friction_k\n\xff\n").unwrap_err();
-        assert_eq!(message, "it is not a text in UTF-8");
+        assert!(message.ends_with("it is not a text in UTF-8"), "{message}");
     }
 }

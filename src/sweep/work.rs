@@ -5,10 +5,7 @@ use super::error::SweepError;
 use super::part::Sweep;
 use super::row::Watch;
 use super::store::Store;
-use arrow_array::RecordBatch;
-use std::ops::{ControlFlow, Range};
 use std::path::Path;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 /// A share of the parts, for one machine of several.
@@ -60,9 +57,6 @@ pub struct Finished {
     /// Counts of their results: all rows of the table, or those computed now if it is not there.
     pub counts: Counts,
 }
-
-/// A part that is computed, on its way to the disk.
-type Computed = (u64, RecordBatch, Counts);
 
 /// Computes the parts of a sweep that are missing next to `table`, and merges them into it. If the table is there, nothing
 /// is left to do.
@@ -122,24 +116,22 @@ fn complete(
     let threads = threads(options.threads, rows_in(sweep, &to_do));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build()?;
-    // One part is computed while another one is written.
-    let (sender, receiver) = sync_channel(0);
-    let written = thread::scope(|scope| {
-        let writer = scope.spawn(|| write_all(store, receiver));
-        let computed = pool.install(|| {
-            let mut to_do = to_do.into_iter();
-            to_do.try_for_each(|part| compute(sweep, part, options, watch, &sender, finished))
-        });
-        drop(sender);
-        let written = writer.join();
-        let written = written.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        written.and(refuse(computed.break_value().flatten().as_ref()))
-    });
-    written?;
-    if !finished.is_interrupted {
-        refuse(failed.as_ref())?;
+    for part in to_do {
+        let rows = sweep.rows_of(part);
+        let count = rows.end - rows.start;
+        let Some((batch, counts)) = pool.install(|| sweep.batch(rows, watch)) else {
+            finished.is_interrupted = true;
+            return Ok(());
+        };
+        if options.fail_fast {
+            refuse(counts.first_error.as_ref())?;
+        }
+        store.write(part, &batch, &counts)?;
+        finished.computed += count;
+        finished.counts.add(counts);
     }
-    if options.shard.is_none() && !finished.is_interrupted {
+    refuse(failed.as_ref())?;
+    if options.shard.is_none() {
         store.merge()?;
     }
     Ok(())
@@ -187,58 +179,4 @@ fn survey(
         }
     }
     Ok((missing, None))
-}
-
-/// Computes a part and hands it on. Breaks off if it was interrupted, if it can't be handed on, as the writer reports,
-/// or with an error that ends the sweep.
-fn compute(
-    sweep: &Sweep,
-    part: u64,
-    options: &Options,
-    watch: &Watch<'_>,
-    sender: &SyncSender<Computed>,
-    finished: &mut Finished,
-) -> ControlFlow<Option<RowError>> {
-    let mut rows = sweep.rows_of(part);
-    let refused = if options.fail_fast {
-        first_refused(sweep, rows.clone())
-    } else {
-        None
-    };
-    if let Some(error) = &refused {
-        // Of the rows before it another one may fail; those after it don't matter.
-        rows.end = error.run;
-    }
-    let count = rows.end - rows.start;
-    let Some((batch, counts)) = sweep.batch(rows, watch) else {
-        finished.is_interrupted = true;
-        return ControlFlow::Break(None);
-    };
-    if options.fail_fast
-        && let Some(error) = counts.first_error.clone().or(refused)
-    {
-        return ControlFlow::Break(Some(error));
-    }
-    finished.computed += count;
-    finished.counts.add(counts.clone());
-    match sender.send((part, batch, counts)) {
-        Ok(()) => ControlFlow::Continue(()),
-        Err(_) => ControlFlow::Break(None),
-    }
-}
-
-/// The first of some rows whose values make no scenario. That takes no time, unlike runs.
-fn first_refused(sweep: &Sweep, mut rows: Range<u64>) -> Option<RowError> {
-    rows.find_map(|run| {
-        let error = sweep.scenario(run).err()?.to_string();
-        Some(RowError { run, error })
-    })
-}
-
-/// Writes parts as they come.
-fn write_all(store: &Store<'_>, computed: Receiver<Computed>) -> Result<(), SweepError> {
-    for (part, batch, counts) in computed {
-        store.write(part, &batch, &counts)?;
-    }
-    Ok(())
 }

@@ -1301,17 +1301,14 @@ fn pipes_and_devices_are_refused_at_once() {
     }
     let brief = "sweep paper --set stop.duration=0.01";
     for (line, part) in [
-        (
-            format!("{brief} -o a.parquet"),
-            "a.parquet is a pipe or a device",
-        ),
+        (format!("{brief} -o a.parquet"), "a.parquet: it is a pipe"),
         (
             format!("{brief} --dry-run -o a.parquet"),
-            "a.parquet is a pipe or a device",
+            "a.parquet: it is a pipe",
         ),
         (
             format!("{brief} -o /dev/null"),
-            "/dev/null is a pipe or a device",
+            "/dev/null: it is a pipe or a device",
         ),
         (
             format!("{brief} --table a.parquet -o b.parquet"),

@@ -43,11 +43,8 @@ impl Looks {
 
     /// The colour of the region in which a motion nutates.
     pub(super) fn envelope(self, run: usize) -> Colour {
-        let Stroke {
-            colour: Colour(red, green, blue),
-            opacity,
-            ..
-        } = self.motion(run);
+        let stroke = self.motion(run);
+        let (Colour(red, green, blue), opacity) = (stroke.colour, stroke.opacity);
         let on_white = |value: u8| (255.0 - opacity * f64::from(255 - value)).round() as u8;
         Colour(on_white(red), on_white(green), on_white(blue))
     }
@@ -95,30 +92,20 @@ impl Looks {
 
     /// The stroke of a quantity in a legend, where it stands for all runs.
     pub(super) fn term_in_legend(self, term: usize) -> Stroke {
-        let stroke = self.term(0, term);
-        if self.runs == 1 {
-            return stroke;
+        let mut stroke = self.term(0, term);
+        if self.runs > 1 {
+            (stroke.colour, stroke.width) = (BLACK, MEDIUM);
         }
-        Stroke {
-            colour: BLACK,
-            width: MEDIUM,
-            ..stroke
-        }
+        stroke
     }
 
-    /// The stroke of the rates of regular precession.
-    pub(super) fn root(self, run: usize) -> Stroke {
-        let colour = if self.runs == 1 {
-            VERMILLION
-        } else {
-            Self::colour(run)
+    /// The stroke of the rates of regular precession of a run, or of all runs in a legend.
+    pub(super) fn root(self, run: Option<usize>) -> Stroke {
+        let colour = match run {
+            _ if self.runs == 1 => VERMILLION,
+            Some(run) => Self::colour(run),
+            None => BLACK,
         };
-        line(colour, THIN)
-    }
-
-    /// The stroke of the rates of regular precession in a legend.
-    pub(super) fn root_in_legend(self) -> Stroke {
-        let colour = if self.runs == 1 { VERMILLION } else { BLACK };
         line(colour, THIN)
     }
 
@@ -137,12 +124,11 @@ pub(super) fn note(runs: &[&Run]) -> Option<Entry> {
 }
 
 /// The legend of several runs; a single run needs none.
-pub(super) fn legend(runs: &[&Run], stroke: impl Fn(Looks, usize) -> Stroke) -> Vec<Entry> {
-    let looks = Looks { runs: runs.len() };
+pub(super) fn legend(runs: &[&Run], stroke: impl Fn(usize) -> Stroke) -> Vec<Entry> {
     if runs.len() == 1 {
         return Vec::new();
     }
-    let entry =
-        |(index, run): (usize, &&Run)| Entry::of(stroke(looks, index), Text::name(&run.name));
-    runs.iter().enumerate().map(entry).collect()
+    let runs = runs.iter().enumerate();
+    runs.map(|(index, run)| Entry::of(stroke(index), Text::name(&run.name)))
+        .collect()
 }

@@ -5,7 +5,7 @@ use super::run::Run;
 use crate::analysis::plot::drawing::Drawing;
 use crate::analysis::plot::frame::{Band, Quantity};
 use crate::analysis::plot::legend::Entry;
-use crate::analysis::plot::page::{Page, Panel};
+use crate::analysis::plot::page::{Curve, Page, Panel};
 use crate::analysis::plot::range::{extremes, overlap};
 use crate::analysis::plot::shape::{Point, Stroke};
 use crate::analysis::plot::text::Text;
@@ -15,10 +15,7 @@ use crate::telemetry::fields::{
 };
 
 /// Time, as on axes.
-const TIME: Quantity = Quantity {
-    symbol: "*t*",
-    unit: "s",
-};
+const TIME: Quantity = Quantity::new("*t*", "s");
 
 /// The paper's figure 2: the inclination and the rates with their averages over nutations.
 pub(super) fn motion(runs: &[&Run], width: f64) -> Drawing {
@@ -28,18 +25,8 @@ pub(super) fn motion(runs: &[&Run], width: f64) -> Drawing {
         ("*φ\u{307}*", state::PHI_DOT, nutation::PHI_DOT_MEAN),
         ("*ψ\u{307}*", state::PSI_DOT, nutation::PSI_DOT_MEAN),
     ];
-    let has_envelopes = |run: &&&Run| {
-        panels
-            .iter()
-            .all(|(_, field, _)| run.envelope(*field).is_some())
-    };
-    let without: Vec<_> = runs
-        .iter()
-        .filter(|run| !has_envelopes(run))
-        .copied()
-        .collect();
     let mut legend = motion_legend(runs);
-    legend.extend(looks::note(&without));
+    legend.extend(note(runs, &panels.map(|(_, field, _)| field)));
     let panels = panels.map(|(symbol, field, mean)| {
         let mut panel = Panel::new(symbol, field.unit());
         // Upright, φ and ψ turn about the same axis, and each may turn as fast as it likes.
@@ -51,28 +38,48 @@ pub(super) fn motion(runs: &[&Run], width: f64) -> Drawing {
     page(legend, panels.into()).draw(width)
 }
 
+/// The note of runs whose samples are too few, and which don't record the region in which some fields nutate either.
+fn note(runs: &[&Run], fields: &[NumberField]) -> Option<Entry> {
+    let is_without = |run: &&Run| fields.iter().any(|field| run.envelope(*field).is_none());
+    let without: Vec<_> = runs.iter().copied().filter(is_without).collect();
+    looks::note(&without)
+}
+
+/// Adds a curve of each run to a panel.
+fn curves(
+    panel: &mut Panel,
+    runs: &[&Run],
+    meaning: &str,
+    points: impl Fn(&Run) -> Vec<Point>,
+    stroke: impl Fn(usize) -> Stroke,
+) {
+    for (index, run) in runs.iter().enumerate() {
+        let meaning = format!("{}: {meaning}", run.name);
+        panel.curve(meaning, points(run), stroke(index));
+    }
+}
+
 /// The motion of each run, and where samples are too few to show how it nutates, the region in which it does.
 fn motions(panel: &mut Panel, runs: &[&Run], field: NumberField) {
     let looks = Looks { runs: runs.len() };
+    let (series, stroke) = (|run: &Run| run.series(field), |run| looks.motion(run));
+    curves(panel, runs, field.path(), series, stroke);
     for (index, run) in runs.iter().enumerate() {
-        let meaning = format!("{}: {}", run.name, field.path());
         let envelope = run.coarseness().and_then(|_| run.envelope(field));
         panel.envelopes.extend(envelope.map(|[lower, upper]| Band {
-            meaning: format!("{meaning}, range in each nutation"),
+            meaning: format!("{}: {}, range in each nutation", run.name, field.path()),
             lower,
             upper,
             fill: looks.envelope(index),
         }));
-        panel.curve(meaning, run.series(field), looks.motion(index));
     }
 }
 
 fn averages(panel: &mut Panel, runs: &[&Run], field: NumberField, mean: NumberField) {
     let looks = Looks { runs: runs.len() };
-    for (index, run) in runs.iter().enumerate() {
-        let meaning = format!("{}: average of {}", run.name, field.path());
-        panel.curve(meaning, run.averages(mean), looks.average(index));
-    }
+    let meaning = format!("average of {}", field.path());
+    let (points, stroke) = (|run: &Run| run.averages(mean), |run| looks.average(run));
+    curves(panel, runs, &meaning, points, stroke);
 }
 
 /// The averages of a number that goes up and down about them so often that it fills a band: by more than its range in all.
@@ -91,11 +98,8 @@ fn climb(points: &[Point]) -> f64 {
 
 /// Whether these points make a line.
 fn is_line(points: &[Point]) -> bool {
-    points
-        .iter()
-        .filter(|point| point.1.is_finite())
-        .nth(1)
-        .is_some()
+    let finite = points.iter().filter(|point| point.1.is_finite());
+    finite.take(2).count() == 2
 }
 
 /// The legend of runs and their averages.
@@ -104,13 +108,12 @@ fn motion_legend(runs: &[&Run]) -> Vec<Entry> {
     let has_averages = |run: &&Run| is_line(&run.averages(nutation::THETA_MEAN));
     let averages = runs.iter().any(has_averages);
     if runs.len() == 1 {
+        let average = Entry::line(looks.average(0), "average over each nutation");
         let mut legend = vec![Entry::line(looks.motion(0), "simulation")];
-        if averages {
-            legend.push(Entry::line(looks.average(0), "average over each nutation"));
-        }
+        legend.extend(averages.then_some(average));
         return legend;
     }
-    let mut legend = looks::legend(runs, Looks::average);
+    let mut legend = looks::legend(runs, |run| looks.average(run));
     let about = if averages {
         "simulation; lines: average over each nutation"
     } else {
@@ -124,33 +127,22 @@ fn motion_legend(runs: &[&Run]) -> Vec<Entry> {
 pub(super) fn compared(runs: &[&Run], width: f64) -> Drawing {
     let looks = Looks { runs: 1 };
     let Some((reference, others)) = runs.split_first() else {
-        return page(Vec::new(), Vec::new()).draw(width);
+        return Drawing::new(width);
     };
     let panel = |run: &&Run| {
         let mut panel = Panel::new("*θ*", "rad");
-        motions(&mut panel, std::slice::from_ref(run), state::THETA);
-        let meaning = format!("{}: average of theta", reference.name);
-        panel.curve(
-            meaning,
-            reference.averages(nutation::THETA_MEAN),
-            looks.average(0),
-        );
+        motions(&mut panel, &[run], state::THETA);
+        averages(&mut panel, &[reference], state::THETA, nutation::THETA_MEAN);
         let name = Text::name(&run.name);
         panel.legend.push(Entry::of(looks.motion(0), name));
         panel
     };
     let name = Text::name(&reference.name).followed_by(", average over each nutation");
     let mut legend = vec![Entry::of(looks.average(0), name)];
-    let without = others
-        .iter()
-        .filter(|run| run.envelope(state::THETA).is_none());
-    let without: Vec<_> = without.copied().collect();
-    legend.extend(looks::note(&without));
-    Page {
-        shares_x: false,
-        ..page(legend, others.iter().map(panel).collect())
-    }
-    .draw(width)
+    legend.extend(note(others, &[state::THETA]));
+    let page = page(legend, others.iter().map(panel).collect());
+    let shares_x = false;
+    Page { shares_x, ..page }.draw(width)
 }
 
 /// A panel that shows several quantities of all runs, with a legend of the quantities.
@@ -158,8 +150,8 @@ struct Terms<'a> {
     panel: Panel,
     runs: &'a [&'a Run],
     count: usize,
-    /// The bands of numbers that ripple, which lie below all lines.
-    bands: Vec<(String, Vec<Point>, Stroke)>,
+    /// The number of curves that are bands of numbers that ripple: they lie below all lines.
+    bands: usize,
 }
 
 impl<'a> Terms<'a> {
@@ -168,21 +160,24 @@ impl<'a> Terms<'a> {
             panel: Panel::new(symbol, unit),
             runs,
             count: 0,
-            bands: Vec::new(),
+            bands: 0,
         }
     }
 
     /// Adds a number; `name` is markup. Where it ripples so fast that it fills a band, the band is pale and its average over
     /// each nutation is the line: bands that overlap stay readable.
     fn number(mut self, name: &str, field: NumberField) -> Self {
-        let looks = Looks {
-            runs: self.runs.len(),
-        };
-        for (index, run) in self.runs.iter().enumerate() {
+        let runs = self.runs;
+        let looks = Looks { runs: runs.len() };
+        for (index, run) in runs.iter().enumerate() {
             if averages_of_band(run, field).is_some() {
-                let meaning = format!("{}: {}", run.name, field.path());
-                let stroke = looks.ripple(index, self.count);
-                self.bands.push((meaning, run.series(field), stroke));
+                let band = Curve {
+                    meaning: format!("{}: {}", run.name, field.path()),
+                    points: run.series(field),
+                    stroke: looks.ripple(index, self.count),
+                };
+                self.panel.curves.insert(self.bands, band);
+                self.bands += 1;
             }
         }
         self.term(name, |run| {
@@ -192,54 +187,30 @@ impl<'a> Terms<'a> {
 
     /// Adds a quantity; `name` is markup.
     fn term(mut self, name: &str, points: impl Fn(&Run) -> Vec<Point>) -> Self {
-        let looks = Looks {
-            runs: self.runs.len(),
-        };
-        let entry = Entry::line(looks.term_in_legend(self.count), name);
-        let mut is_drawn = false;
-        for (index, run) in self.runs.iter().enumerate() {
-            let meaning = format!("{}: {}", run.name, entry.text.spoken);
-            let stroke = looks.term(index, self.count);
-            let points = points(run);
-            is_drawn |= is_line(&points);
-            self.panel.curve(meaning, points, stroke);
-        }
-        if is_drawn {
-            self.panel.legend.push(entry);
+        let (panel, runs, count) = (&mut self.panel, self.runs, self.count);
+        let looks = Looks { runs: runs.len() };
+        let entry = Entry::line(looks.term_in_legend(count), name);
+        let first = panel.curves.len();
+        let stroke = |run| looks.term(run, count);
+        curves(panel, runs, &entry.text.spoken, points, stroke);
+        let mut drawn = panel.curves[first..].iter();
+        if drawn.any(|curve| is_line(&curve.points)) {
+            panel.legend.push(entry);
         }
         self.count += 1;
         self
     }
-
-    /// Values may grow beyond all bounds: brief spikes are cut off.
-    fn singular(mut self) -> Self {
-        self.panel.is_singular = true;
-        self
-    }
-
-    /// Values below this are rounding.
-    fn rounding(mut self, rounding: f64) -> Self {
-        self.panel.rounding = rounding;
-        self
-    }
 }
 
-/// A page of panels with several quantities each.
-fn terms(runs: &[&Run], panels: Vec<Terms<'_>>) -> Page {
-    let mut legend = looks::legend(runs, |_, run| Looks::run_in_legend(run));
-    if panels.iter().any(|terms| !terms.bands.is_empty()) {
+/// Draws panels with several quantities each.
+fn draw(runs: &[&Run], width: f64, panels: Vec<Terms<'_>>) -> Drawing {
+    let mut legend = looks::legend(runs, Looks::run_in_legend);
+    if panels.iter().any(|terms| terms.bands > 0) {
         legend.push(Entry::area(PALE, "nutation; the line in it: its average"));
     }
     legend.extend(looks::note(runs));
-    let panels = panels.into_iter().map(|mut terms| {
-        let lines = std::mem::take(&mut terms.panel.curves);
-        for (meaning, points, stroke) in terms.bands {
-            terms.panel.curve(meaning, points, stroke);
-        }
-        terms.panel.curves.extend(lines);
-        terms.panel
-    });
-    page(legend, panels.collect())
+    let panels = panels.into_iter().map(|terms| terms.panel);
+    page(legend, panels.collect()).draw(width)
 }
 
 /// A page of panels over the same time.
@@ -267,37 +238,34 @@ pub(super) fn acceleration(runs: &[&Run], width: f64) -> Drawing {
         .term("gyroscopic", mean(terms_of::THETA_DDOT_GYROSCOPIC))
         .term("centrifugal", mean(terms_of::THETA_DDOT_CENTRIFUGAL))
         .term("frictional", mean(terms_of::THETA_DDOT_FRICTIONAL));
-    let phi = Terms::new(runs, "mean *φ\u{308}*", "rad/s²")
+    let mut phi = Terms::new(runs, "mean *φ\u{308}*", "rad/s²")
         .term("frictional", mean(terms_of::PHI_DDOT_FRICTIONAL))
         .term("gyroscopic", mean(terms_of::PHI_DDOT_GYROSCOPIC))
-        .term("Coriolis", mean(terms_of::PHI_DDOT_CORIOLIS))
-        .rounding(NEGLIGIBLE * gravity)
-        .singular();
-    terms(runs, vec![theta, phi]).draw(width)
+        .term("Coriolis", mean(terms_of::PHI_DDOT_CORIOLIS));
+    phi.panel.rounding = NEGLIGIBLE * gravity;
+    phi.panel.is_singular = true;
+    draw(runs, width, vec![theta, phi])
 }
 
 /// φ̇ and the rates of regular precession, with the region between them in which θ̈ is negative.
 pub(super) fn precession(runs: &[&Run], width: f64) -> Drawing {
     let looks = Looks { runs: runs.len() };
-    let [mut near, mut far] = [(); 2].map(|()| Panel {
-        is_singular: true,
-        ..Panel::new("*φ\u{307}*", "rad/s")
-    });
+    let mut near = Panel::new("*φ\u{307}*", "rad/s");
+    near.is_singular = true;
+    let mut far = near.clone();
     motions(&mut near, runs, state::PHI_DOT);
     near.most = around(near.range());
     for (index, run) in runs.iter().enumerate() {
         for (panel, field) in [&mut near, &mut far].into_iter().zip(by_nearness(run)) {
             let meaning = format!("{}: {}", run.name, field.path());
-            panel.curve(meaning, run.series(field), looks.root(index));
+            panel.curve(meaning, run.series(field), looks.root(Some(index)));
         }
     }
     averages(&mut near, runs, state::PHI_DOT, nutation::PHI_DOT_MEAN);
     let mut panels = arranged(near, far);
     let mut legend = motion_legend(runs);
-    legend.push(Entry::line(
-        looks.root_in_legend(),
-        "regular precession, slow and fast",
-    ));
+    let roots = "regular precession, slow and fast";
+    legend.push(Entry::line(looks.root(None), roots));
     if let [run] = runs {
         let bands = rising(run);
         if !bands.is_empty() {
@@ -338,21 +306,16 @@ fn by_nearness(run: &Run) -> [NumberField; 2] {
 /// above the other.
 fn arranged(near: Panel, far: Panel) -> Vec<Panel> {
     let (of_near, of_far) = (near.range(), far.range());
-    let far = Panel {
-        height: 0.45,
-        ..far
-    };
+    let height = 0.45;
+    let far = Panel { height, ..far };
     if far.is_empty() {
         return vec![near];
     }
     if overlap(of_near, of_far) {
         return vec![near, far];
     }
-    let [upper, lower] = if of_far.0 > of_near.1 {
-        [far, near]
-    } else {
-        [near, far]
-    };
+    let is_above = of_far.0 > of_near.1;
+    let (upper, lower) = if is_above { (far, near) } else { (near, far) };
     let is_broken = true;
     vec![Panel { is_broken, ..upper }, lower]
 }
@@ -401,21 +364,21 @@ pub(super) fn torque(runs: &[&Run], width: f64) -> Drawing {
         .number("friction, *τ*_{*y*}", torques::FRICTION_NODE.y())
         .number("*τ*_{*z*}", torques::FRICTION_NODE.z())
         .number("*τ*_{*x*}", torques::FRICTION_NODE.x());
-    terms(runs, vec![gravity, friction]).draw(width)
+    draw(runs, width, vec![gravity, friction])
 }
 
 /// The slip speed and the path slipped.
 pub(super) fn slip(runs: &[&Run], width: f64) -> Drawing {
     let speed = Terms::new(runs, "|*v*|", "m/s").number("slip speed", contact::SLIP_SPEED);
     let path = Terms::new(runs, "*s*", "m").number("path slipped", contact::SLIP_PATH);
-    terms(runs, vec![speed, path]).draw(width)
+    draw(runs, width, vec![speed, path])
 }
 
 /// The normal force and the height of the peg above the table.
 pub(super) fn hops(runs: &[&Run], width: f64) -> Drawing {
     let force = Terms::new(runs, "*N*", "N").number("normal force", contact::NORMAL_FORCE);
     let gap = Terms::new(runs, "*h*", "m").number("height of the peg", free_peg::GAP);
-    terms(runs, vec![force, gap]).draw(width)
+    draw(runs, width, vec![force, gap])
 }
 
 /// A change of the energy by less than this part is the integrator's.
@@ -434,12 +397,12 @@ pub(super) fn energy(runs: &[&Run], width: f64) -> Drawing {
     let potential = Terms::new(runs, "*E*", "J").number("potential", energies::POTENTIAL);
     let largest = runs.iter().flat_map(|run| run.series(energies::KINETIC));
     let (_, largest) = extremes(largest.map(|point| point.1.abs()));
-    let work = Terms::new(runs, "Δ*E*", "J")
+    let mut work = Terms::new(runs, "Δ*E*", "J")
         .term("change of the total", change)
-        .number("work of friction", energies::FRICTION_WORK)
-        .rounding(CONSERVED * largest);
+        .number("work of friction", energies::FRICTION_WORK);
+    work.panel.rounding = CONSERVED * largest;
     let power = Terms::new(runs, "*P*", "W").number("power of friction", energies::FRICTION_POWER);
-    terms(runs, vec![kinetic, potential, work, power]).draw(width)
+    draw(runs, width, vec![kinetic, potential, work, power])
 }
 
 #[cfg(test)]

@@ -17,116 +17,101 @@ const LARGEST: f64 = 110.0;
 const AIR: f64 = 0.05;
 
 /// Horizontal places, as on axes.
-const X: Quantity = Quantity {
-    symbol: "*x*",
-    unit: "m",
-};
-const Y: Quantity = Quantity {
-    symbol: "*y*",
-    unit: "m",
-};
+const X: Quantity = Quantity::new("*x*", "m");
+const Y: Quantity = Quantity::new("*y*", "m");
 
 /// Draws the tracks of the contact points from above.
 pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
-    let tracks: Vec<Vec<Point>> = runs.iter().map(|run| places(run)).collect();
+    let tracks: Vec<_> = runs.iter().map(|run| places(run)).collect();
     let mut drawing = Drawing::new(width);
-    let mut legend = looks::legend(runs, |_, run| Looks::run_in_legend(run));
-    let parts = match runs {
-        [run] => regimes(run),
+    let mut legend = looks::legend(runs, Looks::run_in_legend);
+    let parts = match &tracks[..] {
+        [track] => regimes(track),
         _ => Vec::new(),
     };
-    let is_there = |(name, _): &&(&str, Colour)| parts.iter().any(|(part, _)| part == name);
-    for (name, colour) in REGIMES.iter().filter(is_there) {
-        legend.push(Entry::line(style::line(*colour, MEDIUM), name));
+    for (name, colour) in REGIMES {
+        if parts.iter().any(|(part, _)| part.0 == name) {
+            legend.push(Entry::line(style::line(colour, MEDIUM), name));
+        }
     }
-    legend.extend([Entry::dot(false, "start"), Entry::dot(true, "end")]);
+    legend.extend(Entry::ends());
     let top = legend::draw_at_top(&mut drawing, &legend) + LINE + 0.6;
     let ranges = ranges(&tracks);
     let square = |left: f64, side: f64| Frame::square(Bounds::new((left, top), side, side), ranges);
     let usable = width - 2.0 * MARGIN;
     // A larger frame has other numbers, which may need more room.
-    let room_at = |side: f64| square(0.0, side).room_left(Y);
+    let room_at = |side: f64| frame::room_left(&square(0.0, side).y, &Y);
     let side_for = |room: f64| (usable - room - frame::ROOM_RIGHT).min(LARGEST);
     let room = room_at(0.7 * usable.min(LARGEST));
     let room = room.max(room_at(side_for(room)));
-    let side = side_for(room);
-    let frame = square(MARGIN + room, side);
+    let frame = square(MARGIN + room, side_for(room));
     for (index, (run, track)) in runs.iter().zip(&tracks).enumerate() {
         let stroke = Looks::run_in_legend(index);
         let meaning = format!("{}: track of the contact point", run.name);
+        let places: Vec<_> = track.iter().map(|(place, _)| *place).collect();
         if parts.is_empty() {
-            drawing.group(&meaning, frame.path(track, stroke));
+            drawing.group(&meaning, frame.path(&places, stroke));
         }
         for (name, colour) in REGIMES {
-            let parts = parts.iter().filter(|(part, _)| *part == name);
+            let parts = parts.iter().filter(|(part, _)| part.0 == name);
             let stroke = style::line(colour, MEDIUM);
             let shapes = parts.flat_map(|(_, places)| frame.path(places, stroke));
             drawing.group(&format!("{meaning}, {name}"), shapes.collect());
         }
-        let ends = [(track.first(), false), (track.last(), true)];
-        let last = parts
-            .last()
-            .and_then(|(name, _)| REGIMES.iter().find(|known| known.0 == *name));
-        let dots = ends.into_iter().filter_map(|(place, is_end)| {
-            let colour = last
-                .filter(|_| is_end)
-                .map_or(stroke.colour, |known| known.1);
+        let last = parts.last().map_or(stroke.colour, |(part, _)| part.1);
+        let ends = [
+            (places.first(), false, stroke.colour),
+            (places.last(), true, last),
+        ];
+        let dots = ends.into_iter().filter_map(|(place, is_end, colour)| {
             Some(legend::dot(frame.place(*place?), is_end, colour))
         });
         drawing.group("start and end", dots.collect());
     }
-    frame.draw_with_names(&mut drawing, [X, Y]);
-    drawing.height = top + side + frame::ROOM_BELOW + MARGIN;
+    frame.finish(&mut drawing, [&X, &Y]);
     drawing
 }
 
-/// Regimes of a peg, and the colours of its track.
-const REGIMES: [(&str, Colour); 3] = [("slides", BLUE), ("rolls", GREEN), ("flies", VERMILLION)];
+/// A regime of a peg, and the colour of its track.
+type Regime = (&'static str, Colour);
 
-/// The parts of a run's track in which the peg does one thing, with its name; none if that is not known.
-fn regimes(run: &Run) -> Vec<(&'static str, Vec<Point>)> {
-    let mut parts: Vec<(&str, Vec<Point>)> = Vec::new();
-    let regimes = run.series(contact::REGIME).into_iter().map(|point| point.1);
+const REGIMES: [Regime; 3] = [("slides", BLUE), ("rolls", GREEN), ("flies", VERMILLION)];
+
+/// The parts of a track in which the peg does one thing; none if that is not known.
+fn regimes(track: &[(Point, f64)]) -> Vec<(Regime, Vec<Point>)> {
+    let known = track.iter().filter(|(_, regime)| regime.is_finite());
+    let known: Vec<_> = known.collect();
     let mut last = None;
-    for (place, regime) in all_places(run).zip(regimes) {
-        if !(place.0.is_finite() && place.1.is_finite() && regime.is_finite()) {
-            continue;
-        }
-        let (name, _) = match regime {
+    let parts = known.chunk_by(|one, other| one.1 == other.1).map(|part| {
+        let regime = match part[0].1 {
             1.0 => REGIMES[0],
             0.0 => REGIMES[1],
             _ => REGIMES[2],
         };
-        match parts.last_mut().filter(|part| part.0 == name) {
-            Some((_, places)) => places.push(place),
-            // A part begins where the one before it ended.
-            None => parts.push((name, last.into_iter().chain([place]).collect())),
-        }
-        last = Some(place);
-    }
-    parts
+        // A part begins where the one before it ended.
+        let places = last.into_iter().chain(part.iter().map(|(place, _)| *place));
+        let places: Vec<_> = places.collect();
+        last = places.last().copied();
+        (regime, places)
+    });
+    parts.collect()
 }
 
-/// The places of a run's contact point, without those that are not known.
-fn places(run: &Run) -> Vec<Point> {
-    all_places(run)
-        .filter(|(x, y)| x.is_finite() && y.is_finite())
-        .collect()
-}
-
-fn all_places(run: &Run) -> impl Iterator<Item = Point> {
-    let [x, y] =
-        [contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()].map(|field| run.series(field));
-    x.into_iter().zip(y).map(|((_, x), (_, y))| (x, y))
+/// The places of a run's contact point that are known, with its regime: not a number where it is not recorded.
+fn places(run: &Run) -> Vec<(Point, f64)> {
+    let point = contact::CONTACT_POINT;
+    let fields = [point.x(), point.y(), contact::REGIME];
+    let [x, y, regime] = fields.map(|field| run.series(field).into_iter().map(|point| point.1));
+    let places = x.zip(y).zip(regime.chain(std::iter::repeat(f64::NAN)));
+    let is_known = |((x, y), _): &(Point, f64)| x.is_finite() && y.is_finite();
+    places.filter(is_known).collect()
 }
 
 /// The ranges of x and y, of one size, with some air around the tracks.
-fn ranges(tracks: &[Vec<Point>]) -> [(f64, f64); 2] {
-    let all = || tracks.iter().flatten();
-    let [x, y] = [
-        extremes(all().map(|place| place.0)),
-        extremes(all().map(|place| place.1)),
-    ];
+fn ranges(tracks: &[Vec<(Point, f64)>]) -> [(f64, f64); 2] {
+    let places = tracks.iter().flatten().map(|(place, _)| place);
+    let x = extremes(places.clone().map(|place| place.0));
+    let y = extremes(places.map(|place| place.1));
     let size = (x.1 - x.0).max(y.1 - y.0);
     let half = if size > 0.0 { (0.5 + AIR) * size } else { 1e-3 };
     [x, y].map(|(low, high)| {

@@ -1,80 +1,44 @@
 //! Leaves out points of lines that can't be distinguished in print.
 
 use super::shape::Point;
+use std::ops::Range;
 
 /// Keeps the first, the lowest, the highest and the last point of each column of this width, so that the envelope of what
 /// oscillates within a column stays.
 ///
 /// The points must be in the order of their columns. A point that is not finite divides the line.
 pub(crate) fn by_column(points: impl IntoIterator<Item = Point>, width: f64) -> Vec<Vec<Point>> {
-    let mut lines = vec![Vec::new()];
-    let mut column: Option<Column> = None;
-    for point in points {
-        if !(point.0.is_finite() && point.1.is_finite()) {
-            finish(&mut column, &mut lines);
-            lines.push(Vec::new());
-            continue;
-        }
-        let number = (point.0 / width).floor() as i64;
-        match &mut column {
-            Some(open) if open.number == number => open.add(point),
-            _ => {
-                finish(&mut column, &mut lines);
-                column = Some(Column::new(number, point));
-            }
-        }
-    }
-    finish(&mut column, &mut lines);
-    lines.retain(|line| !line.is_empty());
-    lines
+    let points: Vec<_> = points.into_iter().collect();
+    let lines = points.split(|(x, y)| !(x.is_finite() && y.is_finite()));
+    let column = |point: &Point| (point.0 / width).floor();
+    let kept = |part: &[Point]| {
+        let rows = envelope(0..part.len(), [|row: usize| part[row].1]);
+        rows.into_iter().map(|row| part[row]).collect::<Vec<_>>()
+    };
+    let thinned = |line: &[Point]| {
+        let columns = line.chunk_by(|a, b| column(a) == column(b));
+        columns.flat_map(kept).collect()
+    };
+    lines.filter(|line| !line.is_empty()).map(thinned).collect()
 }
 
-fn finish(column: &mut Option<Column>, lines: &mut [Vec<Point>]) {
-    if let (Some(column), Some(line)) = (column.take(), lines.last_mut()) {
-        column.put_into(line);
+/// The first and the last of some rows, and those with the least and the greatest number of each column, in order.
+pub(crate) fn envelope<C>(rows: Range<usize>, columns: impl IntoIterator<Item = C>) -> Vec<usize>
+where
+    C: Fn(usize) -> f64,
+{
+    let mut kept = vec![rows.start, rows.end - 1];
+    for value in columns {
+        let finite = rows.clone().filter(|row| value(*row).is_finite());
+        let greatest = finite
+            .clone()
+            .min_by(|a, b| value(*b).total_cmp(&value(*a)));
+        kept.extend(finite.min_by(|a, b| value(*a).total_cmp(&value(*b))));
+        kept.extend(greatest);
     }
-}
-
-/// The points that are kept of a column.
-struct Column {
-    number: i64,
-    count: usize,
-    /// The first, lowest, highest and last point, each with its place among the points of the column.
-    kept: [(usize, Point); 4],
-}
-
-impl Column {
-    fn new(number: i64, point: Point) -> Self {
-        Self {
-            number,
-            count: 1,
-            kept: [(0, point); 4],
-        }
-    }
-
-    fn add(&mut self, point: Point) {
-        let found = (self.count, point);
-        let [_, lowest, highest, last] = &mut self.kept;
-        if point.1 < lowest.1.1 {
-            *lowest = found;
-        }
-        if point.1 > highest.1.1 {
-            *highest = found;
-        }
-        *last = found;
-        self.count += 1;
-    }
-
-    fn put_into(mut self, line: &mut Vec<Point>) {
-        self.kept.sort_by_key(|(place, _)| *place);
-        let mut before = None;
-        for (place, point) in self.kept {
-            if before != Some(place) {
-                line.push(point);
-            }
-            before = Some(place);
-        }
-    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept
 }
 
 /// Leaves out points that lie nearer than `distance` to the last one that is kept; the last of all stays.

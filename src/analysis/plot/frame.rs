@@ -4,9 +4,10 @@ use super::decimate;
 use super::drawing::{Anchor, Drawing};
 use super::legend;
 use super::shape::{Bounds, Colour, Point, Shape, Stroke};
-use super::style::{self, FONT, LINE, RESOLUTION};
+use super::style::{self, FONT, LINE, MARGIN, RESOLUTION};
 use super::text::Text;
 use super::ticks::Scale;
+use std::borrow::Cow;
 
 /// The lengths of ticks with and without numbers, mm.
 const TICK: f64 = 1.1;
@@ -20,20 +21,25 @@ const TICK_ROOM_ACROSS: f64 = 11.0;
 const TICK_ROOM_UP: f64 = 6.5;
 
 /// Quantity of an axis, with its unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Quantity {
     /// The symbol, as markup (see [`Text::markup`]).
-    pub(crate) symbol: &'static str,
+    pub(crate) symbol: Cow<'static, str>,
     /// The unit, empty for pure numbers.
-    pub(crate) unit: &'static str,
+    pub(crate) unit: Cow<'static, str>,
 }
 
 impl Quantity {
+    pub(crate) const fn new(symbol: &'static str, unit: &'static str) -> Self {
+        let (symbol, unit) = (Cow::Borrowed(symbol), Cow::Borrowed(unit));
+        Self { symbol, unit }
+    }
+
     /// The label of an axis whose numbers are to be multiplied by a power of ten.
-    pub(crate) fn text(self, exponent: i32) -> Text {
-        let Self { symbol, unit } = self;
-        match in_brackets(exponent, unit) {
-            empty if empty.is_empty() => Text::markup(symbol),
+    pub(crate) fn text(&self, exponent: i32) -> Text {
+        let symbol = &self.symbol;
+        match in_brackets(exponent, &self.unit).as_str() {
+            "" => Text::markup(symbol),
             in_brackets => Text::markup(&format!("{symbol} ({in_brackets})")),
         }
     }
@@ -42,14 +48,10 @@ impl Quantity {
 /// A power of ten and a unit, as markup; one is left out.
 pub(crate) fn in_brackets(exponent: i32, unit: &str) -> String {
     let power = match exponent {
-        0 => return unit.to_owned(),
-        _ => format!("10^{{{}}}", exponent.to_string().replace('-', "−")),
+        0 => String::new(),
+        _ => format!("10^{{{exponent}}} ").replace('-', "−"),
     };
-    if unit.is_empty() {
-        power
-    } else {
-        format!("{power} {unit}")
-    }
+    format!("{power}{unit}").trim().to_owned()
 }
 
 /// A shaded region between two curves over the same x.
@@ -100,31 +102,21 @@ impl Frame {
     /// The shapes of a shaded region: one for each part whose ends are numbers.
     pub(crate) fn areas(&self, band: &Band) -> Vec<Shape> {
         let Bounds { top, bottom, .. } = self.bounds;
-        let places = |ends: Vec<Point>| {
-            let places = ends.into_iter().map(|point| {
-                let (x, y) = self.place(point);
-                (x, y.clamp(top, bottom))
-            });
+        let places = |ends: &mut dyn Iterator<Item = Point>| {
+            let places = ends.map(|point| self.place(point));
+            let places = places.map(|(x, y)| (x, y.clamp(top, bottom)));
             decimate::by_column(places, 1.0 / RESOLUTION).concat()
         };
-        let ends: Vec<_> = band
-            .lower
-            .iter()
-            .copied()
-            .zip(band.upper.iter().copied())
-            .collect();
-        let is_sound = |(lower, upper): &(Point, Point)| lower.1.is_finite() && upper.1.is_finite();
-        let parts = ends.chunk_by(|one, other| is_sound(one) == is_sound(other));
-        let parts = parts.filter(|part| part.first().is_some_and(is_sound));
-        let shape = |part: &[(Point, Point)]| {
-            let (lower, upper) = part.iter().copied().unzip();
-            let mut points = places(lower);
-            points.extend(places(upper).into_iter().rev());
-            Shape::Area {
-                points,
-                fill: band.fill,
-            }
+        let ends: Vec<_> = band.lower.iter().zip(&band.upper).collect();
+        let is_gap = |(lower, upper): &(&Point, &Point)| !(lower.1 + upper.1).is_finite();
+        let shape = |part: &[(&Point, &Point)]| {
+            let mut points = places(&mut part.iter().map(|ends| *ends.0));
+            let upper = places(&mut part.iter().map(|ends| *ends.1));
+            points.extend(upper.into_iter().rev());
+            let fill = band.fill;
+            Shape::Area { points, fill }
         };
+        let parts = ends.split(is_gap).filter(|part| !part.is_empty());
         parts.map(shape).collect()
     }
 
@@ -153,49 +145,35 @@ impl Frame {
         border.extend_from_within(..2);
         let mut lines = vec![border];
         let bounds = self.bounds;
-        let mut across = |value: f64, length: f64| {
+        for (value, length) in marks(&self.x) {
             let x = self.place((value, self.y.low)).0;
             lines.push(vec![(x, bounds.bottom), (x, bounds.bottom - length)]);
             lines.push(vec![(x, bounds.top), (x, bounds.top + length)]);
-        };
-        self.x.minor().iter().for_each(|v| across(*v, MINOR_TICK));
-        self.x.ticks().iter().for_each(|t| across(t.value, TICK));
-        let mut upward = |value: f64, length: f64| {
+        }
+        for (value, length) in marks(&self.y) {
             let y = self.place((self.x.low, value)).1;
             lines.push(vec![(bounds.left, y), (bounds.left + length, y)]);
             lines.push(vec![(bounds.right, y), (bounds.right - length, y)]);
-        };
-        self.y.minor().iter().for_each(|v| upward(*v, MINOR_TICK));
-        self.y.ticks().iter().for_each(|t| upward(t.value, TICK));
+        }
         let stroke = style::frame();
         let shape = |points| Shape::Line { points, stroke };
         drawing.group("frame", lines.into_iter().map(shape).collect());
     }
 
-    /// Draws the frame, the numbers at its ticks and the labels of both axes.
-    pub(crate) fn draw_with_labels(&self, drawing: &mut Drawing, [x, y]: [Text; 2]) {
+    /// Draws the frame with two quantities along its axes, and ends the drawing below it.
+    pub(crate) fn finish(&self, drawing: &mut Drawing, [x, y]: [&Quantity; 2]) {
         self.draw(drawing);
         self.label_x(drawing, x);
         self.label_y(drawing, y, ticks_width(&self.y));
-    }
-
-    /// The room that the numbers and the name of a quantity to the left of the frame take, mm.
-    pub(crate) fn room_left(&self, quantity: Quantity) -> f64 {
-        room_left(&self.y, &quantity.text(self.y.exponent))
-    }
-
-    /// Draws the frame with two quantities along its axes.
-    pub(crate) fn draw_with_names(&self, drawing: &mut Drawing, [x, y]: [Quantity; 2]) {
-        let labels = [x.text(self.x.exponent), y.text(self.y.exponent)];
-        self.draw_with_labels(drawing, labels);
+        drawing.height = self.bounds.bottom + ROOM_BELOW + MARGIN;
     }
 
     /// Draws the numbers below the frame, and the label of the axis.
-    pub(crate) fn label_x(&self, drawing: &mut Drawing, text: Text) {
+    pub(crate) fn label_x(&self, drawing: &mut Drawing, quantity: &Quantity) {
         let (left, right) = (self.bounds.left, self.bounds.right);
         let baseline = self.bounds.bottom + GAP + 0.66 * FONT;
         let mut from = 0.0;
-        for tick in self.x.ticks() {
+        for tick in &self.x.ticks {
             let x = self.place((tick.value, self.y.low)).0;
             let number = Text::plain(&tick.label);
             let half = 0.5 * number.width * FONT;
@@ -206,41 +184,33 @@ impl Frame {
             }
         }
         let middle = f64::midpoint(left, right);
+        let text = quantity.text(self.x.exponent);
         drawing.label(text, (middle, baseline + LINE), Anchor::Middle);
     }
 
     /// Draws the numbers to the left of the frame, and beyond their `width` the label of the axis.
-    pub(crate) fn label_y(&self, drawing: &mut Drawing, text: Text, width: f64) {
+    pub(crate) fn label_y(&self, drawing: &mut Drawing, quantity: &Quantity, width: f64) {
         let (left, heights) = (self.bounds.left, (self.bounds.top, self.bounds.bottom));
-        for tick in self.y.ticks() {
+        for tick in &self.y.ticks {
             let y = self.place((self.x.low, tick.value)).1 + 0.33 * FONT;
             drawing.label(Text::plain(&tick.label), (left - GAP, y), Anchor::End);
         }
+        let text = quantity.text(self.y.exponent);
         let ink = (text.above + text.below) * FONT;
         drawing.upward_label(text, left - 2.0 * GAP - width - ink, heights);
     }
 
     /// Marks where curves go furthest beyond the upper and the lower end of the upright axis.
     pub(crate) fn draw_beyond(&self, drawing: &mut Drawing, curves: &[&[Point]]) {
-        let finite = || {
-            curves
-                .iter()
-                .copied()
-                .flatten()
-                .filter(|point| point.1.is_finite())
-        };
-        let highest = finite().max_by(|one, other| one.1.total_cmp(&other.1));
-        let lowest = finite().min_by(|one, other| one.1.total_cmp(&other.1));
-        let is_above = |point: &&Point| point.1 > self.y.high;
-        let is_below = |point: &&Point| point.1 < self.y.low;
-        let Bounds { top, bottom, .. } = self.bounds;
-        let place = |point: &Point| self.place(*point).0;
-        let up = highest
-            .filter(is_above)
-            .map(|point| legend::mark((place(point), top), 1.0));
-        let down = lowest
-            .filter(is_below)
-            .map(|point| legend::mark((place(point), bottom), -1.0));
+        let points = curves.iter().copied().flatten();
+        let finite = points.filter(|point| point.1.is_finite());
+        let highest = finite.clone().max_by(|a, b| a.1.total_cmp(&b.1));
+        let lowest = finite.min_by(|a, b| a.1.total_cmp(&b.1));
+        let mark = |point: &Point, y, upward| legend::mark((self.place(*point).0, y), upward);
+        let up = highest.filter(|point| point.1 > self.y.high);
+        let up = up.map(|point| mark(point, self.bounds.top, 1.0));
+        let down = lowest.filter(|point| point.1 < self.y.low);
+        let down = down.map(|point| mark(point, self.bounds.bottom, -1.0));
         let marks: Vec<_> = up.into_iter().chain(down).collect();
         if !marks.is_empty() {
             drawing.group("beyond the axis", marks);
@@ -260,16 +230,24 @@ impl Frame {
     }
 }
 
-/// The room that numbers and this label to the left of a frame take, mm.
-pub(crate) fn room_left(scale: &Scale, text: &Text) -> f64 {
+/// The values of all ticks of an axis, and their lengths.
+fn marks(scale: &Scale) -> impl Iterator<Item = (f64, f64)> {
+    let minor = scale.minor.iter().map(|value| (*value, MINOR_TICK));
+    minor.chain(scale.ticks.iter().map(|tick| (tick.value, TICK)))
+}
+
+/// The room that numbers and the label of a quantity to the left of a frame take, mm.
+pub(crate) fn room_left(scale: &Scale, quantity: &Quantity) -> f64 {
+    let text = quantity.text(scale.exponent);
     2.0 * GAP + ticks_width(scale) + (text.above + text.below) * FONT
 }
 
 /// The width of the numbers at an upright axis, mm.
 pub(crate) fn ticks_width(scale: &Scale) -> f64 {
-    let ticks = scale.ticks().into_iter();
-    let widths = ticks.map(|tick| Text::plain(&tick.label).width * FONT);
-    widths.fold(0.0, f64::max)
+    let numbers = scale.ticks.iter().map(|tick| Text::plain(&tick.label));
+    numbers
+        .map(|number| number.width * FONT)
+        .fold(0.0, f64::max)
 }
 
 /// The room that numbers and label below a frame take, mm.

@@ -26,10 +26,13 @@ enum Sample {
 }
 
 impl Entry {
+    fn new(sample: Sample, text: Text) -> Self {
+        Self { sample, text }
+    }
+
     /// The entry of a line whose text is set already.
     pub(crate) fn of(stroke: Stroke, text: Text) -> Self {
-        let sample = Sample::Line(stroke);
-        Self { sample, text }
+        Self::new(Sample::Line(stroke), text)
     }
 
     pub(crate) fn line(stroke: Stroke, markup: &str) -> Self {
@@ -37,33 +40,23 @@ impl Entry {
     }
 
     pub(crate) fn area(fill: Colour, markup: &str) -> Self {
-        Self {
-            sample: Sample::Area(fill),
-            text: Text::markup(markup),
-        }
+        Self::new(Sample::Area(fill), Text::markup(markup))
     }
 
-    pub(crate) fn dot(is_filled: bool, markup: &str) -> Self {
-        Self {
-            sample: Sample::Dot(is_filled),
-            text: Text::markup(markup),
-        }
+    /// The dots at the ends of a path.
+    pub(crate) fn ends() -> [Self; 2] {
+        [(false, "start"), (true, "end")]
+            .map(|(is_filled, name)| Self::new(Sample::Dot(is_filled), Text::plain(name)))
     }
 
     /// Meaning of the marks where curves exceed their axis.
     pub(crate) fn beyond() -> Self {
-        Self {
-            sample: Sample::Marks,
-            text: Text::plain("beyond the axis"),
-        }
+        Self::new(Sample::Marks, Text::plain("beyond the axis"))
     }
 
     /// A remark.
     pub(crate) fn note(text: &str) -> Self {
-        Self {
-            sample: Sample::None,
-            text: Text::plain(text),
-        }
+        Self::new(Sample::None, Text::plain(text))
     }
 
     /// The space between the sample and the text, mm.
@@ -79,52 +72,41 @@ impl Entry {
     /// The width of what stands before the text, mm.
     fn indent(&self) -> f64 {
         match self.sample {
+            Sample::Line(_) | Sample::Area(_) => BROAD + Self::AFTER_SAMPLE,
+            Sample::Dot(_) => 2.0 * DOT + Self::AFTER_SAMPLE,
+            Sample::Marks => 4.0 * MARK + 0.6 + Self::AFTER_SAMPLE,
             Sample::None => 0.0,
-            sample => sample.width() + Self::AFTER_SAMPLE,
         }
     }
 
     fn draw(&self, drawing: &mut Drawing, left: f64, baseline: f64) {
-        let shapes = self.sample.shapes(left, baseline - 0.24 * FONT);
+        let start = left + self.indent();
+        let (right, middle) = (start - Self::AFTER_SAMPLE, baseline - 0.24 * FONT);
+        let shapes = match self.sample {
+            Sample::Line(stroke) => vec![Shape::Line {
+                points: vec![(left, middle), (right, middle)],
+                stroke,
+            }],
+            Sample::Area(fill) => {
+                let (top, bottom) = (middle - 0.35 * FONT, middle + 0.35 * FONT);
+                vec![Bounds::between((left, top), (right, bottom)).area(fill)]
+            }
+            Sample::Dot(is_filled) => vec![dot((left + DOT, middle), is_filled, style::BLACK)],
+            Sample::Marks => vec![
+                mark((left + MARK, middle - MARK), 1.0),
+                mark((right - MARK, middle + MARK), -1.0),
+            ],
+            Sample::None => Vec::new(),
+        };
         if !shapes.is_empty() {
             drawing.group(&format!("key: {}", self.text.spoken), shapes);
         }
-        let start = left + self.indent();
         drawing.label(self.text.clone(), (start, baseline), Anchor::Start);
     }
 }
 
-impl Sample {
-    /// The width, mm.
-    fn width(self) -> f64 {
-        match self {
-            Self::Line(_) | Self::Area(_) => 6.5,
-            Self::Dot(_) => 2.0 * DOT,
-            Self::Marks => 4.0 * MARK + 0.6,
-            Self::None => 0.0,
-        }
-    }
-
-    fn shapes(self, left: f64, middle: f64) -> Vec<Shape> {
-        let right = left + self.width();
-        match self {
-            Self::Line(stroke) => vec![Shape::Line {
-                points: vec![(left, middle), (right, middle)],
-                stroke,
-            }],
-            Self::Area(fill) => {
-                let (top, bottom) = (middle - 0.35 * FONT, middle + 0.35 * FONT);
-                vec![Bounds::between((left, top), (right, bottom)).area(fill)]
-            }
-            Self::Dot(is_filled) => vec![dot((left + DOT, middle), is_filled, style::BLACK)],
-            Self::Marks => vec![
-                mark((left + MARK, middle - MARK), 1.0),
-                mark((right - MARK, middle + MARK), -1.0),
-            ],
-            Self::None => Vec::new(),
-        }
-    }
-}
+/// The width of lines and areas, mm.
+const BROAD: f64 = 6.5;
 
 /// Half the width of a mark, and its height, mm.
 const MARK: f64 = 0.9;

@@ -43,7 +43,7 @@ pub(crate) struct Panel {
 impl Panel {
     pub(crate) fn new(symbol: &'static str, unit: &'static str) -> Self {
         Self {
-            quantity: Quantity { symbol, unit },
+            quantity: Quantity::new(symbol, unit),
             bands: Vec::new(),
             envelopes: Vec::new(),
             curves: Vec::new(),
@@ -98,9 +98,8 @@ impl Panel {
     fn is_cut(&self) -> bool {
         let (low, high) = self.range();
         let values = self.lines().into_iter().flatten().map(|point| point.1);
-        let all = extremes(values);
-        let is_rounding = all.0.abs().max(all.1.abs()) < self.rounding;
-        self.is_singular && !is_rounding && (all.0 < low || all.1 > high)
+        let (lowest, highest) = extremes(values);
+        lowest < low - self.rounding || highest > high + self.rounding
     }
 
     /// The scale of the upright axis: the range of the curves and some air.
@@ -109,16 +108,6 @@ impl Panel {
         let air = 0.06 * (high - low);
         let most = frame::ticks_up(self.height * usual_height);
         Scale::new(low - air, high + air, most)
-    }
-}
-
-/// Labels the upright axes of frames one below the other, with the labels in one line.
-fn name_all_y(drawing: &mut Drawing, frames: &[(&Frame, &Panel)]) {
-    let widths = frames.iter().map(|(frame, _)| frame::ticks_width(&frame.y));
-    let width = widths.fold(0.0, f64::max);
-    for (frame, panel) in frames {
-        let label = panel.quantity.text(frame.y.exponent);
-        frame.label_y(drawing, label, width);
     }
 }
 
@@ -148,36 +137,61 @@ const COLUMN_GAP: f64 = 4.0;
 impl Page {
     /// Draws the page with a width in mm; the height follows.
     pub(crate) fn draw(&self, width: f64) -> Drawing {
-        let columns = self.columns(width);
+        let count = self.panels.len();
+        let is_divided = self.panels.iter().any(|panel| panel.is_broken);
+        let is_wide = width >= TWO_COLUMNS && count > 1 && !is_divided;
+        let columns = if is_wide { 2 } else { 1 };
+        let share = (width - 2.0 * MARGIN - (columns - 1) as f64 * COLUMN_GAP) / columns as f64;
+        let height = TALLEST.min(share * PROPORTION);
+        let scales = self.panels.iter().map(|panel| panel.scale(height));
+        let scales: Vec<_> = scales.collect();
+        let of_column = |column: usize| (column..count).step_by(columns);
+        let sides = |column: usize| {
+            let left = MARGIN + column as f64 * (share + COLUMN_GAP);
+            let room =
+                |index: usize| frame::room_left(&scales[index], &self.panels[index].quantity);
+            let room = of_column(column).map(room).fold(0.0, f64::max);
+            (left + room, left + share - frame::ROOM_RIGHT)
+        };
+        let sides: Vec<_> = (0..columns).map(sides).collect();
+        let has_x_axis = |index: usize| !self.shares_x || index + columns >= count;
+
         let mut drawing = Drawing::new(width);
         let mut legend = self.legend.clone();
         if self.panels.iter().any(Panel::is_cut) {
             legend.push(Entry::beyond());
         }
         let mut top = legend::draw_at_top(&mut drawing, &legend);
-        let frames = self.frames(width, columns, &mut top);
-        for (index, frame) in frames.iter().enumerate() {
-            self.draw_panel(&mut drawing, index, columns, frame);
+        let mut frames = Vec::new();
+        for panels in self.panels.chunks(columns) {
+            top += self.room_above(frames.len(), &sides);
+            let tall = panels.iter().map(|panel| panel.height * height);
+            let bottom = top + tall.fold(0.0, f64::max);
+            for (panel, (left, right)) in panels.iter().zip(&sides) {
+                let index = frames.len();
+                let (first, last) = self.range(panel);
+                let bounds = Bounds::between((*left, top), (*right, bottom));
+                let frame = Frame {
+                    x: Scale::new(first, last, frame::ticks_across(bounds.width())),
+                    y: scales[index].clone(),
+                    bounds,
+                };
+                self.draw_panel(&mut drawing, index, &frame, has_x_axis(index));
+                frames.push(frame);
+            }
+            let has_axis = has_x_axis(frames.len() - 1);
+            top = bottom + if has_axis { frame::ROOM_BELOW } else { 0.0 };
         }
+        // The labels of upright axes one below the other stand in one line.
         for column in 0..columns {
-            let of_column = frames
-                .iter()
-                .zip(&self.panels)
-                .skip(column)
-                .step_by(columns);
-            name_all_y(&mut drawing, &of_column.collect::<Vec<_>>());
+            let widths = of_column(column).map(|index| frame::ticks_width(&scales[index]));
+            let width = widths.fold(0.0, f64::max);
+            for index in of_column(column) {
+                frames[index].label_y(&mut drawing, &self.panels[index].quantity, width);
+            }
         }
         drawing.height = top + MARGIN;
         drawing
-    }
-
-    fn columns(&self, width: f64) -> usize {
-        let is_divided = self.panels.iter().any(|panel| panel.is_broken);
-        if width >= TWO_COLUMNS && self.panels.len() > 1 && !is_divided {
-            2
-        } else {
-            1
-        }
     }
 
     /// The range of x of a panel.
@@ -189,61 +203,8 @@ impl Page {
         };
         let lines = all.iter().flat_map(Panel::lines);
         let (first, last) = extremes(lines.flatten().map(|point| point.0));
-        let first = if first < NEARLY_ZERO * last {
-            first.min(0.0)
-        } else {
-            first
-        };
-        (first, last)
-    }
-
-    /// Whether there are numbers below the panel.
-    fn has_x_axis(&self, index: usize, columns: usize) -> bool {
-        !self.shares_x || index + columns >= self.panels.len()
-    }
-
-    /// Places the frames from `top` downwards, and moves `top` below them.
-    fn frames(&self, width: f64, columns: usize, top: &mut f64) -> Vec<Frame> {
-        let share = (width - 2.0 * MARGIN - (columns - 1) as f64 * COLUMN_GAP) / columns as f64;
-        let height = TALLEST.min(share * PROPORTION);
-        let rooms = self.rooms_left(columns, height);
-        let mut frames: Vec<Frame> = Vec::new();
-        for (row, panels) in self.panels.chunks(columns).enumerate() {
-            let first = row * columns;
-            let sides: Vec<_> = (0..panels.len())
-                .map(|column| {
-                    let left = MARGIN + column as f64 * (share + COLUMN_GAP);
-                    (left + rooms[column], left + share - frame::ROOM_RIGHT)
-                })
-                .collect();
-            *top += self.room_above(first, &sides);
-            let tall = panels.iter().map(|panel| panel.height * height);
-            let bottom = *top + tall.fold(0.0, f64::max);
-            for (panel, (left, right)) in panels.iter().zip(sides) {
-                let (low, high) = self.range(panel);
-                let bounds = Bounds::between((left, *top), (right, bottom));
-                frames.push(Frame {
-                    x: Scale::new(low, high, frame::ticks_across(bounds.width())),
-                    y: panel.scale(height),
-                    bounds,
-                });
-            }
-            let has_axis = (0..panels.len()).any(|n| self.has_x_axis(first + n, columns));
-            *top = bottom + if has_axis { frame::ROOM_BELOW } else { 0.0 };
-        }
-        frames
-    }
-
-    /// The room that the labels to the left of the frames need, for each column.
-    fn rooms_left(&self, columns: usize, height: f64) -> Vec<f64> {
-        let room = |panel: &Panel| {
-            let scale = panel.scale(height);
-            frame::room_left(&scale, &panel.quantity.text(scale.exponent))
-        };
-        let of_column = |column| self.panels.iter().skip(column).step_by(columns).map(room);
-        (0..columns)
-            .map(|column| of_column(column).fold(0.0, f64::max))
-            .collect()
+        let is_from_zero = (0.0..NEARLY_ZERO * last).contains(&first);
+        (if is_from_zero { 0.0 } else { first }, last)
     }
 
     /// The room above a row: for letters and legends.
@@ -263,7 +224,7 @@ impl Page {
         index > 0 && self.panels[index - 1].is_broken
     }
 
-    fn draw_panel(&self, drawing: &mut Drawing, index: usize, columns: usize, frame: &Frame) {
+    fn draw_panel(&self, drawing: &mut Drawing, index: usize, frame: &Frame, has_x_axis: bool) {
         let panel = &self.panels[index];
         for band in panel.bands.iter().chain(&panel.envelopes) {
             drawing.group(&band.meaning, frame.areas(band));
@@ -276,14 +237,9 @@ impl Page {
         if panel.is_broken {
             frame.draw_break(drawing);
         }
-        if self.has_x_axis(index, columns) {
-            frame.label_x(drawing, self.x.text(frame.x.exponent));
+        if has_x_axis {
+            frame.label_x(drawing, &self.x);
         }
-        self.draw_heading(drawing, index, frame);
-    }
-
-    fn draw_heading(&self, drawing: &mut Drawing, index: usize, frame: &Frame) {
-        let panel = &self.panels[index];
         let (left, right) = (frame.bounds.left, frame.bounds.right);
         let lines = legend::lines(&panel.legend, right - left - INDENT);
         let baseline = frame.bounds.top - frame::ABOVE - lines.saturating_sub(1) as f64 * LINE;

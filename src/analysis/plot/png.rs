@@ -6,7 +6,6 @@ use super::style::{BLACK, FONT, RESOLUTION};
 use super::text::{self, UNITS};
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, PixelDimensions, Unit};
 use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, StrokeDash, Transform};
-use ttf_parser::OutlineBuilder;
 
 impl Drawing {
     /// The drawing as a PNG file with 300 pixels per inch.
@@ -131,37 +130,10 @@ fn write(pixels: &mut Pixmap, label: &Label) {
         .pre_rotate(turn)
         .pre_scale(em, -em);
     for glyph in &label.text.glyphs {
-        let mut builder = Outline(PathBuilder::new());
-        text::outline(glyph.style, glyph.id, &mut builder);
         let size = (glyph.scale / UNITS) as f32;
         let place = place
             .pre_translate(glyph.x as f32, glyph.y as f32)
             .pre_scale(size, size);
-        fill(pixels, builder.0.finish(), BLACK, place);
-    }
-}
-
-/// Builds the path of a glyph.
-struct Outline(PathBuilder);
-
-impl OutlineBuilder for Outline {
-    fn move_to(&mut self, x: f32, y: f32) {
-        self.0.move_to(x, y);
-    }
-
-    fn line_to(&mut self, x: f32, y: f32) {
-        self.0.line_to(x, y);
-    }
-
-    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        self.0.quad_to(x1, y1, x, y);
-    }
-
-    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        self.0.cubic_to(x1, y1, x2, y2, x, y);
-    }
-
-    fn close(&mut self) {
-        self.0.close();
+        fill(pixels, text::outline(glyph.style, glyph.id), BLACK, place);
     }
 }

@@ -1,6 +1,7 @@
 //! Rows of numbers over time that thin themselves out, so that memory is bounded by what can be seen of a run and not by
 //! how long it is.
 
+use super::decimate::envelope;
 use super::shape::Point;
 
 /// The most rows that are kept for curves over time: enough for several bins in each column of pixels.
@@ -55,6 +56,9 @@ impl Rows {
 
     /// Adds a row. Times increase from row to row.
     pub(crate) fn push(&mut self, time: f64, values: impl IntoIterator<Item = f64>) {
+        if let Some(last) = self.times.last() {
+            self.step = self.step.min(time - last);
+        }
         self.times.push(time);
         for (column, value) in self.columns.iter_mut().zip(values) {
             column.push(value);
@@ -69,7 +73,7 @@ impl Rows {
         self.times.is_empty()
     }
 
-    /// The shortest time between two samples, s; infinite before [`Self::mark_gaps`].
+    /// The shortest time between two rows, s; infinite if there are fewer.
     pub(crate) fn step(&self) -> f64 {
         self.step
     }
@@ -89,6 +93,21 @@ impl Rows {
         self.times.iter().copied().zip(values)
     }
 
+    /// The number of rows up to a time.
+    pub(crate) fn until(&self, time: f64) -> usize {
+        self.times.partition_point(|other| *other <= time)
+    }
+
+    /// The point of a column in a row.
+    pub(crate) fn point(&self, column: usize, row: usize) -> Option<Point> {
+        Some((*self.times.get(row)?, *self.columns[column].get(row)?))
+    }
+
+    /// The last point of a column.
+    pub(crate) fn last(&self, column: usize) -> Option<Point> {
+        self.point(column, self.times.len().checked_sub(1)?)
+    }
+
     /// Puts a row that is not a number wherever samples are missing.
     pub(crate) fn mark_gaps(&mut self) {
         let from = self.marked.saturating_sub(1);
@@ -98,7 +117,6 @@ impl Rows {
         }
         let times = &self.times[from..];
         let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
-        self.step = steps.clone().fold(self.step, f64::min);
         let longest = LONGEST_STEP * self.step;
         let after = (from + 1..).zip(steps).filter(|(_, step)| *step > longest);
         let gaps: Vec<usize> = after.map(|(row, _)| row).collect();
@@ -139,30 +157,20 @@ impl Rows {
             let bins = if is_end { FINER } else { 1.0 };
             (is_end, (time / self.width * bins).floor())
         };
+        let is_gap = |row: &usize| self.columns.iter().all(|column| column[*row].is_nan());
         let mut kept = Vec::new();
         let mut from = 0;
-        for rows in self.times.chunk_by(|a, b| bin(*a) == bin(*b)) {
-            kept.extend(self.kept_of(from, from + rows.len()));
-            from += rows.len();
+        for bin in self.times.chunk_by(|a, b| bin(*a) == bin(*b)) {
+            let rows = from..from + bin.len();
+            let columns = self.columns.iter().map(|column| |row: usize| column[row]);
+            let mut of_bin = envelope(rows.clone(), columns);
+            let mut gaps = rows.filter(is_gap);
+            of_bin.extend(gaps.next().into_iter().chain(gaps.next_back()));
+            of_bin.sort_unstable();
+            of_bin.dedup();
+            kept.extend(of_bin);
+            from += bin.len();
         }
-        kept
-    }
-
-    /// The rows that stay of a bin.
-    fn kept_of(&self, from: usize, to: usize) -> Vec<usize> {
-        let mut kept = vec![from, to - 1];
-        for column in &self.columns {
-            let value = |row: &usize| column[*row];
-            let finite = (from..to).filter(|row| value(row).is_finite());
-            kept.extend(finite.clone().min_by(|a, b| value(a).total_cmp(&value(b))));
-            kept.extend(finite.min_by(|a, b| value(b).total_cmp(&value(a))));
-        }
-        let is_gap = |row: &usize| self.columns.iter().all(|column| column[*row].is_nan());
-        let mut gaps = (from..to).filter(is_gap);
-        kept.extend(gaps.next());
-        kept.extend(gaps.next_back());
-        kept.sort_unstable();
-        kept.dedup();
         kept
     }
 }

@@ -9,7 +9,7 @@ use super::style::{BLACK, FONT};
 use super::text::{self, Style, UNITS};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use ttf_parser::OutlineBuilder;
+use tiny_skia::{Path, PathSegment};
 
 /// Units of the drawing in a millimetre.
 const SCALE: f64 = 100.0;
@@ -18,17 +18,15 @@ impl Drawing {
     /// The drawing as an SVG document.
     #[must_use]
     pub fn svg(&self) -> String {
-        let (width, height) = (unit(self.width), unit(self.height));
+        let [width, height] = [self.width, self.height].map(unit);
         let mut svg = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         // Writing to a String cannot fail.
         let _ = writeln!(
             svg,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
-             width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {} {}\" role=\"img\">\n<title>{}</title>",
+             width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{}</title>",
             decimal(width as f64 / SCALE),
             decimal(height as f64 / SCALE),
-            width,
-            height,
             escaped(&self.title),
         );
         svg.push_str(&self.glyphs());
@@ -55,9 +53,8 @@ impl Drawing {
             .collect();
         let mut svg = String::from("<defs>\n");
         for (style, id) in used {
-            let mut path = Path::default();
-            text::outline(style, id, &mut path);
-            let _ = writeln!(svg, "<path id=\"{}\" d=\"{}\"/>", name(style, id), path.0);
+            let (name, path) = (name(style, id), outline(style, id));
+            let _ = writeln!(svg, "<path id=\"{name}\" d=\"{path}\"/>");
         }
         svg.push_str("</defs>\n");
         svg
@@ -76,17 +73,10 @@ fn decimal(value: f64) -> String {
 }
 
 fn escaped(text: &str) -> String {
-    text.chars()
-        .map(|letter| match letter {
-            '&' => "&amp;".to_owned(),
-            '<' => "&lt;".to_owned(),
-            '>' => "&gt;".to_owned(),
-            '"' => "&quot;".to_owned(),
-            // XML has no way to write these.
-            control if control.is_control() => "\u{fffd}".to_owned(),
-            other => other.to_string(),
-        })
-        .collect()
+    let text = text.replace('&', "&amp;").replace('"', "&quot;");
+    let text = text.replace('<', "&lt;").replace('>', "&gt;");
+    // XML has no way to write these.
+    text.replace(char::is_control, "\u{fffd}")
 }
 
 fn name(style: Style, id: u16) -> String {
@@ -202,41 +192,24 @@ fn label(label: &Label) -> String {
     svg
 }
 
-/// Writes an outline as the data of a path.
-#[derive(Default)]
-struct Path(String);
-
-impl Path {
-    fn add(&mut self, command: char, numbers: &[f32]) {
-        self.0.push(command);
-        let numbers: Vec<_> = numbers
-            .iter()
-            .map(|number| decimal(f64::from(*number)))
-            .collect();
-        self.0.push_str(&numbers.join(" "));
-    }
+/// The data of the path of a glyph.
+fn outline(style: Style, id: u16) -> String {
+    let path = text::outline(style, id);
+    let segments = path.iter().flat_map(Path::segments);
+    segments.map(segment).collect()
 }
 
-impl OutlineBuilder for Path {
-    fn move_to(&mut self, x: f32, y: f32) {
-        self.add('M', &[x, y]);
-    }
-
-    fn line_to(&mut self, x: f32, y: f32) {
-        self.add('L', &[x, y]);
-    }
-
-    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        self.add('Q', &[x1, y1, x, y]);
-    }
-
-    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        self.add('C', &[x1, y1, x2, y2, x, y]);
-    }
-
-    fn close(&mut self) {
-        self.0.push('Z');
-    }
+fn segment(segment: PathSegment) -> String {
+    let (command, points) = match segment {
+        PathSegment::MoveTo(to) => ('M', vec![to]),
+        PathSegment::LineTo(to) => ('L', vec![to]),
+        PathSegment::QuadTo(by, to) => ('Q', vec![by, to]),
+        PathSegment::CubicTo(from, by, to) => ('C', vec![from, by, to]),
+        PathSegment::Close => ('Z', Vec::new()),
+    };
+    let numbers = points.iter().flat_map(|point| [point.x, point.y]);
+    let numbers: Vec<_> = numbers.map(|number| decimal(number.into())).collect();
+    format!("{command}{}", numbers.join(" "))
 }
 
 #[cfg(test)]

@@ -3,7 +3,9 @@
 //! Glyphs are drawn as outlines, so a figure looks the same wherever it is shown, and the space that a
 //! label takes is known when figures are laid out.
 
+use super::shape::Bounds;
 use std::sync::OnceLock;
+use tiny_skia::{Path, PathBuilder};
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// The style of a glyph: upright for units and words, italic for symbols.
@@ -20,10 +22,10 @@ const ITALIC: &[u8] = include_bytes!("font/STIXTwoText-Italic.ttf");
 /// The units of the font in an em.
 pub(crate) const UNITS: f64 = 1000.0;
 
-/// The size of subscripts and superscripts, and how far they are shifted upwards, em.
-const SCRIPT: f64 = 0.7;
-const SUBSCRIPT_SHIFT: f64 = -0.18;
-const SUPERSCRIPT_SHIFT: f64 = 0.34;
+/// The sizes of letters, subscripts and superscripts, and how far they are shifted upwards, em.
+const LETTER: (f64, f64) = (1.0, 0.0);
+const SUBSCRIPT: (f64, f64) = (0.7, -0.18);
+const SUPERSCRIPT: (f64, f64) = (0.7, 0.34);
 
 /// The room between a letter and the dots over it, and between two dots, em.
 const ACCENT_GAP: f64 = 0.07;
@@ -41,10 +43,35 @@ fn face(style: Style) -> Option<&'static Face<'static>> {
     faces[style as usize].as_ref()
 }
 
-/// The outline of a glyph, in units of the font.
-pub(crate) fn outline(style: Style, id: u16, builder: &mut dyn OutlineBuilder) {
-    if let Some(face) = face(style) {
-        face.outline_glyph(GlyphId(id), builder);
+/// The outline of a glyph, in units of the font; none of a space.
+pub(crate) fn outline(style: Style, id: u16) -> Option<Path> {
+    let mut outline = Outline(PathBuilder::new());
+    face(style)?.outline_glyph(GlyphId(id), &mut outline);
+    outline.0.finish()
+}
+
+/// Builds the path of a glyph.
+struct Outline(PathBuilder);
+
+impl OutlineBuilder for Outline {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.0.move_to(x, y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.0.line_to(x, y);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        self.0.quad_to(x1, y1, x, y);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        self.0.cubic_to(x1, y1, x2, y2, x, y);
+    }
+
+    fn close(&mut self) {
+        self.0.close();
     }
 }
 
@@ -92,7 +119,7 @@ impl Text {
     pub(crate) fn markup(source: &str) -> Self {
         let mut text = Self::default();
         let mut style = Style::Upright;
-        let mut script = Script::None;
+        let mut script = LETTER;
         let mut letters = source.chars().peekable();
         while let Some(letter) = letters.next() {
             match letter {
@@ -101,12 +128,12 @@ impl Text {
                 '_' | '^' if letters.next_if_eq(&'{').is_some() => {
                     text.spoken.push(letter);
                     script = if letter == '_' {
-                        Script::Sub
+                        SUBSCRIPT
                     } else {
-                        Script::Super
+                        SUPERSCRIPT
                     };
                 }
-                '}' => script = Script::None,
+                '}' => script = LETTER,
                 '\u{307}' => text.accent(1, letter),
                 '\u{308}' => text.accent(2, letter),
                 _ => text.push(letter, style, script),
@@ -118,19 +145,18 @@ impl Text {
     /// Adds words to the text.
     pub(crate) fn followed_by(mut self, words: &str) -> Self {
         for letter in words.chars() {
-            self.push(letter, Style::Upright, Script::None);
+            self.push(letter, Style::Upright, LETTER);
         }
         self
     }
 
-    fn push(&mut self, letter: char, style: Style, script: Script) {
+    fn push(&mut self, letter: char, style: Style, (scale, y): (f64, f64)) {
         self.spoken.push(letter);
         let Some(face) = face(style) else {
             return;
         };
         // The font has a box for letters that it lacks.
         let id = face.glyph_index(letter).unwrap_or(GlyphId(0));
-        let (scale, y) = script.scale_and_shift();
         let advance = f64::from(face.glyph_hor_advance(id).unwrap_or(0)) / UNITS;
         self.add(Glyph {
             style,
@@ -185,35 +211,11 @@ impl Text {
     }
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Script {
-    None,
-    Sub,
-    Super,
-}
-
-impl Script {
-    fn scale_and_shift(self) -> (f64, f64) {
-        match self {
-            Self::None => (1.0, 0.0),
-            Self::Sub => (SCRIPT, SUBSCRIPT_SHIFT),
-            Self::Super => (SCRIPT, SUPERSCRIPT_SHIFT),
-        }
-    }
-}
-
-/// The extent of the ink of a glyph, em.
-struct Ink {
-    left: f64,
-    right: f64,
-    bottom: f64,
-    top: f64,
-}
-
-fn ink(glyph: &Glyph) -> Option<Ink> {
+/// The extent of the ink of a glyph, em, with heights above the baseline.
+fn ink(glyph: &Glyph) -> Option<Bounds> {
     let bounds = face(glyph.style)?.glyph_bounding_box(GlyphId(glyph.id))?;
     let em = |units: i16| f64::from(units) / UNITS * glyph.scale;
-    Some(Ink {
+    Some(Bounds {
         left: glyph.x + em(bounds.x_min),
         right: glyph.x + em(bounds.x_max),
         bottom: glyph.y + em(bounds.y_min),

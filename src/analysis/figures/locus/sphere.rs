@@ -9,7 +9,7 @@ use crate::analysis::plot::range::extremes;
 use crate::analysis::plot::shape::{Bounds, Point, Shape, Stroke};
 use crate::analysis::plot::style::{self, LINE, MARGIN, RESOLUTION};
 use crate::analysis::plot::text::Text;
-use crate::analysis::plot::ticks::Scale;
+use crate::analysis::plot::ticks::{Scale, Tick};
 use crate::physics::math::{atan2, hypot, sin_cos};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -31,31 +31,33 @@ const PIECES: u32 = 360;
 const VERTICAL: (f64, f64) = (0.75, 0.36);
 
 /// The cap of the sphere around the vertical on which the axes of some runs move.
+///
+/// Its lines are as the eye sees them: x to the right, y upwards, z towards the eye.
 pub(super) struct Sphere {
-    /// Circles of equal θ (rad) and their labels; the last bounds the cap.
-    circles: Vec<(f64, String)>,
-    /// The labels are to be multiplied by ten to this power.
+    /// Circles of equal θ, the outermost last.
+    circles: Vec<Vec<Direction>>,
+    /// The θ of the circles in rad, to be multiplied by ten to the power of `exponent`.
+    labels: Vec<String>,
     exponent: i32,
+    meridians: Vec<Vec<Direction>>,
+    /// The parts of the outline of the sphere that belong to the cap.
+    outline: Vec<Vec<Direction>>,
+    /// The piece of the vertical above the pole.
+    vertical: [Direction; 2],
 }
 
-/// The rotations that bring the eye to the x axis: about the vertical, and then down to the horizon.
-fn to_eye() -> [Rotation3<f64>; 2] {
-    [
-        Rotation3::from_axis_angle(&Vector3::z_axis(), -AZIMUTH),
-        Rotation3::from_axis_angle(&Vector3::y_axis(), ELEVATION),
-    ]
-}
-
-/// A direction as the eye sees it: x to the right, y upwards, z towards the eye.
-fn seen(axis: &Direction) -> Vector3<f64> {
-    let [turn, lower] = to_eye();
+/// A direction as the eye sees it, brought to the x axis by turns about the vertical and then down to the horizon.
+fn seen(axis: &Direction) -> Direction {
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), -AZIMUTH);
+    let lower = Rotation3::from_axis_angle(&Vector3::y_axis(), ELEVATION);
     (lower * (turn * axis)).yzx()
 }
 
+/// The direction at an angle from the vertical and at one around it, as the eye sees it.
 fn direction(theta: f64, azimuth: f64) -> Direction {
     let (sin_t, cos_t) = sin_cos(theta);
     let (sin_a, cos_a) = sin_cos(azimuth);
-    Vector3::new(sin_t * cos_a, sin_t * sin_a, cos_t)
+    seen(&Vector3::new(sin_t * cos_a, sin_t * sin_a, cos_t))
 }
 
 /// Equal steps from 0 to `end`.
@@ -69,71 +71,47 @@ impl Sphere {
         let thetas = axes.map(|axis| atan2(hypot(axis.x, axis.y), axis.z));
         let (_, greatest) = extremes(thetas);
         let scale = Scale::new(0.0, greatest.max(1e-6), 6);
-        Self {
-            exponent: scale.exponent,
-            circles: scale
-                .ticks_beyond()
-                .into_iter()
-                .filter(|tick| 0.0 < tick.value && tick.value < PI)
-                .map(|tick| (tick.value, tick.label))
-                .collect(),
-        }
-    }
-
-    /// The θ of the edge of the cap, rad.
-    fn edge(&self) -> f64 {
-        self.circles.last().map_or(PI, |(theta, _)| *theta)
-    }
-
-    /// The circles of equal θ, the outermost last.
-    fn parallels(&self) -> Vec<Vec<Direction>> {
-        let circle = |(theta, _): &(f64, String)| {
+        let exponent = scale.exponent;
+        let mut ticks = scale.ticks_beyond();
+        ticks.retain(|tick| 0.0 < tick.value && tick.value < PI);
+        // The θ of the edge of the cap.
+        let edge = ticks.last().map_or(PI, |tick| tick.value);
+        let circle = |tick: &Tick| {
             let azimuths = steps(TAU, PIECES);
-            azimuths.map(|azimuth| direction(*theta, azimuth)).collect()
+            azimuths
+                .map(|azimuth| direction(tick.value, azimuth))
+                .collect()
         };
-        self.circles.iter().map(circle).collect()
-    }
-
-    fn meridians(&self) -> Vec<Vec<Direction>> {
         let meridian = |azimuth| {
-            let thetas = steps(self.edge(), PIECES / 4);
+            let thetas = steps(edge, PIECES / 4);
             thetas.map(|theta| direction(theta, azimuth)).collect()
         };
-        steps(TAU, MERIDIANS).skip(1).map(meridian).collect()
-    }
-
-    /// The parts of the outline of the sphere that belong to the cap.
-    fn outline(&self) -> Vec<Vec<Direction>> {
-        let [turn, lower] = to_eye();
-        let least = sin_cos(self.edge()).1;
-        let points: Vec<_> = steps(TAU, 2 * PIECES)
-            .map(|angle| {
-                let (up, right) = sin_cos(angle - PI / 2.0);
-                turn.inverse() * (lower.inverse() * Vector3::new(0.0, right, up))
-            })
-            .collect();
-        let is_on_cap = |axis: &&[Direction]| axis[0][2] >= least;
-        let parts = points.chunk_by(|a, b| (a[2] >= least) == (b[2] >= least));
-        parts.filter(is_on_cap).map(<[Direction]>::to_vec).collect()
-    }
-
-    /// The piece of the vertical above the pole.
-    fn vertical(&self) -> Vec<Direction> {
+        let outline = steps(TAU, 2 * PIECES).map(|angle| {
+            let (up, right) = sin_cos(angle - PI / 2.0);
+            Vector3::new(right, up, 0.0)
+        });
+        let outline: Vec<_> = outline.collect();
+        let is_on_cap = |seen: &Direction| seen.y * sin_cos(ELEVATION).1 >= sin_cos(edge).1;
+        let parts = outline.split(|seen| !is_on_cap(seen));
+        let parts = parts.filter(|part| !part.is_empty());
         let (part, most) = VERTICAL;
-        let length = most.min(part * sin_cos(self.edge().min(PI / 2.0)).0);
-        vec![Vector3::z(), Vector3::z() * (1.0 + length)]
+        let length = most.min(part * sin_cos(edge.min(PI / 2.0)).0);
+        Self {
+            circles: ticks.iter().map(circle).collect(),
+            labels: ticks.into_iter().map(|tick| tick.label).collect(),
+            exponent,
+            meridians: steps(TAU, MERIDIANS).skip(1).map(meridian).collect(),
+            outline: parts.map(<[Direction]>::to_vec).collect(),
+            vertical: [1.0, 1.0 + length].map(|z| seen(&Vector3::new(0.0, 0.0, z))),
+        }
     }
 
     /// The ranges of what is seen, to the right and upwards.
     fn extent(&self) -> [(f64, f64); 2] {
-        let vertical = self.vertical();
-        let lines = [self.parallels(), self.meridians(), self.outline()];
-        let lines = lines.iter().flatten().chain(std::iter::once(&vertical));
-        let points: Vec<_> = lines.flatten().map(seen).collect();
-        [0, 1].map(|axis| {
-            let visible = points.iter().filter(|point| point[2] >= -SLACK);
-            extremes(visible.map(|point| point[axis]))
-        })
+        let lines = [&self.circles, &self.meridians, &self.outline];
+        let points = lines.into_iter().flatten().flatten().chain(&self.vertical);
+        let visible = points.filter(|point| point.z >= -SLACK);
+        [0, 1].map(|axis| extremes(visible.clone().map(|point| point[axis])))
     }
 
     /// The height of the drawing at a width, mm.
@@ -157,57 +135,53 @@ impl Sphere {
         };
         self.draw_surface(drawing, &view);
         for trace in traces {
-            let shapes = view.line(&trace.axes, trace.stroke);
-            drawing.group(&format!("{}: locus on the unit sphere", trace.name), shapes);
+            let axes: Vec<_> = trace.axes.iter().map(seen).collect();
+            let parts = view.parts(&axes).into_iter();
+            let shapes = parts.map(|(is_far, points)| {
+                let opacity = if is_far { 0.3 } else { 1.0 };
+                let stroke = trace.stroke;
+                let stroke = Stroke { opacity, ..stroke };
+                Shape::Line { points, stroke }
+            });
+            let meaning = format!("{}: locus on the unit sphere", trace.name);
+            drawing.group(&meaning, shapes.collect());
         }
-        let dots = traces
-            .iter()
-            .flat_map(|trace| trace.dots(0, |axis| view.place(axis)));
+        let place = |axis: &Direction| view.place(&seen(axis));
+        let dots = traces.iter().flat_map(|trace| trace.dots(0, place));
         drawing.group("start and end", dots.collect());
-        let place = (middle, top + height);
-        drawing.label(self.caption(), place, Anchor::Middle);
+        drawing.label(self.caption(), (middle, top + height), Anchor::Middle);
     }
 
     fn draw_surface(&self, drawing: &mut Drawing, view: &View) {
         let mut shapes = Vec::new();
-        let parallels = self.parallels();
-        let edge = parallels.last();
-        if let Some(edge) = edge.filter(|edge| edge.iter().all(|axis| seen(axis)[2] >= 0.0)) {
+        let edge = self.circles.last();
+        if let Some(edge) = edge.filter(|edge| edge.iter().all(|seen| seen.z >= 0.0)) {
             shapes.push(Shape::Area {
-                points: edge.iter().map(|axis| view.place(axis)).collect(),
+                points: view.places(edge),
                 fill: SURFACE,
             });
         }
-        let thin = style::line(style::GREY, style::HAIRLINE / 2.0);
-        for line in parallels.iter().chain(&self.meridians()) {
-            shapes.extend(view.visible(line, thin));
-        }
-        for line in self.outline() {
-            let points = line.iter().map(|axis| view.place(axis)).collect();
-            let stroke = thin;
-            shapes.push(Shape::Line { points, stroke });
-        }
-        let vertical = self.vertical();
-        let (x, y) = vertical.last().map_or(view.origin, |axis| view.place(axis));
+        let stroke = style::line(style::GREY, style::HAIRLINE / 2.0);
+        let lines = self.circles.iter().chain(&self.meridians);
+        let near = lines
+            .flat_map(|line| view.parts(line))
+            .filter(|part| !part.0);
+        let outline = self.outline.iter().map(|line| view.places(line));
+        let lines = near.map(|(_, points)| points).chain(outline);
+        shapes.extend(lines.map(|points| Shape::Line { points, stroke }));
+        let (x, y) = view.place(&self.vertical[1]);
         let arrow = vec![(x - 0.6, y + 1.6), (x, y), (x + 0.6, y + 1.6)];
-        let line = vertical.iter().map(|axis| view.place(axis)).collect();
         let stroke = style::frame();
-        shapes.extend([line, arrow].map(|points| Shape::Line { points, stroke }));
+        let lines = [view.places(&self.vertical), arrow];
+        shapes.extend(lines.map(|points| Shape::Line { points, stroke }));
         drawing.group("unit sphere", shapes);
-        drawing.label(
-            Text::markup("*z*′"),
-            (x + 1.4, y + 0.5 * LINE),
-            Anchor::Start,
-        );
+        let place = (x + 1.4, y + 0.5 * LINE);
+        drawing.label(Text::markup("*z*′"), place, Anchor::Start);
     }
 
     /// The caption, with the θ of the circles.
     fn caption(&self) -> Text {
-        let mut labels: Vec<_> = self
-            .circles
-            .iter()
-            .map(|(_, label)| label.as_str())
-            .collect();
+        let mut labels: Vec<_> = self.labels.iter().map(String::as_str).collect();
         if labels.len() > 3 {
             labels.splice(2..labels.len() - 1, ["…"]);
         }
@@ -228,34 +202,19 @@ struct View {
 }
 
 impl View {
-    fn place(&self, axis: &Direction) -> Point {
-        let seen = seen(axis);
-        (
-            self.origin.0 + self.scale * seen.x,
-            self.origin.1 - self.scale * seen.y,
-        )
+    fn place(&self, seen: &Direction) -> Point {
+        let (x, y) = self.origin;
+        (x + self.scale * seen.x, y - self.scale * seen.y)
     }
 
-    /// A line on the sphere, with its far side paler.
-    fn line(&self, axes: &[Direction], stroke: Stroke) -> Vec<Shape> {
-        let is_near = |a: &Direction, b: &Direction| (seen(a)[2] >= 0.0) == (seen(b)[2] >= 0.0);
-        axes.chunk_by(is_near)
-            .map(|part| {
-                let is_far = part.first().is_some_and(|axis| seen(axis)[2] < 0.0);
-                let opacity = if is_far { 0.3 } else { 1.0 };
-                let places: Vec<_> = part.iter().map(|axis| self.place(axis)).collect();
-                Shape::Line {
-                    points: decimate::by_distance(&places, 1.0 / RESOLUTION),
-                    stroke: Stroke { opacity, ..stroke },
-                }
-            })
-            .collect()
+    fn places(&self, line: &[Direction]) -> Vec<Point> {
+        line.iter().map(|seen| self.place(seen)).collect()
     }
 
-    /// The near side of a line on the sphere.
-    fn visible(&self, axes: &[Direction], stroke: Stroke) -> Vec<Shape> {
-        let mut shapes = self.line(axes, stroke);
-        shapes.retain(|shape| matches!(shape, Shape::Line { stroke, .. } if stroke.opacity == 1.0));
-        shapes
+    /// The parts of a line on the near and on the far side, and whether they are far.
+    fn parts(&self, line: &[Direction]) -> Vec<(bool, Vec<Point>)> {
+        let parts = line.chunk_by(|a, b| (a.z >= 0.0) == (b.z >= 0.0));
+        let thinned = |part| decimate::by_distance(&self.places(part), 1.0 / RESOLUTION);
+        parts.map(|part| (part[0].z < 0.0, thinned(part))).collect()
     }
 }

@@ -1,5 +1,7 @@
 //! Values along an axis.
 
+use super::runs::MapAxis;
+use crate::analysis::plot::frame::Quantity;
 use crate::analysis::plot::range::extremes;
 use crate::analysis::plot::ticks::Scale;
 use crate::physics::math::log10;
@@ -16,6 +18,7 @@ const EVEN: f64 = 1e-6;
 
 /// Values along an axis, as they are drawn: logarithms if `is_log`.
 pub(super) struct Along {
+    pub(super) quantity: Quantity,
     is_log: bool,
     /// Each different value once, in order.
     values: Vec<f64>,
@@ -26,8 +29,8 @@ pub(super) struct Along {
 impl Along {
     /// Values along an axis of a plot: logarithms of those of a grid if these are spaced evenly, of others if they differ
     /// widely.
-    pub(super) fn new(values: Vec<f64>) -> Self {
-        Self::of(values, |values| {
+    pub(super) fn new(axis: &MapAxis, values: Vec<f64>) -> Self {
+        Self::of(axis, values, |values| {
             if is_even(values) {
                 return false;
             }
@@ -37,15 +40,18 @@ impl Along {
     }
 
     /// Values as colours show them.
-    pub(super) fn of_colours(values: Vec<f64>) -> Self {
-        Self::of(values, |values| is_spread(values, LOGARITHMIC_COLOURS))
+    pub(super) fn of_colours(axis: &MapAxis, values: Vec<f64>) -> Self {
+        Self::of(axis, values, |values| {
+            is_spread(values, LOGARITHMIC_COLOURS)
+        })
     }
 
-    fn of(mut values: Vec<f64>, is_log: impl Fn(&[f64]) -> bool) -> Self {
+    fn of(axis: &MapAxis, mut values: Vec<f64>, is_log: impl Fn(&[f64]) -> bool) -> Self {
         values.retain(|value| value.is_finite());
         values.sort_by(f64::total_cmp);
         values.dedup();
         let mut along = Self {
+            quantity: axis.quantity(),
             is_log: !values.is_empty() && is_log(&values),
             levels: Vec::new(),
             values,
@@ -117,8 +123,13 @@ mod tests {
 
     #[test]
     fn widely_spread_values_are_drawn_over_their_logarithms() {
+        let axis = MapAxis::default();
         let is_log = |values: Vec<f64>| {
-            [Along::new(values.clone()), Along::of_colours(values)].map(|along| along.is_log)
+            [
+                Along::new(&axis, values.clone()),
+                Along::of_colours(&axis, values),
+            ]
+            .map(|along| along.is_log)
         };
         // From thirtyfold on along axes, from tenfold on in colours, and never with zeros or negative numbers.
         for (values, expected) in [
@@ -138,7 +149,7 @@ mod tests {
 
     #[test]
     fn a_single_value_is_in_the_middle_of_an_axis_of_its_size() {
-        let edges = |values: &[f64]| Along::new(values.to_vec()).edges();
+        let edges = |values: &[f64]| Along::new(&MapAxis::default(), values.to_vec()).edges();
         assert_eq!(edges(&[0.5]), [0.45, 0.55]);
         assert_eq!(edges(&[-20.0]), [-22.0, -18.0]);
         assert_eq!(edges(&[0.0]), [-1.0, 1.0]);
@@ -147,9 +158,10 @@ mod tests {
 
     #[test]
     fn values_that_hardly_differ_are_different_levels() {
+        let axis = MapAxis::default();
         let near = [1e15, 1.0000000000000002e15, 1.0000000000000004e15];
-        assert!(!Along::new(near.to_vec()).is_log);
-        let wide = Along::new(vec![near[0], near[1], 1e20]);
+        assert!(!Along::new(&axis, near.to_vec()).is_log);
+        let wide = Along::new(&axis, vec![near[0], near[1], 1e20]);
         assert!(wide.is_log);
         assert_eq!(wide.level(near[1]), Some(1));
     }

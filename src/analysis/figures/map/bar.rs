@@ -2,7 +2,7 @@
 
 use super::along::Along;
 use super::chart;
-use super::runs::MapAxis;
+use super::runs::Map;
 use crate::analysis::plot::drawing::{Anchor, Drawing};
 use crate::analysis::plot::frame;
 use crate::analysis::plot::shape::{Bounds, Colour, Shape};
@@ -40,9 +40,9 @@ pub(super) struct Bar {
 }
 
 impl Bar {
-    /// The bar of these values, next to the frame of a drawing of this width.
-    pub(super) fn new(values: Vec<f64>, width: f64) -> Self {
-        let values = Along::of_colours(values);
+    /// The bar of a map's values, next to the frame of a drawing of this width.
+    pub(super) fn new(map: &Map, width: f64) -> Self {
+        let values = Along::of_colours(&map.color, map.values(|run| run.color));
         let scale = values.scale(values.range(), frame::ticks_up(chart::height(width)));
         Self { values, scale }
     }
@@ -66,7 +66,7 @@ impl Bar {
     }
 
     /// Draws the bar next to a frame.
-    pub(super) fn draw(&self, drawing: &mut Drawing, frame: Bounds, axis: &MapAxis) {
+    pub(super) fn draw(&self, drawing: &mut Drawing, frame: Bounds) {
         let left = frame.right + BAR_GAP;
         let right = left + BAR;
         let bounds = Bounds::between((left, frame.top), (right, frame.bottom));
@@ -84,13 +84,14 @@ impl Bar {
         points.extend_from_within(..1);
         let stroke = style::frame();
         drawing.group("frame", vec![Shape::Line { points, stroke }]);
-        for tick in scale.ticks() {
+        for tick in &scale.ticks {
             let y = bounds.bottom - scale.place(tick.value) * bounds.height() + 0.33 * FONT;
             let place = (right + NUMBER_GAP, y);
             drawing.label(Text::plain(&tick.label), place, Anchor::Start);
         }
         let place = (drawing.width - MARGIN, bounds.top - frame::ABOVE);
-        drawing.label(axis.label(scale.exponent), place, Anchor::End);
+        let label = self.values.quantity.text(scale.exponent);
+        drawing.label(label, place, Anchor::End);
     }
 }
 

@@ -1,8 +1,6 @@
 //! The layout that maps and curves share.
 
 use super::along::Along;
-use super::runs::MapAxis;
-use crate::analysis::plot::drawing::Drawing;
 use crate::analysis::plot::frame::{self, Frame};
 use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape};
 use crate::analysis::plot::style::{self, MARGIN};
@@ -20,29 +18,20 @@ pub(super) fn height(width: f64) -> f64 {
     TALLEST.min(width * HEIGHT)
 }
 
-/// The frame below `top` in a drawing of this width, with some room to its right, mm: its axes show these ranges, and its
-/// upright axis has this label.
+/// The frame below `top` in a drawing of this width, with some room to its right, mm, whose axes show these ranges.
 pub(super) fn frame(
     width: f64,
     (top, room_right): (f64, f64),
     [across, upward]: [&Along; 2],
     [x, y]: [(f64, f64); 2],
-    label: &MapAxis,
 ) -> Frame {
     let height = height(width);
     let y = upward.scale(y, frame::ticks_up(height));
-    let left = MARGIN + frame::room_left(&y, &label.label(y.exponent));
+    let left = MARGIN + frame::room_left(&y, &upward.quantity);
     let right = width - MARGIN - room_right;
     let bounds = Bounds::between((left, top), (right, top + height));
     let x = across.scale(x, frame::ticks_across(bounds.width()));
     Frame { bounds, x, y }
-}
-
-/// Draws the frame with its labels, and ends the drawing below it.
-pub(super) fn finish(drawing: &mut Drawing, frame: &Frame, [x, y]: [&MapAxis; 2]) {
-    let labels = [x.label(frame.x.exponent), y.label(frame.y.exponent)];
-    frame.draw_with_labels(drawing, labels);
-    drawing.height = frame.bounds.bottom + frame::ROOM_BELOW + MARGIN;
 }
 
 /// A range with some air at its ends.

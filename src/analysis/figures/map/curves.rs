@@ -5,10 +5,10 @@ use super::chart::{self, aired, dot};
 use super::runs::{Map, MapRun};
 use crate::analysis::figures::looks::Looks;
 use crate::analysis::plot::drawing::Drawing;
-use crate::analysis::plot::frame::{self, Frame};
+use crate::analysis::plot::frame;
 use crate::analysis::plot::legend::{self, Entry};
 use crate::analysis::plot::range::{NONE, union};
-use crate::analysis::plot::shape::{Bounds, Point, Shape, Stroke};
+use crate::analysis::plot::shape::{Bounds, Point, Stroke};
 use crate::analysis::plot::style::{self, COLOURS, DASHES, MEDIUM};
 use crate::analysis::plot::text::Text;
 
@@ -24,8 +24,9 @@ const STRIPS: f64 = 0.25;
 
 /// Draws a curve for each scenario, and marks above the frame where runs have no value.
 pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, String> {
-    let across = Along::new(map.values(|run| run.x));
-    let upward = Along::new(map.values(|run| run.color));
+    let across = Along::new(&map.x, map.values(|run| run.x));
+    let upward = Along::new(&map.color, map.values(|run| run.color));
+    let axes = [&across, &upward];
     let curves = curves(map)?;
     let mut drawing = Drawing::new(width);
     let mut key = Vec::new();
@@ -33,13 +34,11 @@ pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, String> {
         let entry = |curve: &Curve<'_>| Entry::of(curve.stroke, Text::name(curve.name));
         key.extend(curves.iter().map(entry));
     }
-    let outcomes = map.outcomes_in_words();
+    let outcomes: Vec<_> = map.outcomes().into_iter().map(|(words, _)| words).collect();
     let strips = if outcomes.is_empty() { 0 } else { curves.len() };
     if strips > 0 {
-        key.push(Entry::note(&format!(
-            "above the frame: {}",
-            outcomes.join(", ")
-        )));
+        let outcomes = outcomes.join(", ");
+        key.push(Entry::note(&format!("above the frame: {outcomes}")));
     }
     let below_legend = legend::draw_at_top(&mut drawing, &key) + 0.6;
     let pitch = (STRIP + STRIP_GAP).min(STRIPS * chart::height(width) / strips.max(1) as f64);
@@ -47,11 +46,14 @@ pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, String> {
     let top = below_legend + strips as f64 * pitch;
     let ranges = [aired(across.range()), aired(union(NONE, upward.range()))];
     let room = (top, frame::ROOM_RIGHT);
-    let frame = chart::frame(width, room, [&across, &upward], ranges, &map.color);
+    let frame = chart::frame(width, room, axes, ranges);
     for (index, curve) in curves.iter().enumerate() {
         let place = |run: &&MapRun| (across.place(run.x), upward.place(run.color));
         let points: Vec<Point> = curve.runs.iter().map(place).collect();
-        drawing.group(curve.name, curve.shapes(&frame, &points));
+        let mut shapes = frame.line(&points, curve.stroke);
+        let there = points.iter().filter(|point| point.1.is_finite());
+        shapes.extend(there.map(|point| dot(frame.place(*point), curve.stroke.colour)));
+        drawing.group(curve.name, shapes);
         let top = below_legend + index as f64 * pitch;
         let valueless = curve.runs.iter().filter(|run| !run.color.is_finite());
         let marks = valueless.map(|run| {
@@ -64,7 +66,7 @@ pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, String> {
             drawing.group(&format!("{}: no value", curve.name), marks);
         }
     }
-    chart::finish(&mut drawing, &frame, [&map.x, &map.color]);
+    frame.finish(&mut drawing, axes.map(|axis| &axis.quantity));
     Ok(drawing)
 }
 
@@ -73,16 +75,6 @@ struct Curve<'a> {
     name: &'a str,
     stroke: Stroke,
     runs: Vec<&'a MapRun>,
-}
-
-impl Curve<'_> {
-    fn shapes(&self, frame: &Frame, points: &[Point]) -> Vec<Shape> {
-        let there = points.iter().filter(|point| point.1.is_finite());
-        let dots = there.map(|point| dot(frame.place(*point), self.stroke.colour));
-        let mut shapes = frame.line(points, self.stroke);
-        shapes.extend(dots);
-        shapes
-    }
 }
 
 /// The curves of all scenarios, in the order of their names.
@@ -107,17 +99,11 @@ fn curves(map: &Map) -> Result<Vec<Curve<'_>>, String> {
                 map.x.name, pair[0].x
             ));
         }
-        curves.push(Curve {
-            name,
-            stroke: Stroke {
-                dash: DASHES[index / COLOURS.len()],
-                ..style::line(
-                    COLOURS[index % COLOURS.len()],
-                    MEDIUM + looks.broader(index),
-                )
-            },
-            runs: runs.to_vec(),
-        });
+        let colour = COLOURS[index % COLOURS.len()];
+        let mut stroke = style::line(colour, MEDIUM + looks.broader(index));
+        stroke.dash = DASHES[index / COLOURS.len()];
+        let runs = runs.to_vec();
+        curves.push(Curve { name, stroke, runs });
     }
     Ok(curves)
 }

@@ -20,7 +20,7 @@ pub(super) struct Grid<'a> {
 }
 
 /// A border between two cells, only one of which loops.
-struct Border {
+pub(super) struct Border {
     ends: [Point; 2],
     /// The direction of the cell that loops: to the right and upward.
     toward: Point,
@@ -75,27 +75,8 @@ impl<'a> Grid<'a> {
         areas
     }
 
-    /// The lines between cells, only one of which loops, with a tick in the middle of each toward that cell.
-    pub(super) fn contour(&self, frame: &Frame) -> Vec<Shape> {
-        let mut lines = Vec::new();
-        for Border { ends, toward } in self.borders() {
-            let [from, to] = ends.map(|end| frame.place(end));
-            let (x, y) = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
-            let tip = (x + toward.0 * EDGE_TICK, y - toward.1 * EDGE_TICK);
-            let stroke = style::line(style::BLACK, MEDIUM);
-            let parts = [vec![from, to], vec![(x, y), tip]];
-            lines.extend(parts.map(|points| Shape::Line { points, stroke }));
-        }
-        lines
-    }
-
-    /// Whether runs that loop have neighbours that don't.
-    pub(super) fn has_contour(&self) -> bool {
-        !self.borders().is_empty()
-    }
-
     /// The borders between cells, only one of which loops, where both are known.
-    fn borders(&self) -> Vec<Border> {
+    pub(super) fn borders(&self) -> Vec<Border> {
         let [xs, ys] = &self.edges;
         let loops = |column: usize, row: usize| {
             let is_there = column < self.columns;
@@ -121,5 +102,17 @@ impl<'a> Grid<'a> {
             }
         }
         borders
+    }
+}
+
+impl Border {
+    /// The line between the cells, with a tick in its middle toward the one that loops.
+    pub(super) fn shapes(&self, frame: &Frame) -> [Shape; 2] {
+        let [from, to] = self.ends.map(|end| frame.place(end));
+        let (x, y) = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
+        let (right, up) = self.toward;
+        let tip = (x + right * EDGE_TICK, y - up * EDGE_TICK);
+        let stroke = style::line(style::BLACK, MEDIUM);
+        [vec![from, to], vec![(x, y), tip]].map(|points| Shape::Line { points, stroke })
     }
 }

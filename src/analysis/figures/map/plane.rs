@@ -12,11 +12,11 @@ use crate::analysis::plot::style::{self, LINE, MEDIUM};
 
 /// Draws the runs of a map as cells of a grid, or as dots if they make none.
 pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String> {
-    let across = Along::new(map.values(|run| run.x));
-    let upward = Along::new(map.values(|run| run.y));
+    let across = Along::new(&map.x, map.values(|run| run.x));
+    let upward = Along::new(y, map.values(|run| run.y));
     let axes = [&across, &upward];
     let grid = Grid::of(map, y, axes)?;
-    let bar = Bar::new(map.values(|run| run.color), width);
+    let bar = Bar::new(map, width);
     let colour = |run: &MapRun| {
         if run.color.is_finite() {
             bar.colour(run.color)
@@ -26,9 +26,12 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
     };
 
     let mut drawing = Drawing::new(width);
-    let mut key = map.outcome_legend();
-    let has_contour = grid.as_ref().is_some_and(Grid::has_contour);
-    if has_contour {
+    let outcomes = map.outcomes().into_iter();
+    let mut key: Vec<_> = outcomes
+        .map(|(words, colour)| Entry::area(colour, &words))
+        .collect();
+    let borders = grid.as_ref().map_or_else(Vec::new, Grid::borders);
+    if !borders.is_empty() {
         let stroke = style::line(style::BLACK, MEDIUM);
         let words = "edge of the runs that loop; ticks point to them";
         key.push(Entry::line(stroke, words));
@@ -40,7 +43,7 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
         Some(_) => extremes(axis.edges().into_iter()),
         None => aired(axis.range()),
     });
-    let frame = chart::frame(width, (top, bar.room()), axes, ranges, y);
+    let frame = chart::frame(width, (top, bar.room()), axes, ranges);
     if let Some(grid) = &grid {
         drawing.group("runs", grid.areas(&frame, colour));
     } else {
@@ -48,12 +51,13 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
         let dots = map.runs.iter().map(|run| dot(place(run), colour(run)));
         drawing.group("runs", dots.collect());
     }
-    if let Some(grid) = grid.filter(|_| has_contour) {
-        drawing.group("where looping begins", grid.contour(&frame));
+    if !borders.is_empty() {
+        let lines = borders.iter().flat_map(|border| border.shapes(&frame));
+        drawing.group("where looping begins", lines.collect());
     }
-    chart::finish(&mut drawing, &frame, [&map.x, y]);
+    frame.finish(&mut drawing, axes.map(|axis| &axis.quantity));
     if !bar.is_empty() {
-        bar.draw(&mut drawing, frame.bounds, &map.color);
+        bar.draw(&mut drawing, frame.bounds);
     }
     Ok(drawing)
 }

@@ -1,10 +1,10 @@
 //! The runs of a sweep that a map shows, and their outcomes.
 
-use crate::analysis::plot::legend::Entry;
+use crate::analysis::plot::frame::Quantity;
 use crate::analysis::plot::shape::Colour;
-use crate::analysis::plot::text::Text;
 use crate::run::scenario::{KEYS, Key};
 use crate::run::simulation::StopReason;
+use std::collections::BTreeSet;
 
 /// A quantity of a map.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,35 +52,27 @@ const NO_OUTCOME: &str = "no outcome";
 const AWAITED: [&str; 3] = ["rise_time", "weak_time", "loop_time"];
 
 impl MapAxis {
-    /// The label of an axis whose numbers are to be multiplied by a power of ten.
-    pub(super) fn label(&self, exponent: i32) -> Text {
-        let is_own = |key: &&Key| key.path.replace('.', "_") == self.name;
-        // Of two keys with one symbol, the first has it.
-        let first = |symbol| {
-            KEYS.iter()
-                .find(|key| key.symbol() == Some(symbol))
-                .filter(is_own)
-        };
-        let symbol = KEYS.iter().find(is_own).and_then(Key::symbol);
-        let name = match symbol.and_then(|symbol| Some((first(symbol)?, symbol))) {
-            Some((key, symbol)) => {
-                let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
-                let is_initial = key.path.starts_with("initial.");
-                match if is_initial { "0" } else { index } {
-                    "" => Text::markup(&format!("*{letter}*")),
-                    index => Text::markup(&format!("*{letter}*_{{{index}}}")),
-                }
-            }
-            None => Text::plain(&self.name.replace('_', " ")),
-        };
-        let factor = match exponent {
-            0 => String::new(),
-            _ => format!("×1e{exponent}").replace('-', "−"),
-        };
-        match format!("{factor} {}", self.unit).trim() {
-            "" => name,
-            unit => name.followed_by(&format!(" ({unit})")),
+    /// The quantity of an axis: with the symbol of its key, if it has one.
+    pub(super) fn quantity(&self) -> Quantity {
+        let symbol = self.symbol();
+        Quantity {
+            symbol: symbol.unwrap_or_else(|| self.name.replace('_', " ")).into(),
+            unit: self.unit.clone().into(),
         }
+    }
+
+    fn symbol(&self) -> Option<String> {
+        let is_own = |key: &&Key| key.path.replace('.', "_") == self.name;
+        let symbol = KEYS.iter().find(is_own)?.symbol()?;
+        // Of two keys with one symbol, the first has it.
+        let mut of_symbol = KEYS.iter().filter(|key| key.symbol() == Some(symbol));
+        let key = of_symbol.next().filter(is_own)?;
+        let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
+        let is_initial = key.path.starts_with("initial.");
+        Some(match if is_initial { "0" } else { index } {
+            "" => format!("*{letter}*"),
+            index => format!("*{letter}*_{{{index}}}"),
+        })
     }
 }
 
@@ -101,28 +93,13 @@ impl Map {
         self.runs.iter().map(value).collect()
     }
 
-    /// The outcomes of runs that have no value to show, in the order of their names.
-    fn outcomes(&self) -> Vec<&str> {
+    /// The outcomes of runs that have no value to show, in words and with their colours, in the order of their names.
+    pub(super) fn outcomes(&self) -> Vec<(String, Colour)> {
         let valueless = self.runs.iter().filter(|run| !run.color.is_finite());
-        let mut outcomes: Vec<_> = valueless.map(MapRun::outcome).collect();
-        outcomes.sort_unstable();
-        outcomes.dedup();
-        outcomes
-    }
-
-    /// The outcomes of runs that have no value to show, in words.
-    pub(super) fn outcomes_in_words(&self) -> Vec<String> {
-        let words = |outcome| outcome_words(outcome, &self.color.name);
-        self.outcomes().into_iter().map(words).collect()
-    }
-
-    /// The legend of the outcomes of runs that have no value to show.
-    pub(super) fn outcome_legend(&self) -> Vec<Entry> {
-        let entry = |outcome: &str| {
-            let words = outcome_words(outcome, &self.color.name);
-            Entry::area(outcome_colour(outcome), &words)
-        };
-        self.outcomes().into_iter().map(entry).collect()
+        let outcomes: BTreeSet<_> = valueless.map(MapRun::outcome).collect();
+        let column = self.color.name.as_str();
+        let words = |outcome| (outcome_words(outcome, column), outcome_colour(outcome));
+        outcomes.into_iter().map(words).collect()
     }
 }
 
@@ -169,15 +146,15 @@ mod tests {
     fn labels_have_power_and_unit_where_there_are_any() {
         let label = |unit: &str, exponent| {
             let (name, unit) = ("k".to_owned(), unit.to_owned());
-            MapAxis { name, unit }.label(exponent).spoken
+            MapAxis { name, unit }.quantity().text(exponent).spoken
         };
         assert_eq!(label("", 0), "k");
         assert_eq!(label("s", 0), "k (s)");
-        assert_eq!(label("", -3), "k (×1e−3)");
-        assert_eq!(label("s", 3), "k (×1e3 s)");
+        assert_eq!(label("", -3), "k (10^−3)");
+        assert_eq!(label("s", 3), "k (10^3 s)");
         let label = |name: &str| {
             let (name, unit) = (name.to_owned(), String::new());
-            MapAxis { name, unit }.label(0).spoken
+            MapAxis { name, unit }.quantity().text(0).spoken
         };
         assert_eq!(label("friction_k"), "k");
         assert_eq!(label("drilling_k"), "drilling k");

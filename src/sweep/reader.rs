@@ -1,0 +1,38 @@
+//! Reading Parquet files.
+
+use super::error::SweepError;
+use crate::archive::input::open_file;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::errors::ParquetError;
+use std::fs::File;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::Path;
+
+/// A Parquet file whose schema and metadata are read.
+pub(super) type Opened = ParquetRecordBatchReaderBuilder<File>;
+
+/// Result of `read` for a Parquet file. The `parquet` and `arrow-ipc` crates panic on some damaged files, where they should
+/// return an error: that is an error here, and their message, which is about their code, is not printed.
+pub(super) fn read<T>(
+    path: &Path,
+    read: impl FnOnce(Opened) -> Result<T, SweepError>,
+) -> Result<T, SweepError> {
+    let file = open_file(path).map_err(SweepError::io("read", path))?;
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let result = panic::catch_unwind(AssertUnwindSafe(|| {
+        read(Opened::try_new(file).map_err(SweepError::table(path))?)
+    }));
+    panic::set_hook(hook);
+    result.map_err(|_| SweepError::table(path)("the file is damaged"))?
+}
+
+/// The batches of some columns.
+pub(super) fn batches(
+    opened: Opened,
+    columns: impl IntoIterator<Item = usize>,
+) -> Result<ParquetRecordBatchReader, ParquetError> {
+    let columns = ProjectionMask::roots(opened.parquet_schema(), columns);
+    opened.with_projection(columns).build()
+}
