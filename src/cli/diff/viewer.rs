@@ -90,7 +90,6 @@ fn identity([a, b]: [Subject<'_>; 2], hop_scale: f64) -> Result<PairIdentity, Er
         name: format!("{} against {}", b.name, a.name),
         a,
         b,
-        playback: Playback::FromStart,
     })
 }
 

@@ -2,13 +2,12 @@
 
 use nalgebra::Vector3;
 use rerun::archetypes::Transform3D;
-use rerun::{Color, LineStrips3D, Points3D, Radius, SerializedComponentColumn};
+use rerun::{Color, LineStrips3D, Points3D, Radius};
 
 use crate::rerun::entity::{CAMERA_TARGET, FOCUS};
-use crate::rerun::error::RerunError;
 use crate::rerun::identity::Geometry;
-use crate::rerun::outlet::Outlet;
-use crate::rerun::track::{Collect, Flush, Rows, Track};
+use crate::rerun::outlet::{Columns, Outlet};
+use crate::rerun::track::Track;
 use crate::telemetry::proportions::Proportions;
 
 /// Height of the camera's target and its distance, in sizes of the top: as where the peg is fixed.
@@ -37,7 +36,7 @@ fn camera_target(geometry: &Geometry) -> Points3D {
 
 /// The place on the table that the camera follows: below a free peg, or between two.
 pub(crate) struct Focus {
-    track: Track<Places>,
+    track: Track<[f32; 3]>,
     next_ns: u64,
 }
 
@@ -46,7 +45,7 @@ impl Focus {
     pub(crate) fn new(geometry: &Geometry, outlet: &mut Outlet) -> Self {
         outlet.send_static(CAMERA_TARGET, &camera_target(geometry));
         Self {
-            track: Track::new(FOCUS, Places::default()),
+            track: Track::new(FOCUS, columns, outlet),
             next_ns: 0,
         }
     }
@@ -58,28 +57,12 @@ impl Focus {
         }
         self.next_ns = time_ns.saturating_add(STEP_NS);
         let place = [place.x as f32, place.y as f32, 0.0];
-        self.track.push(outlet, time_ns, |rows| rows.0.push(place));
+        self.track.push(outlet, time_ns, place);
     }
 }
 
-impl Collect for Focus {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
-        self.track.flush(outlet, flush);
-    }
-}
-
-/// Rows of a place.
-#[derive(Default)]
-struct Places(Vec<[f32; 3]>);
-
-impl Rows for Places {
-    fn columns(&self, start: usize) -> Result<Vec<SerializedComponentColumn>, RerunError> {
-        let places = self.0[start..].iter().copied();
-        let transform = Transform3D::update_fields().with_many_translation(places);
-        Ok(transform.columns_of_unit_batches()?.collect())
-    }
-
-    fn clear(&mut self) {
-        self.0.clear();
-    }
+fn columns(rows: &[[f32; 3]]) -> Columns {
+    let places = rows.iter().copied();
+    let transform = Transform3D::update_fields().with_many_translation(places);
+    Ok(transform.columns_of_unit_batches()?.collect())
 }
