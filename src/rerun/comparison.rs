@@ -9,7 +9,7 @@ use super::blueprint::pair::Extent;
 use super::entities::Entities;
 use super::entity::SUMMARY;
 use super::look::Look;
-use super::outlet::{Destinations, Flush, Outlet, To};
+use super::outlet::{Destinations, Outlet, To};
 use super::pair::PairIdentity;
 use super::plots::Plots;
 use super::scene::focus::Focus;
@@ -46,10 +46,8 @@ impl Stream<Comparison> {
 
     /// Adds a message of one run. Each run's messages come in the order of time; the runs take turns as they like.
     pub fn write(&mut self, side: Side, message: &Message<'_>) {
-        let Self {
-            content, outlet, ..
-        } = self;
         self.end_ns = self.end_ns.max(message.time_ns);
+        let (content, outlet) = (&mut self.content, &mut self.outlet);
         content.runs[side.index()].write(message, outlet);
         if let Some(focus) = &mut content.focus
             && message.topic() == POSE
@@ -66,10 +64,9 @@ impl Stream<Comparison> {
     pub fn difference(&mut self, message: &Message<'_>) {
         // Zero has no logarithm.
         let magnitude = |number: f64| (number != 0.0).then(|| math::log10(number.abs()));
-        let Comparison { difference, .. } = &mut self.content;
-        difference.write(message, Some, &mut self.outlet);
-        let logarithm = &mut self.content.magnitude;
-        logarithm.write(message, magnitude, &mut self.outlet);
+        let (content, outlet) = (&mut self.content, &mut self.outlet);
+        content.difference.write(message, Some, outlet);
+        content.magnitude.write(message, magnitude, outlet);
     }
 
     /// Replaces the summary of the comparison, which is Markdown.
@@ -118,7 +115,7 @@ impl Content for Comparison {
         for run in &mut self.runs {
             run.summarize_events(outlet);
         }
-        outlet.flush(Flush::All);
+        outlet.complete();
         let extent = Extent {
             duration: end_ns as f64 * 1e-9,
             differences: &self.difference,

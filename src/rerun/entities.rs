@@ -8,7 +8,7 @@ use super::entity::ABOUT;
 use super::events::Events;
 use super::identity::{Identity, Playback};
 use super::look::Look;
-use super::outlet::{Destinations, Flush, Outlet, To};
+use super::outlet::{Destinations, Outlet, To};
 use super::plots::Plots;
 use super::properties;
 use super::scene::{Scene, explanation};
@@ -57,7 +57,7 @@ impl Sink for Stream<Entities> {
     }
 
     fn flush(&mut self) -> Result<(), SinkError> {
-        self.outlet.flush(Flush::Viewer);
+        self.outlet.show();
         Ok(())
     }
 }
@@ -106,7 +106,7 @@ impl Entities {
 impl Content for Entities {
     fn finish(&mut self, end_ns: u64, outlet: &mut Outlet) {
         self.summarize_events(outlet);
-        outlet.flush(Flush::All);
+        outlet.complete();
         // In the file only: a viewer has been playing the run.
         let layout = blueprint::run::messages_at_end(outlet.store(), end_ns as f64 * 1e-9);
         outlet.send_layout(To::File, layout);

@@ -46,7 +46,7 @@ impl Events {
         Self {
             summary: open(entity::EVENTS),
             each: open(entity::EACH_EVENT),
-            nutation: open(entity::NUTATION_EVENTS),
+            nutation: open("events/nutation"),
             kinds: Vec::new(),
             top,
         }

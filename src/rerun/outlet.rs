@@ -35,19 +35,12 @@ pub(super) enum To {
     Both,
 }
 
-/// Which of the waiting rows are sent, and where.
-#[derive(Clone, Copy)]
-pub(super) enum Flush {
-    /// Those that the viewer does not have yet, to the viewer; the file gets them later, in longer chunks.
-    Viewer,
-    /// All, to every destination that does not have them yet.
-    All,
-}
-
 /// Rows that wait until they are sent.
 pub(super) trait Waiting {
-    /// Sends waiting rows.
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush);
+    /// Sends those that the viewer does not have yet, to the viewer; the file gets them later, in longer chunks.
+    fn show(&mut self, outlet: &mut Outlet);
+    /// Sends all, to every destination that does not have them yet.
+    fn complete(&mut self, outlet: &mut Outlet);
 }
 
 /// Components of rows.
@@ -94,15 +87,22 @@ impl Outlet {
         outlet
     }
 
-    /// Takes in rows to flush.
+    /// Takes in rows that will wait.
     pub(super) fn register(&mut self, rows: Rc<RefCell<dyn Waiting>>) {
         self.waiting.push(rows);
     }
 
-    /// Sends rows that wait.
-    pub(super) fn flush(&mut self, flush: Flush) {
+    /// Sends waiting rows to the viewer.
+    pub(super) fn show(&mut self) {
         for rows in self.waiting.clone() {
-            rows.borrow_mut().flush(self, flush);
+            rows.borrow_mut().show(self);
+        }
+    }
+
+    /// Sends all waiting rows.
+    pub(super) fn complete(&mut self) {
+        for rows in self.waiting.clone() {
+            rows.borrow_mut().complete(self);
         }
     }
 

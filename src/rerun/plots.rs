@@ -9,8 +9,8 @@ use super::track::Track;
 use crate::telemetry::fields::{NumberField, Plot};
 use crate::telemetry::{Message, Topic};
 
-/// The plots of each channel, in table order.
-pub(super) struct Plots(Vec<Vec<PlotTrack>>);
+/// The plots of all channels, in table order.
+pub(super) struct Plots(Vec<PlotTrack>);
 
 /// One plot of a channel.
 struct PlotTrack {
@@ -38,24 +38,19 @@ impl Plots {
                 end_ns: 0,
             }
         };
-        let plots = Topic::all().map(|topic| {
-            let plots = Plot::all(topic).into_iter();
-            plots.filter(|plot| wanted(*plot)).map(&mut open).collect()
-        });
-        Self(plots.collect())
+        let plots = Topic::all().flat_map(Plot::all);
+        Self(plots.filter(|plot| wanted(*plot)).map(&mut open).collect())
     }
 
     /// The least and the greatest number of a plot; the former is the larger one if there is none.
     pub(super) fn range(&self, plot: Plot) -> [f64; 2] {
-        let tracks = &mut self.0[plot.topic().index()].iter();
-        let track = tracks.find(|track| track.plot == plot);
+        let track = self.0.iter().find(|track| track.plot == plot);
         track.map_or([f64::INFINITY, f64::NEG_INFINITY], |track| track.range)
     }
 
     /// Adds a row without values to plots that end before this time, so that a viewer's time axes reach until then.
     pub(super) fn reach(&mut self, time_ns: u64, outlet: &mut Outlet) {
-        let plots = self.0.iter_mut().flatten();
-        for plot in plots.filter(|plot| plot.end_ns < time_ns) {
+        for plot in self.0.iter_mut().filter(|plot| plot.end_ns < time_ns) {
             let missing = vec![f64::NAN; plot.numbers.len()];
             plot.track.push(outlet, time_ns, missing);
         }
@@ -68,7 +63,8 @@ impl Plots {
         value: impl Fn(f64) -> Option<f64>,
         outlet: &mut Outlet,
     ) {
-        for plot in &mut self.0[message.channel] {
+        let is_of_channel = |plot: &&mut PlotTrack| plot.plot.topic() == message.topic();
+        for plot in self.0.iter_mut().filter(is_of_channel) {
             let row = plot.numbers.iter().map(|number| value(number.of(message)));
             let Some(row) = row.collect::<Option<Vec<_>>>() else {
                 continue;

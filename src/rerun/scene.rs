@@ -15,9 +15,7 @@ use rerun::datatypes::Rgba32;
 use self::arrow::Arrow;
 use self::focus::Focus;
 use self::path::Path;
-use super::entity::{
-    CONTACT_PATH_NAME, CONTACT_PATHS, STAGE, TOP, TRAIL_ABOVE, TRAIL_BELOW, TRAIL_NAME, VERTICAL,
-};
+use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
 use super::identity::{Geometry, Identity};
 use super::look::Look;
 use super::outlet::{Columns, Outlet};
@@ -32,7 +30,6 @@ type Pose = ([f32; 3], [f32; 4]);
 
 /// The scene of one run, fed with the messages of several channels.
 pub(super) struct Scene {
-    is_alone: bool,
     geometry: Geometry,
     top: Track<Pose>,
     /// The path of the symmetry axis on a sphere around the peg, of this radius, m.
@@ -64,7 +61,7 @@ impl Scene {
             furnish(&geometry, outlet);
         }
         let focus = (is_free && is_alone).then(|| {
-            outlet.send_static(VERTICAL, &focus::vertical(&geometry));
+            focus::send_vertical(&geometry, outlet);
             Focus::new(&geometry, outlet)
         });
         let proportions = Proportions::new(&geometry.top);
@@ -73,22 +70,25 @@ impl Scene {
             body = body.with_albedo_factor(Rgba32::from_u32(albedo));
         }
         outlet.send_static(look.entity("scene/top/body"), &body);
-        let mut trail = |entity, width| Path::new(look, &[(entity, PURPLE)], width, outlet);
-        let (above, below) = (
-            trail(TRAIL_ABOVE, 1.3),
-            (!is_free).then(|| trail(TRAIL_BELOW, 1.0)),
-        );
+        let text = "path of the symmetry axis";
+        let trail = Path::new(look, &[(TRAIL_ABOVE, PURPLE)], 1.3, outlet);
+        let trail = trail.named(look, "scene/trail/name", text, PURPLE);
+        let below = [(TRAIL_BELOW, PURPLE)];
+        let below = (!is_free).then(|| Path::new(look, &below, 1.0, outlet));
         let [slides, rolls, flies] = CONTACT_PATHS;
         let colors = [(slides, SKY), (rolls, GREEN), (flies, VERMILLION)];
-        let has_contact_path = is_free && identity.has(CONTACT);
+        let contact_path = (is_free && identity.has(CONTACT)).then(|| {
+            let text = "path of the contact point";
+            let path = Path::new(look, &colors, 1.6, outlet);
+            path.named(look, "scene/contact_path/name", text, GREY)
+        });
         Self {
-            is_alone,
             geometry,
-            top: Track::new(look.entity(TOP), columns, outlet),
-            trail: above,
+            top: Track::new(look.entity("scene/top"), columns, outlet),
+            trail,
             trail_radius: 1.13 * proportions.tip,
             below,
-            contact_path: has_contact_path.then(|| Path::new(look, &colors, 1.6, outlet)),
+            contact_path,
             arrows: Arrow::all(identity, look, outlet),
             focus,
             orientation: None,
@@ -105,10 +105,6 @@ impl Scene {
         if message.topic() == CONTACT {
             self.contact = self.drawn(contact::CONTACT_POINT.of(message), 0.0);
             if let Some(path) = &mut self.contact_path {
-                if path.is_empty() && self.is_alone {
-                    let name = path::name("path of the contact point", self.contact, GREY);
-                    outlet.send_static(CONTACT_PATH_NAME, &name);
-                }
                 let kind = match contact::REGIME.of(message) {
                     1.0 => 0,
                     0.0 => 1,
@@ -132,10 +128,6 @@ impl Scene {
         let quaternion = orientation.coords.cast::<f32>().into();
         self.top.push(outlet, time_ns, (translation, quaternion));
         let point = self.peg + self.trail_radius * pose::AXIS.of(message);
-        if self.trail.is_empty() && self.is_alone {
-            let name = path::name("path of the symmetry axis", point, PURPLE);
-            outlet.send_static(TRAIL_NAME, &name);
-        }
         self.trail.write(time_ns, 0, point, outlet);
         if let Some(below) = &mut self.below {
             below.write(time_ns, 0, Vector3::new(point.x, point.y, 0.0), outlet);
@@ -179,7 +171,7 @@ pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) {
     outlet.send_static("scene/table", &shape::table(table));
     outlet.send_static("scene/table/marks", &shape::table_marks(table, rings));
     if !geometry.is_free {
-        outlet.send_static(VERTICAL, &focus::vertical(geometry));
+        focus::send_vertical(geometry, outlet);
     }
 }
 

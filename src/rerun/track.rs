@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use rerun::external::re_log_types::EntityPath;
 
-use super::outlet::{Columns, Flush, Outlet, To, Waiting};
+use super::outlet::{Columns, Outlet, To, Waiting};
 
 /// Rows of one chunk: enough that the cost per chunk doesn't matter, few enough to bound memory.
 const CHUNK_ROWS: usize = 4096;
@@ -55,6 +55,13 @@ impl<R: 'static> Track<R> {
 }
 
 impl<R> Rows<R> {
+    fn send(&self, to: To, start: usize, outlet: &mut Outlet) {
+        let columns = (self.columns)(&self.rows[start..]);
+        outlet.send_rows(to, &self.entity, &self.times[start..], columns);
+    }
+}
+
+impl<R> Waiting for Rows<R> {
     fn show(&mut self, outlet: &mut Outlet) {
         if outlet.is_live() && self.shown < self.times.len() {
             self.send(To::Viewer, self.shown, outlet);
@@ -76,19 +83,5 @@ impl<R> Rows<R> {
         self.times.clear();
         self.rows.clear();
         self.shown = 0;
-    }
-
-    fn send(&self, to: To, start: usize, outlet: &mut Outlet) {
-        let columns = (self.columns)(&self.rows[start..]);
-        outlet.send_rows(to, &self.entity, &self.times[start..], columns);
-    }
-}
-
-impl<R> Waiting for Rows<R> {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
-        match flush {
-            Flush::Viewer => self.show(outlet),
-            Flush::All => self.complete(outlet),
-        }
     }
 }

@@ -155,28 +155,25 @@ impl Charts<'_> {
 
     /// The curves of both runs.
     fn overlay(&mut self, contrast: &Chart) -> Option<Child> {
-        let mut contents = Vec::new();
-        for side in [Side::A, Side::B] {
-            let there = contrast.plots.iter();
-            let there = there.filter(|plot| self.identity.run(side).has(plot.topic()));
-            contents.extend(there.map(|plot| self.identity.look(side).entity(&plot.to_string())));
-        }
+        let identity = self.identity;
+        let contents = [Side::A, Side::B].map(|side| {
+            let is_there = |plot: Plot| identity.run(side).has(plot.topic());
+            entities(contrast.plots, is_there, &identity.look(side))
+        });
         let name = titled(contrast.name, contrast.plots[0].unit());
-        self.curves(&name, &contents, contrast.legend)
+        self.curves(&name, &contents.concat(), contrast.legend)
     }
 
     /// The difference of the curves, if both runs have them.
     fn difference(&mut self, contrast: &Chart) -> Option<Child> {
-        let plots = contrast.differences.iter();
-        let plots = plots.filter(|plot| self.identity.has_difference_of(**plot));
-        let entity = |plot: &Plot| Look::Difference.entity(&plot.to_string());
-        let contents: Vec<_> = plots.map(entity).collect();
+        let plots = contrast.differences;
+        let is_there = |plot| self.identity.has_difference_of(plot);
+        let contents = entities(plots, is_there, &Look::Difference);
         let name = format!("{}: B − A", contrast.name);
         let name = titled(&name, contrast.plots[0].unit());
         let view = self.curves(&name, &contents, None)?;
         if let Some(extent) = self.extent {
-            let ranges = contrast.differences.iter();
-            let ranges = ranges.map(|plot| extent.differences.range(*plot));
+            let ranges = plots.iter().map(|plot| extent.differences.range(*plot));
             let whole =
                 ranges.reduce(|[low, high], [least, most]| [low.min(least), high.max(most)]);
             if let Some(range) = whole.and_then(with_ticks) {
@@ -188,10 +185,8 @@ impl Charts<'_> {
 
     /// The logarithm of the difference, if both runs have the curves.
     fn magnitude(&mut self, contrast: &Chart) -> Option<Child> {
-        let plots = contrast.differences.iter();
-        let plots = plots.filter(|plot| self.identity.has_magnitude_of(**plot));
-        let entity = |plot: &Plot| Look::Magnitude.entity(&plot.to_string());
-        let contents: Vec<_> = plots.map(entity).collect();
+        let is_there = |plot| self.identity.has_magnitude_of(plot);
+        let contents = entities(contrast.differences, is_there, &Look::Magnitude);
         let name = format!("{}: log₁₀ |B − A|", contrast.name);
         self.curves(&name, &contents, None)
     }
@@ -206,6 +201,12 @@ impl Charts<'_> {
         let link = LinkAxis::LinkToGlobal;
         (!contents.is_empty()).then(|| time_series(self.layout, name, contents, legend, link))
     }
+}
+
+/// The entities of those plots that are there.
+fn entities(plots: &[Plot], is_there: impl Fn(Plot) -> bool, look: &Look) -> Vec<String> {
+    let plots = plots.iter().filter(|plot| is_there(**plot));
+    plots.map(|plot| look.entity(&plot.to_string())).collect()
 }
 
 /// The most ticks that a viewer names on the axis of a small chart. They are a power of ten apart.

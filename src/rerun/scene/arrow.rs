@@ -8,7 +8,7 @@ use crate::rerun::identity::Identity;
 use crate::rerun::look::Look;
 use crate::rerun::outlet::{Columns, Outlet};
 use crate::rerun::palette;
-use crate::rerun::scale::{self, Scales};
+use crate::rerun::scale;
 use crate::rerun::track::Track;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{CONTACT, VectorField, contact, momentum, torque};
@@ -17,36 +17,19 @@ use crate::telemetry::proportions::Proportions;
 /// Time between two positions of a label, in ns.
 const LABEL_NS: u64 = 10_000_000;
 
-/// Name, colour and quantity of an arrow, and quantity per metre of it.
-type Kind = (&'static str, u32, VectorField, fn(&Scales) -> f64);
+/// Name, colour and quantity of an arrow.
+type Kind = (&'static str, u32, VectorField);
 
 /// All kinds of arrows.
 const KINDS: [Kind; 5] = [
-    ("slip velocity", palette::SKY, contact::SLIP_WORLD, |s| {
-        s.slip
-    }),
-    (
-        "friction force",
-        palette::ORANGE,
-        contact::FRICTION_FORCE,
-        |s| s.force,
-    ),
-    (
-        "gravity torque",
-        palette::GREEN,
-        torque::GRAVITY_BODY,
-        |s| s.gravity_torque,
-    ),
-    (
-        "friction torque",
-        palette::VERMILLION,
-        torque::FRICTION_BODY,
-        |s| s.friction_torque,
-    ),
-    ("angular momentum", palette::YELLOW, momentum::WORLD, |s| {
-        s.momentum
-    }),
+    ("slip velocity", palette::SKY, contact::SLIP_WORLD),
+    ("friction force", palette::ORANGE, contact::FRICTION_FORCE),
+    ("gravity torque", palette::GREEN, torque::GRAVITY_BODY),
+    ("friction torque", palette::VERMILLION, FRICTION_TORQUE),
+    ("angular momentum", palette::YELLOW, momentum::WORLD),
 ];
+
+const FRICTION_TORQUE: VectorField = torque::FRICTION_BODY;
 
 /// The only arrow that is drawn where two runs are compared: all arrows of both would hide the tops.
 const COMPARED: VectorField = contact::FRICTION_FORCE;
@@ -54,13 +37,20 @@ const COMPARED: VectorField = contact::FRICTION_FORCE;
 /// The kinds of which there is anything to draw, with their scales and these in words: without friction its arrows have
 /// no length.
 fn drawn(identity: &Identity, look: &Look) -> impl Iterator<Item = (Kind, f64, String)> {
-    KINDS.into_iter().filter_map(|kind| {
-        let (_, _, vector, scale) = kind;
-        let scale = scale(&identity.geometry.scales);
-        let is_drawn =
-            identity.has(vector.topic()) && scale > 0.0 && (look.is_alone() || vector == COMPARED);
-        is_drawn.then(|| (kind, scale, scale::legend(scale, vector.x().unit())))
-    })
+    let scales = &identity.geometry.scales;
+    let scales = [
+        scales.slip,
+        scales.force,
+        scales.gravity_torque,
+        scales.friction_torque,
+        scales.momentum,
+    ];
+    let kinds = KINDS.into_iter().zip(scales);
+    let drawn = kinds.filter(|((_, _, vector), scale)| {
+        let is_shown = look.is_alone() || *vector == COMPARED;
+        identity.has(vector.topic()) && *scale > 0.0 && is_shown
+    });
+    drawn.map(|(kind, scale)| (kind, scale, scale::legend(scale, kind.2.x().unit())))
 }
 
 /// Quantity per centimetre of each arrow, in Markdown.
@@ -92,7 +82,7 @@ impl Arrow {
     pub(super) fn all(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Vec<Self> {
         let size = Proportions::new(&identity.geometry.top).size();
         let mut arrows = Vec::new();
-        for ((name, color, vector, _), scale, legend) in drawn(identity, look) {
+        for ((name, color, vector), scale, legend) in drawn(identity, look) {
             let entity = look.entity(&format!("scene/{}", name.replace(' ', "_")));
             let label = format!("{entity}/label");
             let color = Color::from_u32(look.color(color, 0));

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rerun::archetypes::Transform3D;
 use rerun::{Color, LineStrips3D, Points3D, Radius};
 
-use crate::rerun::entity::{CAMERA_TARGET, FOCUS};
+use crate::rerun::entity::CAMERA_TARGET;
 use crate::rerun::identity::Geometry;
 use crate::rerun::outlet::{Columns, Outlet};
 use crate::rerun::track::Track;
@@ -17,12 +17,13 @@ const CAMERA_DISTANCE: f64 = 4.0;
 /// Time between two places, in ns.
 const STEP_NS: u64 = 10_000_000;
 
-/// The vertical, up to half a top above the top, from the table below a peg in the middle of it.
-pub(super) fn vertical(geometry: &Geometry) -> LineStrips3D {
+/// Sends the vertical, up to half a top above the top, from the table below a peg in the middle of it.
+pub(super) fn send_vertical(geometry: &Geometry, outlet: &mut Outlet) {
     let height = geometry.top.peg_radius + 1.5 * Proportions::new(&geometry.top).size();
-    LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
+    let line = LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
         .with_colors([Color::from_u32(0x8A93_A3FF)])
-        .with_radii([Radius::new_ui_points(0.7)])
+        .with_radii([Radius::new_ui_points(0.7)]);
+    outlet.send_static("scene/focus/vertical", &line);
 }
 
 /// Two invisible points for the camera to follow: it looks at the middle between them. When a viewer begins to follow
@@ -45,7 +46,7 @@ impl Focus {
     pub(crate) fn new(geometry: &Geometry, outlet: &mut Outlet) -> Self {
         outlet.send_static(CAMERA_TARGET, &camera_target(geometry));
         Self {
-            track: Track::new(FOCUS, columns, outlet),
+            track: Track::new("scene/focus", columns, outlet),
             next_ns: 0,
         }
     }

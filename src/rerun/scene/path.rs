@@ -25,10 +25,12 @@ pub(super) struct Path {
     kind: usize,
     next_point_ns: u64,
     next_piece_ns: u64,
+    /// Its name and the entity of that, until it stands at the beginning.
+    name: Option<(&'static str, Points3D)>,
 }
 
 impl Path {
-    /// An empty path of these colours, each with its entity.
+    /// An empty path without a name, of these colours, each with its entity.
     pub(super) fn new(
         look: &Look,
         colors: &[(&str, u32)],
@@ -50,12 +52,25 @@ impl Path {
             kind: 0,
             next_point_ns: 0,
             next_piece_ns: PIECE_NS,
+            name: None,
         }
     }
 
-    /// Whether there is no point of it yet.
-    pub(super) fn is_empty(&self) -> bool {
-        self.piece.is_empty()
+    /// The same path with a name in this colour, if it is the only one in its scene.
+    pub(super) fn named(
+        mut self,
+        look: &Look,
+        entity: &'static str,
+        text: &str,
+        color: u32,
+    ) -> Self {
+        let name = Points3D::update_fields()
+            .with_colors([Color::from_u32(color)])
+            .with_radii([Radius::new_ui_points(0.0)])
+            .with_labels([text])
+            .with_show_labels(true);
+        self.name = look.is_alone().then_some((entity, name));
+        self
     }
 
     /// Adds a point in the world frame, m, at a time in ns, in one of the colours.
@@ -71,7 +86,10 @@ impl Path {
             return;
         }
         self.next_point_ns = time_ns.saturating_add(POINT_NS);
-        let point = point.cast::<f32>().into();
+        let point: [f32; 3] = point.cast().into();
+        if let Some((entity, name)) = self.name.take() {
+            outlet.send_static(entity, &name.with_positions([point]));
+        }
         self.piece.push(point);
         if (time_ns >= self.next_piece_ns || is_changed) && self.piece.len() > 1 {
             self.next_piece_ns = time_ns.saturating_add(PIECE_NS);
@@ -86,13 +104,4 @@ impl Path {
 fn columns(rows: &[Vec<[f32; 3]>]) -> Columns {
     let strips = LineStrips3D::update_fields().with_strips(rows.iter().cloned());
     Ok(strips.columns_of_unit_batches()?.collect())
-}
-
-/// The name of a path, in its colour at a point of it in the world frame, m.
-pub(super) fn name(text: &str, point: Vector3<f64>, color: u32) -> Points3D {
-    Points3D::new([<[f32; 3]>::from(point.cast::<f32>())])
-        .with_colors([Color::from_u32(color)])
-        .with_radii([Radius::new_ui_points(0.0)])
-        .with_labels([text])
-        .with_show_labels(true)
 }
