@@ -168,17 +168,4 @@ impl Decoder {
             Format::Protobuf(decoder) => decoder.decode(data, row),
         }
     }
-
-    /// A decoder for some of the numbers only, which is faster: others and texts stay as they are in an
-    /// empty row, and what stands behind the last of them in a message is not looked at.
-    #[must_use]
-    pub fn only(&self, numbers: &[usize]) -> Self {
-        Self {
-            format: match &self.format {
-                Format::Json(decoder) => Format::Json(decoder.only(numbers)),
-                Format::Protobuf(decoder) => Format::Protobuf(decoder.only(numbers)),
-            },
-            ..self.clone()
-        }
-    }
 }

@@ -95,14 +95,10 @@ impl Template {
 #[derive(Clone, Debug)]
 pub(super) struct JsonDecoder {
     message: Object<String>,
-    /// Numbers that the file has.
-    numbers: Vec<usize>,
     /// Leaves and parts of the timestamp that a message must have.
     expected: usize,
     /// Members of a message other than these.
     unknown: usize,
-    /// Whether to look no further once everything expected is there.
-    is_partial: bool,
 }
 
 impl JsonDecoder {
@@ -138,24 +134,9 @@ impl JsonDecoder {
         let decoder = Self {
             unknown: unknown_members(&message, &present),
             message,
-            numbers: present
-                .iter()
-                .filter_map(|path| channel.number_index(path))
-                .collect(),
             expected: matched + STAMP_PARTS,
-            is_partial: false,
         };
         Ok((decoder, present))
-    }
-
-    /// A decoder for some of the numbers only, and the timestamp.
-    pub(super) fn only(&self, numbers: &[usize]) -> Self {
-        let mut decoder = self.clone();
-        decoder.message.skip_all_but(numbers);
-        decoder.numbers.retain(|number| numbers.contains(number));
-        decoder.expected = decoder.numbers.len() + STAMP_PARTS;
-        decoder.is_partial = true;
-        decoder
     }
 
     pub(super) fn decode(&self, data: &[u8], row: &mut Row) -> Result<(), DecodeError> {
@@ -163,25 +144,14 @@ impl JsonDecoder {
             encoding: "json",
             reason: error.to_string(),
         };
-        let mut tally = Tally {
-            enough: if self.is_partial {
-                self.expected
-            } else {
-                usize::MAX
-            },
-            ..Tally::default()
-        };
+        let mut tally = Tally::default();
         let mut deserializer = serde_json::Deserializer::from_slice(data);
         let seed = Filling {
             object: &self.message,
             row,
             tally: &mut tally,
         };
-        let filled = seed.deserialize(&mut deserializer);
-        if tally.found == tally.enough {
-            return Ok(());
-        }
-        filled.map_err(malformed)?;
+        seed.deserialize(&mut deserializer).map_err(malformed)?;
         deserializer.end().map_err(malformed)?;
         if tally.found == self.expected && tally.unknown == self.unknown {
             return Ok(());
@@ -244,8 +214,6 @@ fn unknown_member<'a>(message: &Object<String>, path: &'a str) -> Option<&'a str
 struct Tally {
     found: usize,
     unknown: usize,
-    /// Reading ends after this number of members.
-    enough: usize,
 }
 
 /// Fills a row from a JSON object.
@@ -314,10 +282,6 @@ impl<'de> Visitor<'de> for Filling<'_> {
                 }
             }
             self.tally.found += 1;
-            if self.tally.found == self.tally.enough {
-                // The only way out of the parser; it is not taken for an error.
-                return Err(de::Error::custom("enough"));
-            }
         }
         Ok(())
     }

@@ -52,7 +52,7 @@ fn run(
         Ok(ControlFlow::Continue(()))
     });
     let (end, _) = ended.ok()?;
-    let (file, _) = sink.finish(&end).ok()?;
+    let (file, _) = sink.end(&end).ok()?;
     let comparer = file.into_inner().ok()?;
     report();
     Some(comparer.position.load(Ordering::Relaxed) == recording.size())

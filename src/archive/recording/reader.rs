@@ -7,9 +7,8 @@ use crate::archive::container::loss::{Loss, Span};
 use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
 use crate::archive::error::MessageError;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
-use crate::telemetry::{ChannelInfo, Message, Topic, Topics};
+use crate::telemetry::{ChannelInfo, Message, Topics};
 use mcap::records::op;
-use std::ops::Range;
 
 /// Which messages to read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -152,12 +151,6 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// Restricts it to some of the sections.
-    pub(super) fn within(mut self, sections: Range<usize>) -> Self {
-        self.batches = sections.map(|section| vec![section]).collect();
-        self
-    }
-
     /// Gives the messages in the order of their times, wherever they stand.
     ///
     /// Chunks are sorted, and messages within them. A message that comes too late even so, or a second time, is
@@ -234,21 +227,6 @@ impl<'r> Reader<'r> {
             batch.sort_unstable();
         }
         batches
-    }
-
-    /// Decodes only some numbers of a channel.
-    pub(super) fn only(mut self, topic: Topic, numbers: &[usize]) -> Self {
-        for plan in &mut self.plans {
-            match plan {
-                Plan::Decode {
-                    channel,
-                    decoder: Ok(decoder),
-                    ..
-                } if *channel == topic.index() => **decoder = decoder.only(numbers),
-                _ => {}
-            }
-        }
-        self
     }
 
     /// Parts that could not be read so far; complete once the reader has come to its end.
