@@ -13,18 +13,9 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Whether a file has the bytes that its scenario gives. The run is broken off at the first byte that differs.
+/// Whether a file has the bytes that its scenario gives; none if it can't be run or read. The run is broken off at the
+/// first byte that differs.
 pub(super) fn are_equal(
-    recording: &Recording,
-    scenario: &Scenario,
-    telemetry: Telemetry,
-    form: Form,
-    progress: &dyn Fn(u64),
-) -> bool {
-    run(recording, scenario, telemetry, form, progress).unwrap_or(false)
-}
-
-fn run(
     recording: &Recording,
     scenario: &Scenario,
     mut telemetry: Telemetry,

@@ -259,13 +259,8 @@ impl<'r> Reader<'r> {
         Some(self.decode(&at)?.map(Any::Decoded))
     }
 
+    /// Decodes a message of a channel of the table.
     fn decode(&mut self, at: &At) -> Option<Result<Message<'_>, MessageError>> {
-        let filled = self.fill_row(at)?;
-        Some(filled.map(|channel| self.message(at, channel)))
-    }
-
-    /// Decodes a message into the row, and returns its channel of the table, if it has one.
-    fn fill_row(&mut self, at: &At) -> Option<Result<usize, MessageError>> {
         let Plan::Decode {
             channel,
             info,
@@ -274,32 +269,27 @@ impl<'r> Reader<'r> {
         else {
             return None;
         };
-        let raw = at.raw(&self.records);
+        let (sequence, time_ns) = (at.head.sequence, at.head.log_time);
         let decoded = match decoder {
-            Ok(decoder) => decoder.decode(raw.data, &mut self.row),
+            Ok(decoder) => decoder.decode(at.raw(&self.records).data, &mut self.row),
             Err(error) => Err(error.clone()),
         };
         let stamp_ns = self.row.time_ns;
         Some(match decoded {
-            Ok(()) if stamp_ns == raw.log_time => Ok(*channel),
+            Ok(()) if stamp_ns == time_ns => Ok(Message {
+                channel: *channel,
+                sequence,
+                time_ns,
+                numbers: &self.row.numbers,
+                texts: &self.row.texts,
+            }),
             decoded => Err(MessageError {
                 topic: info.topic,
-                sequence: raw.sequence,
-                time_ns: raw.log_time,
+                sequence,
+                time_ns,
                 reason: decoded.err().unwrap_or(DecodeError::Timestamp { stamp_ns }),
             }),
         })
-    }
-
-    /// The message in the row.
-    fn message(&self, at: &At, channel: usize) -> Message<'_> {
-        Message {
-            channel,
-            sequence: at.head.sequence,
-            time_ns: at.head.log_time,
-            numbers: &self.row.numbers,
-            texts: &self.row.texts,
-        }
     }
 
     fn undecoded(&self, at: &At) -> Undecoded<'_> {
