@@ -21,7 +21,6 @@ use toprise::run::outcome;
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::encoding::Encoding;
-use toprise::telemetry::fields::state;
 use toprise::telemetry::{Telemetry, Topics};
 
 const START: [f64; 6] = [0.0, 0.5, 0.0, 1.75, 0.0, 170.0];
@@ -345,9 +344,6 @@ fn recordings(criterion: &mut Criterion) {
                 }
                 black_box(sum)
             });
-        });
-        group.bench_function("one column", |b| {
-            b.iter(|| black_box(recording.series(state::THETA).expect("it is there")));
         });
         group.finish();
     }

@@ -32,11 +32,13 @@ mod style;
 mod track;
 mod viewer;
 
+pub use self::comparison::PairSink;
+pub use self::entities::RerunSink;
 pub use self::error::RerunError;
 pub use self::identity::{Geometry, Identity, Playback};
 pub use self::outlet::Destinations;
 pub use self::pair::PairIdentity;
 #[cfg(feature = "web-viewer")]
 pub use self::serve::WebViewer;
-pub use self::sink::{PairSink, RerunSink, Stream};
+pub use self::sink::Stream;
 pub use self::viewer::{Live, MISSING_VIEWER};

@@ -10,7 +10,6 @@ use toprise::analysis::verify::verify;
 use toprise::archive::input;
 use toprise::archive::recording::{Overview, Recording, Selection};
 use toprise::run::scenario::{Scenario, Values};
-use toprise::telemetry::fields::state;
 
 /// Reads `data` as a recording in every way there is. It is written into the directory `scratch`.
 ///
@@ -37,10 +36,6 @@ pub fn recording(data: &[u8], scratch: &Path) {
             told(&error.to_string());
         }
         reader.progress();
-    }
-    match recording.series(state::THETA) {
-        Ok(series) => assert_eq!(series.times_ns.len(), series.values.len()),
-        Err(error) => told(&error.to_string()),
     }
     told(&format!("{:?}", verify(&recording, &|_| {})));
     let values = input::values(&path).map_err(|error| told(&error.to_string()));

@@ -27,7 +27,6 @@ pub fn input(error: InputError) -> PyErr {
     match error {
         InputError::Io { reason, .. } => io(&reason, text),
         InputError::Recording { reason, .. } => of_recording(&reason, text),
-        InputError::NoScenario { .. } => RecordingError::new_err(text),
         InputError::UnknownPreset(_) | InputError::Scenario { .. } => ScenarioError::new_err(text),
     }
 }

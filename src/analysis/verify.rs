@@ -86,7 +86,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
     // What was interrupted holds a part of what the run gives, which may be long.
     if report.state == Condition::Whole
         && !recording.is_interrupted()
-        && bytes::are_equal(recording, &scenario, telemetry(), form, progress)
+        && bytes::are_equal(recording, &scenario, telemetry(), form, progress) == Some(true)
     {
         report.verdict = Verdict::Verified;
         return report;
@@ -130,20 +130,19 @@ fn conclude(recording: &Recording, report: Report, compared: messages::Compared)
     let is_by_value = report.recorded_by.is_some();
     let is_interrupted = recording.is_interrupted();
     let is_whole = report.state == Condition::Whole && compared.losses == 0;
-    let mut difference = compared.difference.clone();
     let is_part = !is_whole || is_interrupted || compared.missing > 0;
-    if difference.is_none() && !is_interrupted {
-        difference = container::end_difference(recording, &compared.end, is_by_value);
-    }
-    if difference.is_none() && !is_by_value {
-        difference = container::opening_difference(recording, &compared.opening, is_part);
-    }
-    if difference.is_none() && !is_by_value && !is_part {
-        difference = compared.out_of_order;
-    }
+    let mut difference = compared.difference.clone();
+    difference = difference
+        .or_else(|| container::difference(recording, &compared, is_part, is_by_value))
+        .or_else(|| {
+            compared
+                .out_of_order
+                .clone()
+                .filter(|_| !is_by_value && !is_part)
+        });
     // Whatever made the file, and however much of the run it has: its data and its index must agree, unless it is damaged.
     let is_readable = report.state != Condition::Damaged && compared.losses == 0;
-    if difference.is_none() && is_readable && index::is_there(recording) {
+    if difference.is_none() && is_readable && recording.is_closed() {
         difference = index::index_difference(recording);
     }
     let verdict = match (&difference, &report.recorded_by) {

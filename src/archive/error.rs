@@ -26,6 +26,9 @@ pub enum RecordingError {
     /// A topic of ours has two channels.
     #[error("it has two channels {0}: which one counts can't be known")]
     TwoChannels(String),
+    /// A recording without a scenario.
+    #[error(transparent)]
+    NoScenario(#[from] NoScenario),
 }
 
 /// The reason why a message can't be decoded.

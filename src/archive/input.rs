@@ -1,6 +1,6 @@
 //! Words that name a run: presets, scenario files and recordings.
 
-use crate::archive::recording::{NoScenario, Recording, RecordingError};
+use crate::archive::recording::{Recording, RecordingError};
 use crate::archive::writer::Form;
 use crate::run::scenario::{PRESETS, Preset, ScenarioError, Values};
 use crate::telemetry::Topics;
@@ -23,21 +23,13 @@ pub enum InputError {
         /// Why, according to the system.
         reason: io::Error,
     },
-    /// The recording can't be read.
+    /// The recording can't be read, or has no scenario.
     #[error("cannot read the scenario {}: {reason}", path.display())]
     Recording {
         /// The file.
         path: PathBuf,
         /// The reason.
         reason: RecordingError,
-    },
-    /// The recording has no scenario.
-    #[error("cannot read the scenario {}: {reason}", path.display())]
-    NoScenario {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        reason: NoScenario,
     },
     /// The file's text is no scenario.
     #[error("{}: {reason}", path.display())]
@@ -80,12 +72,8 @@ fn text(word: &Path) -> Result<String, InputError> {
     if !is_named_so && !is_mcap(word) {
         return read_file(word).map_err(|reason| InputError::Io { path, reason });
     }
-    match Recording::open(word) {
-        Ok(recording) => recording
-            .scenario_text()
-            .map_err(|reason| InputError::NoScenario { path, reason }),
-        Err(reason) => Err(InputError::Recording { path, reason }),
-    }
+    let text = Recording::open(word).and_then(|recording| Ok(recording.scenario_text()?));
+    text.map_err(|reason| InputError::Recording { path, reason })
 }
 
 /// Form of the recording that a word names; none if it names something else.
@@ -137,11 +125,8 @@ fn has_extension(word: &Path, extension: &str) -> bool {
     word.extension().is_some_and(|found| found == extension)
 }
 
-fn has_directory(word: &Path) -> bool {
-    word.to_string_lossy().contains(['/', '\\'])
-}
-
 /// Whether a word that names nothing is the name of a recording rather than of a preset.
 fn is_like_a_file(word: &Path) -> bool {
-    has_directory(word) || word.to_string_lossy().contains(".mcap")
+    let text = word.to_string_lossy();
+    text.contains(['/', '\\']) || text.contains(".mcap")
 }

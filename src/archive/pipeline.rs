@@ -1,17 +1,17 @@
 //! Writing a run with two threads: the caller's encodes messages, another takes their digest, compresses and writes
 //! them, in order. The bytes are those of [`crate::archive::writer::McapWriter`].
 
-use crate::archive::format::{Entries, end_entries};
+use crate::archive::format::end_entries;
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::{Sink, SinkError};
 use crate::archive::writer::{Batch, Form, Opening, Packer, RunEncoder};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::RunEnd;
 use crate::telemetry::{Message, Telemetry};
-use ::mcap::McapError;
+use ::mcap::{McapError, McapResult};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 
 /// Encoded messages travel to the writing thread in batches of about this size.
@@ -21,56 +21,90 @@ const BATCHES: usize = 8;
 
 /// Writes a run as MCAP with two threads.
 #[derive(Debug)]
-pub(crate) struct Pipeline<W> {
-    encoder: RunEncoder,
-    batch: Batch,
-    worker: Worker<W>,
-}
-
-enum Job {
-    Write(Batch),
-    Finish(Entries),
-}
-
-/// The target and the content digest; none if the recording was not finished.
-type Finished<W> = Option<(W, String)>;
-
-/// The writing thread, and the way to it.
-#[derive(Debug)]
-struct Worker<W> {
+pub struct Pipeline<W: Write> {
     /// Name of the file in error messages.
     name: PathBuf,
-    jobs: Option<SyncSender<Job>>,
-    /// Batches come back empty, to be filled again.
-    empty: Receiver<Batch>,
-    thread: Option<JoinHandle<Result<Finished<W>, McapError>>>,
+    encoder: RunEncoder,
+    batch: Batch,
+    /// The way to the writing thread.
+    batches: Option<SyncSender<Batch>>,
+    thread: Option<JoinHandle<McapResult<Packer<W>>>>,
 }
+
+/// Writes the recording of a run into a file, which takes its name when it is complete.
+pub type McapSink = Pipeline<BufWriter<Draft>>;
 
 impl<W: Write + Send + 'static> Pipeline<W> {
     /// Starts a recording in `target`, which errors call `name`.
     pub(crate) fn start(target: W, name: PathBuf, opening: Opening) -> Result<Self, SinkError> {
-        let (packer, ids) = Packer::open(target, &opening).map_err(|reason| SinkError::Mcap {
-            path: name.clone(),
-            reason,
-        })?;
+        let opened = Packer::open(target, &opening);
+        let (packer, ids) = opened.map_err(|reason| mcap_error(&name, reason))?;
+        let (batches, received) = sync_channel(BATCHES);
         Ok(Self {
+            name,
             encoder: RunEncoder::new(opening, &ids),
             batch: Batch::default(),
-            worker: Worker::start(packer, name),
+            batches: Some(batches),
+            thread: Some(thread::spawn(move || work(packer, &received))),
         })
     }
 
     /// Ends the recording; returns the target and the content digest.
-    pub(crate) fn finish(mut self, end: &RunEnd) -> Result<(W, String), SinkError> {
+    pub(crate) fn end(mut self, end: &RunEnd) -> Result<(W, String), SinkError> {
         self.send_batch()?;
-        self.worker.send(Job::Finish(end_entries(end)))?;
-        self.worker.join()?.ok_or_else(|| self.worker.died())
+        let finished = self.join()?.finish(end_entries(end));
+        finished.map_err(|reason| mcap_error(&self.name, reason))
     }
 
     fn send_batch(&mut self) -> Result<(), SinkError> {
-        let empty = self.worker.empty.try_recv().unwrap_or_default();
-        let batch = std::mem::replace(&mut self.batch, empty);
-        self.worker.send(Job::Write(batch))
+        let batch = std::mem::take(&mut self.batch);
+        let batches = self.batches.as_ref();
+        if batches.is_some_and(|batches| batches.send(batch).is_ok()) {
+            return Ok(());
+        }
+        // The thread only goes away before the end when it has failed.
+        self.join()?;
+        Err(self.died())
+    }
+}
+
+impl<W: Write> Pipeline<W> {
+    /// Waits until the thread has written everything.
+    fn join(&mut self) -> Result<Packer<W>, SinkError> {
+        self.batches = None;
+        let thread = self.thread.take().ok_or_else(|| self.died())?;
+        let packer = thread.join().map_err(|_| self.died())?;
+        packer.map_err(|reason| mcap_error(&self.name, reason))
+    }
+
+    fn died(&self) -> SinkError {
+        SinkError::WriterDied {
+            path: self.name.clone(),
+        }
+    }
+}
+
+impl<W: Write> Drop for Pipeline<W> {
+    /// A recording that was not finished keeps what it has.
+    fn drop(&mut self) {
+        if let Ok(mut packer) = self.join() {
+            let _ = packer.flush();
+        }
+    }
+}
+
+/// The writing thread.
+fn work<W: Write>(mut packer: Packer<W>, batches: &Receiver<Batch>) -> McapResult<Packer<W>> {
+    for batch in batches {
+        packer.write(&batch)?;
+    }
+    Ok(packer)
+}
+
+fn mcap_error(path: &Path, reason: McapError) -> SinkError {
+    SinkError::Mcap {
+        path: path.to_owned(),
+        reason,
     }
 }
 
@@ -88,86 +122,6 @@ impl<W: Write + Send + 'static> Sink for Pipeline<W> {
         self.send_batch()
     }
 }
-
-impl<W: Write + Send + 'static> Worker<W> {
-    fn start(packer: Packer<W>, name: PathBuf) -> Self {
-        let (jobs, received) = sync_channel(BATCHES);
-        let (returned, empty) = channel();
-        let thread = thread::spawn(move || work(packer, &received, &returned));
-        Self {
-            name,
-            jobs: Some(jobs),
-            empty,
-            thread: Some(thread),
-        }
-    }
-
-    fn send(&mut self, job: Job) -> Result<(), SinkError> {
-        let sent = self
-            .jobs
-            .as_ref()
-            .is_some_and(|jobs| jobs.send(job).is_ok());
-        if sent {
-            return Ok(());
-        }
-        // The thread only goes away before the end when it has failed.
-        self.join()?;
-        Err(self.died())
-    }
-
-    /// Waits for the thread.
-    fn join(&mut self) -> Result<Finished<W>, SinkError> {
-        self.jobs = None;
-        let thread = self.thread.take().ok_or_else(|| self.died())?;
-        let finished = thread.join().map_err(|_| self.died())?;
-        finished.map_err(|reason| SinkError::Mcap {
-            path: self.name.clone(),
-            reason,
-        })
-    }
-}
-
-impl<W> Worker<W> {
-    fn died(&self) -> SinkError {
-        SinkError::WriterDied {
-            path: self.name.clone(),
-        }
-    }
-}
-
-impl<W> Drop for Worker<W> {
-    /// A recording that was not finished keeps what it has: the thread writes out what it was given.
-    fn drop(&mut self) {
-        self.jobs = None;
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
-    }
-}
-
-/// The writing thread.
-fn work<W: Write>(
-    mut packer: Packer<W>,
-    jobs: &Receiver<Job>,
-    returned: &Sender<Batch>,
-) -> Result<Finished<W>, McapError> {
-    for job in jobs {
-        match job {
-            Job::Write(mut batch) => {
-                packer.write(&batch)?;
-                batch.clear();
-                // The receiver is gone if the sink is.
-                let _ = returned.send(batch);
-            }
-            Job::Finish(end) => return packer.finish(end).map(Some),
-        }
-    }
-    packer.flush().map(|()| None)
-}
-
-/// Writes the recording of a run into a file, which takes its name when it is complete.
-#[derive(Debug)]
-pub struct McapSink(Pipeline<BufWriter<Draft>>);
 
 /// A finished file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -208,10 +162,7 @@ impl McapSink {
         form: Form,
     ) -> Result<Vec<u8>, SinkError> {
         let bytes = Opening::new(scenario, telemetry, form).bytes();
-        bytes.map_err(|reason| SinkError::Mcap {
-            path: PathBuf::new(),
-            reason,
-        })
+        bytes.map_err(|reason| mcap_error(Path::new(""), reason))
     }
 
     /// Starts the recording of `scenario` in a draft, with the channels that `telemetry` wants.
@@ -228,7 +179,7 @@ impl McapSink {
         let name = draft.working_name().to_owned();
         let opening = Opening::new(scenario, telemetry, form);
         let file = BufWriter::with_capacity(64 * 1024, draft);
-        Pipeline::start(file, name, opening).map(Self)
+        Self::start(file, name, opening)
     }
 
     /// Ends the recording, which still has to be published; returns the content digest too.
@@ -236,8 +187,8 @@ impl McapSink {
     /// # Errors
     /// [`SinkError`] if anything could not be written; the partial file is kept.
     pub fn complete(self, end: &RunEnd) -> Result<(Draft, String), SinkError> {
-        let name = self.0.worker.name.clone();
-        let (file, digest) = self.0.finish(end)?;
+        let name = self.name.clone();
+        let (file, digest) = self.end(end)?;
         let draft = file.into_inner().map_err(|error| SinkError::Io {
             action: "write",
             path: name,
@@ -259,15 +210,5 @@ impl McapSink {
             bytes,
             digest,
         })
-    }
-}
-
-impl Sink for McapSink {
-    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        self.0.write(message)
-    }
-
-    fn flush(&mut self) -> Result<(), SinkError> {
-        self.0.flush()
     }
 }

@@ -4,7 +4,7 @@
 //! camera and no visible time ranges, and its identifiers are random.
 
 mod builder;
-pub(super) mod contrasts;
+pub(super) mod charts;
 pub(super) mod pair;
 pub(super) mod run;
 pub(crate) mod views;

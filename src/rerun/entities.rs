@@ -1,4 +1,4 @@
-//! The entities of one run: its description, its plots, its events and its scene.
+//! The recording of one run: its description, its plots, its events and its scene.
 
 use nalgebra::Vector3;
 use rerun::TextDocument;
@@ -6,15 +6,20 @@ use rerun::TextDocument;
 use super::blueprint;
 use super::entity::ABOUT;
 use super::events::Events;
-use super::identity::Identity;
+use super::identity::{Identity, Playback};
 use super::look::Look;
-use super::outlet::{Outlet, To};
+use super::outlet::{Destinations, Outlet, To};
 use super::plots::Plots;
-use super::scene::Scene;
-use super::scene::{arrow, contact_path};
-use super::track::{Collect, Content, Flush};
+use super::properties;
+use super::scene::{Scene, explanation};
+use super::sink::{Content, Stream};
+use crate::archive::sink::{Sink, SinkError};
+use crate::run::outcome::Outcome;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, POSE};
+
+/// A sink that makes a Rerun recording of a run.
+pub type RerunSink = Stream<Entities>;
 
 /// The entities of one run, fed with its messages.
 pub struct Entities {
@@ -23,23 +28,53 @@ pub struct Entities {
     scene: Option<Scene>,
 }
 
+impl Stream<Entities> {
+    /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
+    #[must_use]
+    pub fn new(identity: &Identity, destinations: Destinations) -> Self {
+        Self::open(identity.store(), &identity.name, destinations, |outlet| {
+            // The file is opened when the run is complete.
+            let playbacks = [identity.playback, Playback::FromStart];
+            for (to, playback) in [To::Viewer, To::File].into_iter().zip(playbacks) {
+                outlet.send_layout(to, blueprint::run::messages(identity, playback));
+            }
+            Entities::new(identity, &Look::Alone, outlet)
+        })
+    }
+
+    /// Sets the outcome of the run, as properties of the recording: `outcome:rise_time` and so on.
+    pub fn set_outcome(&mut self, outcome: &Outcome) {
+        let values = properties::of_outcome(outcome);
+        self.outlet.send_static(properties::entity(), &values);
+    }
+}
+
+impl Sink for Stream<Entities> {
+    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        self.end_ns = message.time_ns;
+        self.content.write(message, &mut self.outlet);
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        self.outlet.show();
+        Ok(())
+    }
+}
+
 impl Entities {
     /// Sends what doesn't change: the description, names and colours, the scene's bodies.
     pub(super) fn new(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Self {
         let has_scene = identity.has(POSE);
         let mut about = identity.description.clone();
         if has_scene {
-            about += &arrow::explanation(identity, look);
-            if identity.geometry.is_free {
-                about += contact_path::EXPLANATION;
-            }
+            about += &explanation(identity, look);
         }
         outlet.send_static(look.entity(ABOUT), &TextDocument::from_markdown(about));
+        let top = identity.geometry.top;
         Self {
             plots: Plots::new(|plot| identity.has(plot.topic()), look, outlet),
-            events: identity
-                .has(EVENTS)
-                .then(|| Events::new(identity.geometry.top, look, outlet)),
+            events: identity.has(EVENTS).then(|| Events::new(top, look, outlet)),
             scene: has_scene.then(|| Scene::new(identity, look, outlet)),
         }
     }
@@ -59,21 +94,103 @@ impl Entities {
             scene.write(message, outlet);
         }
     }
-}
 
-impl Content for Entities {
-    /// In the file only: a viewer has been playing the run.
-    fn change_layout(&self, duration: f64, outlet: &mut Outlet) {
-        for message in blueprint::run::messages_at_end(outlet.store(), duration) {
-            outlet.send_to(To::File, message);
+    /// Adds what follows from all events.
+    pub(super) fn summarize_events(&mut self, outlet: &mut Outlet) {
+        if let Some(events) = &mut self.events {
+            events.summarize(outlet);
         }
     }
 }
 
-impl Collect for Entities {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
-        self.plots.flush(outlet, flush);
-        self.events.flush(outlet, flush);
-        self.scene.flush(outlet, flush);
+impl Content for Entities {
+    fn finish(&mut self, end_ns: u64, outlet: &mut Outlet) {
+        self.summarize_events(outlet);
+        outlet.complete();
+        // In the file only: a viewer has been playing the run.
+        let layout = blueprint::run::messages_at_end(outlet.store(), end_ns as f64 * 1e-9);
+        outlet.send_layout(To::File, layout);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rerun::viewer::Live;
+    use crate::run::scenario::Preset;
+    use crate::telemetry::{Topic, channels};
+    use std::fs::File;
+
+    fn identity(topics: Vec<Topic>) -> Identity {
+        let scenario = Preset::find("free-paper").unwrap().scenario().unwrap();
+        Identity::of("test", &scenario, topics, Playback::FromStart)
+    }
+
+    fn all_topics() -> Vec<Topic> {
+        Topic::all().collect()
+    }
+
+    /// Writes `count` rows of ones per channel.
+    fn fill(sink: &mut RerunSink, count: u64) -> Result<(), SinkError> {
+        for time_ns in (0..count).map(|index| index * 1_000_000) {
+            for (index, channel) in channels().iter().enumerate() {
+                sink.write(&Message {
+                    channel: index,
+                    sequence: 0,
+                    time_ns,
+                    numbers: &vec![1.0; channel.numbers.len()],
+                    texts: &vec![String::new(); channel.texts.len()],
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_viewer_that_is_not_there_is_a_warning() {
+        // Port 9 (discard) of this machine: no server listens there.
+        let destinations = Destinations {
+            file: None,
+            live: Some(Live::Connect("127.0.0.1:9".to_owned())),
+        };
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations);
+        assert!(!sink.is_live());
+        assert!(sink.take_warnings()[0].contains("no Rerun viewer at"));
+        fill(&mut sink, 10).unwrap();
+        sink.flush().unwrap();
+        assert_eq!(sink.finish().unwrap(), [""; 0]);
+    }
+
+    #[test]
+    fn an_address_that_is_none_is_a_warning() {
+        let live = Some(Live::Connect("http://".to_owned()));
+        let destinations = Destinations { file: None, live };
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations);
+        assert!(sink.take_warnings()[0].contains("no address of a Rerun viewer"));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_told_at_the_end() {
+        let file = File::options().write(true).open("/dev/full").unwrap();
+        let destinations = Destinations {
+            file: Some(file),
+            live: None,
+        };
+        let mut sink = RerunSink::new(&identity(all_topics()), destinations);
+        fill(&mut sink, 5000).unwrap();
+        sink.flush().unwrap();
+        let error = sink.finish().unwrap_err().to_string();
+        assert!(error.contains("No space left"), "{error}");
+    }
+
+    #[test]
+    fn any_choice_of_topics_is_fine() {
+        for topic in all_topics() {
+            let chosen = identity(vec![topic]);
+            let mut sink = RerunSink::new(&chosen, Destinations::default());
+            fill(&mut sink, 3).unwrap();
+            sink.finish().unwrap();
+        }
     }
 }

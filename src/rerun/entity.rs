@@ -6,8 +6,6 @@
 pub(super) const EVENTS: &str = "events";
 /// The log of each event but nutation extremes.
 pub(super) const EACH_EVENT: &str = "events/each";
-/// The log of nutation extremes, which no layout shows.
-pub(super) const NUTATION_EVENTS: &str = "events/nutation";
 
 /// The description of a run.
 pub(super) const ABOUT: &str = "about";
@@ -16,22 +14,12 @@ pub(super) const SUMMARY: &str = "/summary";
 
 /// The scene; where two runs are compared, what they share of it.
 pub(super) const STAGE: &str = "/scene";
-/// The moving top.
-pub(super) const TOP: &str = "scene/top";
-/// The place on the table that the camera follows where the peg is free.
-pub(super) const FOCUS: &str = "scene/focus";
 /// Target of the camera there.
 pub(super) const CAMERA_TARGET: &str = "/scene/focus/camera_target";
-/// The vertical through the peg.
-pub(super) const VERTICAL: &str = "scene/focus/vertical";
 /// The path of the symmetry axis on a sphere around the peg.
 pub(super) const TRAIL_ABOVE: &str = "scene/trail/above";
 /// The projection of that path onto the table, below a fixed peg.
 pub(super) const TRAIL_BELOW: &str = "scene/trail/below";
-/// The name of these paths, at their beginning.
-pub(super) const TRAIL_NAME: &str = "scene/trail/name";
-/// The name of the path of the contact point, at its beginning.
-pub(super) const CONTACT_PATH_NAME: &str = "scene/contact_path/name";
 /// The path of the contact point of a free peg on the table: where it slides, where it rolls or sticks, and below the peg
 /// where it flies.
 pub(super) const CONTACT_PATHS: [&str; 3] = [

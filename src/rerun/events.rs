@@ -4,8 +4,8 @@ use rerun::{Color, TextLog};
 
 use super::entity;
 use super::look::Look;
-use super::outlet::Outlet;
-use super::track::{Collect, Flush, Texts, Track};
+use super::outlet::{Columns, Outlet};
+use super::track::Track;
 use crate::physics::top::Top;
 use crate::run::simulation::EventKind;
 use crate::telemetry::Message;
@@ -14,9 +14,9 @@ use crate::telemetry::fields::{EVENTS, events};
 /// The logs of a run's events: one in which repetitions are one line, one with each event, and one of the nutation
 /// extremes, which are hundreds.
 pub(super) struct Events {
-    summary: Track<Texts>,
-    each: Track<Texts>,
-    nutation: Track<Texts>,
+    summary: Track<String>,
+    each: Track<String>,
+    nutation: Track<String>,
     kinds: Vec<Repeated>,
     top: Top,
 }
@@ -24,8 +24,9 @@ pub(super) struct Events {
 /// Repetitions of a kind of event.
 struct Repeated {
     kind: EventKind,
+    /// Number of repetitions, and the times of the first and the last.
     more: u32,
-    again_ns: Option<u64>,
+    again_ns: u64,
     last_ns: u64,
 }
 
@@ -40,12 +41,12 @@ impl Events {
                     .with_color(Color::from_u32(look.color(u32::MAX, 0)));
                 outlet.send_static(entity.as_str(), &mark);
             }
-            Track::new(entity, Texts::default())
+            Track::new(entity, columns, outlet)
         };
         Self {
             summary: open(entity::EVENTS),
             each: open(entity::EACH_EVENT),
-            nutation: open(entity::NUTATION_EVENTS),
+            nutation: open("events/nutation"),
             kinds: Vec::new(),
             top,
         }
@@ -64,58 +65,50 @@ impl Events {
         );
         let kind = EventKind::find(events::NAME.of(message));
         if kind.is_some_and(EventKind::is_of_nutation) {
-            self.nutation.push(outlet, time_ns, |rows| rows.push(text));
+            self.nutation.push(outlet, time_ns, text);
             return;
         }
         if kind.is_none_or(|kind| self.is_first(kind, time_ns)) {
-            let text = text.clone();
-            self.summary.push(outlet, time_ns, |rows| rows.push(text));
+            self.summary.push(outlet, time_ns, text.clone());
         }
-        self.each.push(outlet, time_ns, |rows| rows.push(text));
+        self.each.push(outlet, time_ns, text);
     }
 
     /// Counts an event. Returns whether it is the first of its kind.
     fn is_first(&mut self, kind: EventKind, time_ns: u64) -> bool {
-        let known = self.kinds.iter_mut().find(|known| known.kind == kind);
-        let is_first = known.is_none();
-        if let Some(known) = known {
-            known.again_ns.get_or_insert(time_ns);
-            known.last_ns = time_ns;
-            known.more += 1;
-        } else {
+        let Some(known) = self.kinds.iter_mut().find(|known| known.kind == kind) else {
             self.kinds.push(Repeated {
                 kind,
                 more: 0,
-                again_ns: None,
+                again_ns: time_ns,
                 last_ns: time_ns,
             });
+            return true;
+        };
+        if known.more == 0 {
+            known.again_ns = time_ns;
         }
-        is_first
+        known.last_ns = time_ns;
+        known.more += 1;
+        false
     }
 
     /// Adds a line for each kind that happened more than once.
-    fn summarize(&mut self, outlet: &mut Outlet) {
-        for repeated in self.kinds.drain(..) {
-            let plural = repeated.kind.plural(&self.top);
-            if let (Some(time_ns), Some(plural)) = (repeated.again_ns, plural) {
-                let [again, last] = [time_ns, repeated.last_ns].map(|ns| ns as f64 * 1e-9);
-                let text = format!(
-                    "{again:.6} s: {} more {plural} until {last:.6} s",
-                    repeated.more
-                );
-                self.summary.push(outlet, time_ns, |rows| rows.push(text));
+    pub(super) fn summarize(&mut self, outlet: &mut Outlet) {
+        for repeated in self.kinds.drain(..).filter(|repeated| repeated.more > 0) {
+            let Repeated { kind, more, .. } = repeated;
+            if let Some(plural) = kind.plural(&self.top) {
+                let span = [repeated.again_ns, repeated.last_ns];
+                let [again, last] = span.map(|ns| ns as f64 * 1e-9);
+                let text = format!("{again:.6} s: {more} more {plural} until {last:.6} s");
+                self.summary.push(outlet, repeated.again_ns, text);
             }
         }
     }
 }
 
-impl Collect for Events {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
-        if let Flush::All = flush {
-            self.summarize(outlet);
-        }
-        self.summary.flush(outlet, flush);
-        self.each.flush(outlet, flush);
-        self.nutation.flush(outlet, flush);
-    }
+fn columns(rows: &[String]) -> Columns {
+    let texts = rows.iter().map(String::as_str);
+    let log = TextLog::update_fields().with_many_text(texts);
+    Ok(log.columns_of_unit_batches()?.collect())
 }

@@ -59,17 +59,15 @@ impl Identity {
     #[must_use]
     pub fn of(name: &str, scenario: &Scenario, topics: Vec<Topic>, playback: Playback) -> Self {
         let model = &scenario.model;
+        let is_free = model.support.is_free();
+        let peg = if is_free { "free" } else { "fixed" };
+        let tilt = Tilt::from_rates(scenario.angles.theta, scenario.rates);
         Self {
             recording_id: format!("{name}-{:.16}", scenario.digest()),
             name: name.to_owned(),
             title: format!(
-                "{} · {} peg · friction: {}",
+                "{} · {peg} peg · friction: {}",
                 scenario.title(),
-                if model.support.is_free() {
-                    "free"
-                } else {
-                    "fixed"
-                },
                 scenario.word("friction.law")
             ),
             description: format!(
@@ -81,10 +79,8 @@ impl Identity {
             geometry: Geometry {
                 top: model.top,
                 scales: Scales::new(scenario),
-                spin: Tilt::from_rates(scenario.angles.theta, scenario.rates)
-                    .omega_lean
-                    .norm(),
-                is_free: model.support.is_free(),
+                spin: tilt.omega_lean.norm(),
+                is_free,
             },
             topics,
             playback,

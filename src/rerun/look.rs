@@ -80,12 +80,13 @@ impl Look {
         }
     }
 
+    fn is_of_b(&self) -> bool {
+        matches!(self, Self::Compared(Side::B, _))
+    }
+
     /// The factor by which arrows are thicker than in a recording of one run.
     pub(super) fn thickness(&self) -> f64 {
-        match self {
-            Self::Compared(Side::B, _) => 0.7,
-            _ => 1.0,
-        }
+        if self.is_of_b() { 0.7 } else { 1.0 }
     }
 
     /// Distance by which the names of arrows are moved up, in heights of the top, so that those of two runs don't hide each
@@ -101,18 +102,12 @@ impl Look {
     /// The factor by which the top is drawn larger: where both tops stand alike, that of run B is a veil around the
     /// other.
     pub(super) fn size(&self) -> f64 {
-        match self {
-            Self::Compared(Side::B, _) => 1.015,
-            _ => 1.0,
-        }
+        if self.is_of_b() { 1.015 } else { 1.0 }
     }
 
     /// The colour that the top's colours are multiplied by, if any.
     pub(super) fn albedo(&self) -> Option<u32> {
-        match self {
-            Self::Compared(Side::B, _) => Some(palette::ORANGE & !0xFF | GHOST),
-            _ => None,
-        }
+        self.is_of_b().then_some(palette::ORANGE & !0xFF | GHOST)
     }
 }
 

@@ -3,7 +3,9 @@
 //! Neither can stop the other, or the run. What happens to the viewer becomes a warning; an error of the file is kept
 //! for [`Outlet::finish`].
 
+use std::cell::RefCell;
 use std::fs::File;
+use std::rc::Rc;
 
 use rerun::external::re_log_types::LogMsg;
 use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimePoint};
@@ -33,6 +35,17 @@ pub(super) enum To {
     Both,
 }
 
+/// Rows that wait until they are sent.
+pub(super) trait Waiting {
+    /// Sends those that the viewer does not have yet, to the viewer; the file gets them later, in longer chunks.
+    fn show(&mut self, outlet: &mut Outlet);
+    /// Sends all, to every destination that does not have them yet.
+    fn complete(&mut self, outlet: &mut Outlet);
+}
+
+/// Components of rows.
+pub(super) type Columns = Result<Vec<SerializedComponentColumn>, RerunError>;
+
 /// Numbers the chunks of one recording and passes them to its destinations.
 pub struct Outlet {
     store: StoreId,
@@ -43,6 +56,7 @@ pub struct Outlet {
     failure: Option<RerunError>,
     live: Option<LiveDestination>,
     warnings: Vec<String>,
+    waiting: Vec<Rc<RefCell<dyn Waiting>>>,
 }
 
 impl Outlet {
@@ -56,6 +70,7 @@ impl Outlet {
             failure: None,
             live: None,
             warnings: Vec::new(),
+            waiting: Vec::new(),
         };
         match destinations.file.map(RrdFile::open) {
             Some(Ok(file)) => outlet.file = Some(file),
@@ -68,8 +83,27 @@ impl Outlet {
             None => {}
         }
         let opening = opening(&outlet.store, &mut outlet.ids);
-        outlet.send(Ok(opening));
+        outlet.send_to(To::Both, Ok(opening));
         outlet
+    }
+
+    /// Takes in rows that will wait.
+    pub(super) fn register(&mut self, rows: Rc<RefCell<dyn Waiting>>) {
+        self.waiting.push(rows);
+    }
+
+    /// Sends waiting rows to the viewer.
+    pub(super) fn show(&mut self) {
+        for rows in self.waiting.clone() {
+            rows.borrow_mut().show(self);
+        }
+    }
+
+    /// Sends all waiting rows.
+    pub(super) fn complete(&mut self) {
+        for rows in self.waiting.clone() {
+            rows.borrow_mut().complete(self);
+        }
     }
 
     /// The store that is written.
@@ -95,7 +129,7 @@ impl Outlet {
     ) {
         let time = TimePoint::STATIC;
         let message = single_row(&self.store, &mut self.ids, entity, time, components);
-        self.send(message);
+        self.send_to(To::Both, message);
     }
 
     /// Sends rows of an entity, with their times in ns.
@@ -104,7 +138,7 @@ impl Outlet {
         to: To,
         entity: &EntityPath,
         times: &[i64],
-        columns: Result<Vec<SerializedComponentColumn>, RerunError>,
+        columns: Columns,
     ) {
         let ids = match to {
             To::Viewer => &mut self.live_ids,
@@ -114,13 +148,15 @@ impl Outlet {
         self.send_to(to, message);
     }
 
-    /// Sends a message everywhere.
-    pub(super) fn send(&mut self, message: Result<LogMsg, RerunError>) {
-        self.send_to(To::Both, message);
+    /// Sends the messages of a layout.
+    pub(super) fn send_layout(&mut self, to: To, messages: Vec<Result<LogMsg, RerunError>>) {
+        for message in messages {
+            self.send_to(to, message);
+        }
     }
 
     /// Sends a message to some of the destinations.
-    pub(super) fn send_to(&mut self, to: To, message: Result<LogMsg, RerunError>) {
+    fn send_to(&mut self, to: To, message: Result<LogMsg, RerunError>) {
         match (to, message) {
             (To::Viewer, Ok(message)) => self.feed_viewer(message),
             (To::File, Ok(message)) => self.write_file(message),

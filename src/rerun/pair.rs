@@ -1,7 +1,7 @@
 //! Description of two compared runs before their messages.
 
-use super::blueprint::contrasts;
-use super::identity::{Geometry, Identity, Playback};
+use super::blueprint::charts::compares;
+use super::identity::{Geometry, Identity};
 use super::look::Look;
 use super::message::store;
 use crate::telemetry::fields::{NUTATION, POSE, Plot};
@@ -20,8 +20,6 @@ pub struct PairIdentity {
     pub a: Identity,
     /// The second run, from which the first is subtracted.
     pub b: Identity,
-    /// Its playback in a viewer.
-    pub playback: Playback,
 }
 
 impl PairIdentity {
@@ -61,7 +59,7 @@ impl PairIdentity {
     /// Whether there will be logarithms of these differences: the layout shows them, and the plot has one number. A
     /// row of several could not leave out those that are zero.
     pub(super) fn has_magnitude_of(&self, plot: Plot) -> bool {
-        self.has_difference_of(plot) && contrasts::compares(plot) && plot.numbers().count() == 1
+        self.has_difference_of(plot) && compares(plot) && plot.numbers().count() == 1
     }
 
     /// Whether the peg of one of them is free.

@@ -1,20 +1,22 @@
 //! Plots: every number of every message, as curves.
 
+use rerun::Scalars;
+
 use super::look::Look;
-use super::outlet::Outlet;
+use super::outlet::{Columns, Outlet};
 use super::style;
-use super::track::{Collect, Flush, Numbers, Track};
+use super::track::Track;
 use crate::telemetry::fields::{NumberField, Plot};
 use crate::telemetry::{Message, Topic};
 
-/// The plots of each channel, in table order.
-pub(super) struct Plots(Vec<Vec<PlotTrack>>);
+/// The plots of all channels, in table order.
+pub(super) struct Plots(Vec<PlotTrack>);
 
 /// One plot of a channel.
 struct PlotTrack {
     plot: Plot,
     numbers: Vec<NumberField>,
-    track: Track<Numbers>,
+    track: Track<Vec<f64>>,
     /// The least and the greatest number.
     range: [f64; 2],
     /// Time of the last row, ns.
@@ -28,36 +30,29 @@ impl Plots {
             let entity = look.entity(&plot.to_string());
             let numbers: Vec<_> = plot.numbers().collect();
             outlet.send_static(entity.as_str(), &*style::of(&numbers, look));
-            let track = Track::new(entity, Numbers::new(numbers.len()));
             PlotTrack {
                 plot,
                 numbers,
-                track,
+                track: Track::new(entity, columns, outlet),
                 range: [f64::INFINITY, f64::NEG_INFINITY],
                 end_ns: 0,
             }
         };
-        let plots = Topic::all().map(|topic| {
-            let plots = Plot::all(topic).into_iter();
-            plots.filter(|plot| wanted(*plot)).map(&mut open).collect()
-        });
-        Self(plots.collect())
+        let plots = Topic::all().flat_map(Plot::all);
+        Self(plots.filter(|plot| wanted(*plot)).map(&mut open).collect())
     }
 
     /// The least and the greatest number of a plot; the former is the larger one if there is none.
     pub(super) fn range(&self, plot: Plot) -> [f64; 2] {
-        let tracks = &mut self.0[plot.topic().index()].iter();
-        let track = tracks.find(|track| track.plot == plot);
+        let track = self.0.iter().find(|track| track.plot == plot);
         track.map_or([f64::INFINITY, f64::NEG_INFINITY], |track| track.range)
     }
 
     /// Adds a row without values to plots that end before this time, so that a viewer's time axes reach until then.
     pub(super) fn reach(&mut self, time_ns: u64, outlet: &mut Outlet) {
-        let plots = self.0.iter_mut().flatten();
-        for plot in plots.filter(|plot| plot.end_ns < time_ns) {
-            let missing = std::iter::repeat_n(f64::NAN, plot.numbers.len());
-            let fill = |rows: &mut Numbers| rows.extend(missing);
-            plot.track.push(outlet, time_ns, fill);
+        for plot in self.0.iter_mut().filter(|plot| plot.end_ns < time_ns) {
+            let missing = vec![f64::NAN; plot.numbers.len()];
+            plot.track.push(outlet, time_ns, missing);
         }
     }
 
@@ -68,30 +63,24 @@ impl Plots {
         value: impl Fn(f64) -> Option<f64>,
         outlet: &mut Outlet,
     ) {
-        for plot in &mut self.0[message.channel] {
-            let row = || plot.numbers.iter().map(|number| value(number.of(message)));
-            if row().all(|value| value.is_some()) {
-                let [least, greatest] = &mut plot.range;
-                let numbers = row().flatten().inspect(|number| {
-                    *least = least.min(*number);
-                    *greatest = greatest.max(*number);
-                });
-                let fill = |rows: &mut Numbers| rows.extend(numbers);
-                plot.track.push(outlet, message.time_ns, fill);
-                plot.end_ns = message.time_ns;
+        let is_of_channel = |plot: &&mut PlotTrack| plot.plot.topic() == message.topic();
+        for plot in self.0.iter_mut().filter(is_of_channel) {
+            let row = plot.numbers.iter().map(|number| value(number.of(message)));
+            let Some(row) = row.collect::<Option<Vec<_>>>() else {
+                continue;
+            };
+            let [least, greatest] = &mut plot.range;
+            for number in &row {
+                *least = least.min(*number);
+                *greatest = greatest.max(*number);
             }
+            plot.track.push(outlet, message.time_ns, row);
+            plot.end_ns = message.time_ns;
         }
     }
 }
 
-impl Collect for Plots {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
-        self.0.flush(outlet, flush);
-    }
-}
-
-impl Collect for PlotTrack {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
-        self.track.flush(outlet, flush);
-    }
+fn columns(rows: &[Vec<f64>]) -> Columns {
+    let scalars = Scalars::new(rows.iter().flatten().copied());
+    Ok(scalars.columns(rows.iter().map(Vec::len))?.collect())
 }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek as _, Write};
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -55,12 +55,13 @@ fn encode(file: File, messages: &Receiver<LogMsg>) -> Result<(), RerunError> {
     let version = rerun::build_info().version;
     let options = EncodingOptions::PROTOBUF_COMPRESSED;
     let mut encoder = Encoder::new_eager(version, options, encoded.clone())?;
-    let mut length = encoded.pass_on(&mut file)?;
+    encoded.pass_on(&mut file)?;
     for message in messages {
         encoder.append(&message)?;
-        length += encoded.pass_on(&mut file)?;
+        encoded.pass_on(&mut file)?;
     }
     encoder.finish()?;
+    let length = file.stream_position()?;
     file.write_all(&in_fixed_order(&encoded.0.borrow(), length)?)?;
     Ok(file.flush()?)
 }
@@ -70,13 +71,10 @@ fn encode(file: File, messages: &Receiver<LogMsg>) -> Result<(), RerunError> {
 struct Encoded(Rc<RefCell<Vec<u8>>>);
 
 impl Encoded {
-    /// Writes the bytes into a file, and returns their number.
-    fn pass_on(&self, file: &mut impl Write) -> io::Result<u64> {
-        let mut bytes = self.0.borrow_mut();
-        file.write_all(&bytes)?;
-        let count = bytes.len() as u64;
-        bytes.clear();
-        Ok(count)
+    /// Writes the bytes into a file.
+    fn pass_on(&self, file: &mut impl Write) -> io::Result<()> {
+        let bytes = self.0.take();
+        file.write_all(&bytes)
     }
 }
 

@@ -41,19 +41,14 @@ impl Scales {
         let friction = FRICTION_LENGTH * height;
         let speed = (2.0 * top.gravity * height).sqrt();
         let weight = top.weight();
-        let moment = momentum(
-            top,
-            &Tilt::from_rates(scenario.angles.theta, scenario.rates),
-        );
+        let torque = weight * top.peg_radius;
+        let tilt = Tilt::from_rates(scenario.angles.theta, scenario.rates);
         Self {
             slip: enlarged(speed / reference, scenario.slip_speed_at_start() / speed),
             force: enlarged(weight / friction, scenario.force_scale() / weight),
             gravity_torque: round(top.gravity_moment().abs() / reference),
-            friction_torque: enlarged(
-                weight * top.peg_radius / friction,
-                scenario.torque_scale() / (weight * top.peg_radius),
-            ),
-            momentum: round(moment / (MOMENTUM_LENGTH * height)),
+            friction_torque: enlarged(torque / friction, scenario.torque_scale() / torque),
+            momentum: round(momentum(top, &tilt) / (MOMENTUM_LENGTH * height)),
         }
     }
 

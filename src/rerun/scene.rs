@@ -1,37 +1,46 @@
-//! The scene: the top on its table, arrows, and the trail of the symmetry axis.
+//! The scene: the top on its table, arrows, and the paths of the symmetry axis and the contact point.
 //!
 //! World frame: z up, the table at z = 0, metres.
 
-pub(super) mod arrow;
-pub(super) mod contact_path;
+mod arrow;
 pub(super) mod focus;
-mod pose;
-pub(super) mod shape;
-mod strips;
-mod trail;
+mod path;
+mod shape;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rerun::ViewCoordinates;
+use rerun::archetypes::Transform3D;
+use rerun::datatypes::Rgba32;
 
 use self::arrow::Arrow;
-use self::contact_path::ContactPath;
 use self::focus::Focus;
-use self::pose::Pose;
-use super::entity::{STAGE, VERTICAL};
+use self::path::Path;
+use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
 use super::identity::{Geometry, Identity};
 use super::look::Look;
-use super::outlet::Outlet;
-use super::track::{Collect, Flush};
+use super::outlet::{Columns, Outlet};
+use super::palette::{GREEN, GREY, PURPLE, SKY, VERMILLION};
+use super::track::Track;
 use crate::telemetry::Message;
-use crate::telemetry::fields::{CONTACT, POSE, contact, pose as fields};
+use crate::telemetry::fields::{CONTACT, POSE, contact, pose};
 use crate::telemetry::proportions::Proportions;
+
+/// Translation and quaternion, from body to world.
+type Pose = ([f32; 3], [f32; 4]);
 
 /// The scene of one run, fed with the messages of several channels.
 pub(super) struct Scene {
-    pose: Pose,
+    top: Track<Pose>,
+    /// The path of the symmetry axis on a sphere around the peg, of this radius, m.
+    trail: Path,
+    trail_radius: f64,
+    /// Its projection onto the table, if the peg is fixed: below a top that travels, that would cross the path of the
+    /// contact point.
+    below: Option<Path>,
+    /// The path of the contact point of a free peg: where it slides, where it rolls or sticks, and below the peg where it
+    /// flies.
+    contact_path: Option<Path>,
     arrows: Vec<Arrow>,
-    /// The path of the contact point of a free peg.
-    path: Option<ContactPath>,
     /// Target of the camera, of the only run with a free peg.
     focus: Option<Focus>,
     /// Orientation (world from body) of the last pose.
@@ -45,56 +54,83 @@ pub(super) struct Scene {
 impl Scene {
     /// Sends bodies, colours and labels, and what stands still if no other run shares it.
     pub(super) fn new(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Self {
-        let geometry = &identity.geometry;
-        if look.is_alone() {
-            furnish(geometry, outlet);
+        let geometry = identity.geometry;
+        let (is_alone, is_free) = (look.is_alone(), geometry.is_free);
+        if is_alone {
+            furnish(&geometry, outlet);
         }
-        let focus = (geometry.is_free && look.is_alone()).then(|| {
-            outlet.send_static(VERTICAL, &focus::vertical(geometry));
-            Focus::new(geometry, outlet)
+        let focus = (is_free && is_alone).then(|| {
+            focus::send_vertical(&geometry, outlet);
+            Focus::new(&geometry, outlet)
         });
-        let scene = Self {
-            pose: Pose::new(
-                look,
-                &Proportions::new(&geometry.top),
-                geometry.is_free,
-                outlet,
-            ),
-            arrows: Arrow::all(identity, look),
-            path: (geometry.is_free && identity.has(CONTACT)).then(|| ContactPath::new(look)),
+        let proportions = Proportions::new(&geometry.top);
+        let mut body = shape::top(&proportions.scaled(look.size()));
+        if let Some(albedo) = look.albedo() {
+            body = body.with_albedo_factor(Rgba32::from_u32(albedo));
+        }
+        outlet.send_static(look.entity("scene/top/body"), &body);
+        let text = "path of the symmetry axis";
+        let trail = Path::new(look, &[(TRAIL_ABOVE, PURPLE)], 1.3, outlet);
+        let trail = trail.named(look, "scene/trail/name", text, PURPLE);
+        let below = [(TRAIL_BELOW, PURPLE)];
+        let below = (!is_free).then(|| Path::new(look, &below, 1.0, outlet));
+        let [slides, rolls, flies] = CONTACT_PATHS;
+        let colors = [(slides, SKY), (rolls, GREEN), (flies, VERMILLION)];
+        let contact_path = (is_free && identity.has(CONTACT)).then(|| {
+            let text = "path of the contact point";
+            let path = Path::new(look, &colors, 1.6, outlet);
+            path.named(look, "scene/contact_path/name", text, GREY)
+        });
+        Self {
+            top: Track::new(look.entity("scene/top"), columns, outlet),
+            trail,
+            trail_radius: 1.13 * proportions.tip,
+            below,
+            contact_path,
+            arrows: Arrow::all(identity, look, outlet),
             focus,
             orientation: None,
             peg: geometry.top.peg_radius * Vector3::z(),
             contact: Vector3::zeros(),
-        };
-        for arrow in &scene.arrows {
-            arrow.dress(outlet);
         }
-        if scene.path.is_some() {
-            ContactPath::dress(look, outlet);
-        }
-        scene
     }
 
     /// Adds what a message contains for the scene.
     pub(super) fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
         if message.topic() == POSE {
-            let orientation = UnitQuaternion::new_unchecked(fields::ORIENTATION.of(message));
-            self.orientation = Some(orientation);
-            self.peg = fields::PEG_POSITION.of(message);
-            self.pose.write(message, orientation, self.peg, outlet);
-            if let Some(focus) = &mut self.focus {
-                focus.write(message.time_ns, self.peg, outlet);
-            }
+            self.write_pose(message, outlet);
         }
         if message.topic() == CONTACT {
             self.contact = contact::CONTACT_POINT.of(message);
-            if let Some(path) = &mut self.path {
-                path.write(message, self.contact, outlet);
+            if let Some(path) = &mut self.contact_path {
+                let kind = match contact::REGIME.of(message) {
+                    1.0 => 0,
+                    0.0 => 1,
+                    _ => 2,
+                };
+                path.write(message.time_ns, kind, self.contact, outlet);
             }
         }
         for arrow in &mut self.arrows {
             arrow.write(message, self.orientation, [self.peg, self.contact], outlet);
+        }
+    }
+
+    fn write_pose(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
+        let time_ns = message.time_ns;
+        let orientation = UnitQuaternion::new_unchecked(pose::ORIENTATION.of(message));
+        self.orientation = Some(orientation);
+        self.peg = pose::PEG_POSITION.of(message);
+        let translation = self.peg.cast::<f32>().into();
+        let quaternion = orientation.coords.cast::<f32>().into();
+        self.top.push(outlet, time_ns, (translation, quaternion));
+        let point = self.peg + self.trail_radius * pose::AXIS.of(message);
+        self.trail.write(time_ns, 0, point, outlet);
+        if let Some(below) = &mut self.below {
+            below.write(time_ns, 0, Vector3::new(point.x, point.y, 0.0), outlet);
+        }
+        if let Some(focus) = &mut self.focus {
+            focus.write(time_ns, self.peg, outlet);
         }
     }
 
@@ -104,13 +140,12 @@ impl Scene {
     }
 }
 
-impl Collect for Scene {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
-        self.arrows.flush(outlet, flush);
-        self.pose.flush(outlet, flush);
-        self.path.flush(outlet, flush);
-        self.focus.flush(outlet, flush);
-    }
+fn columns(rows: &[Pose]) -> Columns {
+    let quaternions = rows.iter().map(|(_, quaternion)| *quaternion);
+    let transform = Transform3D::update_fields()
+        .with_many_translation(rows.iter().map(|(translation, _)| *translation))
+        .with_many_quaternion(quaternions.map(rerun::Quaternion::from_xyzw));
+    Ok(transform.columns_of_unit_batches()?.collect())
 }
 
 /// Sends what stands still, which two runs that are compared share: the table and, where a peg is fixed, the vertical.
@@ -126,6 +161,16 @@ pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) {
     outlet.send_static("scene/table", &shape::table(table));
     outlet.send_static("scene/table/marks", &shape::table_marks(table, rings));
     if !geometry.is_free {
-        outlet.send_static(VERTICAL, &focus::vertical(geometry));
+        focus::send_vertical(geometry, outlet);
     }
+}
+
+/// The scales of the arrows and the colours of the path of a free peg, in Markdown.
+pub(super) fn explanation(identity: &Identity, look: &Look) -> String {
+    let mut text = arrow::explanation(identity, look);
+    if identity.geometry.is_free {
+        text += "\n\n## Path of the contact point\n\nBlue where it slides, green where it rolls or sticks, vermillion \
+                 where the peg is in the air.\n";
+    }
+    text
 }

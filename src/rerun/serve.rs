@@ -1,6 +1,6 @@
 //! The web viewer, served by this process: a page, and the stream that it shows.
 
-use std::net::{IpAddr, SocketAddr, TcpListener};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 
 use rerun::grpc_server::GrpcServerSink;
 use rerun::web_viewer::WebViewerConfig;
@@ -40,10 +40,16 @@ impl WebViewer {
             },
             ..Default::default()
         };
-        let host = host(bind);
+        let host = if bind.is_unspecified() {
+            Ipv4Addr::LOCALHOST.into()
+        } else {
+            bind
+        };
+        let [page_address, stream_address] =
+            [port, stream_port].map(|port| SocketAddr::new(host, port));
         let stream = GrpcServerSink::new(&bracketed(bind), stream_port, options)
             .map_err(|error| error.to_string())?;
-        let address = format!("rerun+http://{host}:{stream_port}/proxy");
+        let address = format!("rerun+http://{stream_address}/proxy");
         let page = WebViewerConfig {
             bind_ip: bracketed(bind),
             web_port: port.into(),
@@ -60,7 +66,7 @@ impl WebViewer {
         Ok(Self {
             _stream: stream,
             _page: Box::new(page),
-            url: format!("http://{host}:{port}/?url={encoded}"),
+            url: format!("http://{page_address}/?url={encoded}"),
             address,
         })
     }
@@ -87,15 +93,6 @@ fn check_free(address: SocketAddr) -> Result<(), String> {
             address.port()
         )),
         Err(error) => Err(format!("cannot listen on {address}: {error}")),
-    }
-}
-
-/// The name of this machine in an address that it listens at.
-fn host(bind: IpAddr) -> String {
-    if bind.is_unspecified() {
-        "127.0.0.1".to_owned()
-    } else {
-        bracketed(bind)
     }
 }
 

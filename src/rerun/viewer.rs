@@ -2,7 +2,7 @@
 
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::str::FromStr as _;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -69,48 +69,38 @@ impl LiveDestination {
     pub(super) fn send(&self, mut message: LogMsg) -> Result<(), String> {
         let start = Instant::now();
         loop {
-            match self.queue.try_send(message) {
+            message = match self.queue.try_send(message) {
                 Ok(()) => return Ok(()),
-                Err(TrySendError::Disconnected(_)) => return Err(self.loss()),
-                Err(TrySendError::Full(_)) if start.elapsed() > STALL => return Err(self.stall()),
-                Err(TrySendError::Full(back)) => message = back,
-            }
+                Err(TrySendError::Disconnected(_)) => {
+                    let end = self.end.recv_timeout(CONNECT);
+                    let reason = end.ok().and_then(Result::err);
+                    let reason = reason.as_deref().unwrap_or("the connection broke");
+                    return Err(lost(&self.address, reason));
+                }
+                Err(TrySendError::Full(_)) if start.elapsed() > STALL => {
+                    return Err(format!(
+                        "the Rerun viewer at {} took nothing for {} s and is left alone from here on",
+                        self.address,
+                        STALL.as_secs()
+                    ));
+                }
+                Err(TrySendError::Full(back)) => back,
+            };
             thread::sleep(Duration::from_millis(1));
         }
     }
 
     /// Waits until the viewer has everything, for a few seconds at most.
     pub(super) fn finish(self) -> Result<(), String> {
-        let Self {
-            address,
-            queue,
-            end,
-        } = self;
-        drop(queue);
-        match end.recv_timeout(FINISH) {
-            Ok(Ok(())) => Ok(()),
-            Ok(Err(reason)) => Err(lost(&address, &reason)),
-            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Err(format!(
-                "the Rerun viewer at {address} did not take the end of the recording within {} s",
+        drop(self.queue);
+        match self.end.recv_timeout(FINISH) {
+            Ok(end) => end.map_err(|reason| lost(&self.address, &reason)),
+            Err(_) => Err(format!(
+                "the Rerun viewer at {} did not take the end of the recording within {} s",
+                self.address,
                 FINISH.as_secs()
             )),
         }
-    }
-
-    fn loss(&self) -> String {
-        let reason = match self.end.recv_timeout(CONNECT) {
-            Ok(Err(reason)) => reason,
-            _ => "the connection broke".to_owned(),
-        };
-        lost(&self.address, &reason)
-    }
-
-    fn stall(&self) -> String {
-        format!(
-            "the Rerun viewer at {} took nothing for {} s and is left alone from here on",
-            self.address,
-            STALL.as_secs()
-        )
     }
 }
 

@@ -111,18 +111,6 @@ pub(super) enum Target<K> {
 }
 
 impl<K> Object<K> {
-    /// Skips all leaves except `numbers` and the timestamp.
-    pub(super) fn skip_all_but(&mut self, numbers: &[usize]) {
-        for (_, target) in &mut self.0 {
-            match target {
-                Target::Object(object) => object.skip_all_but(numbers),
-                Target::Number(index) if numbers.contains(index) => {}
-                Target::Seconds | Target::Nanoseconds => {}
-                Target::Number(_) | Target::Text(_) | Target::Skipped => *target = Target::Skipped,
-            }
-        }
-    }
-
     /// The position of the member whose key satisfies `is`; `next` is tried first.
     #[inline]
     pub(super) fn position(&self, next: usize, is: impl Fn(&K) -> bool) -> Option<usize> {

@@ -152,17 +152,4 @@ impl Decoder {
             Format::Protobuf(decoder) => decoder.decode(data, row),
         }
     }
-
-    /// A faster decoder for some of the numbers; other fields keep their empty values, and data after the last number
-    /// is not checked.
-    #[must_use]
-    pub fn only(&self, numbers: &[usize]) -> Self {
-        Self {
-            format: match &self.format {
-                Format::Json(decoder) => Format::Json(decoder.only(numbers)),
-                Format::Protobuf(decoder) => Format::Protobuf(decoder.only(numbers)),
-            },
-            ..self.clone()
-        }
-    }
 }

@@ -95,14 +95,10 @@ impl Template {
 #[derive(Clone, Debug)]
 pub(super) struct JsonDecoder {
     message: Object<String>,
-    /// Numbers in the file.
-    numbers: Vec<usize>,
     /// Leaves and parts of the timestamp that a message must have.
     expected: usize,
     /// Number of unknown members of a message.
     unknown: usize,
-    /// Whether to stop once all expected members are found.
-    is_partial: bool,
 }
 
 impl JsonDecoder {
@@ -138,24 +134,9 @@ impl JsonDecoder {
         let decoder = Self {
             unknown: unknown_members(&message, &present),
             message,
-            numbers: present
-                .iter()
-                .filter_map(|path| channel.number_index(path))
-                .collect(),
             expected: matched + STAMP_PARTS,
-            is_partial: false,
         };
         Ok((decoder, present))
-    }
-
-    /// A decoder for some of the numbers and the timestamp.
-    pub(super) fn only(&self, numbers: &[usize]) -> Self {
-        let mut decoder = self.clone();
-        decoder.message.skip_all_but(numbers);
-        decoder.numbers.retain(|number| numbers.contains(number));
-        decoder.expected = decoder.numbers.len() + STAMP_PARTS;
-        decoder.is_partial = true;
-        decoder
     }
 
     pub(super) fn decode(&self, data: &[u8], row: &mut Row) -> Result<(), DecodeError> {
@@ -163,25 +144,14 @@ impl JsonDecoder {
             encoding: "json",
             reason: error.to_string(),
         };
-        let mut tally = Tally {
-            enough: if self.is_partial {
-                self.expected
-            } else {
-                usize::MAX
-            },
-            ..Tally::default()
-        };
+        let mut tally = Tally::default();
         let mut deserializer = serde_json::Deserializer::from_slice(data);
         let seed = Filling {
             object: &self.message,
             row,
             tally: &mut tally,
         };
-        let filled = seed.deserialize(&mut deserializer);
-        if tally.found == tally.enough {
-            return Ok(());
-        }
-        filled.map_err(malformed)?;
+        seed.deserialize(&mut deserializer).map_err(malformed)?;
         deserializer.end().map_err(malformed)?;
         if tally.found == self.expected && tally.unknown == self.unknown {
             return Ok(());
@@ -243,8 +213,6 @@ fn unknown_member<'a>(message: &Object<String>, path: &'a str) -> Option<&'a str
 struct Tally {
     found: usize,
     unknown: usize,
-    /// Number of members after which reading ends.
-    enough: usize,
 }
 
 /// Fills a row from a JSON object.
@@ -313,10 +281,6 @@ impl<'de> Visitor<'de> for Filling<'_> {
                 }
             }
             self.tally.found += 1;
-            if self.tally.found == self.tally.enough {
-                // serde_json can only be stopped with an error, which is ignored here.
-                return Err(de::Error::custom("enough"));
-            }
         }
         Ok(())
     }

@@ -324,14 +324,6 @@ impl ProtobufDecoder {
         Ok((Self { message, present }, paths.leaves))
     }
 
-    /// A decoder for some of the numbers and the timestamp.
-    pub(super) fn only(&self, numbers: &[usize]) -> Self {
-        let mut decoder = self.clone();
-        decoder.message.skip_all_but(numbers);
-        decoder.present.retain(|number| numbers.contains(number));
-        decoder
-    }
-
     pub(super) fn decode(&self, data: &[u8], row: &mut Row) -> Result<(), DecodeError> {
         for number in &self.present {
             row.numbers[*number] = 0.0;

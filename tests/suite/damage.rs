@@ -9,16 +9,16 @@ use std::thread;
 use toprise::analysis::explain::explain;
 use toprise::analysis::figures::{Figure, Run};
 use toprise::analysis::verify::Verdict;
-use toprise::archive::recording::{Condition, Overview, Recording};
+use toprise::archive::recording::{Condition, Overview, Recording, Selection};
 use toprise::archive::writer::Form;
 use toprise::telemetry::encoding::Encoding;
-use toprise::telemetry::fields::state;
 
 /// Reads everything of the file in every way.
 fn endures(path: &Path) {
     let _ = Overview::read(path);
     if let Ok(recording) = Recording::open(path) {
-        let _ = recording.series(state::THETA);
+        let mut reader = recording.reader(Selection::default());
+        while reader.next().is_some() {}
     }
 }
 
@@ -209,8 +209,9 @@ fn a_damaged_recording_is_read_past_its_damage_and_run_again_to_the_same_bytes()
         assert_eq!(overview.condition, Condition::Damaged);
         assert_eq!(overview.losses.len(), 1);
         assert_eq!(overview.losses[0].offset, hit.start as u64);
-        let theta = recording.series(state::THETA).unwrap();
-        assert_eq!(theta.losses, overview.losses);
+        let mut reader = recording.reader(Selection::default());
+        while reader.next().is_some() {}
+        assert_eq!(reader.losses(), overview.losses);
         let report = verified(&path);
         assert_eq!(report.verdict, Verdict::Incomplete, "{report:#?}");
         assert_eq!(report.state, Condition::Damaged);

@@ -84,7 +84,6 @@ fn write(path: &Path, (a, topics_a): (&Run, &[Topic]), (b, topics_b): (&Run, &[T
         name: "a pair".to_owned(),
         a: a.identity(topics_a),
         b: b.identity(topics_b),
-        playback: Playback::FromStart,
     };
     let destinations = Destinations {
         file: Some(File::create(path).unwrap()),

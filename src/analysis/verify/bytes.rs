@@ -13,18 +13,9 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Whether a file has the bytes that its scenario gives. The run is broken off at the first byte that differs.
+/// Whether a file has the bytes that its scenario gives; none if it can't be run or read. The run is broken off at the
+/// first byte that differs.
 pub(super) fn are_equal(
-    recording: &Recording,
-    scenario: &Scenario,
-    telemetry: Telemetry,
-    form: Form,
-    progress: &dyn Fn(u64),
-) -> bool {
-    run(recording, scenario, telemetry, form, progress).unwrap_or(false)
-}
-
-fn run(
     recording: &Recording,
     scenario: &Scenario,
     mut telemetry: Telemetry,
@@ -52,7 +43,7 @@ fn run(
         Ok(ControlFlow::Continue(()))
     });
     let (end, _) = ended.ok()?;
-    let (file, _) = sink.finish(&end).ok()?;
+    let (file, _) = sink.end(&end).ok()?;
     let comparer = file.into_inner().ok()?;
     report();
     Some(comparer.position.load(Ordering::Relaxed) == recording.size())

@@ -97,7 +97,7 @@ impl<'r> Comparison<'r> {
         let Some(channel) = self.places[recorded.position] else {
             // Fields and views of another version are compared as far as both have them.
             if !self.is_by_value {
-                self.difference = Some(stray(recorded));
+                self.difference = Some(stray(recorded, ""));
             }
             return;
         };
@@ -106,29 +106,21 @@ impl<'r> Comparison<'r> {
         }
         let found = self.find(channel, recorded);
         let Some(expected) = found.and_then(|at| self.ahead.remove(at)) else {
-            self.difference = Some(stray(recorded));
+            self.difference = Some(stray(recorded, ""));
             return;
         };
         if found.is_some_and(|at| at > 0) && self.out_of_order.is_none() {
-            let field = Some("order among messages of the same time".to_owned());
-            self.out_of_order = Some(Difference {
-                field,
-                ..stray(recorded)
-            });
+            let field = "order among messages of the same time";
+            self.out_of_order = Some(stray(recorded, field));
         }
         self.difference = self.compare(recorded, &expected);
         self.equal += u64::from(self.difference.is_none());
     }
 
     fn compare(&self, recorded: &Undecoded<'_>, expected: &Expected) -> Option<Difference> {
-        let difference = |field: &str, recorded_value, simulated| Difference {
-            time: Some(seconds(recorded.log_time)),
-            ..Difference::of(
-                &recorded.channel.topic,
-                field,
-                Some(recorded_value),
-                Some(simulated),
-            )
+        let difference = |field: &str, [recorded_value, simulated]: [String; 2]| {
+            let values = (Some(recorded_value), Some(simulated));
+            Some(at(recorded, field, values.0, values.1))
         };
         let times = [
             ("log time (ns)", recorded.log_time),
@@ -136,8 +128,7 @@ impl<'r> Comparison<'r> {
         ];
         for (name, time) in times {
             if time != expected.time_ns {
-                let (recorded, simulated) = (time.to_string(), expected.time_ns.to_string());
-                return Some(difference(name, recorded, simulated));
+                return difference(name, [time, expected.time_ns].map(|ns| ns.to_string()));
             }
         }
         if recorded.data == expected.data {
@@ -145,20 +136,15 @@ impl<'r> Comparison<'r> {
         }
         let decoders = self.decoders[recorded.position].as_ref();
         match decoders.map(|decoders| first_field(decoders, recorded, expected)) {
-            Some(Ok(Some((field, [recorded, simulated])))) => {
-                Some(difference(&field, recorded, simulated))
-            }
+            Some(Ok(Some((field, values)))) => difference(&field, values),
             Some(Ok(None)) if self.is_by_value => None,
-            Some(Err(reason)) => Some(difference("", reason, "a message".to_owned())),
+            Some(Err(reason)) => difference("", [reason, "a message".to_owned()]),
             Some(Ok(None)) | None => {
                 let bytes = |data: &[u8]| {
                     format!("{} bytes, crc32 {:08x}", data.len(), crc32fast::hash(data))
                 };
-                Some(difference(
-                    "encoded message",
-                    bytes(recorded.data),
-                    bytes(&expected.data),
-                ))
+                let values = [recorded.data, &expected.data].map(bytes);
+                difference("encoded message", values)
             }
         }
     }
@@ -219,15 +205,21 @@ impl<'r> Comparison<'r> {
 }
 
 /// A message that the run doesn't give, or not there.
-fn stray(recorded: &Undecoded<'_>) -> Difference {
+fn stray(recorded: &Undecoded<'_>, field: &str) -> Difference {
+    let message = format!("message {}", recorded.sequence);
+    at(recorded, field, Some(message), None)
+}
+
+/// A difference in a message.
+fn at(
+    recorded: &Undecoded<'_>,
+    field: &str,
+    value: Option<String>,
+    simulated: Option<String>,
+) -> Difference {
     Difference {
         time: Some(seconds(recorded.log_time)),
-        ..Difference::of(
-            &recorded.channel.topic,
-            "",
-            Some(format!("message {}", recorded.sequence)),
-            None,
-        )
+        ..Difference::of(&recorded.channel.topic, field, value, simulated)
     }
 }
 
@@ -259,18 +251,14 @@ fn first_field(
         return Ok(None);
     };
     let numbers = info.numbers.iter().zip(a.numbers.iter().zip(&b.numbers));
-    for (leaf, (recorded, simulated)) in numbers {
-        if recorded.to_bits() != simulated.to_bits() && !missing.contains(&leaf.path) {
-            let values = [recorded, simulated].map(|value| format!("{value:?}"));
-            return Ok(Some((leaf.path.clone(), values)));
-        }
-    }
+    let numbers = numbers.filter(|(_, (a, b))| a.to_bits() != b.to_bits());
+    let numbers = numbers.map(|(leaf, (a, b))| (&leaf.path, [a, b].map(|x| format!("{x:?}"))));
     let texts = info.texts.iter().zip(a.texts.iter().zip(&b.texts));
-    for (leaf, (recorded, simulated)) in texts {
-        if recorded != simulated && !missing.contains(&leaf.path) {
-            let values = [recorded, simulated].map(|value| format!("{value:?}"));
-            return Ok(Some((leaf.path.clone(), values)));
-        }
+    let texts = texts.filter(|(_, (a, b))| a != b);
+    let texts = texts.map(|(leaf, (a, b))| (&leaf.path, [a, b].map(|x| format!("{x:?}"))));
+    let mut different = numbers.chain(texts);
+    if let Some((path, values)) = different.find(|(path, _)| !missing.contains(path)) {
+        return Ok(Some((path.clone(), values)));
     }
     if a.time_ns != b.time_ns {
         let values = [a.time_ns, b.time_ns].map(seconds);

@@ -9,7 +9,7 @@ use super::source::Source;
 use crate::archive::error::RecordingError;
 use crate::archive::format::LIBRARY_PREFIX;
 use mcap::MAGIC;
-use mcap::records::{Footer, Metadata, Record, op};
+use mcap::records::{Metadata, Record, op};
 use std::io;
 
 /// A file that is damaged in more places than this is not looked through further.
@@ -40,8 +40,6 @@ pub(crate) struct Layout {
     pub(crate) losses: Vec<Loss>,
     /// The end of the data, if the file has it.
     pub(crate) data_end: Option<u64>,
-    /// The place of the footer.
-    footer: Option<RecordSpan>,
     /// Whether the file ends as an MCAP file does.
     pub(crate) is_ended: bool,
 }
@@ -60,24 +58,20 @@ impl Layout {
             match found {
                 Found::Record(place) => layout.take(&place, source)?,
                 Found::Damage(bytes) => {
-                    let reason = "no readable record stands here".to_owned();
-                    layout.losses.push(layout.loss(bytes, reason));
+                    layout.lose(bytes, "no readable record stands here");
                     if layout.losses.len() > MOST_LOSSES {
                         break;
                     }
                 }
                 Found::End => layout.is_ended = true,
                 Found::Cut(bytes) if !bytes.is_empty() => {
-                    let reason = "the file ends within a record".to_owned();
-                    layout.losses.push(layout.loss(bytes, reason));
+                    layout.lose(bytes, "the file ends within a record");
                 }
                 Found::Cut(_) => {}
             }
         }
-        layout.close_gaps();
-        if layout.channels.is_empty() || !layout.summary_is_right(source)? {
-            layout.find_channels(source);
-        }
+        layout.time_losses();
+        layout.find_channels(source);
         Ok(layout)
     }
 
@@ -95,9 +89,6 @@ impl Layout {
             // Behind the end of the data, schemas and channels are repeated.
             op::MESSAGE | op::SCHEMA | op::CHANNEL if self.data_end.is_none() => {
                 self.take_loose(place);
-                if place.opcode != op::MESSAGE {
-                    self.take_small(place, source)?;
-                }
             }
             op::ATTACHMENT => {
                 let name = attachment_name(place, source)?;
@@ -106,7 +97,6 @@ impl Layout {
             }
             // A second one is damage: something else in the summary that has become one.
             op::DATA_END => self.data_end = self.data_end.or(Some(place.offset)),
-            op::FOOTER => self.footer = Some(place.clone()),
             op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => {
                 self.take_small(place, source)?;
             }
@@ -150,60 +140,36 @@ impl Layout {
         Ok(())
     }
 
-    /// A loss whose time span is not known yet, but for its beginning.
-    fn loss(&self, bytes: std::ops::Range<u64>, reason: String) -> Loss {
-        let from = self.sections.last().and_then(|section| section.span);
-        Loss {
+    /// Notes bytes that can't be read.
+    fn lose(&mut self, bytes: std::ops::Range<u64>, reason: &str) {
+        self.losses.push(Loss {
             offset: bytes.start,
             length: bytes.end - bytes.start,
-            span: from.map(|(_, end)| Span {
-                from_ns: end,
-                to_ns: None,
-            }),
+            span: None,
             is_unread: false,
-            reason,
-        }
+            reason: reason.to_owned(),
+        });
     }
 
-    /// A loss between two chunks ends where the second begins.
-    fn close_gaps(&mut self) {
+    /// Finds the times of the losses: from the end of the chunk before it to the start of the next one.
+    fn time_losses(&mut self) {
         for loss in &mut self.losses {
             let next = self.sections.partition_point(|s| s.offset <= loss.offset);
-            let next = self.sections.get(next);
-            let start = next
-                .and_then(|section| section.span)
-                .map(|(start, _)| start);
-            let behind_data = self.data_end.is_some_and(|end| loss.offset >= end);
-            loss.span = match (loss.span, start) {
-                _ if behind_data => None,
-                (Some(span), _) => Some(Span {
-                    to_ns: start,
-                    ..span
-                }),
-                (None, Some(start)) => Some(Span {
-                    from_ns: 0,
-                    to_ns: Some(start),
-                }),
-                (None, None) => None,
-            };
+            let (before, behind) = self.sections.split_at(next);
+            let before = before.last().and_then(|section| section.span);
+            let behind = behind.first().and_then(|section| section.span);
+            let is_in_data = self.data_end.is_none_or(|end| loss.offset < end);
+            if is_in_data && (before.is_some() || behind.is_some()) {
+                loss.span = Some(Span {
+                    from_ns: before.map_or(0, |(_, end)| end),
+                    to_ns: behind.map(|(start, _)| start),
+                });
+            }
         }
     }
 
-    /// Whether there is a summary that can be believed.
-    fn summary_is_right(&self, source: &Source) -> io::Result<bool> {
-        let (Some(footer), Some(_)) = (&self.footer, self.data_end) else {
-            return Ok(false);
-        };
-        let Some(found) = read_footer(footer, source)? else {
-            return Ok(false);
-        };
-        Ok(
-            found.summary_crc == 0
-                || summary_checksum(footer, &found, source)? == found.summary_crc,
-        )
-    }
-
-    /// Finds the channels in the chunks: ours stand in the first, others' anywhere.
+    /// Finds the channels in the data: ours stand in the first chunk, others' anywhere. The summary counts only if there are
+    /// none, because its checksum may be lost or wrong.
     fn find_channels(&mut self, source: &Source) {
         let in_summary = std::mem::take(&mut self.channels);
         let mut buffers = Buffers::default();
@@ -220,7 +186,7 @@ impl Layout {
                     self.channels.define(record);
                 }
             }
-            if self.is_ours() && !self.channels.is_empty() {
+            if self.is_ours() && section.is_chunk && !self.channels.is_empty() {
                 return;
             }
         }
@@ -228,27 +194,6 @@ impl Layout {
             self.channels = in_summary;
         }
     }
-}
-
-/// Content of a footer, if it can be read.
-pub(crate) fn read_footer(place: &RecordSpan, source: &Source) -> io::Result<Option<Footer>> {
-    let mut bytes = Vec::new();
-    source.read(place.offset, place.length, &mut bytes)?;
-    let body = bytes.get(HEAD as usize..).unwrap_or_default();
-    Ok(match parse(op::FOOTER, body) {
-        Ok(Record::Footer(footer)) => Some(footer),
-        _ => None,
-    })
-}
-
-/// The checksum that the summary before a footer has.
-pub(crate) fn summary_checksum(
-    place: &RecordSpan,
-    footer: &Footer,
-    source: &Source,
-) -> io::Result<u32> {
-    // Opcode, length, and the two offsets belong to what is summed.
-    source.checksum(footer.summary_start, place.offset + HEAD + 16)
 }
 
 fn attachment_name(place: &RecordSpan, source: &Source) -> io::Result<String> {

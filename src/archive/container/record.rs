@@ -1,10 +1,8 @@
 //! One record of an MCAP file: where it stands, and what is in it.
 
-use super::source::Source;
 use mcap::records::{Record, op};
 use mcap::{McapError, McapResult};
-use std::collections::BTreeMap;
-use std::io;
+use std::collections::BTreeSet;
 
 /// Length of a record's opcode and length field.
 pub(crate) const HEAD: u64 = 9;
@@ -44,140 +42,92 @@ pub(crate) fn is_known(opcode: u8) -> bool {
 /// `mcap` takes memory for a text before it looks whether the text is there, up to 4 GiB of it, and panics
 /// at an attachment that ends behind its head: such records are refused before.
 pub(crate) fn parse(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
-    behind_texts(opcode, body).ok_or(McapError::UnexpectedEof)?;
+    let is_there = fields_length(opcode, body).is_some_and(|length| length <= body.len() as u64);
+    if !is_there {
+        return Err(McapError::UnexpectedEof);
+    }
     mcap::parse_record(opcode, body)
 }
 
-/// The length of a record's body that what is read of it takes; none for kinds that are not those of the specification. A
-/// longer body holds something that is not read: bytes behind the last field, or a key twice.
-pub(crate) fn content_length(record: &Record<'_>) -> Option<usize> {
-    let text = |text: &str| 4 + text.len();
-    let texts = |pairs: &BTreeMap<String, String>| {
-        let pairs = pairs.iter().map(|(key, value)| text(key) + text(value));
-        4 + pairs.sum::<usize>()
-    };
-    Some(match record {
-        Record::Header(header) => text(&header.profile) + text(&header.library),
-        Record::Schema { header, data } => {
-            2 + text(&header.name) + text(&header.encoding) + 4 + data.len()
-        }
-        Record::Channel(channel) => {
-            4 + text(&channel.topic) + text(&channel.message_encoding) + texts(&channel.metadata)
-        }
-        Record::Message { data, .. } => 22 + data.len(),
-        Record::Chunk { header, data } => 36 + text(&header.compression) + data.len(),
-        Record::MessageIndex(index) => 6 + 16 * index.records.len(),
-        Record::ChunkIndex(index) => {
-            60 + 10 * index.message_index_offsets.len() + text(&index.compression)
-        }
-        Record::Attachment { header, data, .. } => {
-            28 + text(&header.name) + text(&header.media_type) + data.len()
-        }
-        Record::AttachmentIndex(index) => 40 + text(&index.name) + text(&index.media_type),
-        Record::Metadata(metadata) => text(&metadata.name) + texts(&metadata.metadata),
-        Record::MetadataIndex(index) => 16 + text(&index.name),
-        Record::Statistics(statistics) => 46 + 10 * statistics.channel_message_counts.len(),
-        Record::SummaryOffset(_) => 17,
-        Record::DataEnd(_) => 4,
-        Record::Footer(_) => 20,
-        Record::Unknown { .. } => return None,
-    })
-}
-
-/// A part of a record.
+/// A field of a record, or several.
 enum Part {
-    Bytes(usize),
+    /// Numbers of so many bytes in all.
+    Bytes(u64),
+    /// A text, or bytes behind their length.
     Text,
+    /// Bytes behind their length, which takes eight bytes.
+    Data,
     /// Pairs of texts.
     Texts,
-    /// Pairs of a channel's id and a position.
-    Positions,
+    /// Pairs of a channel's id and a number of eight bytes.
+    Numbers,
+    /// What is left.
+    Rest,
 }
 
-/// Content after the last text of a record; none if a text or what must follow is not there.
-fn behind_texts(opcode: u8, body: &[u8]) -> Option<&[u8]> {
-    use Part::{Bytes, Positions, Text, Texts};
+/// The length of a record's body that its fields add up to, of which `start` has at least all lengths. A longer body holds
+/// something that is not read. None if a length is not there, or a key comes twice, of which readers see one or the
+/// other.
+pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Option<u64> {
+    use Part::{Bytes, Data, Numbers, Rest, Text, Texts};
     let parts: &[Part] = match opcode {
         op::HEADER => &[Text, Text],
-        op::SCHEMA => &[Bytes(2), Text, Text],
+        op::FOOTER => &[Bytes(20)],
+        op::SCHEMA => &[Bytes(2), Text, Text, Text],
         op::CHANNEL => &[Bytes(4), Text, Text, Texts],
-        op::CHUNK => &[Bytes(28), Text],
-        op::CHUNK_INDEX => &[Bytes(32), Positions, Bytes(8), Text],
-        op::ATTACHMENT => &[Bytes(16), Text, Text, Bytes(12)],
+        op::MESSAGE => &[Bytes(22), Rest],
+        op::CHUNK => &[Bytes(28), Text, Data],
+        op::MESSAGE_INDEX => &[Bytes(2), Text],
+        op::CHUNK_INDEX => &[Bytes(32), Numbers, Bytes(8), Text, Bytes(16)],
+        op::ATTACHMENT => &[Bytes(16), Text, Text, Data, Bytes(4)],
         op::ATTACHMENT_INDEX => &[Bytes(40), Text, Text],
+        op::STATISTICS => &[Bytes(42), Numbers],
         op::METADATA => &[Text, Texts],
         op::METADATA_INDEX => &[Bytes(16), Text],
-        _ => &[],
+        op::SUMMARY_OFFSET => &[Bytes(17)],
+        op::DATA_END => &[Bytes(4)],
+        _ => &[Rest],
     };
-    let mut rest = body;
+    let mut at = 0;
     for part in parts {
-        rest = match part {
-            Bytes(count) => rest.get(*count..)?,
-            Text => behind_text(rest)?,
+        at = match part {
+            Bytes(count) => at + count,
+            Text => behind_text(start, at)?,
+            Data => {
+                let length = bytes_at(start, at, at + 8)?.try_into().ok()?;
+                u64::from_le_bytes(length).checked_add(at + 8)?
+            }
             Texts => {
-                let (length, mut pairs) = length(rest)?;
-                let end = pairs.len().checked_sub(length)?;
-                while pairs.len() > end {
-                    pairs = behind_text(behind_text(pairs)?)?;
+                let end = behind_text(start, at)?;
+                let mut keys = BTreeSet::new();
+                at += 4;
+                while at < end {
+                    let value = behind_text(start, at)?;
+                    let is_new = keys.insert(bytes_at(start, at, value)?);
+                    at = behind_text(start, value).filter(|_| is_new)?;
                 }
+                (at == end).then_some(end)?
+            }
+            Numbers => {
+                let end = behind_text(start, at)?;
+                let mut ids = BTreeSet::new();
+                let mut pairs = bytes_at(start, at + 4, end)?.chunks(10);
                 pairs
+                    .all(|pair| ids.insert(&pair[..pair.len().min(2)]))
+                    .then_some(end)?
             }
-            Positions => {
-                let (length, pairs) = length(rest)?;
-                pairs.get(length.checked_next_multiple_of(10)?..)?
-            }
+            Rest => at.max(start.len() as u64),
         };
     }
-    Some(rest)
+    Some(at)
 }
 
-fn behind_text(bytes: &[u8]) -> Option<&[u8]> {
-    let (length, rest) = length(bytes)?;
-    rest.get(length..)
+/// The position behind a text.
+fn behind_text(bytes: &[u8], at: u64) -> Option<u64> {
+    let length = bytes_at(bytes, at, at + 4)?.try_into().ok()?;
+    Some(at + 4 + u64::from(u32::from_le_bytes(length)))
 }
 
-/// A length, and what follows it.
-fn length(bytes: &[u8]) -> Option<(usize, &[u8])> {
-    let (length, rest) = bytes.split_first_chunk()?;
-    Some((usize::try_from(u32::from_le_bytes(*length)).ok()?, rest))
-}
-
-fn u32_at(bytes: &[u8], at: usize) -> Option<u64> {
-    let bytes = bytes.get(at..at + 4)?.try_into().ok()?;
-    Some(u64::from(u32::from_le_bytes(bytes)))
-}
-
-fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
-    let bytes = bytes.get(at..at + 8)?.try_into().ok()?;
-    Some(u64::from_le_bytes(bytes))
-}
-
-/// The length of a chunk's body that its fields add up to.
-pub(super) fn chunk_length(body: &[u8]) -> Option<u64> {
-    let name = u32_at(body, 28)?;
-    let size = u64_at(body, usize::try_from(32 + name).ok()?)?;
-    size.checked_add(40 + name)
-}
-
-pub(super) fn message_index_length(body: &[u8]) -> Option<u64> {
-    Some(u32_at(body, 2)? + 6)
-}
-
-/// The length of an attachment's body that its fields add up to.
-pub(super) fn attachment_length(source: &Source, body: u64, limit: u64) -> io::Result<Option<u64>> {
-    let mut bytes = Vec::new();
-    let mut at = 16;
-    for _ in 0..2 {
-        source.read(body + at, 4, &mut bytes)?;
-        let Some(length) = u32_at(&bytes, 0) else {
-            return Ok(None);
-        };
-        at += 4 + length;
-        if at > limit {
-            return Ok(None);
-        }
-    }
-    source.read(body + at, 8, &mut bytes)?;
-    let data = u64_at(&bytes, 0);
-    Ok(data.and_then(|data| data.checked_add(at + 12)))
+fn bytes_at(bytes: &[u8], from: u64, to: u64) -> Option<&[u8]> {
+    bytes.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?)
 }

@@ -3,10 +3,7 @@
 //! A record that contradicts itself, or whose length leads nowhere, is a loss; the next place where a
 //! record stands that doesn't is searched byte by byte.
 
-use super::record::{
-    HEAD, RecordSpan, attachment_length, chunk_length, content_length, head, is_known,
-    message_index_length, parse,
-};
+use super::record::{HEAD, RecordSpan, fields_length, head, is_known, parse};
 use super::source::Source;
 use mcap::MAGIC;
 use mcap::records::op;
@@ -15,6 +12,8 @@ use std::ops::Range;
 
 /// Number of bytes that are read of each record at first.
 const PREFIX: u64 = 256;
+/// The names of an attachment are not longer than this.
+const NAMES: u64 = 1 << 16;
 /// A record that must be read as a whole to be understood is not longer than this.
 const LONGEST: u64 = 256 << 20;
 /// Bytes that are searched at a time for the next record.
@@ -106,33 +105,23 @@ impl<'a> Scanner<'a> {
             offset,
             length: HEAD + body_length,
         };
-        let known = &self.prefix[HEAD as usize..];
+        let deciding = HEAD + deciding(opcode, body_length);
+        if deciding > LONGEST {
+            return Ok(None);
+        }
+        if deciding > PREFIX {
+            self.source.read(offset, deciding, &mut self.prefix)?;
+        }
+        self.prefix.truncate(deciding as usize);
+        let body = self.prefix.get(HEAD as usize..).unwrap_or_default();
+        let is_exact = fields_length(opcode, body) == Some(body_length);
         let consistent = match opcode {
-            op::CHUNK => chunk_length(known) == Some(body_length),
-            op::MESSAGE_INDEX => message_index_length(known) == Some(body_length),
-            op::ATTACHMENT => {
-                attachment_length(self.source, offset + HEAD, body_length)? == Some(body_length)
-            }
             op::MESSAGE => body_length >= 22,
-            _ => body_length <= LONGEST && self.parses(&place)?,
+            op::CHUNK | op::MESSAGE_INDEX | op::ATTACHMENT => is_exact,
+            // Later versions of the format may add fields; else a longer record has swallowed others.
+            _ => parse(opcode, body).is_ok() && (is_exact || self.may_begin_at(place.end())?),
         };
         Ok(consistent.then_some(place))
-    }
-
-    fn parses(&mut self, place: &RecordSpan) -> io::Result<bool> {
-        if place.length > PREFIX {
-            self.source
-                .read(place.offset, place.length, &mut self.prefix)?;
-        }
-        let Some(body) = self.prefix.get(HEAD as usize..place.length as usize) else {
-            return Ok(false);
-        };
-        let Ok(record) = parse(place.opcode, body) else {
-            return Ok(false);
-        };
-        // Later versions of the format may add fields; else a longer record has swallowed others.
-        let is_exact = content_length(&record) == Some(body.len());
-        Ok(is_exact || self.may_begin_at(place.end())?)
     }
 
     /// Whether a record may begin at a position, or the file ends there.
@@ -160,7 +149,8 @@ impl<'a> Scanner<'a> {
                 // A lone message can't be distinguished from chance, nor a short unknown record.
                 let telling = window[at] != op::MESSAGE && window[at] < 0x80;
                 if plausible && telling && self.searched < SEARCH_LIMIT {
-                    self.searched += self.cost_at(position, &window[at..]);
+                    let length = head(&window[at..]).map_or(0, |(_, length)| length);
+                    self.searched += PREFIX + deciding(window[at], length);
                     if self.record_at(position)?.is_some_and(|p| p.length > HEAD) {
                         return Ok(Some(position));
                     }
@@ -174,17 +164,16 @@ impl<'a> Scanner<'a> {
         }
         Ok(None)
     }
+}
 
-    /// Number of bytes that decide whether a record stands at a position.
-    fn cost_at(&self, position: u64, bytes: &[u8]) -> u64 {
-        let telling_by_head = matches!(bytes[0], op::CHUNK | op::MESSAGE_INDEX | op::ATTACHMENT);
-        match head(bytes) {
-            Some((_, length)) if !telling_by_head => {
-                PREFIX + length.min(self.source.length() - position)
-            }
-            _ => PREFIX,
-        }
-    }
+/// The number of bytes of a record's body that decide whether it is one.
+fn deciding(opcode: u8, length: u64) -> u64 {
+    let most = match opcode {
+        op::CHUNK | op::MESSAGE_INDEX | op::MESSAGE => PREFIX - HEAD,
+        op::ATTACHMENT => NAMES,
+        _ => u64::MAX,
+    };
+    length.min(most)
 }
 
 #[cfg(test)]

@@ -4,8 +4,6 @@ use super::record::{HEAD, RecordSpan, head, parse};
 use super::source::Source;
 use mcap::McapError;
 use mcap::records::{ChunkHeader, Record, op};
-use std::borrow::Cow;
-use std::fmt;
 use std::io::{self, Read};
 use thiserror::Error;
 
@@ -52,18 +50,11 @@ pub(crate) enum SectionError {
 }
 
 /// The bytes of a section, used again for the next one.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Buffers {
     raw: Vec<u8>,
     /// The section's records.
     pub(crate) records: Vec<u8>,
-    zstd: Option<zstd::bulk::Decompressor<'static>>,
-}
-
-impl fmt::Debug for Buffers {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Buffers").finish_non_exhaustive()
-    }
 }
 
 impl Section {
@@ -90,104 +81,72 @@ impl Section {
         }
         if !self.is_chunk {
             source.read(self.offset, self.length, &mut buffers.records)?;
-            return if buffers.records.len() as u64 == self.length {
-                Ok(())
-            } else {
-                Err(SectionError::Cut)
-            };
+            let is_whole = buffers.records.len() as u64 == self.length;
+            return is_whole.then_some(()).ok_or(SectionError::Cut);
         }
         source.read(self.offset, self.length, &mut buffers.raw)?;
-        let Buffers { raw, records, zstd } = buffers;
-        let body = raw.get(HEAD as usize..).ok_or(SectionError::Cut)?;
+        let body = buffers.raw.get(HEAD as usize..).ok_or(SectionError::Cut)?;
         match parse(op::CHUNK, body)? {
-            Record::Chunk { header, data } => Chunk { header, data }.decompress(records, zstd),
+            Record::Chunk { header, data } => decompress(&header, &data, &mut buffers.records),
             _ => Err(SectionError::Cut),
         }
     }
 }
 
-/// A chunk as it is in the file.
-struct Chunk<'a> {
-    header: ChunkHeader,
-    data: Cow<'a, [u8]>,
+fn decompress(
+    header: &ChunkHeader,
+    data: &[u8],
+    records: &mut Vec<u8>,
+) -> Result<(), SectionError> {
+    let size = header.uncompressed_size;
+    if size > LARGEST_CHUNK {
+        return Err(SectionError::TooLarge);
+    }
+    match header.compression.as_str() {
+        "" => read_pieces(data, size, records)?,
+        "zstd" => {
+            let mut decoder = zstd::stream::read::Decoder::with_buffer(data)?;
+            decoder.window_log_max(LARGEST_CHUNK.ilog2())?;
+            read_pieces(decoder, size, records)?;
+        }
+        "lz4" => read_pieces(lz4_flex::frame::FrameDecoder::new(data), size, records)?,
+        other => return Err(SectionError::Compression(other.to_owned())),
+    }
+    let found = records.len() as u64;
+    if found != size {
+        return Err(SectionError::Size {
+            expected: size,
+            found,
+        });
+    }
+    // Zero means that no checksum was computed.
+    let found = crc32fast::hash(records);
+    let expected = header.uncompressed_crc;
+    if expected != 0 && found != expected {
+        return Err(SectionError::Checksum { expected, found });
+    }
+    Ok(())
 }
 
-impl Chunk<'_> {
-    fn decompress(
-        &self,
-        records: &mut Vec<u8>,
-        zstd: &mut Option<zstd::bulk::Decompressor<'static>>,
-    ) -> Result<(), SectionError> {
-        let (size, data) = (self.header.uncompressed_size, &*self.data);
-        if size > LARGEST_CHUNK {
-            return Err(SectionError::TooLarge);
+/// Decompresses in pieces, and no further than what a chunk may hold: a few kilobytes can become hundreds of megabytes of
+/// nothing.
+fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> Result<(), SectionError> {
+    records.clear();
+    // One byte more than there should be, to notice that there is more.
+    let mut decoder = decoder.take(size + 1);
+    let mut next = 0;
+    loop {
+        let mut piece = decoder.by_ref().take(PIECE);
+        let read = piece.read_to_end(records);
+        if (read.map_err(SectionError::Decompress)? as u64) < PIECE {
+            return Ok(());
         }
-        records.clear();
-        match self.header.compression.as_str() {
-            "" if data.len() as u64 == size => records.extend_from_slice(data),
-            "" => {
-                return Err(SectionError::Size {
-                    expected: size,
-                    found: data.len() as u64,
-                });
+        while let Some((opcode, length)) = records.get(next..).and_then(head) {
+            if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | 0x80..) {
+                return Err(SectionError::NoRecord(next));
             }
-            "zstd" if size > PIECE => {
-                let mut decoder = zstd::stream::read::Decoder::with_buffer(data)?;
-                decoder.window_log_max(LARGEST_CHUNK.ilog2())?;
-                self.read_pieces(decoder, records)?;
-            }
-            "zstd" => {
-                let decompressor = match zstd {
-                    Some(decompressor) => decompressor,
-                    none => none.insert(zstd::bulk::Decompressor::new()?),
-                };
-                // The system gives memory as it is written to: a size that is a lie costs nothing.
-                records.reserve(usize::try_from(size).map_err(io::Error::other)?);
-                decompressor
-                    .decompress_to_buffer(data, records)
-                    .map_err(SectionError::Decompress)?;
-            }
-            "lz4" => {
-                let decoder = lz4_flex::frame::FrameDecoder::new(data);
-                self.read_pieces(decoder, records)?;
-            }
-            other => return Err(SectionError::Compression(other.to_owned())),
-        }
-        let found = records.len() as u64;
-        if found != size {
-            return Err(SectionError::Size {
-                expected: size,
-                found,
-            });
-        }
-        // Zero means that no checksum was computed.
-        let found = crc32fast::hash(records);
-        let expected = self.header.uncompressed_crc;
-        if expected != 0 && found != expected {
-            return Err(SectionError::Checksum { expected, found });
-        }
-        Ok(())
-    }
-
-    /// Decompresses in pieces, and no further than what a chunk may hold: a few kilobytes can become hundreds of
-    /// megabytes of nothing.
-    fn read_pieces(&self, decoder: impl Read, records: &mut Vec<u8>) -> Result<(), SectionError> {
-        // One byte more than there should be, to notice that there is more.
-        let mut decoder = decoder.take(self.header.uncompressed_size + 1);
-        let mut next = 0;
-        loop {
-            let mut piece = decoder.by_ref().take(PIECE);
-            let read = piece.read_to_end(records);
-            if read.map_err(SectionError::Decompress)? == 0 {
-                return Ok(());
-            }
-            while let Some((opcode, length)) = records.get(next..).and_then(head) {
-                if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | 0x80..) {
-                    return Err(SectionError::NoRecord(next));
-                }
-                let length = usize::try_from(HEAD + length).unwrap_or(usize::MAX);
-                next = next.saturating_add(length);
-            }
+            let length = usize::try_from(HEAD + length).unwrap_or(usize::MAX);
+            next = next.saturating_add(length);
         }
     }
 }
@@ -205,26 +164,13 @@ pub(crate) fn record_at(
     records: &[u8],
     position: usize,
 ) -> Option<Result<(InnerRecord<'_>, usize), &'static str>> {
-    let rest = records.get(position..)?;
-    if rest.is_empty() {
-        return None;
-    }
-    let broken = "a record in it is longer than it";
-    let Some((head, rest)) = rest.split_first_chunk::<{ HEAD as usize }>() else {
-        return Some(Err(broken));
-    };
-    let mut length = [0; 8];
-    length.copy_from_slice(&head[1..]);
-    let body = usize::try_from(u64::from_le_bytes(length))
-        .ok()
-        .and_then(|length| rest.get(..length));
-    Some(body.ok_or(broken).map(|body| {
-        let inner = InnerRecord {
-            opcode: head[0],
-            body,
-        };
-        (inner, position + HEAD as usize + body.len())
-    }))
+    let rest = records.get(position..).filter(|rest| !rest.is_empty())?;
+    let found = head(rest).and_then(|(opcode, length)| {
+        let end = usize::try_from(HEAD + length).ok()?;
+        let body = rest.get(HEAD as usize..end)?;
+        Some((InnerRecord { opcode, body }, position + end))
+    });
+    Some(found.ok_or("a record in it is longer than it"))
 }
 
 /// A message record's head and data.

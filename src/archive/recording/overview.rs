@@ -8,7 +8,7 @@ use crate::archive::container::loss::Loss;
 use crate::archive::error::RecordingError;
 use crate::archive::format::Entries;
 use crate::telemetry::Message;
-use crate::telemetry::encoding::{Decoder, Row};
+use crate::telemetry::encoding::Row;
 use crate::telemetry::fields::{EVENTS, events};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -105,14 +105,18 @@ impl Overview {
             ..ChannelOverview::default()
         };
         let mut counted: Vec<_> = recording.channels().iter().map(of_channel).collect();
-        let mut events = Events::find(recording);
+        let is_events = |channel: &&FileChannel| channel.table == Some(EVENTS);
+        let of_events = recording.channels().iter().find(is_events);
+        let decoder = of_events.and_then(|channel| channel.decoder()?.ok());
+        let (mut events, mut row) = (Vec::new(), Row::default());
         let mut reader = recording.reader(Selection::default());
         while let Some(message) = reader.next_undecoded() {
             counted[message.position].count(message.log_time, message.data.len());
-            if message.channel.table == Some(EVENTS)
-                && let Some(events) = &mut events
+            if is_events(&message.channel)
+                && let Some(decoder) = &decoder
+                && decoder.decode(message.data, &mut row).is_ok()
             {
-                events.take(message.data);
+                events.push(event(&row));
             }
         }
         for channel in &mut counted {
@@ -132,7 +136,7 @@ impl Overview {
             end: recording.end().cloned(),
             scenario: recording.scenario_text().ok(),
             channels: counted,
-            events: events.map(|events| events.found).unwrap_or_default(),
+            events,
             losses,
         }
     }
@@ -156,39 +160,17 @@ impl Overview {
     }
 }
 
-/// Collects events.
-struct Events {
-    decoder: Decoder,
-    row: Row,
-    found: Vec<EventOverview>,
-}
-
-impl Events {
-    fn find(recording: &Recording) -> Option<Self> {
-        let is_events = |channel: &&FileChannel| channel.table == Some(EVENTS);
-        let channel = recording.channels().iter().find(is_events)?;
-        Some(Self {
-            decoder: channel.decoder()?.ok()?,
-            row: Row::default(),
-            found: Vec::new(),
-        })
-    }
-
-    fn take(&mut self, data: &[u8]) {
-        if self.decoder.decode(data, &mut self.row).is_err() {
-            return;
-        }
-        let message = Message {
-            channel: EVENTS.index(),
-            sequence: 0,
-            time_ns: self.row.time_ns,
-            numbers: &self.row.numbers,
-            texts: &self.row.texts,
-        };
-        self.found.push(EventOverview {
-            name: events::NAME.of(&message).to_owned(),
-            time: events::TIME.of(&message),
-            description: events::DESCRIPTION.of(&message).to_owned(),
-        });
+fn event(row: &Row) -> EventOverview {
+    let message = Message {
+        channel: EVENTS.index(),
+        sequence: 0,
+        time_ns: row.time_ns,
+        numbers: &row.numbers,
+        texts: &row.texts,
+    };
+    EventOverview {
+        name: events::NAME.of(&message).to_owned(),
+        time: events::TIME.of(&message),
+        description: events::DESCRIPTION.of(&message).to_owned(),
     }
 }

@@ -7,9 +7,8 @@ use crate::archive::container::loss::{Loss, Span};
 use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
 use crate::archive::error::MessageError;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
-use crate::telemetry::{ChannelInfo, Message, Topic, Topics};
+use crate::telemetry::{ChannelInfo, Message, Topics};
 use mcap::records::op;
-use std::ops::Range;
 
 /// Which messages to read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -143,12 +142,6 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// Restricts it to some of the sections.
-    pub(super) fn within(mut self, sections: Range<usize>) -> Self {
-        self.batches = sections.map(|section| vec![section]).collect();
-        self
-    }
-
     /// Gives the messages in the order of their times, wherever they stand.
     ///
     /// Chunks are sorted, and messages within them. A message that comes too late even so, or a second time, is
@@ -227,21 +220,6 @@ impl<'r> Reader<'r> {
         batches
     }
 
-    /// Decodes only some numbers of a channel.
-    pub(super) fn only(mut self, topic: Topic, numbers: &[usize]) -> Self {
-        for plan in &mut self.plans {
-            match plan {
-                Plan::Decode {
-                    channel,
-                    decoder: Ok(decoder),
-                    ..
-                } if *channel == topic.index() => **decoder = decoder.only(numbers),
-                _ => {}
-            }
-        }
-        self
-    }
-
     /// Parts that could not be read so far; complete once the reader has come to its end.
     #[must_use]
     pub fn losses(&self) -> &[Loss] {
@@ -255,14 +233,14 @@ impl<'r> Reader<'r> {
     pub fn next(&mut self) -> Option<Result<Message<'_>, MessageError>> {
         loop {
             let at = self.advance()?;
-            if let Some(filled) = self.fill_row(&at) {
-                return Some(filled.map(|channel| self.message(&at, channel)));
+            if matches!(self.plans[at.channel], Plan::Decode { .. }) {
+                return self.decode(&at);
             }
         }
     }
 
-    /// Decodes a message into the row, and returns its channel of the table, if it has one.
-    fn fill_row(&mut self, at: &At) -> Option<Result<usize, MessageError>> {
+    /// Decodes a message of a channel of the table.
+    fn decode(&mut self, at: &At) -> Option<Result<Message<'_>, MessageError>> {
         let Plan::Decode {
             channel,
             info,
@@ -271,32 +249,27 @@ impl<'r> Reader<'r> {
         else {
             return None;
         };
-        let raw = at.raw(&self.records);
+        let (sequence, time_ns) = (at.head.sequence, at.head.log_time);
         let decoded = match decoder {
-            Ok(decoder) => decoder.decode(raw.data, &mut self.row),
+            Ok(decoder) => decoder.decode(at.raw(&self.records).data, &mut self.row),
             Err(error) => Err(error.clone()),
         };
         let stamp_ns = self.row.time_ns;
         Some(match decoded {
-            Ok(()) if stamp_ns == raw.log_time => Ok(*channel),
+            Ok(()) if stamp_ns == time_ns => Ok(Message {
+                channel: *channel,
+                sequence,
+                time_ns,
+                numbers: &self.row.numbers,
+                texts: &self.row.texts,
+            }),
             decoded => Err(MessageError {
                 topic: info.topic,
-                sequence: raw.sequence,
-                time_ns: raw.log_time,
+                sequence,
+                time_ns,
                 reason: decoded.err().unwrap_or(DecodeError::Timestamp { stamp_ns }),
             }),
         })
-    }
-
-    /// The message in the row.
-    fn message(&self, at: &At, channel: usize) -> Message<'_> {
-        Message {
-            channel,
-            sequence: at.head.sequence,
-            time_ns: at.head.log_time,
-            numbers: &self.row.numbers,
-            texts: &self.row.texts,
-        }
     }
 
     fn undecoded(&self, at: &At) -> Undecoded<'_> {

@@ -93,7 +93,6 @@ fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
         name: format!("{} against {}", b.name, a.name),
         a,
         b,
-        playback: Playback::FromStart,
     })
 }
 

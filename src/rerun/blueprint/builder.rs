@@ -12,6 +12,9 @@ use rerun::{AsComponents, StoreId, TimePoint, Timeline};
 use crate::rerun::error::RerunError;
 use crate::rerun::message::{Ids, opening, single_row};
 
+/// The messages of a layout, the last of which activates it.
+pub(crate) type Messages = Vec<Result<LogMsg, RerunError>>;
+
 /// A view or a container: a part of a layout.
 pub(super) struct Child {
     id: datatypes::Uuid,
@@ -23,13 +26,16 @@ pub(super) struct Layout {
     store: StoreId,
     ids: Ids,
     children: u64,
-    messages: Vec<Result<LogMsg, RerunError>>,
+    messages: Messages,
 }
 
 impl Layout {
     /// An empty layout for a recording.
     pub(super) fn new(recording: &StoreId) -> Self {
-        let mut layout = Self::again(recording, Ids::BLUEPRINT);
+        let mut layout = Self {
+            ids: Ids::BLUEPRINT,
+            ..Self::changes(recording)
+        };
         let opening = opening(&layout.store, &mut layout.ids);
         layout.messages.push(Ok(opening));
         layout
@@ -37,18 +43,11 @@ impl Layout {
 
     /// Changes to the layout of a recording, which has been sent before.
     pub(super) fn changes(recording: &StoreId) -> Self {
-        Self::again(recording, Ids::BLUEPRINT_AT_END)
-    }
-
-    fn again(recording: &StoreId, ids: Ids) -> Self {
         let application = recording.application_id().clone();
+        let id = recording.recording_id().as_str();
         Self {
-            store: StoreId::new(
-                StoreKind::Blueprint,
-                application,
-                recording.recording_id().as_str(),
-            ),
-            ids,
+            store: StoreId::new(StoreKind::Blueprint, application, id),
+            ids: Ids::BLUEPRINT_AT_END,
             children: 0,
             messages: Vec::new(),
         }
@@ -109,14 +108,11 @@ impl Layout {
         let contents = children
             .iter()
             .map(|child| components::IncludedContent(child.path.as_str().into()));
-        let active = children
-            .first()
-            .map(|first| components::ActiveTab(first.path.as_str().into()));
-        let container = container.with_contents(contents);
-        let container = match active {
-            Some(tab) => container.with_active_tab(tab),
-            None => container,
-        };
+        let mut container = container.with_contents(contents);
+        if let Some(first) = children.first() {
+            container =
+                container.with_active_tab(components::ActiveTab(first.path.as_str().into()));
+        }
         self.log(&child.path, &container);
         child
     }
@@ -139,15 +135,15 @@ impl Layout {
         self.log("viewport", &viewport);
     }
 
-    /// All messages of the blueprint, the last of which activates it.
-    pub(super) fn finish(mut self) -> Vec<Result<LogMsg, RerunError>> {
+    /// All messages of the layout.
+    pub(super) fn finish(mut self) -> Messages {
         let activation = BlueprintActivationCommand {
             blueprint_id: self.store,
             make_active: true,
             make_default: true,
         };
-        self.messages
-            .push(Ok(LogMsg::BlueprintActivationCommand(activation)));
+        let activation = LogMsg::BlueprintActivationCommand(activation);
+        self.messages.push(Ok(activation));
         self.messages
     }
 }

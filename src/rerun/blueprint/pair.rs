@@ -4,15 +4,16 @@
 use rerun::blueprint::components::{Corner2D, LinkAxis};
 use rerun::blueprint::datatypes::TextLogColumnKind;
 use rerun::components::Name;
-use rerun::external::re_log_types::LogMsg;
 
-use super::builder::{Child, Layout, column, row, tabs};
-use super::contrasts::{Contrast, FRICTION, MORE, MOTION, RATES, TABLE, TRAVEL};
-use super::views::{Stage, bound, events, panels, scene, speed, time_series, titled};
+use super::builder::{Child, Layout, Messages, column, row, tabs};
+use super::charts::{
+    Chart, FRICTION_CONTRASTS, MORE_CONTRASTS, MOTION_CONTRASTS, RATE_CONTRASTS, TABLE_CONTRASTS,
+    TRAVEL_CONTRASTS,
+};
+use super::views::{Stage, bound, events, scene, speed, time_panel, time_series, titled, window};
 use crate::physics::math;
-use crate::rerun::entity::{self, ABOUT, CAMERA_TARGET, STAGE, SUMMARY};
-use crate::rerun::error::RerunError;
-use crate::rerun::identity::Geometry;
+use crate::rerun::entity::{self, ABOUT, STAGE, SUMMARY};
+use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::look::Look;
 use crate::rerun::pair::PairIdentity;
 use crate::rerun::plots::Plots;
@@ -33,10 +34,7 @@ pub(crate) struct Extent<'a> {
 }
 
 /// The messages of the layout; at the end of the comparison, those that change it to show the whole extent.
-pub(crate) fn messages(
-    identity: &PairIdentity,
-    extent: Option<&Extent<'_>>,
-) -> Vec<Result<LogMsg, RerunError>> {
+pub(crate) fn messages(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> Messages {
     let store = identity.store();
     let mut layout = match extent {
         Some(_) => Layout::changes(&store),
@@ -49,14 +47,9 @@ pub(crate) fn messages(
         extent,
     };
     let right = charts.pages();
-    let root = match right {
-        Some(right) => layout.contain(row(&[38.0, 62.0]), &[left, right]),
-        None => left,
-    };
-    layout.fill(&root);
     let speed = extent.map_or(1.0, |extent| speed(extent.duration));
-    panels(&mut layout, true, identity.playback, speed);
-    layout.finish()
+    let panel = time_panel(Playback::FromStart, speed);
+    window(layout, left, right, [38.0, 62.0], true, &panel)
 }
 
 /// The scene, if there is one, and below it the summary and the events.
@@ -78,7 +71,6 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
             runs: &runs,
             geometry: &geometry,
             distance: if geometry.is_free { FAR } else { 1.0 },
-            followed: geometry.is_free.then(|| CAMERA_TARGET.to_owned()),
         };
         rows.push(scene(layout, &stage));
         shares.push(53.0);
@@ -127,19 +119,20 @@ impl Charts<'_> {
     /// Pages of charts. Those without data are left out.
     fn pages(&mut self) -> Option<Child> {
         let is_free = self.identity.is_any_free();
-        let motion: &[_] = if is_free { &TRAVEL } else { &MOTION };
-        let mut motion = self.rows(motion);
-        let mut friction = Vec::new();
-        for contrast in &FRICTION {
-            friction.extend(self.overlay(contrast));
-        }
+        let mut motion = if is_free {
+            self.rows(&TRAVEL_CONTRASTS)
+        } else {
+            self.rows(&MOTION_CONTRASTS)
+        };
+        let friction = FRICTION_CONTRASTS.iter();
+        let friction: Vec<_> = friction.filter_map(|chart| self.overlay(chart)).collect();
         motion.extend(self.layout.contain_any(row(&[]), &friction));
         let mut all = vec![("How they differ", motion)];
         if is_free {
-            all.push(("On the table", self.rows(&TABLE)));
-            all.push(("Rates", self.rows(&RATES)));
+            all.push(("On the table", self.rows(&TABLE_CONTRASTS)));
+            all.push(("Rates", self.rows(&RATE_CONTRASTS)));
         }
-        all.push(("More", self.rows(&MORE)));
+        all.push(("More", self.rows(&MORE_CONTRASTS)));
         let mut pages = Vec::new();
         for (name, rows) in all {
             let page = column(&[]).with_display_name(Name(name.into()));
@@ -149,7 +142,7 @@ impl Charts<'_> {
     }
 
     /// A row of charts per quantity: both curves, their difference, and the magnitude of that.
-    fn rows(&mut self, contrasts: &[Contrast]) -> Vec<Child> {
+    fn rows(&mut self, contrasts: &[Chart]) -> Vec<Child> {
         let mut rows = Vec::new();
         for contrast in contrasts {
             let mut charts: Vec<_> = self.overlay(contrast).into_iter().collect();
@@ -161,29 +154,26 @@ impl Charts<'_> {
     }
 
     /// The curves of both runs.
-    fn overlay(&mut self, contrast: &Contrast) -> Option<Child> {
-        let mut contents = Vec::new();
-        for side in [Side::A, Side::B] {
-            let there = contrast.curves.iter();
-            let there = there.filter(|plot| self.identity.run(side).has(plot.topic()));
-            contents.extend(there.map(|plot| self.identity.look(side).entity(&plot.to_string())));
-        }
-        let name = titled(contrast.name, contrast.curves[0].unit());
-        self.curves(&name, &contents, contrast.legend)
+    fn overlay(&mut self, contrast: &Chart) -> Option<Child> {
+        let identity = self.identity;
+        let contents = [Side::A, Side::B].map(|side| {
+            let is_there = |plot: Plot| identity.run(side).has(plot.topic());
+            entities(contrast.plots, is_there, &identity.look(side))
+        });
+        let name = titled(contrast.name, contrast.plots[0].unit());
+        self.curves(&name, &contents.concat(), contrast.legend)
     }
 
     /// The difference of the curves, if both runs have them.
-    fn difference(&mut self, contrast: &Contrast) -> Option<Child> {
-        let plots = contrast.differences.iter();
-        let plots = plots.filter(|plot| self.identity.has_difference_of(**plot));
-        let entity = |plot: &Plot| Look::Difference.entity(&plot.to_string());
-        let contents: Vec<_> = plots.map(entity).collect();
+    fn difference(&mut self, contrast: &Chart) -> Option<Child> {
+        let plots = contrast.differences;
+        let is_there = |plot| self.identity.has_difference_of(plot);
+        let contents = entities(plots, is_there, &Look::Difference);
         let name = format!("{}: B − A", contrast.name);
-        let name = titled(&name, contrast.curves[0].unit());
+        let name = titled(&name, contrast.plots[0].unit());
         let view = self.curves(&name, &contents, None)?;
         if let Some(extent) = self.extent {
-            let ranges = contrast.differences.iter();
-            let ranges = ranges.map(|plot| extent.differences.range(*plot));
+            let ranges = plots.iter().map(|plot| extent.differences.range(*plot));
             let whole =
                 ranges.reduce(|[low, high], [least, most]| [low.min(least), high.max(most)]);
             if let Some(range) = whole.and_then(with_ticks) {
@@ -194,16 +184,11 @@ impl Charts<'_> {
     }
 
     /// The logarithm of the difference, if both runs have the curves.
-    fn magnitude(&mut self, contrast: &Contrast) -> Option<Child> {
-        let plots = contrast.differences.iter();
-        let plots = plots.filter(|plot| self.identity.has_magnitude_of(**plot));
-        let entity = |plot: &Plot| Look::Magnitude.entity(&plot.to_string());
-        let contents: Vec<_> = plots.map(entity).collect();
-        self.curves(
-            &format!("{}: log₁₀ |B − A|", contrast.name),
-            &contents,
-            None,
-        )
+    fn magnitude(&mut self, contrast: &Chart) -> Option<Child> {
+        let is_there = |plot| self.identity.has_magnitude_of(plot);
+        let contents = entities(contrast.differences, is_there, &Look::Magnitude);
+        let name = format!("{}: log₁₀ |B − A|", contrast.name);
+        self.curves(&name, &contents, None)
     }
 
     /// A chart whose time axis moves with those of all others, if it has contents.
@@ -213,12 +198,15 @@ impl Charts<'_> {
         contents: &[String],
         legend: Option<Corner2D>,
     ) -> Option<Child> {
-        if contents.is_empty() {
-            return None;
-        }
         let link = LinkAxis::LinkToGlobal;
-        Some(time_series(self.layout, name, contents, legend, link))
+        (!contents.is_empty()).then(|| time_series(self.layout, name, contents, legend, link))
     }
+}
+
+/// The entities of those plots that are there.
+fn entities(plots: &[Plot], is_there: impl Fn(Plot) -> bool, look: &Look) -> Vec<String> {
+    let plots = plots.iter().filter(|plot| is_there(**plot));
+    plots.map(|plot| look.entity(&plot.to_string())).collect()
 }
 
 /// The most ticks that a viewer names on the axis of a small chart. They are a power of ten apart.

@@ -9,8 +9,8 @@ use rerun::components::Color;
 use rerun::datatypes::{self, TimeInt, TimeRange, TimeRangeBoundary};
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
-use super::builder::{Child, Layout};
-use crate::rerun::entity::{EVENTS, STAGE, paths};
+use super::builder::{Child, Layout, Messages, row};
+use crate::rerun::entity::{CAMERA_TARGET, EVENTS, STAGE, paths};
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::look::Look;
 use crate::rerun::message::TIMELINE;
@@ -28,12 +28,10 @@ pub(super) struct Stage<'a> {
     pub(super) contents: &'a [String],
     /// Runs, of whose paths it shows what is past.
     pub(super) runs: &'a [(Look, &'a Geometry)],
-    /// The top whose height is the unit of the camera's place.
+    /// The top whose height is the unit of the camera's place. The camera goes along with a free one.
     pub(super) geometry: &'a Geometry,
     /// Distance of the camera, in usual distances.
     pub(super) distance: f64,
-    /// The entity that the camera goes along with.
-    pub(super) followed: Option<String>,
 }
 
 /// A view of the scene.
@@ -50,9 +48,10 @@ pub(super) fn scene(layout: &mut Layout, stage: &Stage<'_>) -> Child {
         .with_look_target(target.map(in_heights))
         .with_spin_speed(0.0)
         .with_eye_up([0.0, 0.0, 1.0]);
-    let camera = match &stage.followed {
-        Some(entity) => camera.with_tracking_entity(entity.as_str()),
-        None => camera,
+    let camera = if stage.geometry.is_free {
+        camera.with_tracking_entity(CAMERA_TARGET)
+    } else {
+        camera
     };
     let background =
         parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(0x1215_1BFF));
@@ -146,20 +145,34 @@ pub(super) fn bound(layout: &mut Layout, view: &Child, range: [f64; 2]) {
     layout.property(view, "ScalarAxis", &axis);
 }
 
-/// Sets the panels around the views, and how fast a viewer begins to play.
-pub(super) fn panels(layout: &mut Layout, is_alone: bool, playback: Playback, speed: f64) {
-    let hidden = parts::PanelBlueprint::new().with_state(PanelState::Hidden);
+/// Fills the window with two sides, which have these shares of its width, and sets the panels around them.
+pub(super) fn window(
+    mut layout: Layout,
+    left: Child,
+    right: Option<Child>,
+    shares: [f32; 2],
+    is_alone: bool,
+    time_panel: &parts::TimePanelBlueprint,
+) -> Messages {
+    let root = match right {
+        Some(right) => layout.contain(row(&shares), &[left, right]),
+        None => left,
+    };
+    layout.fill(&root);
+    let panel = |state| parts::PanelBlueprint::new().with_state(state);
     // Between several recordings one chooses in this panel.
     let recordings = if is_alone {
-        hidden.clone()
+        PanelState::Hidden
     } else {
-        parts::PanelBlueprint::new().with_state(PanelState::Expanded)
+        PanelState::Expanded
     };
-    layout.log("blueprint_panel", &recordings);
-    layout.log("selection_panel", &hidden);
-    layout.log("time_panel", &time_panel(playback, speed));
+    layout.log("blueprint_panel", &panel(recordings));
+    layout.log("selection_panel", &panel(PanelState::Hidden));
+    layout.log("time_panel", time_panel);
+    layout.finish()
 }
 
+/// The panel of time, at which a viewer begins to play at a speed.
 pub(super) fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlueprint {
     parts::TimePanelBlueprint::new()
         .with_state(PanelState::Collapsed)

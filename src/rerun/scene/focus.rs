@@ -2,13 +2,12 @@
 
 use nalgebra::Vector3;
 use rerun::archetypes::Transform3D;
-use rerun::{Color, LineStrips3D, Points3D, Radius, SerializedComponentColumn};
+use rerun::{Color, LineStrips3D, Points3D, Radius};
 
-use crate::rerun::entity::{CAMERA_TARGET, FOCUS};
-use crate::rerun::error::RerunError;
+use crate::rerun::entity::CAMERA_TARGET;
 use crate::rerun::identity::Geometry;
-use crate::rerun::outlet::Outlet;
-use crate::rerun::track::{Collect, Flush, Rows, Track};
+use crate::rerun::outlet::{Columns, Outlet};
+use crate::rerun::track::Track;
 use crate::telemetry::proportions::Proportions;
 
 /// Height of the camera's target and its distance, in sizes of the top: as where the peg is fixed.
@@ -18,12 +17,13 @@ const CAMERA_DISTANCE: f64 = 4.0;
 /// Time between two places, in ns.
 const STEP_NS: u64 = 10_000_000;
 
-/// The vertical, up to half a top above the top, from the table below a peg in the middle of it.
-pub(super) fn vertical(geometry: &Geometry) -> LineStrips3D {
+/// Sends the vertical, up to half a top above the top, from the table below a peg in the middle of it.
+pub(super) fn send_vertical(geometry: &Geometry, outlet: &mut Outlet) {
     let height = geometry.top.peg_radius + 1.5 * Proportions::new(&geometry.top).size();
-    LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
+    let line = LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
         .with_colors([Color::from_u32(0x8A93_A3FF)])
-        .with_radii([Radius::new_ui_points(0.7)])
+        .with_radii([Radius::new_ui_points(0.7)]);
+    outlet.send_static("scene/focus/vertical", &line);
 }
 
 /// Two invisible points for the camera to follow: it looks at the middle between them. When a viewer begins to follow
@@ -37,7 +37,7 @@ fn camera_target(geometry: &Geometry) -> Points3D {
 
 /// The place on the table that the camera follows: below a free peg, or between two.
 pub(crate) struct Focus {
-    track: Track<Places>,
+    track: Track<[f32; 3]>,
     next_ns: u64,
 }
 
@@ -46,7 +46,7 @@ impl Focus {
     pub(crate) fn new(geometry: &Geometry, outlet: &mut Outlet) -> Self {
         outlet.send_static(CAMERA_TARGET, &camera_target(geometry));
         Self {
-            track: Track::new(FOCUS, Places::default()),
+            track: Track::new("scene/focus", columns, outlet),
             next_ns: 0,
         }
     }
@@ -58,28 +58,12 @@ impl Focus {
         }
         self.next_ns = time_ns.saturating_add(STEP_NS);
         let place = [place.x as f32, place.y as f32, 0.0];
-        self.track.push(outlet, time_ns, |rows| rows.0.push(place));
+        self.track.push(outlet, time_ns, place);
     }
 }
 
-impl Collect for Focus {
-    fn flush(&mut self, outlet: &mut Outlet, flush: Flush) {
-        self.track.flush(outlet, flush);
-    }
-}
-
-/// Rows of a place.
-#[derive(Default)]
-struct Places(Vec<[f32; 3]>);
-
-impl Rows for Places {
-    fn columns(&self, start: usize) -> Result<Vec<SerializedComponentColumn>, RerunError> {
-        let places = self.0[start..].iter().copied();
-        let transform = Transform3D::update_fields().with_many_translation(places);
-        Ok(transform.columns_of_unit_batches()?.collect())
-    }
-
-    fn clear(&mut self) {
-        self.0.clear();
-    }
+fn columns(rows: &[[f32; 3]]) -> Columns {
+    let places = rows.iter().copied();
+    let transform = Transform3D::update_fields().with_many_translation(places);
+    Ok(transform.columns_of_unit_batches()?.collect())
 }

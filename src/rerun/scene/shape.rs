@@ -54,33 +54,22 @@ fn parts(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
     let neck = p.neck();
     let shoulder = p.shoulder();
     let seam = math::atan2((p.peg * p.peg - neck * neck).sqrt(), neck);
+    let rim = p.disc_radius - half;
+    let collar = [p.stem_radius, high + 0.4 * shoulder];
     let knob = 1.5 * p.stem_radius;
+    let end = p.tip - knob;
     vec![
-        (arc([0.0, 0.0], p.peg, -FRAC_PI_2, seam), METAL),
+        (arc([0.0, 0.0], p.peg, [-FRAC_PI_2, seam]), METAL),
         (line([neck, p.peg * math::sin(seam)], [shoulder, low]), CONE),
-        (line([shoulder, low], [p.disc_radius - half, low]), DISC),
+        (line([shoulder, low], [rim, low]), DISC),
         (
-            arc(
-                [p.disc_radius - half, p.disc_height],
-                half,
-                -FRAC_PI_2,
-                FRAC_PI_2,
-            ),
+            arc([rim, p.disc_height], half, [-FRAC_PI_2, FRAC_PI_2]),
             DISC,
         ),
-        (line([p.disc_radius - half, high], [shoulder, high]), DISC),
-        (
-            line([shoulder, high], [p.stem_radius, high + 0.4 * shoulder]),
-            CONE,
-        ),
-        (
-            line(
-                [p.stem_radius, high + 0.4 * shoulder],
-                [p.stem_radius, p.tip - knob],
-            ),
-            METAL,
-        ),
-        (arc([0.0, p.tip - knob], knob, -FRAC_PI_2, FRAC_PI_2), METAL),
+        (line([rim, high], [shoulder, high]), DISC),
+        (line([shoulder, high], collar), CONE),
+        (line(collar, [p.stem_radius, end]), METAL),
+        (arc([0.0, end], knob, [-FRAC_PI_2, FRAC_PI_2]), METAL),
     ]
 }
 
@@ -88,23 +77,19 @@ fn parts(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
 fn ball(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
     let cut = p.cut();
     let rim = (p.peg * p.peg - cut * cut).sqrt();
-    let knob = p.stem_radius;
+    let seam = math::atan2(cut, rim);
+    let (stem, knob) = (p.stem_radius, p.stem_radius);
+    let end = p.tip - knob;
     vec![
-        (
-            arc([0.0, 0.0], p.peg, -FRAC_PI_2, math::atan2(cut, rim)),
-            DISC,
-        ),
-        (line([rim, cut], [p.stem_radius, cut]), CONE),
-        (
-            line([p.stem_radius, cut], [p.stem_radius, p.tip - knob]),
-            METAL,
-        ),
-        (arc([0.0, p.tip - knob], knob, 0.0, FRAC_PI_2), METAL),
+        (arc([0.0, 0.0], p.peg, [-FRAC_PI_2, seam]), DISC),
+        (line([rim, cut], [stem, cut]), CONE),
+        (line([stem, cut], [stem, end]), METAL),
+        (arc([0.0, end], knob, [0.0, FRAC_PI_2]), METAL),
     ]
 }
 
 /// An arc of a profile, between two angles from the horizontal in rad.
-fn arc(center: [f64; 2], radius: f64, from: f64, to: f64) -> Vec<ProfilePoint> {
+fn arc(center: [f64; 2], radius: f64, [from, to]: [f64; 2]) -> Vec<ProfilePoint> {
     const PIECES: u32 = 16;
     (0..=PIECES)
         .map(|piece| {

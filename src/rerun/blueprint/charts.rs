@@ -1,0 +1,213 @@
+//! The charts of the layouts, page by page.
+
+use rerun::blueprint::components::Corner2D::{self, LeftBottom, LeftTop, RightBottom, RightTop};
+
+use crate::telemetry::fields::{
+    Plot, acceleration, center_of_mass, contact, energy, free_peg, momentum, nutation, precession,
+    state, torque,
+};
+
+/// A chart of a run, or a quantity of two runs, which is a row of charts: both curves, and their difference.
+pub(super) struct Chart {
+    pub(super) name: &'static str,
+    /// The plots that are shown of each run.
+    pub(super) plots: &'static [Plot],
+    /// The corner where a legend is out of the curves' way. Where two runs are compared, most charts go without: colours mean
+    /// the same everywhere.
+    pub(super) legend: Option<Corner2D>,
+    /// The plots that are subtracted.
+    pub(super) differences: &'static [Plot],
+}
+
+/// A chart of one run.
+const fn chart(name: &'static str, plots: &'static [Plot], corner: Corner2D) -> Chart {
+    Chart {
+        legend: Some(corner),
+        ..contrast(name, plots, &[])
+    }
+}
+
+/// A quantity of two runs.
+const fn contrast(
+    name: &'static str,
+    plots: &'static [Plot],
+    differences: &'static [Plot],
+) -> Chart {
+    Chart {
+        name,
+        plots,
+        legend: None,
+        differences,
+    }
+}
+
+const THETA_ALONE: &[Plot] = &[state::THETA.plot()];
+const THETA: &[Plot] = &[state::THETA.plot(), nutation::THETA_MEAN.plot()];
+const THETA_DOT: &[Plot] = &[state::THETA_DOT.plot(), nutation::THETA_DOT_MEAN.plot()];
+const PHI_DOT: &[Plot] = &[state::PHI_DOT.plot(), nutation::PHI_DOT_MEAN.plot()];
+const PHI_DOT_AND_ROOT: &[Plot] = &[PHI_DOT[0], PHI_DOT[1], precession::SLOW_ROOT.plot()];
+const PSI_DOT_ALONE: &[Plot] = &[state::PSI_DOT.plot()];
+const PSI_DOT: &[Plot] = &[state::PSI_DOT.plot(), nutation::PSI_DOT_MEAN.plot()];
+const THETA_DDOT: &[Plot] = &[
+    acceleration::THETA_DDOT_FRICTIONAL.plot(),
+    state::THETA_DDOT.plot(),
+];
+const PHI_DDOT: &[Plot] = &[
+    acceleration::PHI_DDOT_FRICTIONAL.plot(),
+    state::PHI_DDOT.plot(),
+];
+const PSI_DDOT: &[Plot] = &[
+    acceleration::PSI_DDOT_FRICTIONAL.plot(),
+    state::PSI_DDOT.plot(),
+];
+const SLIP_SPEED: &[Plot] = &[contact::SLIP_SPEED.plot()];
+const SLIP: &[Plot] = &[contact::SLIP_SPEED.plot(), contact::SLIP_WORLD.plot()];
+const TORQUE: &[Plot] = &[torque::FRICTION_NODE.plot()];
+const GRAVITY: &[Plot] = &[torque::GRAVITY_NODE.plot()];
+const POWER: &[Plot] = &[energy::FRICTION_POWER.plot()];
+const WORK: &[Plot] = &[energy::FRICTION_WORK.plot()];
+const LOST: &[Plot] = &[free_peg::LOST_SLIDING.plot()];
+const ENERGY: &[Plot] = &[energy::TOTAL.plot()];
+const EXCESS: &[Plot] = &[precession::EXCESS.plot()];
+const MOMENTUM: &[Plot] = &[momentum::VERTICAL.plot()];
+const CENTER: &[Plot] = &[center_of_mass::POSITION.plot()];
+const CENTER_VELOCITY: &[Plot] = &[center_of_mass::VELOCITY.plot()];
+const PEG_VELOCITY: &[Plot] = &[free_peg::VELOCITY.plot()];
+const NORMAL_FORCE: &[Plot] = &[contact::NORMAL_FORCE.plot()];
+const GAP: &[Plot] = &[free_peg::GAP.plot()];
+const REGIME: &[Plot] = &[contact::REGIME.plot()];
+const JELLETT: &[Plot] = &[free_peg::JELLETT.plot()];
+const ROUTH: &[Plot] = &[free_peg::ROUTH.plot()];
+const PERIOD: &[Plot] = &[nutation::PERIOD.plot()];
+
+const MOMENTUM_NAME: &str = "Angular momentum, vertical and axial";
+const GAP_NAME: &str = "Height of the peg above the table";
+const REGIME_NAME: &str = "Regime: 1 slides, 0 rolls or sticks, 2 flies";
+const PHI_DOT_NAME: &str = "dφ/dt and the slow root of regular precession";
+const TORQUE_NAME: &str = "Friction torque, node frame";
+
+const INCLINATION: Chart = chart("θ, inclination", THETA, RightTop);
+const THETA_RATE: Chart = chart("dθ/dt", THETA_DOT, LeftTop);
+const PHI_RATE: Chart = chart(PHI_DOT_NAME, PHI_DOT_AND_ROOT, LeftTop);
+const PSI_RATE: Chart = chart("dψ/dt, spin", PSI_DOT, RightTop);
+const FRICTION_TORQUE: Chart = chart(TORQUE_NAME, TORQUE, LeftBottom);
+const THETA_TERMS: Chart = chart("d²θ/dt² term by term", THETA_DDOT, RightBottom);
+const SLIP_VELOCITY: Chart = chart("Slip velocity at the contact, world axes", SLIP, RightTop);
+const ENERGIES: Chart = chart("Total and kinetic energy", ENERGY, LeftBottom);
+const ANGULAR_MOMENTUM: Chart = chart(MOMENTUM_NAME, MOMENTUM, RightTop);
+
+/// The rise of a top with a fixed peg.
+pub(super) const RISE: [Chart; 8] = [
+    INCLINATION,
+    THETA_RATE,
+    PHI_RATE,
+    PSI_RATE,
+    FRICTION_TORQUE,
+    THETA_TERMS,
+    SLIP_VELOCITY,
+    ENERGIES,
+];
+
+/// The travel of a top with a free peg, or the inversion of a tippe top. Euler rates, which are infinite at upright, stand on a page of
+/// their own.
+pub(super) const TRAVEL: [Chart; 8] = [
+    INCLINATION,
+    ANGULAR_MOMENTUM,
+    SLIP_VELOCITY,
+    chart("Centre of mass", CENTER, LeftTop),
+    chart(REGIME_NAME, REGIME, RightTop),
+    chart(GAP_NAME, GAP, RightTop),
+    FRICTION_TORQUE,
+    ENERGIES,
+];
+
+/// Events of a free peg on the table and above it.
+pub(super) const TABLE: [Chart; 6] = [
+    chart("Normal force", NORMAL_FORCE, RightTop),
+    chart("Energy lost since the start", LOST, LeftTop),
+    chart("Velocity of the peg's centre", PEG_VELOCITY, RightTop),
+    chart("Velocity of the centre of mass", CENTER_VELOCITY, RightTop),
+    chart("Jellett's integral", JELLETT, RightTop),
+    chart("Routh's integral", ROUTH, RightTop),
+];
+
+/// The Euler rates of a top with a free peg.
+pub(super) const RATES: [Chart; 4] = [THETA_RATE, PHI_RATE, PSI_RATE, THETA_TERMS];
+
+/// Further quantities.
+pub(super) const MORE: [Chart; 8] = [
+    chart("d²φ/dt² term by term", PHI_DDOT, LeftTop),
+    chart("d²ψ/dt² term by term", PSI_DDOT, LeftTop),
+    chart("dφ/dt − slow root", EXCESS, LeftTop),
+    chart("Nutation period", PERIOD, LeftTop),
+    chart("Gravity torque, node frame", GRAVITY, RightTop),
+    ANGULAR_MOMENTUM,
+    chart("Work of friction", WORK, RightTop),
+    chart("Power of friction", POWER, RightBottom),
+];
+
+const THETA_CONTRAST: Chart = Chart {
+    legend: Some(RightTop),
+    ..contrast("θ", THETA_ALONE, THETA)
+};
+const THETA_DOT_CONTRAST: Chart = contrast("dθ/dt", THETA_DOT, THETA_DOT);
+const PHI_DOT_CONTRAST: Chart = contrast("dφ/dt", PHI_DOT, PHI_DOT);
+const PSI_DOT_CONTRAST: Chart = contrast("dψ/dt", PSI_DOT_ALONE, PSI_DOT);
+
+/// Quantities that show the difference of the motions.
+pub(super) const MOTION_CONTRASTS: [Chart; 4] = [
+    THETA_CONTRAST,
+    THETA_DOT_CONTRAST,
+    PHI_DOT_CONTRAST,
+    PSI_DOT_CONTRAST,
+];
+
+/// The same where a peg is free: Euler rates, which are infinite at upright, are on a page of their own.
+pub(super) const TRAVEL_CONTRASTS: [Chart; 3] = [
+    THETA_CONTRAST,
+    contrast(MOMENTUM_NAME, MOMENTUM, MOMENTUM),
+    contrast("Centre of mass", CENTER, CENTER),
+];
+
+/// Euler rates where a peg is free.
+pub(super) const RATE_CONTRASTS: [Chart; 3] =
+    [THETA_DOT_CONTRAST, PHI_DOT_CONTRAST, PSI_DOT_CONTRAST];
+
+/// Effects of friction, in one row of charts.
+pub(super) const FRICTION_CONTRASTS: [Chart; 3] = [
+    contrast("Slip speed", SLIP_SPEED, &[]),
+    contrast("Power of friction", POWER, &[]),
+    contrast("Work of friction", WORK, &[]),
+];
+
+/// Motion of a free peg, on a page of its own.
+pub(super) const TABLE_CONTRASTS: [Chart; 3] = [
+    contrast("Normal force", NORMAL_FORCE, NORMAL_FORCE),
+    contrast(GAP_NAME, GAP, GAP),
+    contrast(REGIME_NAME, REGIME, &[]),
+];
+
+/// Further quantities, on the second page.
+pub(super) const MORE_CONTRASTS: [Chart; 5] = [
+    contrast("Slip speed", SLIP_SPEED, SLIP_SPEED),
+    Chart {
+        differences: TORQUE,
+        ..FRICTION_TORQUE
+    },
+    Chart {
+        legend: Some(LeftBottom),
+        ..contrast("Energy, total and kinetic", ENERGY, ENERGY)
+    },
+    contrast("dφ/dt − slow root", EXCESS, EXCESS),
+    contrast("Nutation period", PERIOD, PERIOD),
+];
+
+/// Whether the layout of two runs shows differences of a plot.
+pub(crate) fn compares(plot: Plot) -> bool {
+    let mut shown = MOTION_CONTRASTS
+        .iter()
+        .chain(&TRAVEL_CONTRASTS)
+        .chain(&TABLE_CONTRASTS)
+        .chain(&MORE_CONTRASTS);
+    shown.any(|contrast| contrast.differences.contains(&plot))
+}

@@ -1,0 +1,107 @@
+//! Paths in the scene: of the symmetry axis, and of the contact point of a free peg.
+
+use nalgebra::Vector3;
+use rerun::archetypes::{LineStrips3D, Points3D};
+use rerun::{Color, Radius};
+
+use crate::rerun::look::Look;
+use crate::rerun::outlet::{Columns, Outlet};
+use crate::rerun::track::Track;
+
+/// Time between two pieces of a path, in ns.
+const PIECE_NS: u64 = 10_000_000;
+/// Time between two points of a piece, in ns.
+const POINT_NS: u64 = 1_000_000;
+
+/// A path in one or several colours.
+///
+/// Each row is one short piece, and the layout shows all pieces up to the time cursor. So the size of a recording grows
+/// linearly with its length, and the cursor moves along the whole path.
+pub(super) struct Path {
+    /// One for each colour.
+    tracks: Vec<Track<Vec<[f32; 3]>>>,
+    piece: Vec<[f32; 3]>,
+    /// The track that the piece belongs to.
+    kind: usize,
+    next_point_ns: u64,
+    next_piece_ns: u64,
+    /// Its name and the entity of that, until it stands at the beginning.
+    name: Option<(&'static str, Points3D)>,
+}
+
+impl Path {
+    /// An empty path without a name, of these colours, each with its entity.
+    pub(super) fn new(
+        look: &Look,
+        colors: &[(&str, u32)],
+        width: f32,
+        outlet: &mut Outlet,
+    ) -> Self {
+        let mut tracks = Vec::new();
+        for (place, (entity, color)) in colors.iter().enumerate() {
+            let entity = look.entity(entity);
+            let style = LineStrips3D::update_fields()
+                .with_colors([Color::from_u32(look.color(*color, place))])
+                .with_radii([Radius::new_ui_points(width)]);
+            outlet.send_static(entity.as_str(), &style);
+            tracks.push(Track::new(entity, columns, outlet));
+        }
+        Self {
+            tracks,
+            piece: Vec::new(),
+            kind: 0,
+            next_point_ns: 0,
+            next_piece_ns: PIECE_NS,
+            name: None,
+        }
+    }
+
+    /// The same path with a name in this colour, if it is the only one in its scene.
+    pub(super) fn named(
+        mut self,
+        look: &Look,
+        entity: &'static str,
+        text: &str,
+        color: u32,
+    ) -> Self {
+        let name = Points3D::update_fields()
+            .with_colors([Color::from_u32(color)])
+            .with_radii([Radius::new_ui_points(0.0)])
+            .with_labels([text])
+            .with_show_labels(true);
+        self.name = look.is_alone().then_some((entity, name));
+        self
+    }
+
+    /// Adds a point in the world frame, m, at a time in ns, in one of the colours.
+    pub(super) fn write(
+        &mut self,
+        time_ns: u64,
+        kind: usize,
+        point: Vector3<f64>,
+        outlet: &mut Outlet,
+    ) {
+        let is_changed = kind != self.kind;
+        if time_ns < self.next_point_ns && !is_changed {
+            return;
+        }
+        self.next_point_ns = time_ns.saturating_add(POINT_NS);
+        let point: [f32; 3] = point.cast().into();
+        if let Some((entity, name)) = self.name.take() {
+            outlet.send_static(entity, &name.with_positions([point]));
+        }
+        self.piece.push(point);
+        if (time_ns >= self.next_piece_ns || is_changed) && self.piece.len() > 1 {
+            self.next_piece_ns = time_ns.saturating_add(PIECE_NS);
+            // Each piece begins where the one before it ended.
+            let piece = std::mem::replace(&mut self.piece, vec![point]);
+            self.tracks[self.kind].push(outlet, time_ns, piece);
+        }
+        self.kind = kind;
+    }
+}
+
+fn columns(rows: &[Vec<[f32; 3]>]) -> Columns {
+    let strips = LineStrips3D::update_fields().with_strips(rows.iter().cloned());
+    Ok(strips.columns_of_unit_batches()?.collect())
+}
