@@ -88,7 +88,6 @@ struct Arguments {
 }
 
 /// The clap definition of the command line, for help pages and completions.
-#[must_use]
 pub fn command() -> clap::Command {
     Arguments::command()
 }
@@ -208,7 +207,6 @@ enum Command {
 }
 
 /// Runs the program with the arguments of the process.
-#[must_use]
 pub fn main() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
     let arguments = match parse(&words) {
@@ -295,7 +293,6 @@ fn dispatch(command: Command) -> Result<Status, Error> {
 }
 
 /// The JSON Schemas of all reports, as file names and contents for `schemas/`.
-#[must_use]
 pub fn schemas() -> Vec<(String, String)> {
     vec![
         schema::<run::RunReport>("RunReport"),

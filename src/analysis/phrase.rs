@@ -1,7 +1,6 @@
 //! Formatting of numbers and times in text.
 
 /// A number rounded to `digits` significant digits; very small and very large numbers with a power of ten.
-#[must_use]
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -28,7 +27,6 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
 }
 
 /// A number with its unit.
-#[must_use]
 pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
     let number = significant(value, digits);
     if unit.is_empty() {
@@ -53,7 +51,6 @@ fn in_units(value: f64, units: &Units) -> String {
 }
 
 /// A duration without sign, in a suitable unit.
-#[must_use]
 pub(crate) fn duration(seconds: f64) -> String {
     in_units(
         seconds,
@@ -62,7 +59,6 @@ pub(crate) fn duration(seconds: f64) -> String {
 }
 
 /// A time with its sign, in the unit that fits.
-#[must_use]
 pub(crate) fn signed_duration(seconds: f64) -> String {
     match seconds {
         0.0 => "0".to_owned(),
@@ -72,7 +68,6 @@ pub(crate) fn signed_duration(seconds: f64) -> String {
 }
 
 /// A point in time, s.
-#[must_use]
 pub(crate) fn moment(seconds: f64) -> String {
     format!("{seconds:.4} s")
 }

@@ -52,14 +52,12 @@ impl Subject<'_> {
     }
 
     /// Whether it is a run of a top whose peg is free.
-    #[must_use]
     pub fn is_of_free_peg(self) -> bool {
         self.scenario()
             .is_some_and(|scenario| scenario.model.support.is_free())
     }
 
     /// The scenario, if there is one that this version can read.
-    #[must_use]
     pub fn scenario(self) -> Option<Scenario> {
         match self {
             Self::Scenario(scenario) => Some(scenario.clone()),
@@ -68,7 +66,6 @@ impl Subject<'_> {
     }
 
     /// The name of the scenario, or of the file.
-    #[must_use]
     pub fn name(self) -> String {
         match self {
             Self::Scenario(scenario) => scenario.name().to_owned(),
@@ -80,7 +77,6 @@ impl Subject<'_> {
     }
 
     /// The topics of the table for which it has channels.
-    #[must_use]
     pub fn topics(self) -> Vec<Topic> {
         match self {
             Self::Scenario(scenario) => Topic::all_with(scenario.model.support).collect(),
@@ -89,7 +85,6 @@ impl Subject<'_> {
     }
 
     /// Whether it has the channel with this topic.
-    #[must_use]
     pub fn has_topic(self, topic: Topic) -> bool {
         match self {
             Self::Scenario(scenario) => {
@@ -100,7 +95,6 @@ impl Subject<'_> {
     }
 
     /// Whether it is a toprise run. (Foreign files are compared by bytes.)
-    #[must_use]
     pub fn is_ours(self) -> bool {
         match self {
             Self::Scenario(_) => true,

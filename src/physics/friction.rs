@@ -41,14 +41,12 @@ pub enum Dissipation {
 
 impl Dissipation {
     /// Whether terms of the Euler-angle equations are dropped, which divides by sin θ.
-    #[must_use]
     pub fn drops_euler_terms(self) -> bool {
         matches!(self, Self::PrecessionTermOnly | Self::SpinTermOnly)
     }
 
     /// Whether the torque is that of a force at the contact point, i.e. has no vertical component and never adds
     /// energy.
-    #[must_use]
     pub fn is_of_force(self) -> bool {
         matches!(self, Self::Full | Self::WithoutNutationPart)
     }
@@ -113,13 +111,11 @@ pub struct Grip {
 
 impl Grip {
     /// Whether the contact point stays at rest.
-    #[must_use]
     pub fn holds(&self) -> bool {
         self.maximum > 0.0 && self.margin() >= 0.0
     }
 
     /// Margin of the static torque, N m; negative if it yields.
-    #[must_use]
     pub fn margin(&self) -> f64 {
         self.maximum - self.required.norm()
     }
@@ -137,7 +133,6 @@ impl Grip {
 
 impl Friction {
     /// Friction with a sliding law and no losses.
-    #[must_use]
     pub fn sliding(law: FrictionLaw, dissipation: Dissipation) -> Self {
         Self {
             law,
@@ -147,7 +142,6 @@ impl Friction {
     }
 
     /// The contact of `top` in the state `tilt` under the normal force `normal_force` (N).
-    #[must_use]
     #[inline(always)]
     pub fn contact(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Contact {
         let slip = tilt.slip_velocity(top.peg_radius);
@@ -172,7 +166,6 @@ impl Friction {
     /// lean frame. All contact friction is proportional to the normal force; air drag is not.
     ///
     /// At rest the sliding force is 0 here; the static friction of a set-valued law is computed separately.
-    #[must_use]
     #[inline(always)]
     pub fn per_normal_force(&self, slip: &Vector3<f64>, omega: &Vector3<f64>) -> Wrench {
         let speed = (slip.x * slip.x + slip.y * slip.y).sqrt();
@@ -191,7 +184,6 @@ impl Friction {
     }
 
     /// Torque of the air, N m, in the frame of the angular velocity (rad/s) and the symmetry axis.
-    #[must_use]
     #[inline]
     pub fn torque_of_air(&self, omega: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
         match &self.losses {
@@ -218,21 +210,18 @@ impl Friction {
     }
 
     /// Whether the torque is discontinuous at zero slip.
-    #[must_use]
     #[inline]
     pub fn is_set_valued(&self) -> bool {
         self.law.static_bound(1.0) + self.rolling_arm() > 0.0
     }
 
     /// Whether the sliding force is discontinuous at zero slip, so that the contact point can stick.
-    #[must_use]
     #[inline]
     pub fn is_set_valued_at_rest(&self) -> bool {
         self.law.static_bound(1.0) > 0.0
     }
 
     /// Whether the contact point can stick: the law is set-valued and no component is dropped.
-    #[must_use]
     #[inline]
     pub fn can_stick(&self) -> bool {
         self.dissipation == Dissipation::Full && self.is_set_valued()
@@ -241,7 +230,6 @@ impl Friction {
     /// The force and torque that keep the contact point at rest while the top turns about the vertical as a whole.
     ///
     /// Without losses it is `((I_z − I_x) Ω² cos θ − M g l) sin θ` about the line of nodes.
-    #[must_use]
     pub fn grip(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Grip {
         let omega = Vector3::new(0.0, 0.0, tilt.omega_lean.z);
         let losses = self
@@ -256,7 +244,6 @@ impl Friction {
     }
 
     /// Arm of rolling resistance, m.
-    #[must_use]
     #[inline]
     pub fn rolling_arm(&self) -> f64 {
         self.losses.map_or(0.0, |losses| losses.rolling_arm)
@@ -284,7 +271,6 @@ impl Friction {
     /// Torque of friction about the peg's centre in addition to that of the force, N m, in any frame whose z axis is
     /// vertical, from slip speed (m/s), normal force (N), and in that frame angular velocity (rad/s) and direction of the
     /// symmetry axis. `None` if there are no losses.
-    #[must_use]
     #[inline(always)]
     pub fn torque_of_losses(
         &self,
@@ -319,7 +305,6 @@ impl Friction {
     /// Torque of friction about the peg's centre that enters the motion, in the lean frame, N m.
     ///
     /// For the two ablations of the paper: the torque equivalent to the retained acceleration terms.
-    #[must_use]
     #[inline(always)]
     pub fn torque(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
         let sliding = self.torque_of_sliding(top, contact, tilt);
@@ -333,7 +318,6 @@ impl Friction {
     ///
     /// They diverge towards the vertical. Upright, only their sum about the vertical is defined, and φ̈ is taken as 0,
     /// as for the rates.
-    #[must_use]
     #[inline(always)]
     pub fn euler_accelerations(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Euler {
         let sliding = self.accelerations_of_sliding(top, contact, tilt);
@@ -344,20 +328,17 @@ impl Friction {
     }
 
     /// Whether there is no friction and no other loss.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         self.law.is_none() && self.losses.is_none_or(|losses| losses.is_none())
     }
 
     /// Whether there are torques in addition to that of the force: [`Contact::losses`].
-    #[must_use]
     #[inline]
     pub fn has_losses(&self) -> bool {
         self.losses.is_some() || matches!(self.law, FrictionLaw::Contensou { .. })
     }
 
     /// Whether a torque about the vertical acts.
-    #[must_use]
     pub fn turns_about_vertical(&self) -> bool {
         let drills = matches!(self.law, FrictionLaw::Contensou { .. }) && !self.law.is_none();
         !self.dissipation.is_of_force()

@@ -64,7 +64,6 @@ pub struct Tilt {
 
 impl Tilt {
     /// From the inclination θ in rad and the Euler rates in rad/s.
-    #[must_use]
     #[inline]
     pub fn from_rates(theta: f64, rates: Euler) -> Self {
         let (sin, cos) = inclined_by(theta);
@@ -80,7 +79,6 @@ impl Tilt {
     /// From sine and cosine of θ and the angular velocity in the lean frame, rad/s.
     ///
     /// Where the axis is vertical (sin θ = 0), φ̇ is taken as 0.
-    #[must_use]
     #[inline]
     pub fn from_omega(sin: f64, cos: f64, omega_lean: Vector3<f64>) -> Self {
         let psi_dot = if sin > UPRIGHT_SINE {
@@ -106,35 +104,30 @@ impl Tilt {
     }
 
     /// Whether the axis is so close to the vertical that φ and ψ are undefined.
-    #[must_use]
     #[inline]
     pub fn is_upright(&self) -> bool {
         self.sin <= UPRIGHT_SINE
     }
 
     /// Direction of the symmetry axis in the lean frame.
-    #[must_use]
     #[inline]
     pub fn axis(&self) -> Vector3<f64> {
         Vector3::new(self.sin, 0.0, self.cos)
     }
 
     /// Angular velocity about the symmetry axis, `ψ̇ + φ̇ cos θ`, in rad/s.
-    #[must_use]
     #[inline]
     pub fn axial_rate(&self) -> f64 {
         self.sin * self.omega_lean.x + self.cos * self.omega_lean.z
     }
 
     /// Angular velocity in the node frame, in rad/s: `(θ̇, φ̇ sin θ, ψ̇ + φ̇ cos θ)`.
-    #[must_use]
     #[inline]
     pub fn omega_node(&self) -> Vector3<f64> {
         self.lean_to_node(&self.omega_lean)
     }
 
     /// Transforms lean to node components.
-    #[must_use]
     #[inline]
     pub fn lean_to_node(&self, v: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(
@@ -145,7 +138,6 @@ impl Tilt {
     }
 
     /// Transforms node to lean components.
-    #[must_use]
     #[inline]
     pub fn node_to_lean(&self, v: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(
@@ -157,7 +149,6 @@ impl Tilt {
 
     /// Velocity of the contact point of a sphere of radius `radius` (m) with a fixed centre, in the lean frame, m/s:
     /// `ω × r` with `r = −R z′` (the paper's equation (3)).
-    #[must_use]
     #[inline]
     pub fn slip_velocity(&self, radius: f64) -> Vector3<f64> {
         Vector3::new(-radius * self.omega_lean.y, radius * self.omega_lean.x, 0.0)
@@ -175,7 +166,6 @@ fn inclined_by(theta: f64) -> (f64, f64) {
 }
 
 /// Orientation of the top: transforms body to world components.
-#[must_use]
 pub fn world_from_body(angles: Euler) -> UnitQuaternion<f64> {
     let (sin_tilt, cos_tilt) = if angles.theta == PI {
         (1.0, 0.0)
@@ -196,7 +186,6 @@ pub fn world_from_body(angles: Euler) -> UnitQuaternion<f64> {
 ///
 /// The quaternion need not be of unit length, but its sign must be continuous with `reference`. If the axis is
 /// vertical, only φ + ψ (upright) or φ − ψ (inverted) is defined, and φ is taken from `reference`.
-#[must_use]
 pub fn euler_angles(quaternion: &Quaternion<f64>, reference: Euler) -> Euler {
     let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
     let half_sum = unwrap_near(atan2(z, w), 0.5 * (reference.phi + reference.psi));
@@ -216,34 +205,29 @@ pub fn euler_angles(quaternion: &Quaternion<f64>, reference: Euler) -> Euler {
 }
 
 /// Inclination θ of an orientation, rad. The quaternion need not be of unit length.
-#[must_use]
 pub fn inclination(quaternion: &Quaternion<f64>) -> f64 {
     let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
     2.0 * atan2(hypot(x, y), hypot(w, z))
 }
 
 /// Rotates a vector about the z axis by `angle` rad.
-#[must_use]
 pub fn turn_about_z(v: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let (sin, cos) = sin_cos(angle);
     Vector3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
 }
 
 /// Transforms node to body components, for the spin ψ in rad.
-#[must_use]
 pub fn node_to_body(v: &Vector3<f64>, psi: f64) -> Vector3<f64> {
     turn_about_z(v, -psi)
 }
 
 /// Transforms world to lean components, for the precession φ in rad.
-#[must_use]
 pub fn world_to_lean(v: &Vector3<f64>, phi: f64) -> Vector3<f64> {
     let (sin, cos) = sin_cos(phi);
     Vector3::new(sin * v.x - cos * v.y, cos * v.x + sin * v.y, v.z)
 }
 
 /// Transforms lean to world components, for the precession φ in rad.
-#[must_use]
 pub fn lean_to_world(v: &Vector3<f64>, phi: f64) -> Vector3<f64> {
     let (sin, cos) = sin_cos(phi);
     Vector3::new(sin * v.x + cos * v.y, sin * v.y - cos * v.x, v.z)

@@ -6,49 +6,41 @@
 use std::f64::consts::{PI, TAU};
 
 /// Sine of an angle in radians.
-#[must_use]
 pub fn sin(angle: f64) -> f64 {
     libm::sin(angle)
 }
 
 /// Cosine of an angle in radians.
-#[must_use]
 pub fn cos(angle: f64) -> f64 {
     libm::cos(angle)
 }
 
 /// Sine and cosine of an angle in radians.
-#[must_use]
 pub fn sin_cos(angle: f64) -> (f64, f64) {
     libm::sincos(angle)
 }
 
 /// The angle in (−π, π] of the point (x, y) in the plane, in radians.
-#[must_use]
 pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
 }
 
 /// Natural logarithm.
-#[must_use]
 pub fn ln(x: f64) -> f64 {
     libm::log(x)
 }
 
 /// `e` to the power of x.
-#[must_use]
 pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
 /// Hyperbolic tangent.
-#[must_use]
 pub fn tanh(x: f64) -> f64 {
     libm::tanh(x)
 }
 
 /// Decimal logarithm; minus infinity for 0.
-#[must_use]
 pub fn log10(x: f64) -> f64 {
     libm::log10(x)
 }
@@ -56,13 +48,11 @@ pub fn log10(x: f64) -> f64 {
 /// `sqrt(x² + y²)`, without protection against overflow and underflow.
 ///
 /// Faster than `libm::hypot`; inputs here are far from the limits.
-#[must_use]
 pub fn hypot(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
 /// The angle equal to `angle` up to whole turns that lies nearest to `reference`, in radians.
-#[must_use]
 pub fn unwrap_near(angle: f64, reference: f64) -> f64 {
     angle + TAU * ((reference - angle + PI) / TAU).floor()
 }

@@ -33,7 +33,6 @@ pub struct PrecessionRoots {
 
 impl PrecessionRoots {
     /// The roots of `quadratic φ̇² − spin φ̇ + constant = 0`, if they are real and finite.
-    #[must_use]
     pub(super) fn of(quadratic: f64, spin: f64, constant: f64) -> Option<Self> {
         let discriminant = spin * spin - 4.0 * quadratic * constant;
         if discriminant < 0.0 {
@@ -51,35 +50,30 @@ impl PrecessionRoots {
 
 impl Top {
     /// Weight `M g`, N.
-    #[must_use]
     #[inline]
     pub fn weight(&self) -> f64 {
         self.mass * self.gravity
     }
 
     /// Largest torque of gravity, `M g l`, N m.
-    #[must_use]
     #[inline]
     pub fn gravity_moment(&self) -> f64 {
         self.mass * self.gravity * self.center_distance
     }
 
     /// Moment of inertia about the centre of mass across the symmetry axis, `I_x − M l²`, kg m².
-    #[must_use]
     #[inline]
     pub fn central_moment(&self) -> f64 {
         self.transverse_moment - self.mass * self.center_distance * self.center_distance
     }
 
     /// The smallest principal moment of inertia about the centre of mass, kg m².
-    #[must_use]
     pub fn least_moment(&self) -> f64 {
         let (axial, central) = (self.axial_moment, self.central_moment());
         if axial < central { axial } else { central }
     }
 
     /// The top with its moments of inertia about the centre of mass instead of the peg's centre.
-    #[must_use]
     #[inline]
     pub fn about_center(&self) -> Self {
         Self {
@@ -90,14 +84,12 @@ impl Top {
 
     /// Torque of gravity about the peg's centre in the lean frame, N m: `M g l sin θ` about the line
     /// of nodes (the paper's equation (5)).
-    #[must_use]
     #[inline]
     pub fn gravity_torque(&self, tilt: &Tilt) -> Vector3<f64> {
         Vector3::new(0.0, self.gravity_moment() * tilt.sin, 0.0)
     }
 
     /// Speed of the contact point over the table, m/s.
-    #[must_use]
     #[inline]
     pub fn slip_speed(&self, tilt: &Tilt) -> f64 {
         let slip = tilt.slip_velocity(self.peg_radius);
@@ -107,7 +99,6 @@ impl Top {
     /// Contribution of a torque about the peg's centre (node frame, N m) to θ̈, φ̈ and ψ̈, rad/s².
     ///
     /// Upright, only φ̈ + ψ̈ is defined, and φ̈ is taken as 0.
-    #[must_use]
     #[inline]
     pub fn euler_accelerations(&self, torque: &Vector3<f64>, tilt: &Tilt) -> Euler {
         let phi = if tilt.is_upright() {
@@ -123,7 +114,6 @@ impl Top {
     }
 
     /// Moment of inertia about the vertical through the peg's centre, kg m², given sine and cosine of θ.
-    #[must_use]
     #[inline]
     pub fn vertical_moment(&self, sin: f64, cos: f64) -> f64 {
         self.transverse_moment * sin * sin + self.axial_moment * cos * cos
@@ -131,7 +121,6 @@ impl Top {
 
     /// The radicand of Routh's integral of a rolling top, kg² m⁴, for sine and cosine of θ; see
     /// [`Model::routh`](crate::physics::dynamics::Model::routh).
-    #[must_use]
     pub fn rolling_moments(&self, sin: f64, cos: f64) -> f64 {
         let (central, axial) = (self.central_moment(), self.axial_moment);
         let reach = self.center_distance + self.peg_radius * cos;
@@ -141,7 +130,6 @@ impl Top {
 
     /// Angular momentum in the lean frame, kg m²/s, of a top that rotates rigidly about the vertical with `omega`
     /// rad/s.
-    #[must_use]
     #[inline]
     pub fn turning_momentum(&self, tilt: &Tilt, omega: f64) -> Vector3<f64> {
         let product = (self.axial_moment - self.transverse_moment) * tilt.sin * tilt.cos;
@@ -150,7 +138,6 @@ impl Top {
 
     /// The torque in the lean frame, N m, of a top that rotates rigidly about the vertical, with the component
     /// `vertical` (N m) about the vertical.
-    #[must_use]
     #[inline]
     pub fn turning_torque(&self, tilt: &Tilt, vertical: f64) -> Vector3<f64> {
         let omega = tilt.omega_lean.z;
@@ -161,7 +148,6 @@ impl Top {
     }
 
     /// Angular momentum about the peg's centre in the node frame, kg m²/s.
-    #[must_use]
     pub fn angular_momentum_node(&self, tilt: &Tilt) -> Vector3<f64> {
         let omega = tilt.omega_node();
         Vector3::new(
@@ -172,7 +158,6 @@ impl Top {
     }
 
     /// Kinetic energy, J.
-    #[must_use]
     pub fn kinetic_energy(&self, tilt: &Tilt) -> f64 {
         let omega = tilt.omega_node();
         0.5 * (self.transverse_moment * (omega.x * omega.x + omega.y * omega.y)
@@ -180,7 +165,6 @@ impl Top {
     }
 
     /// Potential energy `M g l cos θ`, J; zero at the height of the peg's centre.
-    #[must_use]
     pub fn potential_energy(&self, tilt: &Tilt) -> f64 {
         self.gravity_moment() * tilt.cos
     }
@@ -189,7 +173,6 @@ impl Top {
     /// `(I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0`.
     ///
     /// `None` if they are not real or the fast root is infinite.
-    #[must_use]
     pub fn precession_roots(&self, tilt: &Tilt) -> Option<PrecessionRoots> {
         let quadratic = (self.transverse_moment - self.axial_moment) * tilt.cos;
         let spin = self.axial_moment * tilt.rates.psi;
@@ -202,7 +185,6 @@ impl Top {
     /// With u = cos θ the motion is u̇² = β (u − u₁)(u − u₂)(u − u₃), β = 2 M g l/I_x, where u₁ and u₂ are the given
     /// extremes, and the sum of the roots follows from the conserved energy and axial angular momentum. The period is
     /// 2π over the arithmetic-geometric mean of √(β (u₃ − u₁)) and √(β (u₃ − u₂)). For equal extremes, both are
-    #[must_use]
     pub fn nutation_period(&self, tilt: &Tilt, [least, greatest]: [f64; 2]) -> Option<f64> {
         let (lower, upper) = (cos(greatest), cos(least));
         let gravity = 2.0 * self.gravity_moment() / self.transverse_moment;
@@ -230,7 +212,6 @@ impl Top {
 
     /// `|a| / sqrt(4 M g l / I_x)` with `a = I_z (ψ̇ + φ̇ cos θ) / I_x`: above 1 the top is strong; below 1 it is weak
     /// and not stable upright (Klein and Sommerfeld; the paper, section 3).
-    #[must_use]
     pub fn strength_ratio(&self, tilt: &Tilt) -> f64 {
         let a = self.axial_moment * tilt.axial_rate() / self.transverse_moment;
         // For a tippe top: inverted, so that its centre of mass is above the centre of the sphere.

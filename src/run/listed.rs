@@ -11,13 +11,11 @@ macro_rules! listed {
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$Variant),+];
 
             /// Its name in recordings.
-            #[must_use]
             pub fn name(self) -> &'static str {
                 match self { $(Self::$Variant => $name),+ }
             }
 
             /// The variant with this name in recordings.
-            #[must_use]
             pub fn find(name: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|variant| variant.name() == name)
             }

@@ -100,7 +100,6 @@ pub fn outcome(
 
 impl Outcome {
     /// The outcome of a run of `scenario` with this end and these event counts.
-    #[must_use]
     pub fn new(scenario: &Scenario, end: &RunEnd, tally: &Tally) -> Self {
         let motion = &end.motion;
         let is_free = scenario.model.support.is_free();
@@ -132,7 +131,6 @@ impl Outcome {
     }
 
     /// A sentence about the end of the run and, for a tippe top, its inversion.
-    #[must_use]
     pub fn sentence(&self) -> String {
         let inversion = self.free.and_then(|free| free.inversion_time);
         let inversion = inversion.map_or_else(String::new, |time| {
@@ -143,7 +141,6 @@ impl Outcome {
     }
 
     /// The value of a column, if the column exists and has a value.
-    #[must_use]
     pub fn get(&self, name: &str) -> Option<Cell> {
         let column = COLUMNS.iter().find(|column| column.name == name)?;
         column.of(self)
@@ -235,7 +232,6 @@ pub struct Column {
 
 impl Column {
     /// Its value in an outcome, if it has one.
-    #[must_use]
     pub fn of(&self, outcome: &Outcome) -> Option<Cell> {
         (self.read)(outcome)
     }

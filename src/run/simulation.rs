@@ -54,7 +54,6 @@ impl Simulation {
 
     /// Sets a function that is called before each integrator step; there may be millions of steps between two records.
     /// If it returns false, the run ends as interrupted.
-    #[must_use]
     pub fn continue_while(mut self, carry_on: impl FnMut() -> bool + 'static) -> Self {
         self.carry_on = Box::new(carry_on);
         self
@@ -63,7 +62,6 @@ impl Simulation {
     /// State of the run at the last record; final after the iterator is exhausted.
     ///
     /// Before the end, `stop` is [`StopReason::Interrupted`], the reason if the iterator is dropped early.
-    #[must_use]
     pub fn end(&self) -> RunEnd {
         self.run.end()
     }

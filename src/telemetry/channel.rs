@@ -66,7 +66,6 @@ pub enum Content<'a> {
 
 impl ChannelInfo {
     /// The members of an encoded message: leaves, and objects for paths with a dot.
-    #[must_use]
     pub fn members(&self) -> Vec<Member<'_>> {
         let mut members: Vec<Member<'_>> = Vec::new();
         for (index, leaf) in self.texts.iter().enumerate() {
@@ -103,7 +102,6 @@ impl ChannelInfo {
     }
 
     /// The index of the number at `path`.
-    #[must_use]
     pub fn number_index(&self, path: &str) -> Option<usize> {
         self.numbers.iter().position(|leaf| leaf.path == path)
     }

@@ -88,7 +88,6 @@ impl FieldDifferences {
     }
 
     /// Whether there are no differences.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.missing.is_empty() && self.unknown.is_empty()
     }

@@ -54,7 +54,6 @@ impl ContentDigest {
     }
 
     /// The digest in hexadecimal.
-    #[must_use]
     pub fn finish(&self) -> String {
         let mut whole = Sha256::new();
         for (channel, (hash, count)) in channels().iter().zip(&self.channels) {

@@ -25,7 +25,6 @@ listed! {
 
 impl Encoding {
     /// Description for the help.
-    #[must_use]
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Json => "JSON with JSON Schema (widest support)",
@@ -34,7 +33,6 @@ impl Encoding {
     }
 
     /// The MCAP schema encoding.
-    #[must_use]
     pub fn schema_encoding(self) -> &'static str {
         match self {
             Self::Json => "jsonschema",
@@ -43,7 +41,6 @@ impl Encoding {
     }
 
     /// The schema of a channel's messages, as stored in recordings.
-    #[must_use]
     pub fn schema(self, channel: &ChannelInfo) -> Vec<u8> {
         match self {
             Self::Json => json_schema(channel).into_bytes(),
@@ -63,7 +60,6 @@ pub enum Encoder {
 
 impl Encoder {
     /// An encoder of this kind.
-    #[must_use]
     pub fn new(encoding: Encoding) -> Self {
         let channels = channels();
         match encoding {
@@ -135,7 +131,6 @@ impl Decoder {
     }
 
     /// The field differences between the file and the table.
-    #[must_use]
     pub fn differences(&self) -> &FieldDifferences {
         &self.differences
     }

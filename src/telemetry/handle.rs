@@ -21,26 +21,22 @@ impl NumberField {
     }
 
     /// The number at `path` of the channel `topic`, for names known only at run time.
-    #[must_use]
     pub fn find(topic: &str, path: &str) -> Option<Self> {
         let mut numbers = Topic::find(topic)?.numbers();
         numbers.find(|number| number.path() == path)
     }
 
     /// Its channel.
-    #[must_use]
     pub const fn topic(self) -> Topic {
         self.topic
     }
 
     /// Its index in [`Message::numbers`].
-    #[must_use]
     pub const fn index(self) -> usize {
         self.index
     }
 
     /// Its plot.
-    #[must_use]
     pub const fn plot(self) -> Plot {
         Plot {
             topic: self.topic,
@@ -49,26 +45,22 @@ impl NumberField {
     }
 
     /// Its row of the table.
-    #[must_use]
     pub fn leaf(self) -> &'static Leaf {
         &self.topic.info().numbers[self.index]
     }
 
     /// Its path in a message, e.g. `theta` or `omega_body.x`.
-    #[must_use]
     pub fn path(self) -> &'static str {
         &self.leaf().path
     }
 
     /// Its unit; empty for pure numbers.
-    #[must_use]
     pub fn unit(self) -> &'static str {
         self.leaf().unit
     }
 
     /// Its value in a message; NaN if it is missing.
     #[inline]
-    #[must_use]
     pub fn of(self, rows: &impl Numbers) -> f64 {
         let row = rows.numbers(self.topic);
         row.and_then(|row| row.get(self.index).copied())
@@ -106,44 +98,37 @@ impl VectorField {
     }
 
     /// Its x component.
-    #[must_use]
     pub const fn x(self) -> NumberField {
         part(self.0, 0)
     }
 
     /// Its y component.
-    #[must_use]
     pub const fn y(self) -> NumberField {
         part(self.0, 1)
     }
 
     /// Its z component.
-    #[must_use]
     pub const fn z(self) -> NumberField {
         part(self.0, 2)
     }
 
     /// Its components x, y, z.
-    #[must_use]
     pub const fn components(self) -> [NumberField; 3] {
         [self.x(), self.y(), self.z()]
     }
 
     /// Its channel.
-    #[must_use]
     pub const fn topic(self) -> Topic {
         self.0.topic
     }
 
     /// Its plot.
-    #[must_use]
     pub const fn plot(self) -> Plot {
         self.0.plot()
     }
 
     /// Its value in a message; NaN if it is missing.
     #[inline]
-    #[must_use]
     pub fn of(self, rows: &impl Numbers) -> Vector3<f64> {
         Vector3::from(self.components().map(|component| component.of(rows)))
     }
@@ -160,7 +145,6 @@ impl RotationField {
     }
 
     /// Its components x, y, z, w.
-    #[must_use]
     pub const fn components(self) -> [NumberField; 4] {
         [
             part(self.0, 0),
@@ -171,14 +155,12 @@ impl RotationField {
     }
 
     /// Its channel.
-    #[must_use]
     pub const fn topic(self) -> Topic {
         self.0.topic
     }
 
     /// Its value in a message, as recorded; NaN if it is missing.
     #[inline]
-    #[must_use]
     pub fn of(self, rows: &impl Numbers) -> Quaternion<f64> {
         let [x, y, z, w] = self.components().map(|component| component.of(rows));
         Quaternion::new(w, x, y, z)
@@ -199,26 +181,22 @@ impl TextField {
     }
 
     /// Its channel.
-    #[must_use]
     pub const fn topic(self) -> Topic {
         self.topic
     }
 
     /// Its index in [`Message::texts`].
-    #[must_use]
     pub const fn index(self) -> usize {
         self.index
     }
 
     /// Its path in a message.
-    #[must_use]
     pub fn path(self) -> &'static str {
         &self.topic.info().texts[self.index].path
     }
 
     /// Its value in a message; empty if it is missing.
     #[inline]
-    #[must_use]
     pub fn of<'a>(self, message: &Message<'a>) -> &'a str {
         match message.texts.get(self.index) {
             Some(text) if message.channel == self.topic.index() => text,
@@ -236,7 +214,6 @@ pub struct Plot {
 
 impl Plot {
     /// The plots of a channel, in table order.
-    #[must_use]
     pub fn all(topic: Topic) -> Vec<Self> {
         let mut plots: Vec<Self> = Vec::new();
         for leaf in &topic.info().numbers {
@@ -249,7 +226,6 @@ impl Plot {
     }
 
     /// The unit of its numbers.
-    #[must_use]
     pub fn unit(self) -> &'static str {
         self.numbers().next().map_or("", NumberField::unit)
     }
@@ -267,13 +243,11 @@ impl Plot {
     }
 
     /// Its channel.
-    #[must_use]
     pub const fn topic(self) -> Topic {
         self.topic
     }
 
     /// Its name within the channel.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         self.name
     }

@@ -57,7 +57,6 @@ impl JsonEncoder {
 }
 
 /// A time split into seconds and nanoseconds, as in timestamps.
-#[must_use]
 pub fn seconds_and_nanoseconds(time_ns: u64) -> (u64, u64) {
     (time_ns / NANOSECONDS, time_ns % NANOSECONDS)
 }

@@ -48,7 +48,6 @@ impl Default for Telemetry {
 
 impl Telemetry {
     /// With some topics.
-    #[must_use]
     pub fn with_topics(topics: &Topics) -> Self {
         let wanted: Vec<_> = Topic::all().map(|topic| topics.include(&topic)).collect();
         Self {
@@ -58,7 +57,6 @@ impl Telemetry {
     }
 
     /// The recorded topics for this support, in table order.
-    #[must_use]
     pub fn topics(&self, support: Support) -> Topics {
         if Topic::all_with(support).all(|topic| self.is_enabled(topic)) {
             return Topics::All;
@@ -71,7 +69,6 @@ impl Telemetry {
     }
 
     /// Whether messages of this topic are produced.
-    #[must_use]
     pub fn is_enabled(&self, topic: Topic) -> bool {
         self.wanted[topic.index()]
     }

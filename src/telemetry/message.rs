@@ -20,7 +20,6 @@ pub struct Message<'a> {
 
 impl Message<'_> {
     /// The channel's topic.
-    #[must_use]
     pub fn topic(&self) -> Topic {
         Topic::from_index(self.channel)
     }

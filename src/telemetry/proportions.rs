@@ -24,7 +24,6 @@ pub struct Proportions {
 
 impl Proportions {
     /// The proportions of a top: its disc has the axial moment of inertia, at the height of the centre of mass.
-    #[must_use]
     pub fn new(top: &Top) -> Self {
         let peg = top.peg_radius;
         if top.center_distance < 0.0 {
@@ -50,7 +49,6 @@ impl Proportions {
     }
 
     /// These proportions multiplied by a factor.
-    #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
             is_ball: self.is_ball,
@@ -63,7 +61,6 @@ impl Proportions {
     }
 
     /// The length scale of a scene.
-    #[must_use]
     pub fn size(&self) -> f64 {
         if self.is_ball {
             2.0 * self.peg
@@ -73,25 +70,21 @@ impl Proportions {
     }
 
     /// Height of the truncation of a tippe top's ball above its centre.
-    #[must_use]
     pub fn cut(&self) -> f64 {
         0.7 * self.peg
     }
 
     /// Thickness of the disc.
-    #[must_use]
     pub fn thickness(&self) -> f64 {
         0.2 * self.disc_radius
     }
 
     /// Radius of the cones where they meet the disc.
-    #[must_use]
     pub fn shoulder(&self) -> f64 {
         0.45 * self.disc_radius
     }
 
     /// Radius of the lower cone where it meets the peg.
-    #[must_use]
     pub fn neck(&self) -> f64 {
         0.72 * self.peg
     }

@@ -22,7 +22,6 @@ const TIMESTAMP_FILE: &str = "google/protobuf/timestamp.proto";
 const FIRST_FIELD: u32 = 2;
 
 /// The schema of a channel's messages: its file and the imported file, serialized.
-#[must_use]
 pub fn file_descriptor_set(channel: &ChannelInfo) -> Vec<u8> {
     let set = FileDescriptorSet {
         file: vec![timestamp_file(), file_descriptor(channel)],
@@ -31,7 +30,6 @@ pub fn file_descriptor_set(channel: &ChannelInfo) -> Vec<u8> {
 }
 
 /// The schema of a channel's messages as a `.proto` file, with units, frames and descriptions as comments.
-#[must_use]
 pub fn proto_file(channel: &ChannelInfo) -> String {
     let mut text = format!(
         "// {}: {}\n\nsyntax = \"proto3\";\n\npackage {PACKAGE};\n\nimport \"{TIMESTAMP_FILE}\";\n\n",
@@ -68,7 +66,6 @@ pub fn proto_file(channel: &ChannelInfo) -> String {
 }
 
 /// The name of a channel's `.proto` file in `schemas/`.
-#[must_use]
 pub fn proto_file_name(channel: &ChannelInfo) -> String {
     format!("{}.proto", channel.schema)
 }

@@ -47,7 +47,6 @@ pub enum Quantity {
 
 impl Quantity {
     /// Its SI unit; empty for pure numbers and texts.
-    #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Force => "N",

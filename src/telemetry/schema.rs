@@ -6,7 +6,6 @@ use serde_json::{Map, Value, json};
 /// The JSON Schema of a channel's messages, as stored in recordings and in `schemas/`.
 ///
 /// Uses no `$ref`, `oneOf`, `null` or arrays, and `properties` on every object, because some viewers require this.
-#[must_use]
 pub fn json_schema(channel: &ChannelInfo) -> String {
     let mut properties = Map::new();
     properties.insert("timestamp".to_owned(), timestamp());
@@ -33,7 +32,6 @@ pub fn json_schema(channel: &ChannelInfo) -> String {
 }
 
 /// The name of a channel's schema file in `schemas/`.
-#[must_use]
 pub fn file_name(channel: &ChannelInfo) -> String {
     format!("{}.json", channel.schema)
 }

@@ -11,7 +11,6 @@ pub enum Side {
 
 impl Side {
     /// Index in arrays of both sides: 0 for A, 1 for B.
-    #[must_use]
     pub fn index(self) -> usize {
         match self {
             Self::A => 0,
@@ -20,7 +19,6 @@ impl Side {
     }
 
     /// The other side.
-    #[must_use]
     pub fn other(self) -> Self {
         match self {
             Self::A => Self::B,
@@ -29,7 +27,6 @@ impl Side {
     }
 
     /// Display name: `A` or `B`.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::A => "A",
@@ -38,7 +35,6 @@ impl Side {
     }
 
     /// Letter in topics and file names: `a` or `b`.
-    #[must_use]
     pub fn letter(self) -> &'static str {
         match self {
             Self::A => "a",

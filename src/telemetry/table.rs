@@ -476,7 +476,6 @@ fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
 
 impl Topic {
     /// The topic with this name, for names known only at run time.
-    #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::all().find(|topic| topic.name() == name)
     }
@@ -487,7 +486,6 @@ impl Topic {
     }
 
     /// Its name, e.g. `/top/state`.
-    #[must_use]
     pub fn name(self) -> &'static str {
         self.info().topic
     }
@@ -498,7 +496,6 @@ impl Topic {
     }
 
     /// The channel.
-    #[must_use]
     pub fn info(self) -> &'static ChannelInfo {
         &channels()[self.index()]
     }

@@ -15,7 +15,6 @@ impl Topic {
     }
 
     /// The channel's index in [`channels`], equal to [`Message::channel`](super::Message::channel).
-    #[must_use]
     pub const fn index(self) -> usize {
         self.0
     }

@@ -136,7 +136,6 @@ const VIEWS: &[ViewChannel] = &[
 ];
 
 /// All channels for viewers.
-#[must_use]
 pub fn view_channels() -> &'static [ViewChannel] {
     VIEWS
 }
@@ -161,7 +160,6 @@ pub struct Views {
 
 impl Views {
     /// Prepares the views of a run of `scenario`. `is_enabled` returns whether a topic of the table is recorded.
-    #[must_use]
     pub fn new(scenario: &Scenario, is_enabled: impl Fn(Topic) -> bool) -> Self {
         let top = scenario.model.top;
         let is_free = scenario.model.support.is_free();
@@ -192,7 +190,6 @@ impl Views {
     }
 
     /// Whether there will be messages of the view with this index.
-    #[must_use]
     pub fn is_enabled(&self, view: usize) -> bool {
         self.sources[view].is_some()
     }

@@ -71,12 +71,12 @@ fn a_run_that_is_recorded_is_not_written_again() {
     );
     let text = run(&["--encoding", "protobuf"]);
     assert!(
-        text.contains("paper_duration0.2-2.mcap was there"),
+        text.contains("paper_duration0.2-2.mcap already exists"),
         "{text}"
     );
     // A recording that is run again.
     let text = answer(toprise(&directory).args(["run", "recordings/paper_duration0.2.mcap"]));
-    assert!(text.contains("paper_duration0.2.mcap was there"), "{text}");
+    assert!(text.contains("paper_duration0.2.mcap already exists"), "{text}");
     let path = directory.path().join("recordings/paper_duration0.2-3.mcap");
     fs::write(&path, "damaged").unwrap();
     run(&["--topics", "/top/state"]);
@@ -529,7 +529,7 @@ fn the_report_tells_of_a_rerun_recording_that_is_left_out() {
     let told = |arguments: &[&str]| {
         let mut program = toprise(&directory);
         let program = program.args(["run", "--set", "stop.duration=0.01"]);
-        answer(program.args(arguments)).contains("no Rerun recording, because of -o")
+        answer(program.args(arguments)).contains("no Rerun recording with -o")
     };
     assert!(told(&["-o", "a.mcap"]));
     assert!(!told(&["-o", "b.mcap", "--no-rrd"]));

@@ -168,7 +168,7 @@ fn a_run_with_other_sample_times_is_simulated_again() {
     ] {
         let report = report.unwrap();
         assert_eq!(report.verdict, Verdict::Agreeing);
-        assert!(report.notes[0].starts_with("B is simulated again with A's"));
+        assert!(report.notes[0].starts_with("B was simulated again with A's"));
         let state = channel(&report, "/top/state");
         assert_eq!((state.pairs, state.identical), (2001, 2001));
         assert_eq!(report.setup.scenario[0].key, "sampling.period");

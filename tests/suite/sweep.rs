@@ -1091,7 +1091,7 @@ fn tables_that_others_have_written_are_drawn() {
     );
     let told = chosen("scenario=papr");
     assert!(
-        told.contains("no run has scenario = papr; there are paper, viscous"),
+        told.contains("no run has scenario = papr; values: paper, viscous"),
         "{told}"
     );
 }

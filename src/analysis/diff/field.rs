@@ -1,6 +1,5 @@
 //! Statistics of the differences of one field.
 
-use super::moments::Moments;
 use super::tolerance::Tolerance;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -119,6 +118,25 @@ impl FieldTally {
             floor,
             is_below_floor: errors.is_some_and(|e| differs && self.largest.abs() <= e),
         }
+    }
+}
+
+/// Streaming sum of squares.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Moments {
+    squares: f64,
+}
+
+impl Moments {
+    /// Takes in a finite number.
+    #[inline]
+    pub(super) fn add(&mut self, number: f64) {
+        self.squares += number * number;
+    }
+
+    /// The RMS over `count` numbers; numbers not added count as zero.
+    pub(super) fn rms(&self, count: u64) -> f64 {
+        (self.squares / count.max(1) as f64).sqrt().min(f64::MAX)
     }
 }
 

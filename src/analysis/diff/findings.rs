@@ -67,7 +67,6 @@ impl Finding {
 
 impl Finding {
     /// Whether the numbers differ by more than the integration error, or exist in one run only.
-    #[must_use]
     pub fn differs(&self) -> bool {
         let error = self.integration_error.unwrap_or(0.0);
         match self.difference {
@@ -77,7 +76,6 @@ impl Finding {
     }
 
     /// The cells of a table: what is compared with its unit, A's and B's number, B − A with its uncertainty.
-    #[must_use]
     pub fn cells(&self) -> [String; 4] {
         let known = [self.a, self.b].into_iter().flatten();
         let is_count = self.unit.is_empty()
@@ -117,14 +115,14 @@ const NEGLIGIBLE: f64 = 1e-3;
 
 /// First event of a kind in a run, if there is one.
 const FIRST_EVENTS: [(EventKind, &str); 8] = [
-    (EventKind::Fallen, "fall"),
-    (EventKind::UprightPassage, "first upright passage"),
-    (EventKind::WeakTop, "weak top"),
-    (EventKind::SlipStops, "first slip stop"),
-    (EventKind::Stick, "first stick"),
-    (EventKind::LiftOff, "first lift-off"),
-    (EventKind::Rest, "rest"),
-    (EventKind::Jam, "jam"),
+    (EventKind::Fallen, "falls"),
+    (EventKind::UprightPassage, "first passes upright"),
+    (EventKind::WeakTop, "becomes weak"),
+    (EventKind::SlipStops, "first stops slipping"),
+    (EventKind::Stick, "first sticks"),
+    (EventKind::LiftOff, "first lifts off"),
+    (EventKind::Rest, "comes to rest"),
+    (EventKind::Jam, "jams"),
 ];
 
 /// Everything that the findings are computed from.
@@ -171,7 +169,7 @@ fn both<T>(items: &[T; 2], of: impl Fn(&T) -> Option<f64>) -> [Option<f64>; 2] {
 fn end(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Finding {
     let reasons = summaries.each_ref().map(|run| run.stop_reason.as_deref());
     let what = match reasons {
-        [Some(a), Some(b)] if a == b => format!("end ({a})"),
+        [Some(a), Some(b)] if a == b => format!("ends ({a})"),
         [Some(a), Some(b)] => format!("ends ({a}, {b})"),
         _ => "ends".to_owned(),
     };
@@ -189,7 +187,7 @@ fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
         .floor
         .map_or([0.0; 2], |floor| [floor.a.theta_mean, floor.b.theta_mean]);
     let found = LevelCrossing::find(&a.history, &b.history, integrators)?;
-    let what = format!("mean θ crossing {} rad", significant(found.level, 3));
+    let what = format!("mean θ crosses {} rad", significant(found.level, 3));
     let times = found.times.map(Some);
     let crossing = Finding::new(what, "s", times).uncertain_by(Some(found.uncertainty));
     Some(crossing.computed_within(evidence.floor.map(|_| found.integration_error)))
@@ -209,7 +207,7 @@ fn rise(evidence: &Evidence<'_>) -> Finding {
     let errors = evidence.error_of_time();
     let uncertainty = by_nutation(0).zip(by_nutation(1));
     let uncertainty = uncertainty.map(|(a, b)| a + b + errors.unwrap_or(0.0));
-    let what = format!("θ = {} rad (first)", significant(level, 3));
+    let what = format!("θ first reaches {} rad", significant(level, 3));
     let rise = Finding::new(what, "s", risen).uncertain_by(uncertainty);
     rise.computed_within(errors)
 }
@@ -224,13 +222,13 @@ fn event_summaries(evidence: &Evidence<'_>) -> Vec<Finding> {
     let mut found = Vec::new();
     if is_tippe {
         let inverted = histories.map(|run| run.inverted);
-        found.push(Finding::new("inversion", "s", inverted).computed_within(errors));
+        found.push(Finding::new("inverts", "s", inverted).computed_within(errors));
     }
     // A tippe top can precess backward without loops.
     let loops = count(EventKind::LoopingBegins);
     if !is_tippe && loops != [Some(0.0); 2] {
         let first = time(EventKind::LoopingBegins);
-        found.push(Finding::new("first loop", "s", first).computed_within(errors));
+        found.push(Finding::new("first loops", "s", first).computed_within(errors));
         found.push(Finding::new("loops", "", loops));
     }
     for (kind, what) in FIRST_EVENTS {
@@ -250,7 +248,7 @@ fn peg(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Vec<Finding> {
     let first_roll = of(|peg| peg.first_roll);
     let rolls_at = of(|peg| peg.rolls_to_end_at);
     let mut found = vec![
-        Finding::new("first rolling", "s", first_roll).computed_within(evidence.error_of_time()),
+        Finding::new("first rolls", "s", first_roll).computed_within(evidence.error_of_time()),
         Finding::new("θ at start of final rolling", "rad", rolls_at)
             .computed_within(evidence.error_of(state::THETA)),
     ];
@@ -309,7 +307,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Finding {
     let Some(time) = common[0].until() else {
         return Finding::default();
     };
-    let what = format!("energy lost until {}", moment(time));
+    let what = format!("energy lost by {}", moment(time));
     let field = energy::TOTAL.to_string();
     let of = |error: &IntegratorError| error.of(&field);
     let errors = match evidence.floor {

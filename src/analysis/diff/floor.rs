@@ -5,8 +5,8 @@
 
 use super::averages;
 use super::observer::While;
-use super::options::Options;
 use super::pairing::{Paired, read_both};
+use super::tolerance::Options;
 use super::topic::TopicTally;
 use crate::analysis::history::RunHistory;
 use crate::analysis::subject::Subject;

@@ -27,7 +27,6 @@ pub struct TopicBytes {
 
 impl TopicBytes {
     /// Whether both files have the same messages with the same meaning.
-    #[must_use]
     pub fn is_equal(&self) -> bool {
         self.different == 0 && self.unmatched == [0; 2] && !self.is_described_differently
     }

@@ -6,12 +6,11 @@ use super::averages::{self, Averaged};
 use super::discrepancy::{Discrepancy, Residuals};
 use super::findings::{Evidence, Finding, findings};
 use super::floor::Floor;
-use super::options::Options;
 use super::others::TopicBytes;
 use super::pairing::{Paired, RunData, level_of_both};
 use super::setup::{self, KeyDifference, SetupDifferences};
+use super::tolerance::Options;
 use super::topic::{ChannelDifference, TopicTally};
-use super::verdict::Verdict;
 use crate::analysis::history::RunSummary;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
@@ -47,6 +46,36 @@ pub struct Report {
     pub floor: Option<Floor>,
     /// Notes on this comparison.
     pub notes: Vec<String>,
+}
+
+/// The result of a comparison as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Messages are bit-identical and nothing else differs.
+    Identical,
+    /// All values are bit-identical, but encoding, attachments, metadata or the scenario name differ.
+    SameValues,
+    /// All compared messages agree within the tolerances.
+    Equal,
+    /// The compared parts agree within the tolerances, but not every message was compared: parts of a run can't be read, or
+    /// one has samples between those of the other.
+    Agreeing,
+    /// Something differs.
+    Different,
+}
+
+impl Verdict {
+    /// The verdict in words.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Identical => "Identical (bit for bit)",
+            Self::SameValues => "All values identical; the files differ",
+            Self::Equal => "Equal within the tolerances",
+            Self::Agreeing => "Equal in the compared part",
+            Self::Different => "Different",
+        }
+    }
 }
 
 /// One of the two runs.
@@ -262,7 +291,6 @@ impl Report {
     }
 
     /// The verdict, and a line for each key of the scenarios and each finding that differs.
-    #[must_use]
     pub fn summary(&self) -> Vec<String> {
         let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "–".to_owned());
         let keys = self.setup.scenario.iter();
@@ -284,7 +312,6 @@ impl Report {
     }
 
     /// Whether the scenarios differ (except name and description).
-    #[must_use]
     pub fn is_of_other_scenarios(&self) -> bool {
         self.setup
             .scenario

@@ -37,7 +37,6 @@ pub struct KeyDifference {
 
 impl KeyDifference {
     /// Whether the key affects the simulation (all but name and description).
-    #[must_use]
     pub fn changes_the_run(&self) -> bool {
         !["name", "description"].contains(&self.key.as_str())
     }

@@ -1,4 +1,4 @@
-//! Tolerances for comparing numbers.
+//! Options of a comparison, and tolerances for comparing numbers.
 
 use super::error::DiffError;
 use crate::telemetry::fields::state::THETA;
@@ -16,7 +16,6 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// Whether two numbers are equal within the tolerance. Two NaNs are equal.
-    #[must_use]
     pub fn allows(&self, a: f64, b: f64) -> bool {
         if a == b || (a.is_nan() && b.is_nan()) {
             return true;
@@ -98,7 +97,6 @@ impl Tolerances {
     }
 
     /// The tolerance of a field.
-    #[must_use]
     pub fn of(&self, topic: &str, field: &str) -> Tolerance {
         let name = full_name(topic, field);
         let matching = |(pattern, _): &&(String, Tolerance)| matches(pattern, &name);
@@ -107,7 +105,6 @@ impl Tolerances {
     }
 
     /// Whether a topic or field is ignored.
-    #[must_use]
     pub fn ignores(&self, name: &str) -> bool {
         self.ignored.iter().any(|pattern| matches(pattern, name))
     }
@@ -142,7 +139,6 @@ impl Tolerances {
 }
 
 /// The name of a field with its topic, as in `/top/state.theta`, which patterns are matched with.
-#[must_use]
 pub fn full_name(topic: &str, field: &str) -> String {
     format!("{topic}.{field}")
 }
@@ -168,6 +164,28 @@ fn matches(pattern: &str, name: &str) -> bool {
         return name.ends_with(last);
     }
     rest.is_empty() || rest.starts_with('.')
+}
+
+/// Options of a comparison.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// The differences that count as equal.
+    pub tolerances: Tolerances,
+    /// Whether to estimate integration errors by repeating the simulations with tighter tolerances.
+    pub floor: bool,
+    /// The topics to compare; all common topics if empty.
+    pub topics: Vec<String>,
+}
+
+impl Default for Options {
+    /// All topics, bit for bit, with the integrators' errors.
+    fn default() -> Self {
+        Self {
+            tolerances: Tolerances::default(),
+            floor: true,
+            topics: Vec::new(),
+        }
+    }
 }
 
 #[cfg(test)]

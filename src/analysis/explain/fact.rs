@@ -178,7 +178,6 @@ pub enum Fact {
 
 impl Fact {
     /// The fact as a sentence.
-    #[must_use]
     #[allow(clippy::too_many_lines, reason = "a template for each fact")]
     pub fn sentence(&self) -> String {
         let angle = |theta: &f64| quantity(*theta, 4, "rad");
@@ -186,7 +185,11 @@ impl Fact {
         let joule = |energy: &f64| quantity(*energy, 4, "J");
         match self {
             Self::Start { theta, psi_dot } => {
-                format!("Start: θ = {}, ψ̇ = {}.", angle(theta), rate(psi_dot))
+                format!(
+                    "The top starts at θ = {} with ψ̇ = {}.",
+                    angle(theta),
+                    rate(psi_dot)
+                )
             }
             Self::Risen { theta, time } => {
                 format!("The top reaches θ = {} at {}.", angle(theta), moment(*time))
@@ -259,7 +262,7 @@ impl Fact {
             }
             Self::NoRoots => "At the start, the spin is too low for regular precession.".to_owned(),
             Self::FrictionOnPrecession { friction, change } => format!(
-                "The friction term of φ̈ integrates to {}; the actual change of φ̇ is {}.",
+                "Until the last sample, the friction term of φ̈ integrates to {}; φ̇ changes by {}.",
                 rate(friction),
                 quantity(*change, 3, "rad/s")
             ),
@@ -291,10 +294,10 @@ impl Fact {
                 };
                 let change = joule(&(last - first).abs());
                 let until = moment(*time);
-                format!("Energy {verb} by {change} until {until}.")
+                format!("Energy {verb} by {change} until the last sample, at {until}.")
             }
             Self::EnergyConstant { energy, deviation } => format!(
-                "Energy is constant at {} (± {}).",
+                "Energy is constant at {} in all samples (± {}).",
                 quantity(*energy, 6, "J"),
                 quantity(*deviation, 2, "J")
             ),
@@ -307,15 +310,15 @@ impl Fact {
                 quantity(*within, 2, "J")
             ),
             Self::Sliding { sliding, losses } if *losses > 0.0 => format!(
-                "Sliding dissipates {}; rolling resistance, drilling and air dissipate {}.",
+                "Until then, sliding dissipates {}; rolling resistance, drilling and air dissipate {}.",
                 joule(sliding),
                 joule(losses)
             ),
             Self::Sliding { sliding, .. } => {
-                format!("Sliding dissipates {}.", joule(sliding))
+                format!("Until then, sliding dissipates {}.", joule(sliding))
             }
             Self::SlipPath { length } => format!(
-                "The slip path of the contact point is {} long.",
+                "Until the last sample, the contact point slips {}.",
                 quantity(*length, 3, "m")
             ),
             Self::VerticalMomentum {

@@ -208,7 +208,7 @@ impl RunReport {
     fn took(&self) -> String {
         let share = self.wall_time / self.outcome.stop_time;
         let share = if share < SLOWEST {
-            format!("({share:.3} × simulated time)")
+            format!(" ({share:.3} × simulated time)")
         } else {
             String::new()
         };

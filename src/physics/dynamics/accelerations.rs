@@ -24,7 +24,6 @@ pub struct Accelerations {
 
 impl Accelerations {
     /// The total Euler accelerations, rad/s².
-    #[must_use]
     #[inline]
     pub fn total(&self) -> Euler {
         let sum = |part: fn(&Euler) -> f64| {

@@ -40,7 +40,6 @@ impl BodyRotation {
     pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
 
     /// Creates the formulation in the sliding phase.
-    #[must_use]
     pub fn new(model: Model) -> Self {
         Self {
             model,
@@ -94,7 +93,6 @@ impl<const N: usize> System<N> for BodyRotation {
 
 impl BodyRotation {
     /// The state at the start from Euler angles (rad) and rates (rad/s).
-    #[must_use]
     pub fn state<const N: usize>(angles: Euler, rates: Euler, model: &Model) -> [f64; N] {
         let q = world_from_body(angles);
         let tilt = Tilt::from_rates(angles.theta, rates);
@@ -105,7 +103,6 @@ impl BodyRotation {
     }
 
     /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
-    #[must_use]
     pub fn state_at_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let lean = Lean::of(&quaternion(y), |_| momentum(y));
         let held = Self {

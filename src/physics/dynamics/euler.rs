@@ -35,7 +35,6 @@ impl EulerAngles {
     pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
 
     /// Creates the formulation in the sliding phase.
-    #[must_use]
     pub fn new(model: Model) -> Self {
         Self {
             model,
@@ -127,7 +126,6 @@ impl EulerAngles {
     }
 
     /// The state at the start from Euler angles (rad) and rates (rad/s).
-    #[must_use]
     pub fn state<const N: usize>(angles: Euler, rates: Euler, _model: &Model) -> [f64; N] {
         let first = [
             angles.phi,
@@ -141,7 +139,6 @@ impl EulerAngles {
     }
 
     /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
-    #[must_use]
     pub fn state_at_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let top = &self.model.top;
         let tilt = Tilt::from_rates(y[1], rates(y));

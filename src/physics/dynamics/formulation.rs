@@ -75,7 +75,6 @@ pub struct Entry<F, const N: usize> {
 /// integrals: all [`INTEGRALS`](super::INTEGRALS), or only [`FEW_INTEGRALS`](super::FEW_INTEGRALS).
 pub trait Formulation<const N: usize>: System<N> + Copy {
     /// Tolerances per step for these tolerances of the motion.
-    #[must_use]
     fn step_tolerances(tolerances: Tolerances) -> Tolerances {
         tolerances
     }

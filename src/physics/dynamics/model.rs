@@ -28,7 +28,6 @@ pub struct Model {
 
 impl Model {
     /// The state of the contact for a motion.
-    #[must_use]
     pub fn contact_in(&self, motion: &Motion) -> Contact {
         if !self.support.is_free() {
             return self.contact(&motion.tilt);
@@ -58,7 +57,6 @@ impl Model {
     ///
     /// [`Model::accelerations`] assumes that the peg's centre does not accelerate. For a free peg, the accelerations
     /// are computed about the centre of mass instead.
-    #[must_use]
     pub fn euler_accelerations(&self, contact: &Contact, motion: &Motion) -> Euler {
         let tilt = &motion.tilt;
         if !self.support.is_free() {
@@ -72,7 +70,6 @@ impl Model {
     }
 
     /// Angular momentum about the centre of the peg in the node frame, kg m²/s.
-    #[must_use]
     pub fn momentum_node(&self, motion: &Motion) -> Vector3<f64> {
         if !self.support.is_free() {
             return self.top.angular_momentum_node(&motion.tilt);
@@ -84,7 +81,6 @@ impl Model {
     }
 
     /// Power of friction, W.
-    #[must_use]
     pub fn friction_power(&self, contact: &Contact, tilt: &Tilt) -> f64 {
         if !self.support.is_free() {
             return self.friction_torque(contact, tilt).dot(&tilt.omega_lean);
@@ -94,7 +90,6 @@ impl Model {
     }
 
     /// Angular momentum about the centre of mass in the lean frame, kg m²/s.
-    #[must_use]
     pub fn central_momentum_lean(&self, motion: &Motion) -> Vector3<f64> {
         let momentum = self.top.about_center().angular_momentum_node(&motion.tilt);
         motion.tilt.node_to_lean(&momentum)
@@ -102,7 +97,6 @@ impl Model {
 
     /// The top with the moments of inertia about the point about which it nutates: the centre of a fixed peg, or the
     /// centre of mass.
-    #[must_use]
     pub fn nutating_top(&self) -> Top {
         if self.support.is_free() {
             self.top.about_center()
@@ -116,7 +110,6 @@ impl Model {
     ///
     /// With the height `h = R + l cos θ` of the centre of mass its moments of inertia are `A + M h²`, about the contact
     /// point, and `I_z + M R h`: because of rolling, the centre of mass circles with the spin.
-    #[must_use]
     pub fn rolling_top(&self, cos: f64) -> Top {
         let top = &self.top;
         let height = top.peg_radius + top.center_distance * cos;
@@ -129,7 +122,6 @@ impl Model {
 
     /// The period of nutation without friction in a motion with these least and greatest θ (rad), s: see
     /// [`Top::nutation_period`]. `None` if the motion is not periodic.
-    #[must_use]
     pub fn nutation_period(&self, motion: &Motion, extremes: [f64; 2]) -> Option<f64> {
         let top = if self.rolls(motion) {
             self.rolling_top(motion.tilt.cos)
@@ -145,7 +137,6 @@ impl Model {
     /// For a rolling peg, with the height `h = R + l cos θ` of the centre of mass, they are the roots of
     /// `((A − I_z) cos θ + M l h) φ̇² − (I_z + M R h) ψ̇ φ̇ + M g l = 0`: the centre of mass moves in a circle, and
     /// friction provides the centripetal force.
-    #[must_use]
     pub fn precession_roots(&self, motion: &Motion) -> Option<PrecessionRoots> {
         let (top, tilt) = (&self.top, &motion.tilt);
         if !self.rolls(motion) {
@@ -165,7 +156,6 @@ impl Model {
 
     /// Jellett's integral `l L_n + R L_z′` about the centre of mass, kg m³/s: not changed by any force at the contact
     /// point (J. H. Jellett, A Treatise on the Theory of Friction, 1872).
-    #[must_use]
     pub fn jellett(&self, motion: &Motion) -> f64 {
         let momentum = self.central_momentum_lean(motion);
         let axial = momentum.dot(&motion.tilt.axis());
@@ -174,14 +164,12 @@ impl Model {
 
     /// Routh's integral of a rolling top, kg m²/s: `L_n/I_z · √(A I_z + M I_z (l + R cos θ)² + M A R² sin² θ)` with the
     /// transverse moment `A` about the centre of mass.
-    #[must_use]
     pub fn routh(&self, motion: &Motion) -> f64 {
         let tilt = &motion.tilt;
         tilt.axial_rate() * self.top.rolling_moments(tilt.sin, tilt.cos).sqrt()
     }
 
     /// Kinetic energy in a motion, J.
-    #[must_use]
     pub fn kinetic_energy(&self, motion: &Motion) -> f64 {
         if !self.support.is_free() {
             return self.top.kinetic_energy(&motion.tilt);
@@ -193,7 +181,6 @@ impl Model {
 
     /// Potential energy in a motion, J; zero if the centre of mass is at z = R, the height of the centre of a peg on
     /// the table.
-    #[must_use]
     pub fn potential_energy(&self, motion: &Motion) -> f64 {
         let above_peg = self.top.potential_energy(&motion.tilt);
         match self.support {
@@ -206,27 +193,23 @@ impl Model {
     }
 
     /// Total energy in a motion, J.
-    #[must_use]
     pub fn energy(&self, motion: &Motion) -> f64 {
         self.kinetic_energy(motion) + self.potential_energy(motion)
     }
 
     /// The contact of a fixed peg in the state `tilt`; the normal force equals the weight.
-    #[must_use]
     #[inline(always)]
     pub fn contact(&self, tilt: &Tilt) -> Contact {
         self.friction.contact(&self.top, self.top.weight(), tilt)
     }
 
     /// The torque that keeps the contact point at rest in the state `tilt`, and its bound.
-    #[must_use]
     #[inline(never)]
     pub fn grip(&self, tilt: &Tilt) -> Grip {
         self.friction.grip(&self.top, self.top.weight(), tilt)
     }
 
     /// Torque of friction about the peg's centre in the lean frame, N m.
-    #[must_use]
     #[inline(always)]
     pub fn friction_torque(&self, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
         self.friction.torque(&self.top, contact, tilt)
@@ -235,7 +218,6 @@ impl Model {
     /// The Euler accelerations, term by term.
     ///
     /// Upright, where φ and ψ are undefined, φ̈ and ψ̈ are 0 except for friction about the vertical.
-    #[must_use]
     #[inline(always)]
     pub fn accelerations(&self, contact: &Contact, tilt: &Tilt) -> Accelerations {
         let frictional = self.friction.euler_accelerations(&self.top, contact, tilt);

@@ -27,7 +27,6 @@ pub(super) const DEPARTING: f64 = 1e-9;
 
 impl Motion {
     /// Slip velocity of the contact point in the lean frame, m/s; in flight, the velocity of the lowest point.
-    #[must_use]
     #[inline]
     pub fn slip_velocity(&self, top: &Top) -> Vector3<f64> {
         let velocity = self.peg.velocity_lean + self.tilt.slip_velocity(top.peg_radius);
@@ -41,7 +40,6 @@ impl Motion {
     }
 
     /// Velocity of the centre of mass in the lean frame, m/s.
-    #[must_use]
     #[inline]
     pub fn center_velocity_lean(&self, top: &Top) -> Vector3<f64> {
         let turning = self.tilt.omega_lean.cross(&self.tilt.axis());
@@ -90,7 +88,6 @@ pub struct Dissipated {
 
 impl Peg {
     /// A fixed peg of this radius (m) above the origin.
-    #[must_use]
     #[inline]
     pub fn fixed(radius: f64) -> Self {
         Self {

@@ -16,14 +16,12 @@ pub enum Support {
 
 impl Support {
     /// Whether the peg can move.
-    #[must_use]
     pub fn is_free(self) -> bool {
         matches!(self, Self::FreePeg { .. })
     }
 
     /// The largest allowed integrator tolerances, relative and absolute (SI). With larger ones, the end of slip of a
     /// free peg is missed, because the slip reverses in each step.
-    #[must_use]
     pub fn max_tolerance(self) -> f64 {
         if self.is_free() { 1e-9 } else { f64::INFINITY }
     }

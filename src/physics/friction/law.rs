@@ -73,7 +73,6 @@ pub enum Smoothing {
 impl FrictionLaw {
     /// Friction force per slip velocity, N s/m: `|f| / |v|` at a slip speed above 0 (m/s), with the angular
     /// velocity `drilling` about the vertical (rad/s) under a normal force (N).
-    #[must_use]
     #[inline]
     pub fn resistance(&self, slip_speed: f64, drilling: f64, normal_force: f64) -> f64 {
         match *self {
@@ -107,7 +106,6 @@ impl FrictionLaw {
     }
 
     /// Upper bound of the friction force at a slip speed (m/s) and normal force (N), N.
-    #[must_use]
     pub fn bound(&self, slip_speed: f64, normal_force: f64) -> f64 {
         match *self {
             Self::None => 0.0,
@@ -122,7 +120,6 @@ impl FrictionLaw {
     }
 
     /// Upper bound of |f|/N over all slip speeds; infinite if it grows with the slip speed.
-    #[must_use]
     pub fn largest_coefficient(&self) -> f64 {
         match *self {
             Self::None | Self::Viscous { k: 0.0, .. } => 0.0,
@@ -138,7 +135,6 @@ impl FrictionLaw {
     }
 
     /// Maximum static friction force, N; 0 for smooth laws.
-    #[must_use]
     #[inline]
     pub fn static_bound(&self, normal_force: f64) -> f64 {
         match *self {
@@ -152,7 +148,6 @@ impl FrictionLaw {
     }
 
     /// Maximum torque of the contact patch about the vertical, N m; 0 for laws without a patch.
-    #[must_use]
     pub fn drilling_bound(&self, normal_force: f64) -> f64 {
         match *self {
             Self::Contensou { k, patch_radius } => {
@@ -167,7 +162,6 @@ impl FrictionLaw {
     }
 
     /// Whether there is no friction force at any slip.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         match *self {
             Self::None => true,
@@ -197,7 +191,6 @@ impl Smoothing {
 /// Torque about the vertical, N m, of a contact patch of radius `a` (m) with Hertzian pressure that spins with `ω`
 /// (rad/s) and slips (m/s): `−(3π/16) k N a · a ω / (a |ω| + 15π |v| / 16)` (V. F. Zhuravlev, J. Appl. Math. Mech. 62
 /// (1998) 705). Without slip it is that of pure drilling.
-#[must_use]
 #[inline]
 pub fn drilling_torque(k: f64, a: f64, normal_force: f64, slip_speed: f64, omega: f64) -> f64 {
     let rim_velocity = a * omega;

@@ -36,7 +36,6 @@ const CREEP_TIME: f64 = 1e-5;
 
 impl Drilling {
     /// The same, smoothed for a free peg.
-    #[must_use]
     pub fn with_creep(self, top: &Top) -> Self {
         let strongest = drilling_torque(self.k, self.patch_radius, top.weight(), 0.0, -1.0);
         Self {
@@ -75,7 +74,6 @@ pub struct Air {
 impl Losses {
     /// The torque in N m, in any frame whose z axis is vertical, from the angular velocity (rad/s) and the direction of
     /// the symmetry axis in that frame. Excludes static rolling resistance, which depends on the load.
-    #[must_use]
     #[inline]
     pub fn torque(
         &self,
@@ -87,7 +85,6 @@ impl Losses {
     }
 
     /// The torque of rolling resistance and drilling alone, N m, in any frame whose z axis is vertical.
-    #[must_use]
     #[inline]
     pub fn contact_torque(&self, normal_force: f64, omega: &Vector3<f64>) -> Vector3<f64> {
         let drilling = self.drilling.torque(normal_force, omega.z);
@@ -107,7 +104,6 @@ impl Losses {
     }
 
     /// Maximum contact torque (rolling resistance and drilling), N m.
-    #[must_use]
     pub fn max_contact_torque(&self, normal_force: f64) -> f64 {
         let Drilling {
             k, patch_radius, ..
@@ -117,14 +113,12 @@ impl Losses {
     }
 
     /// Whether all losses are zero.
-    #[must_use]
     #[inline]
     pub fn is_none(&self) -> bool {
         self.rolling_arm == 0.0 && !self.turns_about_vertical()
     }
 
     /// Whether they have a torque about the vertical.
-    #[must_use]
     #[inline]
     pub fn turns_about_vertical(&self) -> bool {
         self.drilling.k != 0.0 || self.air != Air::default()

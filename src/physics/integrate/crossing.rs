@@ -63,7 +63,6 @@ impl SignTracker {
     /// A tracker that treats values within ±`floor` (in the unit of the function) as noise: a crossing counts only if
     /// the function leaves the noise on the other side. Its position is still that of the zero.
     /// [`SignTracker::default`] has no noise floor.
-    #[must_use]
     pub fn with_floor(floor: f64) -> Self {
         Self {
             floor,
@@ -72,7 +71,6 @@ impl SignTracker {
     }
 
     /// A tracker for a function with this initial sign, even if it starts at zero.
-    #[must_use]
     pub fn with_sign(positive: bool, floor: f64) -> Self {
         Self {
             floor,
@@ -81,7 +79,6 @@ impl SignTracker {
     }
 
     /// This tracker with the sign before a crossing.
-    #[must_use]
     pub fn before(self, slope: Slope) -> Self {
         Self {
             positive: Some(slope == Slope::Falling),
@@ -90,7 +87,6 @@ impl SignTracker {
     }
 
     /// Whether the last sign was positive; `None` before the first.
-    #[must_use]
     pub fn sign(&self) -> Option<bool> {
         self.positive
     }
@@ -365,7 +361,6 @@ fn extreme_point(
 }
 
 /// The point between 0 and 1 at which `g` changes its sign, given its values there: one is positive, the other is not.
-#[must_use]
 pub fn zero(start: f64, end: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
     let (from, to) = (Point { s: 0.0, g: start }, Point { s: 1.0, g: end });
     let new_sign = if end > 0.0 { 1.0 } else { -1.0 };

@@ -14,7 +14,6 @@ pub struct Dense<const N: usize> {
 
 impl<const N: usize> Dense<N> {
     /// The state at `t0 + s h`, with `s` in [0, 1].
-    #[must_use]
     #[inline]
     pub fn at(&self, s: f64) -> [f64; N] {
         std::array::from_fn(|i| self.component(i, s))
@@ -22,7 +21,6 @@ impl<const N: usize> Dense<N> {
 
     /// The first `count` components of the state at `t0 + s h`, bit-identical to those of [`Dense::at`]; 0 for the
     /// others.
-    #[must_use]
     #[inline]
     pub fn first_at(&self, count: usize, s: f64) -> [f64; N] {
         let mut state = [0.0; N];
@@ -36,7 +34,6 @@ impl<const N: usize> Dense<N> {
     ///
     /// # Panics
     /// If `i` is not less than `N`.
-    #[must_use]
     #[inline]
     pub fn component(&self, i: usize, s: f64) -> f64 {
         // The factors s and 1 − s alternate.
@@ -46,7 +43,6 @@ impl<const N: usize> Dense<N> {
     }
 
     /// The derivative of the state with respect to `s`, which is `h` times that with respect to t.
-    #[must_use]
     #[inline]
     pub fn slope(&self, s: f64) -> [f64; N] {
         std::array::from_fn(|i| {

@@ -48,7 +48,6 @@ pub struct Statistics {
 
 impl Statistics {
     /// Combined statistics of this and an earlier integration.
-    #[must_use]
     pub(super) fn combined_with(self, before: Self) -> Self {
         let smallest = match (before.smallest_step, self.smallest_step) {
             (before, 0.0) => before,

@@ -126,7 +126,6 @@ impl Scenario {
 
     /// The scenario as TOML in canonical form: all keys in table order, with unit and description. Parsing it returns a
     /// bit-identical scenario.
-    #[must_use]
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         let mut section = "";
@@ -158,25 +157,21 @@ impl Scenario {
     }
 
     /// The scenario's name, used for file names.
-    #[must_use]
     pub fn name(&self) -> &str {
         self.values.text("name").unwrap_or_default()
     }
 
     /// The description; may be empty.
-    #[must_use]
     pub fn description(&self) -> &str {
         self.values.text("description").unwrap_or_default()
     }
 
     /// The text value of a key, or an empty string.
-    #[must_use]
     pub fn word(&self, path: &'static str) -> &str {
         self.values.text(path).unwrap_or_default()
     }
 
     /// SHA-256 (hex) of all keys and values except name and description. Equal for scenarios that define the same run.
-    #[must_use]
     pub fn digest(&self) -> String {
         let mut hash = Sha256::new();
         for (key, value) in self.entries() {
@@ -188,20 +183,17 @@ impl Scenario {
     }
 
     /// Whether there is no friction and no other loss.
-    #[must_use]
     pub fn is_frictionless(&self) -> bool {
         self.model.friction.is_none()
     }
 
     /// Upper bound of the friction force at the initial slip speed, N. Used to scale its arrow.
-    #[must_use]
     pub fn force_scale(&self) -> f64 {
         let Model { top, friction, .. } = &self.model;
         friction.law.bound(self.slip_speed_at_start(), top.weight())
     }
 
     /// Torque of that force and of all losses at the start, N m. Used to scale its arrow.
-    #[must_use]
     pub fn torque_scale(&self) -> f64 {
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
         let losses = self.model.contact(&tilt).losses.unwrap_or_default();
@@ -209,7 +201,6 @@ impl Scenario {
     }
 
     /// Start of the motion.
-    #[must_use]
     pub fn start(&self) -> Start {
         let number = |path: &str| self.values.optional_number(path);
         let top = &self.model.top;
@@ -238,7 +229,6 @@ impl Scenario {
     }
 
     /// Slip speed of the contact point at the start, m/s; for a dropped top, of its lowest point.
-    #[must_use]
     pub fn slip_speed_at_start(&self) -> f64 {
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
         if !self.model.support.is_free() {

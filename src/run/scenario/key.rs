@@ -25,7 +25,6 @@ impl fmt::Display for Value {
 
 impl Value {
     /// The value in `--set` notation: text without quotes, numbers like `1e-10`.
-    #[must_use]
     pub fn to_set_notation(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),
@@ -72,7 +71,6 @@ pub enum Kind {
 
 impl Kind {
     /// Whether the values are texts rather than numbers.
-    #[must_use]
     pub fn is_text(self) -> bool {
         matches!(self, Self::Text | Self::Name | Self::Choice(_))
     }
@@ -143,14 +141,12 @@ impl Key {
     }
 
     /// Whether the typical range spans decades, so that a slider should be logarithmic.
-    #[must_use]
     pub fn is_logarithmic(&self) -> bool {
         self.typical
             .is_some_and(|[low, high]| low > 0.0 && high >= 50.0 * low)
     }
 
     /// The symbol in its description, e.g. `v_0`. `None` if there is none, and for stop conditions.
-    #[must_use]
     pub fn symbol(&self) -> Option<&'static str> {
         let is_symbol = |word: &&str| {
             let mut letters = word.chars();
@@ -166,7 +162,6 @@ impl Key {
     }
 
     /// The unit in brackets with a leading space, or an empty string.
-    #[must_use]
     pub fn in_unit(&self) -> String {
         match self.unit {
             "" => String::new(),

@@ -133,7 +133,6 @@ impl Law {
 
 impl Key {
     /// The key name without section (`k` for `friction.k`), or with section (`drilling-k`) if it is ambiguous.
-    #[must_use]
     pub fn short_name(&self) -> String {
         let short = |path: &'static str| path.rsplit('.').next().unwrap_or(path);
         let first = KEYS.iter().find(|key| short(key.path) == short(self.path));

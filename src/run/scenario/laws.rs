@@ -131,7 +131,6 @@ const fn sliding_laws<const N: usize>() -> [&'static str; N] {
 
 impl Law {
     /// Whether it is a sliding law rather than an additional loss.
-    #[must_use]
     pub fn is_sliding(&self) -> bool {
         self.make.is_some()
     }

@@ -255,7 +255,6 @@ impl Scenario {
     }
 
     /// The name, followed by up to two keys that differ from the preset of that name, e.g. `paper, friction.k = 0.02`.
-    #[must_use]
     pub fn title(&self) -> String {
         let preset = PRESETS.iter().find(|preset| preset.name == self.name());
         match preset.map(Preset::values) {
@@ -265,7 +264,6 @@ impl Scenario {
     }
 
     /// The name, followed by up to two keys that differ from `base`.
-    #[must_use]
     pub fn title_from(&self, base: &Values) -> String {
         let change = |(key, value): (&Key, Option<&Value>)| match value {
             Some(value) => format!(", {} = {}", key.path, value.to_set_notation()),
@@ -301,7 +299,6 @@ impl Preset {
     }
 
     /// Its description.
-    #[must_use]
     pub fn description(&self) -> &'static str {
         self.description
     }

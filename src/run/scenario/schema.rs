@@ -9,7 +9,6 @@ pub const SCHEMA_FILE: &str = "scenario.json";
 
 /// The JSON Schema of a scenario file. It checks keys individually; dependencies between keys are checked by
 /// [`Scenario::new`](super::Scenario::new).
-#[must_use]
 pub fn schema() -> String {
     // Top-level keys are in a section without a name.
     let mut sections: Vec<(&str, Map<String, Value>)> = Vec::new();

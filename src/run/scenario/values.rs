@@ -85,7 +85,6 @@ impl Values {
     }
 
     /// The value of a key.
-    #[must_use]
     pub fn get(&self, path: &str) -> Option<&Value> {
         self.0.get(path)
     }

@@ -96,13 +96,11 @@ impl EventKind {
     }
 
     /// Whether it occurs in every nutation; such events are omitted from lists.
-    #[must_use]
     pub fn is_of_nutation(self) -> bool {
         matches!(self, Self::NutationMinimum | Self::NutationMaximum)
     }
 
     /// Plural noun for counts, e.g. "10 loops"; `None` for events that end something or occur once.
-    #[must_use]
     pub fn plural(self, top: &Top) -> Option<&'static str> {
         match self {
             Self::LoopingBegins if top.center_distance < 0.0 => Some("reversals of the precession"),
@@ -131,7 +129,6 @@ impl EventKind {
     }
 
     /// Human-readable description of an event.
-    #[must_use]
     pub(super) fn describe(self, top: &Top, motion: &Motion) -> String {
         let theta = motion.angles.theta;
         let rates = &motion.tilt.rates;
@@ -223,7 +220,6 @@ listed! {
 
 impl StopReason {
     /// The reason for the run's end, as a sentence.
-    #[must_use]
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Risen => "the top has risen",

@@ -44,7 +44,6 @@ pub struct NutationCycle {
 
 impl NutationCycle {
     /// Duration, s.
-    #[must_use]
     pub fn period(&self) -> f64 {
         self.end - self.start
     }

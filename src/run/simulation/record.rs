@@ -23,7 +23,6 @@ pub enum Record {
 
 impl Record {
     /// Its time, ns.
-    #[must_use]
     pub fn time_ns(&self) -> u64 {
         match self {
             Self::Sample(sample) => sample.time_ns,

@@ -103,7 +103,6 @@ pub struct Energies {
 
 impl Energies {
     /// Total energy, J.
-    #[must_use]
     pub fn total(&self) -> f64 {
         self.kinetic + self.potential
     }
@@ -206,7 +205,6 @@ impl Sample {
     }
 
     /// Contact regime: 1 slipping, 0 sticking or rolling, 2 in the air.
-    #[must_use]
     pub fn regime(&self) -> f64 {
         match self.free.map(|free| free.phase) {
             Some(Phase::Flying) => 2.0,

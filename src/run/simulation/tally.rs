@@ -39,19 +39,16 @@ impl Tally {
     }
 
     /// The event kinds that occurred, with counts.
-    #[must_use]
     pub fn counts(&self) -> &[EventCount] {
         &self.0
     }
 
     /// Number of events of this kind.
-    #[must_use]
     pub fn number(&self, kind: EventKind) -> u64 {
         self.find(kind).map_or(0, |known| known.count)
     }
 
     /// Time of the first event of this kind, s, if any.
-    #[must_use]
     pub fn first(&self, kind: EventKind) -> Option<f64> {
         self.find(kind).map(|known| known.first_time)
     }

@@ -50,7 +50,7 @@ impl Envelope {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::telemetry::channels;
+    use crate::telemetry::table::channels;
     use crate::telemetry::fields::{STATE, state};
 
     fn state(envelope: &mut Envelope, sequence: u32) {

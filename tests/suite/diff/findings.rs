@@ -26,7 +26,7 @@ fn val_means_cross_levels_that_both_runs_cross() {
     let (shift, within) = (crossing.difference.unwrap(), crossing.uncertainty.unwrap());
     assert!(shift + within < 0.0, "{crossing:?}");
     let level: f64 = crossing.what.split(' ').nth(3).unwrap().parse().unwrap();
-    let rolling = values(&report, "rolls to the end, from θ").map(Option::unwrap);
+    let rolling = values(&report, "θ at start of final rolling").map(Option::unwrap);
     for (at, scenario) in runs.iter().enumerate() {
         assert!(level > 1.05 * rolling[at], "{level} {rolling:?}");
         let run = Run::of(scenario);
@@ -62,9 +62,9 @@ fn what_only_one_run_did_is_absent_in_the_other() {
     let report = compare(&paper, &free, &quick()).unwrap();
     for what in [
         "first lifts off",
-        "flights",
+        "hops",
         "first rolls",
-        "rolls to the end",
+        "θ at start of final rolling",
     ] {
         let found = finding(&report, what).unwrap();
         assert!(found.a.is_none() && found.b.is_some(), "{found:?}");
@@ -81,7 +81,7 @@ fn what_only_one_run_did_is_absent_in_the_other() {
     assert_eq!(words, ["3.2410", "–"], "{page}");
     let row = page
         .lines()
-        .find(|line| line.trim_start().starts_with("flights"));
+        .find(|line| line.trim_start().starts_with("hops"));
     assert!(row.unwrap().ends_with("  50"), "{page}");
 }
 

@@ -73,7 +73,7 @@ fn val_findings(report: &Report, runs: [&Value; 2], expected: &Value) {
     let crossing = finding(report, "mean θ crosses").unwrap();
     let (shift, within) = (crossing.difference.unwrap(), crossing.uncertainty.unwrap());
     assert!(shift - within < 0.0, "{crossing:?}");
-    let torque = finding(report, "friction torque").unwrap().difference;
+    let torque = finding(report, "max. friction torque").unwrap().difference;
     let expected = number(&expected["discrepancy"]["torque"]["max_abs"]);
     assert_near("torque", torque.unwrap(), expected, 1e-12);
 }
