@@ -51,50 +51,17 @@ pub struct Figure {
     /// The least number of runs that the figure can be drawn of.
     pub least_runs: usize,
     /// The fields without which the figure can't be drawn.
-    needs: &'static [&'static [NumberField]],
+    needs: &'static [NumberField],
     /// The fields without which parts of the figure are left out.
     uses: &'static [NumberField],
-    /// The fields whose means over nutations are drawn.
-    means: &'static [NumberField],
+    /// Whether means of its fields over nutations are drawn.
+    has_means: bool,
     /// Whether the figure is one of free pegs: a held one stays where it is.
     is_of_free_pegs: bool,
     /// The reason why the figure does not apply to this run; none if it does.
     does_not_apply: fn(&Run) -> Option<&'static str>,
     draw: fn(&[&Run], f64) -> Drawing,
 }
-
-const ANGLES: &[NumberField] = &[
-    state::THETA,
-    state::THETA_DOT,
-    state::PHI_DOT,
-    state::PSI_DOT,
-];
-const PRECESSION: &[NumberField] = &[state::PHI_DOT, precession::SLOW_ROOT, precession::FAST_ROOT];
-const ACCELERATIONS: &[NumberField] = &[
-    acceleration::THETA_DDOT_GYROSCOPIC,
-    acceleration::THETA_DDOT_CENTRIFUGAL,
-    acceleration::THETA_DDOT_GRAVITATIONAL,
-    acceleration::THETA_DDOT_FRICTIONAL,
-    acceleration::PHI_DDOT_GYROSCOPIC,
-    acceleration::PHI_DDOT_CORIOLIS,
-    acceleration::PHI_DDOT_FRICTIONAL,
-];
-const TORQUES: &[NumberField] = &[
-    torque::GRAVITY_NODE.x(),
-    torque::FRICTION_NODE.x(),
-    torque::FRICTION_NODE.y(),
-    torque::FRICTION_NODE.z(),
-];
-const SLIP: &[NumberField] = &[contact::SLIP_SPEED, contact::SLIP_PATH];
-const HOPS: &[NumberField] = &[contact::NORMAL_FORCE, free_peg::GAP];
-const ENERGIES: &[NumberField] = &[
-    energy::KINETIC,
-    energy::POTENTIAL,
-    energy::TOTAL,
-    energy::FRICTION_WORK,
-    energy::FRICTION_POWER,
-];
-const TRACK: &[NumberField] = &[contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()];
 
 /// The defaults of the table below.
 const DEFAULTS: Figure = Figure {
@@ -103,7 +70,7 @@ const DEFAULTS: Figure = Figure {
     least_runs: 1,
     needs: &[],
     uses: &[],
-    means: &[],
+    has_means: false,
     is_of_free_pegs: false,
     does_not_apply: |_| None,
     draw: |_, width| Drawing::new(width),
@@ -114,14 +81,19 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "figure-2",
         title: "θ, θ̇, φ̇ and ψ̇ over time",
-        needs: &[ANGLES],
+        needs: &[
+            state::THETA,
+            state::THETA_DOT,
+            state::PHI_DOT,
+            state::PSI_DOT,
+        ],
         draw: time::motion,
         ..DEFAULTS
     },
     Figure {
         name: "figure-3",
         title: "The locus of the symmetry axis, its projection, and its end magnified",
-        needs: &[&pose::AXIS.components()],
+        needs: &pose::AXIS.components(),
         draw: locus::locus,
         ..DEFAULTS
     },
@@ -129,15 +101,24 @@ pub const FIGURES: &[Figure] = &[
         name: "figure-4",
         title: "θ of each further run, with the averages of the first",
         least_runs: 2,
-        needs: &[&[state::THETA, nutation::THETA_MEAN]],
+        needs: &[state::THETA, nutation::THETA_MEAN],
         draw: time::compared,
         ..DEFAULTS
     },
     Figure {
         name: "acceleration",
         title: "Why it rises: the terms of θ̈ and φ̈, averaged over nutations",
-        needs: &[ACCELERATIONS, &[nutation::START]],
-        means: ACCELERATIONS,
+        needs: &[
+            acceleration::THETA_DDOT_GYROSCOPIC,
+            acceleration::THETA_DDOT_CENTRIFUGAL,
+            acceleration::THETA_DDOT_GRAVITATIONAL,
+            acceleration::THETA_DDOT_FRICTIONAL,
+            acceleration::PHI_DDOT_GYROSCOPIC,
+            acceleration::PHI_DDOT_CORIOLIS,
+            acceleration::PHI_DDOT_FRICTIONAL,
+            nutation::START,
+        ],
+        has_means: true,
         does_not_apply: |run| {
             let because = "the terms are those of a peg that stays in place; a free one adds that of its own acceleration";
             run.has_free_peg.then_some(because)
@@ -148,7 +129,7 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "precession",
         title: "φ̇ and the rates of regular precession, between which the top is driven upright",
-        needs: &[PRECESSION],
+        needs: &[state::PHI_DOT, precession::SLOW_ROOT, precession::FAST_ROOT],
         does_not_apply: |run| {
             let because =
                 "the rates are those of a peg that stays in place, and a free one also rolls";
@@ -160,31 +141,42 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "torque",
         title: "Torques along the line of nodes (x), its perpendicular (y) and the symmetry axis (z)",
-        needs: &[TORQUES],
-        means: TORQUES,
+        needs: &[
+            torque::GRAVITY_NODE.x(),
+            torque::FRICTION_NODE.x(),
+            torque::FRICTION_NODE.y(),
+            torque::FRICTION_NODE.z(),
+        ],
+        has_means: true,
         draw: time::torque,
         ..DEFAULTS
     },
     Figure {
         name: "slip",
         title: "Slip speed and path slipped",
-        needs: &[SLIP],
-        means: SLIP,
+        needs: &[contact::SLIP_SPEED, contact::SLIP_PATH],
+        has_means: true,
         draw: time::slip,
         ..DEFAULTS
     },
     Figure {
         name: "energy",
         title: "Kinetic, potential and total energy, and what friction takes",
-        needs: &[ENERGIES],
-        means: ENERGIES,
+        needs: &[
+            energy::KINETIC,
+            energy::POTENTIAL,
+            energy::TOTAL,
+            energy::FRICTION_WORK,
+            energy::FRICTION_POWER,
+        ],
+        has_means: true,
         draw: time::energy,
         ..DEFAULTS
     },
     Figure {
         name: "track",
         title: "The track of the contact point of a free peg on the table, from above",
-        needs: &[TRACK],
+        needs: &[contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()],
         uses: &[contact::REGIME],
         is_of_free_pegs: true,
         draw: track::track,
@@ -193,8 +185,8 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "hops",
         title: "The normal force on a free peg, and its height above the table",
-        needs: &[HOPS],
-        means: HOPS,
+        needs: &[contact::NORMAL_FORCE, free_peg::GAP],
+        has_means: true,
         is_of_free_pegs: true,
         does_not_apply: |run| {
             let gaps = run.series(free_peg::GAP).into_iter().map(|point| point.1);
@@ -218,12 +210,13 @@ impl Run {
         figures: &[&Figure],
         progress: &dyn Fn(u64),
     ) -> Self {
-        let needs = figures.iter().flat_map(|figure| figure.needs);
-        let uses = figures.iter().flat_map(|figure| figure.uses);
-        let fields = needs.copied().flatten().chain(uses).copied();
-        let fields = fields.chain(NUTATION.numbers());
-        let means = figures.iter().flat_map(|figure| figure.means).copied();
-        let (fields, means) = (fields.collect(), means.collect::<Vec<_>>());
+        let fields = figures
+            .iter()
+            .flat_map(|figure| figure.needs.iter().chain(figure.uses));
+        let fields = fields.copied().chain(NUTATION.numbers()).collect();
+        let with_means = figures.iter().filter(|figure| figure.has_means);
+        let means = with_means.flat_map(|figure| figure.needs).copied();
+        let means: Vec<_> = means.filter(|field| field.topic() != NUTATION).collect();
         Self::collect(subject.into(), name, fields, &means, progress)
     }
 }
@@ -238,8 +231,7 @@ impl Figure {
     /// The first need of the figure that a run lacks: a channel, its messages, or a field.
     #[must_use]
     pub fn missing(&self, run: &Run) -> Option<String> {
-        let mut needs = self.needs.iter().copied().flatten();
-        needs.find_map(|field| run.missing(*field))
+        self.needs.iter().find_map(|field| run.missing(*field))
     }
 
     /// The reason why the figure does not apply to a run, whatever the run has recorded.

@@ -16,7 +16,6 @@ use parquet::file::metadata::{KeyValue, ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::writer::SerializedFileWriter;
 use serde_json::Value as Json;
 use sha2::{Digest as _, Sha256};
-use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
@@ -34,9 +33,7 @@ const SPEC_FILE: &str = "sweep.json";
 /// The directory for the parts of a table.
 #[must_use]
 pub fn parts_directory(table: &Path) -> PathBuf {
-    let mut name = table.file_name().map_or_else(OsString::new, OsString::from);
-    name.push(".parts");
-    table.with_file_name(name)
+    table.with_added_extension("parts")
 }
 
 /// The places of a sweep's files.
@@ -184,7 +181,8 @@ impl<'a> Store<'a> {
     /// [`SweepError::File`] for a part that is not what it must be.
     pub(super) fn merge(&self) -> Result<(), SweepError> {
         let merge = |mut draft: Draft| -> Result<(), SweepError> {
-            self.copy(&mut draft)?;
+            self.copy(&mut draft)
+                .map_err(|error| cannot_write(self.table, error))?;
             draft.publish()?;
             Ok(())
         };
@@ -234,7 +232,6 @@ impl<'a> Store<'a> {
 
     /// Copies the parts into a draft of the table.
     fn copy(&self, draft: &mut Draft) -> Result<(), SweepError> {
-        let cannot_write = |error| cannot_write(self.table, error);
         let first = self.whole(0)?.metadata;
         let first = first.file_metadata();
         let entries = first.key_value_metadata().into_iter().flatten();
@@ -245,14 +242,14 @@ impl<'a> Store<'a> {
         entries.push(KeyValue::new(SPEC_ENTRY.to_owned(), spec));
         let schema = first.schema_descr().root_schema_ptr();
         let output = BufWriter::new(&mut *draft);
-        let writer = SerializedFileWriter::new(output, schema, Arc::new(properties(entries)));
-        let mut writer = writer.map_err(cannot_write)?;
+        let properties = Arc::new(properties(entries));
+        let mut writer = SerializedFileWriter::new(output, schema, properties)?;
         let mut counts = Counts::default();
         for part in 0..self.sweep.parts() {
             let part = self.whole(part)?;
             counts.add(part.counts);
             for group in part.metadata.row_groups() {
-                let mut copy = writer.next_row_group().map_err(cannot_write)?;
+                let mut copy = writer.next_row_group()?;
                 for column in group.columns() {
                     let close = ColumnCloseResult {
                         bytes_written: column.compressed_size() as u64,
@@ -262,14 +259,13 @@ impl<'a> Store<'a> {
                         column_index: None,
                         offset_index: None,
                     };
-                    let copied = copy.append_column(&part.file, close);
-                    copied.map_err(cannot_write)?;
+                    copy.append_column(&part.file, close)?;
                 }
-                copy.close().map_err(cannot_write)?;
+                copy.close()?;
             }
         }
         writer.append_key_value_metadata(counts_entry(&counts));
-        writer.close().map_err(cannot_write)?;
+        writer.close()?;
         checksum::add(draft.file()?).map_err(SweepError::io("write", self.table))
     }
 
@@ -318,9 +314,9 @@ fn refuse_other(path: &Path, text: &str, sweep: &Json) -> Result<(), SweepError>
 }
 
 /// Why a table can't be written: the system's reason, where there is one, and not how the Parquet writer wraps it.
-fn cannot_write(table: &Path, error: ParquetError) -> SweepError {
-    let ParquetError::External(cause) = error else {
-        return error.into();
+fn cannot_write(table: &Path, error: SweepError) -> SweepError {
+    let SweepError::Parquet(ParquetError::External(cause)) = error else {
+        return error;
     };
     match cause.downcast() {
         Ok(reason) => SweepError::io("write", table)(*reason),
@@ -361,10 +357,11 @@ mod tests {
     #[test]
     fn what_the_system_refuses_is_told_with_the_name_of_the_table() {
         let full = io::Error::from(io::ErrorKind::StorageFull);
-        let message = cannot_write(Path::new("a.parquet"), full.into()).to_string();
+        let full = SweepError::Parquet(full.into());
+        let message = cannot_write(Path::new("a.parquet"), full).to_string();
         assert_eq!(message, "cannot write a.parquet: no storage space");
         let other = ParquetError::General("odd".to_owned());
-        let message = cannot_write(Path::new("a.parquet"), other).to_string();
+        let message = cannot_write(Path::new("a.parquet"), other.into()).to_string();
         assert!(message.ends_with("odd"), "{message}");
     }
 }

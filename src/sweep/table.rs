@@ -207,32 +207,22 @@ fn is_nameless_index(name: &str) -> bool {
 /// Reads a table with commas between its cells, each of which is in one line.
 fn from_csv(text: &str) -> Result<Table, String> {
     let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
-    let lines = text.split(['\n', '\r']).zip(1..);
-    let mut lines: Vec<(&str, u64)> = lines.collect();
+    let is_blank = |(line, _): &(&str, u64)| line.trim().is_empty();
+    let lines = text.split(['\n', '\r']).zip(1..).skip_while(is_blank);
+    let mut lines: Vec<_> = lines.collect();
     // The text ends with the end of a line.
     lines.pop_if(|(line, _)| line.is_empty());
-    lines.drain(
-        ..lines
-            .iter()
-            .take_while(|(line, _)| line.trim().is_empty())
-            .count(),
-    );
-    if let Some((_, line)) = lines
-        .iter()
-        .find(|(line, _)| line.matches('"').count() % 2 == 1)
-    {
-        return Err(format!(
-            "line {line}: a quote is opened here that nothing closes"
-        ));
+    let is_open = |(line, _): &&(&str, u64)| line.matches('"').count() % 2 == 1;
+    if let Some((_, line)) = lines.iter().find(is_open) {
+        let reason = "a quote is opened here that nothing closes";
+        return Err(format!("line {line}: {reason}"));
     }
     // A reader passes over an empty line, which is an empty cell where there is one column.
-    let has_one_column = lines
-        .first()
-        .is_some_and(|(header, _)| !header.contains(','));
-    lines.retain(|(line, _)| has_one_column || !line.trim().is_empty());
+    let has_one_column = lines.first().is_some_and(|first| !first.0.contains(','));
+    lines.retain(|line| has_one_column || !is_blank(line));
     let filled = lines
         .iter()
-        .map(|(line, _)| if line.trim().is_empty() { "\"\"" } else { line });
+        .map(|line| if is_blank(line) { "\"\"" } else { line.0 });
     let filled = filled.collect::<Vec<_>>().join("\n");
     let mut reader = csv::ReaderBuilder::new();
     reader
