@@ -100,7 +100,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
     };
     let is_by_value = report.recorded_by.is_some();
     let compared = Comparison::new(recording, again, is_by_value).run(progress);
-    conclude(recording, report, compared)
+    conclude(recording, report, &compared)
 }
 
 /// The scenario of a recording and how it was recorded, or what is missing.
@@ -126,20 +126,17 @@ fn other_version(recording: &Recording) -> Option<String> {
     (!is_this).then(|| format!("{version} (telemetry {telemetry})"))
 }
 
-fn conclude(recording: &Recording, report: Report, compared: messages::Compared) -> Report {
+fn conclude(recording: &Recording, report: Report, compared: &messages::Compared) -> Report {
     let is_by_value = report.recorded_by.is_some();
     let is_interrupted = recording.is_interrupted();
     let is_whole = report.state == Condition::Whole && compared.losses == 0;
     let is_part = !is_whole || is_interrupted || compared.missing > 0;
+    let out_of_order = compared.out_of_order.as_ref();
+    let out_of_order = out_of_order.filter(|_| !is_by_value && !is_part);
     let mut difference = compared.difference.clone();
     difference = difference
-        .or_else(|| container::difference(recording, &compared, is_part, is_by_value))
-        .or_else(|| {
-            compared
-                .out_of_order
-                .clone()
-                .filter(|_| !is_by_value && !is_part)
-        });
+        .or_else(|| container::difference(recording, compared, is_part, is_by_value))
+        .or_else(|| out_of_order.cloned());
     // Whatever made the file, and however much of the run it has: its data and its index must agree, unless it is damaged.
     let is_readable = report.state != Condition::Damaged && compared.losses == 0;
     if difference.is_none() && is_readable && recording.is_closed() {

@@ -65,13 +65,13 @@ impl Events {
         );
         let kind = EventKind::find(events::NAME.of(message));
         if kind.is_some_and(EventKind::is_of_nutation) {
-            self.nutation.push(outlet, time_ns, text);
+            self.nutation.push(outlet, time_ns, [text]);
             return;
         }
         if kind.is_none_or(|kind| self.is_first(kind, time_ns)) {
-            self.summary.push(outlet, time_ns, text.clone());
+            self.summary.push(outlet, time_ns, [text.clone()]);
         }
-        self.each.push(outlet, time_ns, text);
+        self.each.push(outlet, time_ns, [text]);
     }
 
     /// Counts an event. Returns whether it is the first of its kind.
@@ -101,7 +101,7 @@ impl Events {
                 let span = [repeated.again_ns, repeated.last_ns];
                 let [again, last] = span.map(|ns| ns as f64 * 1e-9);
                 let text = format!("{again:.6} s: {more} more {plural} until {last:.6} s");
-                self.summary.push(outlet, repeated.again_ns, text);
+                self.summary.push(outlet, repeated.again_ns, [text]);
             }
         }
     }
