@@ -58,11 +58,8 @@ impl Events {
             return;
         }
         let time_ns = message.time_ns;
-        let text = format!(
-            "{:.6} s: {}",
-            events::TIME.of(message),
-            events::DESCRIPTION.of(message)
-        );
+        let (time, description) = (events::TIME.of(message), events::DESCRIPTION.of(message));
+        let text = format!("{time:.6} s: {description}");
         let kind = EventKind::find(events::NAME.of(message));
         if kind.is_some_and(EventKind::is_of_nutation) {
             self.nutation.push(outlet, time_ns, [text]);
