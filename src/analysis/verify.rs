@@ -99,8 +99,33 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
         }
     };
     let is_by_value = report.recorded_by.is_some();
-    let compared = Comparison::new(recording, again, is_by_value).run(progress);
-    conclude(recording, report, compared)
+    let (compared, opening, end) = Comparison::new(recording, again, is_by_value).run(progress);
+    let is_interrupted = recording.is_interrupted();
+    let is_whole = report.state == Condition::Whole && compared.losses == 0;
+    let is_part = !is_whole || is_interrupted || compared.missing > 0;
+    let beside = || container::difference(recording, &opening, &end, is_part, is_by_value);
+    let is_exact = !is_by_value && !is_part;
+    // Whatever made the file, and however much of the run it has: its data and its index must agree, unless it is damaged.
+    let has_index =
+        report.state != Condition::Damaged && compared.losses == 0 && recording.is_closed();
+    let index = || index::index_difference(recording);
+    report.difference = compared
+        .difference
+        .or_else(beside)
+        .or(compared.out_of_order.filter(|_| is_exact))
+        .or_else(|| has_index.then(index)?);
+    report.verdict = match (&report.difference, &report.recorded_by) {
+        (Some(_), _) => Verdict::Different,
+        (None, _) if is_part => Verdict::Incomplete,
+        (None, Some(_)) => Verdict::OtherVersion,
+        (None, None) => Verdict::PackedOtherwise,
+    };
+    if report.state == Condition::Whole && compared.losses > 0 {
+        report.state = Condition::Damaged;
+    }
+    report.equal = Some(compared.equal);
+    report.missing = compared.missing;
+    report
 }
 
 /// The scenario of a recording and how it was recorded, or what is missing.
@@ -124,42 +149,4 @@ fn other_version(recording: &Recording) -> Option<String> {
     let telemetry = run.get(TELEMETRY).map_or("1", String::as_str);
     let is_this = version == env!("CARGO_PKG_VERSION") && telemetry == table::VERSION.to_string();
     (!is_this).then(|| format!("{version} (telemetry {telemetry})"))
-}
-
-fn conclude(recording: &Recording, report: Report, compared: messages::Compared) -> Report {
-    let is_by_value = report.recorded_by.is_some();
-    let is_interrupted = recording.is_interrupted();
-    let is_whole = report.state == Condition::Whole && compared.losses == 0;
-    let is_part = !is_whole || is_interrupted || compared.missing > 0;
-    let mut difference = compared.difference.clone();
-    difference = difference
-        .or_else(|| container::difference(recording, &compared, is_part, is_by_value))
-        .or_else(|| {
-            compared
-                .out_of_order
-                .clone()
-                .filter(|_| !is_by_value && !is_part)
-        });
-    // Whatever made the file, and however much of the run it has: its data and its index must agree, unless it is damaged.
-    let is_readable = report.state != Condition::Damaged && compared.losses == 0;
-    if difference.is_none() && is_readable && recording.is_closed() {
-        difference = index::index_difference(recording);
-    }
-    let verdict = match (&difference, &report.recorded_by) {
-        (Some(_), _) => Verdict::Different,
-        (None, _) if is_part => Verdict::Incomplete,
-        (None, Some(_)) => Verdict::OtherVersion,
-        (None, None) => Verdict::PackedOtherwise,
-    };
-    Report {
-        verdict,
-        state: match report.state {
-            Condition::Whole if compared.losses > 0 => Condition::Damaged,
-            state => state,
-        },
-        difference,
-        equal: Some(compared.equal),
-        missing: compared.missing,
-        ..report
-    }
 }

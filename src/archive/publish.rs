@@ -160,21 +160,16 @@ impl Draft {
             let reason = "is a name of runs that are not complete: choose another name";
             return Err(name_error(path, reason));
         }
-        let directories = prepare(path, existing)?;
-        let (mut file, hidden) = hidden(directory_of(path), path)?;
-        let written = file.write_all(preface);
+        let mut draft = Self::new(path, existing)?;
+        let written = draft.file.write_all(preface);
         written.map_err(|error| io_error("write", path, error))?;
-        let (file, partial) = name_partial(file, path, existing)?;
-        drop(hidden);
+        let (file, partial) = name_partial(draft.file, path, existing)?;
         let draft = Self {
             file,
             hidden: None,
-            path: path.to_owned(),
-            existing,
             partial: Some(partial),
             preface: preface.len(),
-            first: Vec::new(),
-            directories,
+            ..draft
         };
         // Another run may have published its file and given up the partial name since the first look.
         refuse_existing(path, existing)?;

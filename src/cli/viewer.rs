@@ -58,7 +58,7 @@ impl ViewerArguments {
 #[cfg(feature = "web-viewer")]
 fn serve(address: SocketAddr) -> Result<Target, Error> {
     let viewer = crate::rerun::WebViewer::start(address).map_err(Error::msg)?;
-    output::announce(&format!("serving at {}", viewer.url()));
+    output::announce(&format!("serving at {}", viewer.url));
     if !address.ip().is_loopback() {
         output::note("from another machine, replace the host name in both parts of the URL");
     }
@@ -75,7 +75,7 @@ pub(super) fn complete(
     ended: Result<Vec<String>, RerunError>,
     draft: Option<Draft>,
 ) -> Result<Option<WrittenFile>, Error> {
-    let ended = ended.map_err(SinkError::from);
+    let ended = ended.map_err(|error| SinkError::Viewer(Box::new(error)));
     let Some(draft) = draft else {
         output::warn_all(ended?);
         return Ok(None);
@@ -99,7 +99,7 @@ impl Target {
             Self::None => None,
             Self::Live(live) => Some(live.clone()),
             #[cfg(feature = "web-viewer")]
-            Self::Served(viewer) => Some(Live::Connect(viewer.address().to_owned())),
+            Self::Served(viewer) => Some(Live::Connect(viewer.address.clone())),
         }
     }
 
@@ -114,7 +114,7 @@ impl Target {
             if !interrupt.is_requested() {
                 output::note(&format!(
                     "still serving at {}; press Ctrl-C to stop",
-                    viewer.url()
+                    viewer.url
                 ));
             }
             while !interrupt.is_requested() {

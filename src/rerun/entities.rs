@@ -34,10 +34,9 @@ impl Stream<Entities> {
     pub fn new(identity: &Identity, destinations: Destinations) -> Self {
         Self::open(identity.store(), &identity.name, destinations, |outlet| {
             // The file is opened when the run is complete.
-            let playbacks = [identity.playback, Playback::FromStart];
-            for (to, playback) in [To::Viewer, To::File].into_iter().zip(playbacks) {
-                outlet.send_layout(to, blueprint::run::messages(identity, playback));
-            }
+            let layout = |playback| blueprint::run::messages(identity, playback);
+            outlet.send_layout(To::Viewer, layout(identity.playback));
+            outlet.send_layout(To::File, layout(Playback::FromStart));
             Entities::new(identity, &Look::Alone, outlet)
         })
     }
@@ -108,7 +107,7 @@ impl Content for Entities {
         self.summarize_events(outlet);
         outlet.complete();
         // In the file only: a viewer has been playing the run.
-        let layout = blueprint::run::messages_at_end(outlet.store(), end_ns as f64 * 1e-9);
+        let layout = blueprint::run::messages_at_end(&outlet.store, end_ns as f64 * 1e-9);
         outlet.send_layout(To::File, layout);
     }
 }

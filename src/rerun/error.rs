@@ -4,8 +4,6 @@ use rerun::external::re_log_encoding::rrd::{CodecError, EncodeError};
 use rerun::external::re_sdk_types::SerializationError;
 use rerun::log::ChunkError;
 
-use crate::archive::sink::SinkError;
-
 /// The reason why a Rerun recording can't be written.
 #[derive(Debug, thiserror::Error)]
 pub enum RerunError {
@@ -15,6 +13,9 @@ pub enum RerunError {
     /// The encoder failed.
     #[error("cannot write the Rerun recording: {0}")]
     Encode(#[from] EncodeError),
+    /// The footer can't be encoded.
+    #[error("cannot write the Rerun recording: {0}")]
+    Codec(#[from] CodecError),
     /// Rows do not form a chunk.
     #[error("cannot form a chunk of the Rerun recording: {0}")]
     Chunk(#[from] ChunkError),
@@ -24,16 +25,4 @@ pub enum RerunError {
     /// The encoder's thread panicked.
     #[error("the thread that writes the Rerun recording has died")]
     Worker,
-}
-
-impl From<CodecError> for RerunError {
-    fn from(error: CodecError) -> Self {
-        Self::Encode(error.into())
-    }
-}
-
-impl From<RerunError> for SinkError {
-    fn from(error: RerunError) -> Self {
-        Self::Viewer(Box::new(error))
-    }
 }

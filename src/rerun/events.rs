@@ -58,20 +58,17 @@ impl Events {
             return;
         }
         let time_ns = message.time_ns;
-        let text = format!(
-            "{:.6} s: {}",
-            events::TIME.of(message),
-            events::DESCRIPTION.of(message)
-        );
+        let (time, description) = (events::TIME.of(message), events::DESCRIPTION.of(message));
+        let text = format!("{time:.6} s: {description}");
         let kind = EventKind::find(events::NAME.of(message));
         if kind.is_some_and(EventKind::is_of_nutation) {
-            self.nutation.push(outlet, time_ns, text);
+            self.nutation.push(outlet, time_ns, [text]);
             return;
         }
         if kind.is_none_or(|kind| self.is_first(kind, time_ns)) {
-            self.summary.push(outlet, time_ns, text.clone());
+            self.summary.push(outlet, time_ns, [text.clone()]);
         }
-        self.each.push(outlet, time_ns, text);
+        self.each.push(outlet, time_ns, [text]);
     }
 
     /// Counts an event. Returns whether it is the first of its kind.
@@ -101,7 +98,7 @@ impl Events {
                 let span = [repeated.again_ns, repeated.last_ns];
                 let [again, last] = span.map(|ns| ns as f64 * 1e-9);
                 let text = format!("{again:.6} s: {more} more {plural} until {last:.6} s");
-                self.summary.push(outlet, repeated.again_ns, text);
+                self.summary.push(outlet, repeated.again_ns, [text]);
             }
         }
     }

@@ -61,15 +61,12 @@ impl Identity {
         let model = &scenario.model;
         let is_free = model.support.is_free();
         let peg = if is_free { "free" } else { "fixed" };
+        let law = scenario.word("friction.law");
         let tilt = Tilt::from_rates(scenario.angles.theta, scenario.rates);
         Self {
             recording_id: format!("{name}-{:.16}", scenario.digest()),
             name: name.to_owned(),
-            title: format!(
-                "{} · {peg} peg · friction: {}",
-                scenario.title(),
-                scenario.word("friction.law")
-            ),
+            title: format!("{} · {peg} peg · friction: {law}", scenario.title()),
             description: format!(
                 "# {}\n\n{}\n\n```toml\n{}```\n",
                 scenario.name(),

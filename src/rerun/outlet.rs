@@ -48,14 +48,15 @@ pub(super) type Columns = Result<Vec<SerializedComponentColumn>, RerunError>;
 
 /// Numbers the chunks of one recording and passes them to its destinations.
 pub struct Outlet {
-    store: StoreId,
+    pub(super) store: StoreId,
     ids: Ids,
     live_ids: Ids,
     file: Option<RrdFile>,
     /// The first error.
     failure: Option<RerunError>,
     live: Option<LiveDestination>,
-    warnings: Vec<String>,
+    /// Warnings about the viewer that were not taken yet.
+    pub(super) warnings: Vec<String>,
     waiting: Vec<Rc<RefCell<dyn Waiting>>>,
 }
 
@@ -106,19 +107,9 @@ impl Outlet {
         }
     }
 
-    /// The store that is written.
-    pub(super) fn store(&self) -> &StoreId {
-        &self.store
-    }
-
     /// Whether a viewer is being fed, as far as is known.
     pub(super) fn is_live(&self) -> bool {
         self.live.is_some()
-    }
-
-    /// Warnings about the viewer since the last call.
-    pub(super) fn take_warnings(&mut self) -> Vec<String> {
-        std::mem::take(&mut self.warnings)
     }
 
     /// Sends components that hold for the whole recording.

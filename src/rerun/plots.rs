@@ -9,14 +9,14 @@ use super::track::Track;
 use crate::telemetry::fields::{NumberField, Plot};
 use crate::telemetry::{Message, Topic};
 
-/// The plots of all channels, in table order.
-pub(super) struct Plots(Vec<PlotTrack>);
+/// The plots of each channel, in table order.
+pub(super) struct Plots(Vec<Vec<PlotTrack>>);
 
 /// One plot of a channel.
 struct PlotTrack {
     plot: Plot,
     numbers: Vec<NumberField>,
-    track: Track<Vec<f64>>,
+    track: Track<f64>,
     /// The least and the greatest number.
     range: [f64; 2],
     /// Time of the last row, ns.
@@ -29,29 +29,35 @@ impl Plots {
         let mut open = |plot: Plot| {
             let entity = look.entity(&plot.to_string());
             let numbers: Vec<_> = plot.numbers().collect();
+            let width = numbers.len();
             outlet.send_static(entity.as_str(), &*style::of(&numbers, look));
             PlotTrack {
                 plot,
                 numbers,
-                track: Track::new(entity, columns, outlet),
+                track: Track::new(entity, move |rows| columns(rows, width), outlet),
                 range: [f64::INFINITY, f64::NEG_INFINITY],
                 end_ns: 0,
             }
         };
-        let plots = Topic::all().flat_map(Plot::all);
-        Self(plots.filter(|plot| wanted(*plot)).map(&mut open).collect())
+        let plots = Topic::all().map(|topic| {
+            let plots = Plot::all(topic).into_iter();
+            plots.filter(|plot| wanted(*plot)).map(&mut open).collect()
+        });
+        Self(plots.collect())
     }
 
     /// The least and the greatest number of a plot; the former is the larger one if there is none.
     pub(super) fn range(&self, plot: Plot) -> [f64; 2] {
-        let track = self.0.iter().find(|track| track.plot == plot);
+        let mut tracks = self.0[plot.topic().index()].iter();
+        let track = tracks.find(|track| track.plot == plot);
         track.map_or([f64::INFINITY, f64::NEG_INFINITY], |track| track.range)
     }
 
     /// Adds a row without values to plots that end before this time, so that a viewer's time axes reach until then.
     pub(super) fn reach(&mut self, time_ns: u64, outlet: &mut Outlet) {
-        for plot in self.0.iter_mut().filter(|plot| plot.end_ns < time_ns) {
-            let missing = vec![f64::NAN; plot.numbers.len()];
+        let plots = self.0.iter_mut().flatten();
+        for plot in plots.filter(|plot| plot.end_ns < time_ns) {
+            let missing = std::iter::repeat_n(f64::NAN, plot.numbers.len());
             plot.track.push(outlet, time_ns, missing);
         }
     }
@@ -63,24 +69,24 @@ impl Plots {
         value: impl Fn(f64) -> Option<f64>,
         outlet: &mut Outlet,
     ) {
-        let is_of_channel = |plot: &&mut PlotTrack| plot.plot.topic() == message.topic();
-        for plot in self.0.iter_mut().filter(is_of_channel) {
-            let row = plot.numbers.iter().map(|number| value(number.of(message)));
-            let Some(row) = row.collect::<Option<Vec<_>>>() else {
+        for plot in &mut self.0[message.channel] {
+            let row = || plot.numbers.iter().map(|number| value(number.of(message)));
+            if row().any(|number| number.is_none()) {
                 continue;
-            };
+            }
             let [least, greatest] = &mut plot.range;
-            for number in &row {
+            let row = row().flatten().inspect(|number| {
                 *least = least.min(*number);
                 *greatest = greatest.max(*number);
-            }
+            });
             plot.track.push(outlet, message.time_ns, row);
             plot.end_ns = message.time_ns;
         }
     }
 }
 
-fn columns(rows: &[Vec<f64>]) -> Columns {
-    let scalars = Scalars::new(rows.iter().flatten().copied());
-    Ok(scalars.columns(rows.iter().map(Vec::len))?.collect())
+fn columns(numbers: &[f64], width: usize) -> Columns {
+    let lengths = std::iter::repeat_n(width, numbers.len() / width);
+    let scalars = Scalars::new(numbers.iter().copied());
+    Ok(scalars.columns(lengths)?.collect())
 }

@@ -123,7 +123,7 @@ impl Scene {
         self.peg = pose::PEG_POSITION.of(message);
         let translation = self.peg.cast::<f32>().into();
         let quaternion = orientation.coords.cast::<f32>().into();
-        self.top.push(outlet, time_ns, (translation, quaternion));
+        self.top.push(outlet, time_ns, [(translation, quaternion)]);
         let point = self.peg + self.trail_radius * pose::AXIS.of(message);
         self.trail.write(time_ns, 0, point, outlet);
         if let Some(below) = &mut self.below {

@@ -13,8 +13,10 @@ pub struct WebViewer {
     // Both serve until they are dropped.
     _stream: GrpcServerSink,
     _page: Box<dyn std::any::Any>,
-    address: String,
-    url: String,
+    /// The address that sinks connect to.
+    pub address: String,
+    /// The address to open in a browser.
+    pub url: String,
 }
 
 impl WebViewer {
@@ -69,18 +71,6 @@ impl WebViewer {
             url: format!("http://{page_address}/?url={encoded}"),
             address,
         })
-    }
-
-    /// The address to open in a browser.
-    #[must_use]
-    pub fn url(&self) -> &str {
-        &self.url
-    }
-
-    /// The address that sinks connect to.
-    #[must_use]
-    pub fn address(&self) -> &str {
-        &self.address
     }
 }
 

@@ -49,7 +49,7 @@ impl<C: Content> Stream<C> {
     /// Failures of the viewer since the last call, in sentences. A viewer that isn't there is a warning too.
     #[must_use]
     pub fn take_warnings(&mut self) -> Vec<String> {
-        self.outlet.take_warnings()
+        std::mem::take(&mut self.outlet.warnings)
     }
 
     /// Sends all that is left and completes the file with its footer.

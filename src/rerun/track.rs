@@ -13,41 +13,44 @@ const CHUNK_ROWS: usize = 4096;
 /// The rows of one entity, which the outlet flushes.
 pub(super) struct Track<R>(Rc<RefCell<Rows<R>>>);
 
+/// Makes components of the values of some rows.
+type Serialize<R> = dyn Fn(&[R]) -> Columns;
+
 /// The rows of an entity that are not yet in the file.
 struct Rows<R> {
     entity: EntityPath,
     times: Vec<i64>,
-    rows: Vec<R>,
+    /// Values, as many for each row.
+    values: Vec<R>,
     /// Number of rows that the viewer has.
     shown: usize,
-    /// Makes components of rows.
-    columns: fn(&[R]) -> Columns,
+    columns: Box<Serialize<R>>,
 }
 
 impl<R: 'static> Track<R> {
     /// A track without rows, of which `columns` makes components.
     pub(super) fn new(
         entity: impl Into<EntityPath>,
-        columns: fn(&[R]) -> Columns,
+        columns: impl Fn(&[R]) -> Columns + 'static,
         outlet: &mut Outlet,
     ) -> Self {
         let rows = Rc::new(RefCell::new(Rows {
             entity: entity.into(),
             times: Vec::with_capacity(CHUNK_ROWS),
-            rows: Vec::with_capacity(CHUNK_ROWS),
+            values: Vec::with_capacity(CHUNK_ROWS),
             shown: 0,
-            columns,
+            columns: Box::new(columns),
         }));
         outlet.register(Rc::clone(&rows) as _);
         Self(rows)
     }
 
     /// Adds a row at a simulation time in ns, and sends a chunk if it is full.
-    pub(super) fn push(&self, outlet: &mut Outlet, time_ns: u64, row: R) {
+    pub(super) fn push(&self, outlet: &mut Outlet, time_ns: u64, row: impl IntoIterator<Item = R>) {
         let mut rows = self.0.borrow_mut();
         // A duration of 292 years is beyond any run; saturating keeps the order.
         rows.times.push(i64::try_from(time_ns).unwrap_or(i64::MAX));
-        rows.rows.push(row);
+        rows.values.extend(row);
         if rows.times.len() == CHUNK_ROWS {
             rows.complete(outlet);
         }
@@ -56,7 +59,8 @@ impl<R: 'static> Track<R> {
 
 impl<R> Rows<R> {
     fn send(&self, to: To, start: usize, outlet: &mut Outlet) {
-        let columns = (self.columns)(&self.rows[start..]);
+        let width = self.values.len() / self.times.len();
+        let columns = (self.columns)(&self.values[start * width..]);
         outlet.send_rows(to, &self.entity, &self.times[start..], columns);
     }
 }
@@ -81,7 +85,7 @@ impl<R> Waiting for Rows<R> {
             self.send(To::File, 0, outlet);
         }
         self.times.clear();
-        self.rows.clear();
+        self.values.clear();
         self.shown = 0;
     }
 }

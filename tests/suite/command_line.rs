@@ -76,7 +76,10 @@ fn a_run_that_is_recorded_is_not_written_again() {
     );
     // A recording that is run again.
     let text = answer(toprise(&directory).args(["run", "recordings/paper_duration0.2.mcap"]));
-    assert!(text.contains("paper_duration0.2.mcap already exists"), "{text}");
+    assert!(
+        text.contains("paper_duration0.2.mcap already exists"),
+        "{text}"
+    );
     let path = directory.path().join("recordings/paper_duration0.2-3.mcap");
     fs::write(&path, "damaged").unwrap();
     run(&["--topics", "/top/state"]);

@@ -1,6 +1,6 @@
 //! A run that is simulated again: its messages as they stand in a recording, one after the other.
 
-use crate::archive::format::{Entries, end_entries};
+use crate::archive::format::{CONTENT_DIGEST, Entries, end_entries};
 use crate::archive::writer::{Batch, Form, Opening, RunEncoder};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{RunEnd, Simulation, StopReason};
@@ -78,8 +78,8 @@ impl Again {
         logged.is_ok().then(|| record.time_ns())
     }
 
-    /// The entries of the end record, once the run has ended.
-    pub(super) fn end(self) -> (Opening, Entries, String) {
+    /// The opening and the entries of the end record, once the run has ended.
+    pub(super) fn end(self) -> (Opening, Entries) {
         let mut end = self.simulation.end();
         if self.has_failed {
             end = RunEnd {
@@ -87,6 +87,8 @@ impl Again {
                 ..end
             };
         }
-        (self.opening, end_entries(&end), self.digest.finish())
+        let mut entries = end_entries(&end);
+        entries.insert(CONTENT_DIGEST.to_owned(), self.digest.finish());
+        (self.opening, entries)
     }
 }

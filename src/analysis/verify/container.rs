@@ -1,9 +1,9 @@
 //! Content of a recording except its messages: header, metadata, attachments, channels.
 
 use super::difference::Difference;
-use super::messages::Compared;
 use crate::archive::format::{CONTENT_DIGEST, END_RECORD, Entries, RUN_RECORD};
 use crate::archive::recording::Recording;
+use crate::archive::writer::Opening;
 use crate::run::scenario::hex;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
@@ -16,11 +16,12 @@ type Facts = BTreeMap<(String, String), String>;
 /// own fields.
 pub(super) fn difference(
     recording: &Recording,
-    compared: &Compared,
+    opening: &Opening,
+    end: &Entries,
     is_part: bool,
     is_by_value: bool,
 ) -> Option<Difference> {
-    let [mut recorded, mut simulated] = [recorded(recording), simulated(compared)];
+    let [mut recorded, mut simulated] = [recorded(recording), simulated(opening, end)];
     let is_of_end = |key: &(String, String)| key.0 == END_RECORD && !key.1.is_empty();
     if recording.is_interrupted() {
         // The run goes on where the recording ends.
@@ -72,12 +73,11 @@ fn recorded(recording: &Recording) -> Facts {
     facts
 }
 
-fn simulated(compared: &Compared) -> Facts {
+fn simulated(opening: &Opening, end: &Entries) -> Facts {
     let mut facts = Facts::new();
-    let opening = &compared.opening;
     add(&mut facts, "the header", "profile", "");
     add_metadata(&mut facts, RUN_RECORD, &opening.run);
-    add_metadata(&mut facts, END_RECORD, &compared.end);
+    add_metadata(&mut facts, END_RECORD, end);
     let attachment = &opening.scenario;
     let times = (attachment.log_time, attachment.create_time);
     let text = attached(times, &attachment.media_type, &attachment.data);

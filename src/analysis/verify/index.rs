@@ -5,7 +5,7 @@
 use super::difference::Difference;
 use crate::archive::container::record::{HEAD, RecordSpan, fields_length, parse};
 use crate::archive::container::scan::{Found, Scanner};
-use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
+use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at, times};
 use crate::archive::container::source::Source;
 use crate::archive::recording::Recording;
 use mcap::MAGIC;
@@ -161,7 +161,6 @@ impl Survey {
         let loaded = Section::of_chunk(place, source)?.load(source, &mut buffers);
         loaded.map_err(|error| fault(place, &error.to_string()))?;
         let mut at = 0;
-        let mut span = None;
         while let Some(next) = record_at(&buffers.records, at) {
             let (inner, end) = next.map_err(|reason| fault(place, reason))?;
             if let Some(message) = MessageRecord::parse(&inner) {
@@ -172,23 +171,30 @@ impl Survey {
                 let offset = at as u64;
                 let entries = self.messages.entry(channel).or_default();
                 entries.push(MessageIndexEntry { log_time, offset });
-                span = widened(span, log_time);
-                self.span = widened(self.span, log_time);
             } else {
                 self.define(place, &read(place, inner.opcode, inner.body)?)?;
             }
             at = end;
         }
-        self.buffers = buffers;
         for (channel, entries) in &self.messages {
             let counts = &mut self.statistics.channel_message_counts;
             *counts.entry(*channel).or_default() += entries.len() as u64;
         }
-        let times = (header.message_start_time, header.message_end_time);
-        equal("the times of a chunk", &times, &span.unwrap_or_default())?;
+        let (start, end) = (header.message_start_time, header.message_end_time);
+        let found = times(&buffers.records);
+        equal(
+            "the times of a chunk",
+            &(start, end),
+            &found.unwrap_or_default(),
+        )?;
+        if found.is_some() {
+            let (first, last) = self.span.unwrap_or((start, end));
+            self.span = Some((first.min(start), last.max(end)));
+        }
+        self.buffers = buffers;
         self.chunk = Some(ChunkIndex {
-            message_start_time: times.0,
-            message_end_time: times.1,
+            message_start_time: start,
+            message_end_time: end,
             chunk_start_offset: place.offset,
             chunk_length: place.length,
             message_index_offsets: BTreeMap::new(),
@@ -281,11 +287,6 @@ impl Survey {
         let behind = source.length() - place.end();
         equal("bytes behind the footer", &behind, &(MAGIC.len() as u64))
     }
-}
-
-fn widened(span: Option<(u64, u64)>, time: u64) -> Option<(u64, u64)> {
-    let (first, last) = span.unwrap_or((time, time));
-    Some((first.min(time), last.max(time)))
 }
 
 /// Reads a record without trailing bytes.

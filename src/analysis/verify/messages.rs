@@ -2,7 +2,7 @@
 
 use super::again::{Again, Expected};
 use super::difference::Difference;
-use crate::archive::format::{CONTENT_DIGEST, Entries};
+use crate::archive::format::Entries;
 use crate::archive::recording::{FileChannel, Recording, Selection, Undecoded};
 use crate::archive::writer::{Declared, Opening};
 use crate::telemetry::encoding::{Decoder, Row};
@@ -10,6 +10,7 @@ use crate::telemetry::{ChannelInfo, Topic};
 use std::collections::VecDeque;
 
 /// The result of comparing messages.
+#[derive(Default)]
 pub(super) struct Compared {
     pub(super) equal: u64,
     /// Messages of the run that the file lacks.
@@ -19,9 +20,6 @@ pub(super) struct Compared {
     pub(super) difference: Option<Difference>,
     /// The first message that stands before others of its time that the run gives earlier.
     pub(super) out_of_order: Option<Difference>,
-    pub(super) opening: Opening,
-    /// The end record that the run gives.
-    pub(super) end: Entries,
 }
 
 /// A file and its run, side by side.
@@ -37,10 +35,7 @@ pub(super) struct Comparison<'r> {
     ahead: VecDeque<Expected>,
     /// The time up to which everything has been simulated, ns.
     reached_ns: Option<u64>,
-    equal: u64,
-    missing: u64,
-    difference: Option<Difference>,
-    out_of_order: Option<Difference>,
+    compared: Compared,
 }
 
 impl<'r> Comparison<'r> {
@@ -58,38 +53,26 @@ impl<'r> Comparison<'r> {
             places,
             ahead: VecDeque::new(),
             reached_ns: None,
-            equal: 0,
-            missing: 0,
-            difference: None,
-            out_of_order: None,
+            compared: Compared::default(),
         }
     }
 
-    /// Compares until the first difference.
-    pub(super) fn run(mut self, progress: &dyn Fn(u64)) -> Compared {
+    /// Compares until the first difference. Returns the opening and the end record that the run gives, too.
+    pub(super) fn run(mut self, progress: &dyn Fn(u64)) -> (Compared, Opening, Entries) {
         let mut reader = self.recording.reader(Selection::default()).bounded();
         while let Some(recorded) = reader.next_undecoded() {
             self.take(&recorded);
-            if self.difference.is_some() {
+            if self.compared.difference.is_some() {
                 break;
             }
             progress(reader.progress());
         }
-        let losses = reader.losses().len();
+        self.compared.losses = reader.losses().len();
         if !self.recording.is_interrupted() {
             self.finish_run();
         }
-        let (opening, mut end, digest) = self.again.end();
-        end.insert(CONTENT_DIGEST.to_owned(), digest);
-        Compared {
-            equal: self.equal,
-            missing: self.missing,
-            losses,
-            difference: self.difference,
-            out_of_order: self.out_of_order,
-            opening,
-            end,
-        }
+        let (opening, end) = self.again.end();
+        (self.compared, opening, end)
     }
 
     /// Compares a recorded message with that of the run.
@@ -97,7 +80,7 @@ impl<'r> Comparison<'r> {
         let Some(channel) = self.places[recorded.position] else {
             // Fields and views of another version are compared as far as both have them.
             if !self.is_by_value {
-                self.difference = Some(stray(recorded, ""));
+                self.compared.difference = Some(stray(recorded, ""));
             }
             return;
         };
@@ -106,15 +89,15 @@ impl<'r> Comparison<'r> {
         }
         let found = self.find(channel, recorded);
         let Some(expected) = found.and_then(|at| self.ahead.remove(at)) else {
-            self.difference = Some(stray(recorded, ""));
+            self.compared.difference = Some(stray(recorded, ""));
             return;
         };
-        if found.is_some_and(|at| at > 0) && self.out_of_order.is_none() {
+        if found.is_some_and(|at| at > 0) && self.compared.out_of_order.is_none() {
             let field = "order among messages of the same time";
-            self.out_of_order = Some(stray(recorded, field));
+            self.compared.out_of_order = Some(stray(recorded, field));
         }
-        self.difference = self.compare(recorded, &expected);
-        self.equal += u64::from(self.difference.is_none());
+        self.compared.difference = self.compare(recorded, &expected);
+        self.compared.equal += u64::from(self.compared.difference.is_none());
     }
 
     fn compare(&self, recorded: &Undecoded<'_>, expected: &Expected) -> Option<Difference> {
@@ -178,7 +161,7 @@ impl<'r> Comparison<'r> {
     fn leave_behind(&mut self, time_ns: u64) {
         while self.ahead.front().is_some_and(|m| m.time_ns < time_ns) {
             let passed = self.ahead.pop_front();
-            self.missing += u64::from(passed.is_some_and(|passed| self.counts(&passed)));
+            self.compared.missing += u64::from(passed.is_some_and(|passed| self.counts(&passed)));
         }
     }
 
@@ -194,9 +177,9 @@ impl<'r> Comparison<'r> {
         loop {
             let is_over = self.reached_ns == Some(u64::MAX);
             while let Some(left) = self.ahead.pop_front() {
-                self.missing += u64::from(self.counts(&left));
+                self.compared.missing += u64::from(self.counts(&left));
             }
-            if is_over || self.difference.is_some() {
+            if is_over || self.compared.difference.is_some() {
                 return;
             }
             self.advance();

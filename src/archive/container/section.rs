@@ -173,6 +173,20 @@ pub(crate) fn record_at(
     Some(found.ok_or("a record in it is longer than it"))
 }
 
+/// The times of the earliest and the latest message in a section's records.
+pub(crate) fn times(records: &[u8]) -> Option<(u64, u64)> {
+    let mut span: Option<(u64, u64)> = None;
+    let mut position = 0;
+    while let Some(Ok((record, next))) = record_at(records, position) {
+        if let Some(message) = MessageRecord::parse(&record) {
+            let time = message.log_time;
+            span = Some(span.map_or((time, time), |(from, to)| (from.min(time), to.max(time))));
+        }
+        position = next;
+    }
+    span
+}
+
 /// A message record's head and data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MessageRecord<'a> {

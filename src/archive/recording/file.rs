@@ -45,16 +45,13 @@ impl Recording {
             layout,
             path: path.to_owned(),
         };
-        if recording.condition() != Condition::Foreign {
-            let mut tables: Vec<_> = recording
-                .channels()
-                .iter()
-                .filter_map(|c| c.table)
-                .collect();
-            tables.sort_unstable();
-            if let Some(twice) = tables.windows(2).find(|pair| pair[0] == pair[1]) {
-                return Err(RecordingError::TwoChannels(twice[0].to_string()));
-            }
+        let topics = recording.topics();
+        let mut later = topics.iter().enumerate();
+        let twice = later.find(|(at, topic)| topics[..*at].contains(topic));
+        if let Some((_, twice)) = twice
+            && recording.condition() != Condition::Foreign
+        {
+            return Err(RecordingError::TwoChannels(twice.to_string()));
         }
         Ok(recording)
     }

@@ -4,7 +4,7 @@ use super::file::Recording;
 use super::order::{Misplaced, Order};
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::{Loss, Span};
-use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
+use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at, times};
 use crate::archive::error::MessageError;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
 use crate::telemetry::{ChannelInfo, Message, Topics};
@@ -190,7 +190,7 @@ impl<'r> Reader<'r> {
         let mut left = self.left.unwrap_or(u64::MAX);
         for (index, section) in self.recording.layout.sections.iter().enumerate() {
             let is_read = left > 0 && section.load(&self.recording.source, &mut buffers).is_ok();
-            let span = is_read.then(|| span(&buffers.records)).flatten();
+            let span = is_read.then(|| times(&buffers.records)).flatten();
             left = left.saturating_sub(buffers.records.len() as u64);
             // What can't be read stays where it is.
             let (start, end) = span.unwrap_or((last, last));
@@ -437,20 +437,6 @@ impl<'r> Reader<'r> {
             reason,
         });
     }
-}
-
-/// The times of the first and last message in a section's records.
-fn span(records: &[u8]) -> Option<(u64, u64)> {
-    let mut span: Option<(u64, u64)> = None;
-    let mut position = 0;
-    while let Some(Ok((record, next))) = record_at(records, position) {
-        if let Some(message) = MessageRecord::parse(&record) {
-            let time = message.log_time;
-            span = Some(span.map_or((time, time), |(from, to)| (from.min(time), to.max(time))));
-        }
-        position = next;
-    }
-    span
 }
 
 /// A message within the batch that is being read.

@@ -137,7 +137,7 @@ impl Arrow {
         };
         let vector = self.scale.recip() * vector;
         let arrow = [origin, vector].map(|part| part.cast::<f32>().into());
-        self.arrows.push(outlet, time_ns, arrow);
+        self.arrows.push(outlet, time_ns, [arrow]);
         if time_ns < self.next_label_ns {
             return;
         }
@@ -146,7 +146,7 @@ impl Arrow {
         let beyond = 1.0 + self.shortest / length.max(self.shortest);
         let place = origin + beyond * vector + self.lift * Vector3::z();
         let label = (length >= self.shortest).then(|| place.cast::<f32>().into());
-        self.labels.push(outlet, time_ns, label);
+        self.labels.push(outlet, time_ns, [label]);
     }
 }
 

@@ -58,7 +58,7 @@ impl Focus {
         }
         self.next_ns = time_ns.saturating_add(STEP_NS);
         let place = [place.x as f32, place.y as f32, 0.0];
-        self.track.push(outlet, time_ns, place);
+        self.track.push(outlet, time_ns, [place]);
     }
 }
 

@@ -95,7 +95,7 @@ impl Path {
             self.next_piece_ns = time_ns.saturating_add(PIECE_NS);
             // Each piece begins where the one before it ended.
             let piece = std::mem::replace(&mut self.piece, vec![point]);
-            self.tracks[self.kind].push(outlet, time_ns, piece);
+            self.tracks[self.kind].push(outlet, time_ns, [piece]);
         }
         self.kind = kind;
     }

@@ -15,13 +15,8 @@ const STEPS: usize = 96;
 /// Sectors of alternating colour, so that the spin is visible.
 const SECTORS: usize = 6;
 
-/// A point of a profile: its distance from the axis, its height, and the surface's normal in that plane.
-#[derive(Clone, Copy)]
-struct ProfilePoint {
-    radius: f64,
-    height: f64,
-    normal: [f64; 2],
-}
+/// A point of a profile, and the surface's normal there, each as distance from the axis and height.
+type ProfilePoint = [[f64; 2]; 2];
 
 /// The surface of the top in body axes.
 pub(super) fn top(proportions: &Proportions) -> Mesh3D {
@@ -58,18 +53,16 @@ fn parts(p: &Proportions) -> Vec<(Vec<ProfilePoint>, Palette)> {
     let collar = [p.stem_radius, high + 0.4 * shoulder];
     let knob = 1.5 * p.stem_radius;
     let end = p.tip - knob;
+    let outwards = [-FRAC_PI_2, FRAC_PI_2];
     vec![
         (arc([0.0, 0.0], p.peg, [-FRAC_PI_2, seam]), METAL),
         (line([neck, p.peg * math::sin(seam)], [shoulder, low]), CONE),
         (line([shoulder, low], [rim, low]), DISC),
-        (
-            arc([rim, p.disc_height], half, [-FRAC_PI_2, FRAC_PI_2]),
-            DISC,
-        ),
+        (arc([rim, p.disc_height], half, outwards), DISC),
         (line([rim, high], [shoulder, high]), DISC),
         (line([shoulder, high], collar), CONE),
         (line(collar, [p.stem_radius, end]), METAL),
-        (arc([0.0, end], knob, [-FRAC_PI_2, FRAC_PI_2]), METAL),
+        (arc([0.0, end], knob, outwards), METAL),
     ]
 }
 
@@ -95,11 +88,8 @@ fn arc(center: [f64; 2], radius: f64, [from, to]: [f64; 2]) -> Vec<ProfilePoint>
         .map(|piece| {
             let angle = from + (to - from) * f64::from(piece) / f64::from(PIECES);
             let (sin, cos) = math::sin_cos(angle);
-            ProfilePoint {
-                radius: (center[0] + radius * cos).max(0.0),
-                height: center[1] + radius * sin,
-                normal: [cos, sin],
-            }
+            let distance = (center[0] + radius * cos).max(0.0);
+            [[distance, center[1] + radius * sin], [cos, sin]]
         })
         .collect()
 }
@@ -109,13 +99,7 @@ fn line(from: [f64; 2], to: [f64; 2]) -> Vec<ProfilePoint> {
     let direction = [to[0] - from[0], to[1] - from[1]];
     let length = math::hypot(direction[0], direction[1]).max(f64::MIN_POSITIVE);
     let normal = [direction[1] / length, -direction[0] / length];
-    [from, to]
-        .map(|[radius, height]| ProfilePoint {
-            radius,
-            height,
-            normal,
-        })
-        .to_vec()
+    vec![[from, normal], [to, normal]]
 }
 
 /// A growing triangle mesh.
@@ -136,20 +120,14 @@ impl Surface {
             let first = self.positions.len();
             for step in 0..=steps {
                 let turn = (sector * steps + step) as f64 / STEPS as f64;
-                self.meridian(profile, TAU * turn, color);
+                let direction = math::sin_cos(TAU * turn);
+                for [place, normal] in profile {
+                    self.positions.push(around(*place, direction));
+                    self.normals.push(around(*normal, direction));
+                    self.colors.push(Color::from_u32(color));
+                }
             }
             self.stitch(first, profile.len(), steps);
-        }
-    }
-
-    fn meridian(&mut self, profile: &[ProfilePoint], angle: f64, color: u32) {
-        let (sin, cos) = math::sin_cos(angle);
-        for point in profile {
-            self.positions
-                .push(around(point.radius, point.height, sin, cos));
-            self.normals
-                .push(around(point.normal[0], point.normal[1], sin, cos));
-            self.colors.push(Color::from_u32(color));
         }
     }
 
@@ -172,8 +150,12 @@ impl Surface {
     }
 }
 
-fn around(radius: f64, height: f64, sin: f64, cos: f64) -> [f32; 3] {
-    [(radius * cos) as f32, (radius * sin) as f32, height as f32]
+fn around([distance, height]: [f64; 2], (sin, cos): (f64, f64)) -> [f32; 3] {
+    [
+        (distance * cos) as f32,
+        (distance * sin) as f32,
+        height as f32,
+    ]
 }
 
 /// A round table top of the given radius, just below z = 0.
@@ -192,11 +174,10 @@ pub(super) fn table(radius: f64) -> Mesh3D {
 pub(super) fn table_marks(radius: f64, rings: u32) -> LineStrips3D {
     let circles = (1..=rings).map(|ring| circle(radius * f64::from(ring) / f64::from(rings)));
     let rays = (0..6).map(|ray| {
-        let (sin, cos) = math::sin_cos(PI * f64::from(ray) / 6.0);
-        vec![
-            around(radius, 0.0, sin, cos),
-            around(-radius, 0.0, sin, cos),
-        ]
+        let direction = math::sin_cos(PI * f64::from(ray) / 6.0);
+        [radius, -radius]
+            .map(|end| around([end, 0.0], direction))
+            .to_vec()
     });
     LineStrips3D::new(circles.chain(rays))
         .with_colors([Color::from_u32(0x4A52_60FF)])
@@ -204,11 +185,9 @@ pub(super) fn table_marks(radius: f64, rings: u32) -> LineStrips3D {
 }
 
 fn circle(radius: f64) -> Vec<[f32; 3]> {
-    (0..=STEPS)
-        .map(|step| {
-            let (sin, cos) = math::sin_cos(TAU * step as f64 / STEPS as f64);
-            around(radius, 0.0, sin, cos)
-        })
+    let turns = (0..=STEPS).map(|step| step as f64 / STEPS as f64);
+    turns
+        .map(|turn| around([radius, 0.0], math::sin_cos(TAU * turn)))
         .collect()
 }
 

@@ -50,8 +50,8 @@ impl Envelope {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::telemetry::table::channels;
     use crate::telemetry::fields::{STATE, state};
+    use crate::telemetry::table::channels;
 
     fn state(envelope: &mut Envelope, sequence: u32) {
         let channel = STATE.index();
