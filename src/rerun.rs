@@ -1,12 +1,12 @@
-//! Rerun recordings of runs: every number of every channel, the scene of the rising top, and a layout.
+//! Rerun recordings of runs: all channels, the 3D scene and a layout.
 //!
 //! [`RerunSink`] writes one run, [`PairSink`] two runs that are compared. Both are [`Stream`]s, which go into an
 //! `.rrd` file, to a live viewer, or to both.
 //!
-//! Numbers that are read together are one entity, `{topic}/{plot}`, with several instances and static names and
-//! colours; that is several times smaller and faster than an entity per number. Rows are collected into chunks of
-//! 4096 per entity. In a paced run a flush sends the rows of the last moments to the viewer; the file gets them in
-//! full chunks all the same, so pacing doesn't change it.
+//! Related numbers share an entity, `{topic}/{plot}`, with several instances and static names and colours; this is much
+//! smaller and faster than one entity per number. Rows are collected into chunks of 4096 per entity. In a paced run a
+//! flush sends the rows of the last moments to the viewer; the file gets them in full chunks all the same, so pacing
+//! doesn't change it.
 
 mod blueprint;
 mod comparison;

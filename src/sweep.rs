@@ -1,9 +1,8 @@
 //! Sweeps: the outcomes of many runs as a table in Parquet.
 //!
-//! A [`Spec`] defines the runs: bases, and keys that vary over a grid, a sample or the rows of a table. Row *i* depends on
-//! the spec and on *i* alone. A *part* is [`PART_ROWS`] consecutive rows, and its file a pure function of the spec and its
-//! number: the bytes don't depend on threads, machines or interruptions. [`run`] computes what is missing and merges the parts. [`values_of_row`] are those of the scenario of a
-//! row, which can be run again.
+//! A [`Spec`] defines the runs: bases, and keys that vary over a grid, a sample or the rows of a table. Row *i* depends
+//! only on the spec and *i*. A *part* is [`PART_ROWS`] consecutive rows; its file depends only on the spec and the part number: the bytes don't depend on threads, machines or interruptions. [`run`] computes what is missing and merges the parts.
+//! [`values_of_row`] are those of the scenario of a row, which can be run again.
 
 mod axis;
 mod base;

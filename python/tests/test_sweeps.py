@@ -315,7 +315,7 @@ def test_specs_may_have_numbers_of_numpy_and_none(tmp_path):
 
 def test_a_table_needs_a_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(toprise.SweepError, match="names no file"):
+    with pytest.raises(toprise.SweepError, match="is not a file name"):
         toprise.sweep(SPEC, "")
     assert list(tmp_path.iterdir()) == []
 

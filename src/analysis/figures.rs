@@ -1,8 +1,8 @@
-//! Figures of runs for print: those of the paper, and more.
+//! Figures for print: those of the paper and others.
 //!
-//! A [`Figure`] lists the numbers it needs, a [`Run`] collects them from a recording or a simulation, and
-//! [`Figure::draw`] makes a [`Drawing`] of them, which becomes SVG or PNG. The bytes depend on the numbers alone: the
-//! font is part of the program, and neither the platform's `libm` nor a clock nor the order of a hash map matters.
+//! A [`Figure`] lists the fields it needs, a [`Run`] collects them from a recording or a simulation, and
+//! [`Figure::draw`] produces a [`Drawing`] (SVG or PNG). The output is reproducible: the font is embedded, and no
+//! platform `libm`, clock or hash order is used.
 //!
 //! ```
 //! use toprise::analysis::figures::{Figure, Run};
@@ -48,7 +48,7 @@ pub struct Figure {
     pub name: &'static str,
     /// Content of the figure.
     pub title: &'static str,
-    /// The least number of runs that the figure can be drawn of.
+    /// Minimum number of runs.
     pub least_runs: usize,
     /// The fields without which the figure can't be drawn.
     needs: &'static [NumberField],
@@ -58,7 +58,7 @@ pub struct Figure {
     has_means: bool,
     /// Whether the figure is one of free pegs: a held one stays where it is.
     is_of_free_pegs: bool,
-    /// The reason why the figure does not apply to this run; none if it does.
+    /// Reason why the figure does not apply to a run, if any.
     does_not_apply: fn(&Run) -> Option<&'static str>,
     draw: fn(&[&Run], f64) -> Drawing,
 }
@@ -107,7 +107,7 @@ pub const FIGURES: &[Figure] = &[
     },
     Figure {
         name: "acceleration",
-        title: "Why it rises: the terms of θ̈ and φ̈, averaged over nutations",
+        title: "Terms of θ̈ and φ̈, averaged over nutations",
         needs: &[
             acceleration::THETA_DDOT_GYROSCOPIC,
             acceleration::THETA_DDOT_CENTRIFUGAL,
@@ -120,7 +120,7 @@ pub const FIGURES: &[Figure] = &[
         ],
         has_means: true,
         does_not_apply: |run| {
-            let because = "the terms are those of a peg that stays in place; a free one adds that of its own acceleration";
+            let because = "its equations hold for a fixed peg only";
             run.has_free_peg.then_some(because)
         },
         draw: time::acceleration,
@@ -128,11 +128,10 @@ pub const FIGURES: &[Figure] = &[
     },
     Figure {
         name: "precession",
-        title: "φ̇ and the rates of regular precession, between which the top is driven upright",
+        title: "φ̇ and the rates of regular precession (θ̈ < 0 between them)",
         needs: &[state::PHI_DOT, precession::SLOW_ROOT, precession::FAST_ROOT],
         does_not_apply: |run| {
-            let because =
-                "the rates are those of a peg that stays in place, and a free one also rolls";
+            let because = "the rates of regular precession hold for a fixed peg only";
             run.has_free_peg.then_some(because)
         },
         draw: time::precession,
@@ -153,7 +152,7 @@ pub const FIGURES: &[Figure] = &[
     },
     Figure {
         name: "slip",
-        title: "Slip speed and path slipped",
+        title: "Slip speed and slip path",
         needs: &[contact::SLIP_SPEED, contact::SLIP_PATH],
         has_means: true,
         draw: time::slip,
@@ -161,7 +160,7 @@ pub const FIGURES: &[Figure] = &[
     },
     Figure {
         name: "energy",
-        title: "Kinetic, potential and total energy, and what friction takes",
+        title: "Kinetic, potential and total energy, and work of friction",
         needs: &[
             energy::KINETIC,
             energy::POTENTIAL,
@@ -192,7 +191,7 @@ pub const FIGURES: &[Figure] = &[
             let gaps = run.series(free_peg::GAP).into_iter().map(|point| point.1);
             let highest = gaps.reduce(f64::max);
             let stays = highest.is_some_and(|gap| gap <= 0.0);
-            stays.then_some("the peg never leaves the table")
+            stays.then_some("the peg does not leave the table")
         },
         draw: time::hops,
         ..DEFAULTS
@@ -228,7 +227,7 @@ impl Figure {
         FIGURES.iter().find(|figure| figure.name == name)
     }
 
-    /// The first need of the figure that a run lacks: a channel, its messages, or a field.
+    /// The first missing requirement of a run: a channel, its messages, or a field.
     #[must_use]
     pub fn missing(&self, run: &Run) -> Option<String> {
         self.needs.iter().find_map(|field| run.missing(*field))
@@ -240,17 +239,17 @@ impl Figure {
         if self.is_expected_of(run) {
             (self.does_not_apply)(run)
         } else {
-            Some("the peg is held: it stays where it is")
+            Some("the peg is fixed")
         }
     }
 
-    /// Whether the figure is expected of a run: one of free pegs is not expected of a held one.
+    /// Whether the figure is expected for a run.
     #[must_use]
     pub fn is_expected_of(&self, run: &Run) -> bool {
         run.has_free_peg || !self.is_of_free_pegs
     }
 
-    /// Draws the figure with a width in mm. Several runs are drawn over one another; what a run lacks is left out.
+    /// Draws the figure with a width in mm. Several runs are overlaid; missing data is omitted.
     #[must_use]
     pub fn draw(&self, runs: &[&Run], width: f64) -> Drawing {
         let mut drawing = (self.draw)(runs, width);

@@ -1,8 +1,8 @@
 //! Drawings for print: axes, curves, legends and text, as SVG and PNG with the same bytes on every machine.
 //!
 //! A [`page::Page`] lays out panels of curves, with room measured from the labels; a [`frame::Frame`] is a plot with
-//! its axes; a [`drawing::Drawing`] is shapes and labels in mm, which [`svg`] and [`png`] write. What the curves mean is
-//! known only to the caller.
+//! its axes; a [`drawing::Drawing`] is shapes and labels in mm, which [`svg`] and [`png`] write. Independent of what
+//! the curves represent.
 
 pub(crate) mod decimate;
 pub(crate) mod drawing;
@@ -23,9 +23,7 @@ pub(crate) mod ticks;
 mod glossary {
     use super::drawing::{Anchor, Drawing};
     use super::shape::{Bounds, Colour, Point, Shape, Stroke};
-    use super::style::{
-        BLACK, BLUE, COLOURS, DASHED, GREEN, GREY, HAIRLINE, SKY, VERMILLION, line,
-    };
+    use super::style::{BLACK, BLUE, COLOURS, DASHED, GREEN, GREY, HAIRLINE, SKY, VERMILION, line};
     use super::text::Text;
     use libm::{cos, hypot, sin};
     use std::f64::consts::{FRAC_PI_3, FRAC_PI_6, PI, TAU};
@@ -163,7 +161,7 @@ mod glossary {
             (
                 "precession",
                 arc((0.0, 48.0), (5.6, 1.6), from, to, above),
-                VERMILLION,
+                VERMILION,
                 &[],
             ),
             (

@@ -1,8 +1,7 @@
-//! Verification: the scenario of a recording is run again, and the file is compared with the result.
+//! Verification: reruns the scenario of a recording and compares the result with the file.
 //!
-//! The same bytes prove everything at once. If they differ, [`verify`] compares message by message and reports the first
-//! difference; a file that another program has packed again, with other chunks or another compression, has the same
-//! messages, records and channels.
+//! Identical bytes verify everything. Otherwise [`verify`] compares messages and reports the first difference. A
+//! repacked file (other chunks or compression) has the same messages, records and channels.
 
 mod again;
 mod bytes;
@@ -26,15 +25,15 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The file has the bytes that its scenario gives.
+    /// The file is byte-identical to a new run.
     Verified,
-    /// The file holds what its scenario gives, in other chunks or with another compression.
+    /// The content is identical, but chunks or compression differ.
     PackedOtherwise,
-    /// Another version of toprise recorded it, and the values are those that this version computes.
+    /// Recorded by another version; all common values match.
     OtherVersion,
-    /// Everything in the file is right, but it holds only a part of the run.
+    /// All readable messages match, but parts of the run are missing.
     Incomplete,
-    /// The file differs from what its scenario gives.
+    /// The file differs from a new run.
     Different,
 }
 
@@ -51,7 +50,7 @@ pub struct Report {
     /// Number of messages that are equal; absent if all bytes are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub equal: Option<u64>,
-    /// Number of messages of the run that the file lacks; of an interrupted run those between the ones that it has.
+    /// Number of missing messages; for an interrupted run, only gaps.
     pub missing: u64,
     /// Topics that were not recorded.
     pub without: Vec<String>,
@@ -60,8 +59,8 @@ pub struct Report {
     pub recorded_by: Option<String>,
 }
 
-/// Runs the scenario of a recording again and compares. `progress` takes how many more bytes have been compared: in the
-/// end at most twice the file's.
+/// Runs the scenario of a recording again and compares. `progress` is called with the number of further bytes compared
+/// (in total at most twice the file size).
 #[must_use]
 pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
     let mut report = Report {
@@ -83,7 +82,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
     let telemetry = || Telemetry::with_topics(&topics);
     let left_out = Topic::all_with(scenario.model.support).filter(|t| !topics.include(t));
     report.without = left_out.map(|topic| topic.to_string()).collect();
-    // What was interrupted holds a part of what the run gives, which may be long.
+    // Skip the byte comparison for interrupted files.
     if report.state == Condition::Whole
         && !recording.is_interrupted()
         && bytes::are_equal(recording, &scenario, telemetry(), form, progress) == Some(true)
@@ -105,7 +104,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
     let is_part = !is_whole || is_interrupted || compared.missing > 0;
     let beside = || container::difference(recording, &opening, &end, is_part, is_by_value);
     let is_exact = !is_by_value && !is_part;
-    // Whatever made the file, and however much of the run it has: its data and its index must agree, unless it is damaged.
+    // Data and index must agree, unless the file is damaged.
     let has_index =
         report.state != Condition::Damaged && compared.losses == 0 && recording.is_closed();
     let index = || index::index_difference(recording);

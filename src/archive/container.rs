@@ -1,7 +1,7 @@
-//! An MCAP file as a container of records, written by any software: where they stand, past damaged parts.
+//! Low-level reading of MCAP files from any writer, tolerating damage.
 //!
-//! [`scan`] hops from record to record, [`layout`] keeps where the chunks, channels, metadata and attachments are,
-//! and [`section`] gives the messages of a chunk.
+//! [`scan`] walks the records, [`layout`] stores the positions of chunks, channels, metadata and attachments, and
+//! [`section`] reads the messages of a chunk.
 
 pub(crate) mod channels;
 pub(crate) mod layout;

@@ -1,4 +1,4 @@
-//! The reasons why files, messages and scenarios can't be read.
+//! Errors of reading files, messages and scenarios.
 
 use crate::run::scenario::ScenarioError;
 use crate::telemetry::encoding::DecodeError;
@@ -8,23 +8,23 @@ use thiserror::Error;
 /// The reason why a file can't be read at all.
 #[derive(Debug, Error)]
 pub enum RecordingError {
-    /// The file system refused.
+    /// An I/O error.
     #[error(transparent)]
     Io(#[from] io::Error),
     /// A directory.
-    #[error("it is a directory; name an MCAP file")]
+    #[error("it is a directory, not an MCAP file")]
     Directory,
-    /// A device, a pipe or the like: recordings are read at any position.
-    #[error("it is a pipe or a device; name an MCAP file")]
+    /// A device or pipe; recordings need random access.
+    #[error("it is a pipe or device, not an MCAP file")]
     NoFile,
     /// An empty file.
     #[error("the file is empty")]
     Empty,
     /// A file that is no MCAP file.
-    #[error("not an MCAP file: it doesn't begin like one")]
+    #[error("not an MCAP file (wrong magic bytes)")]
     NotMcap,
     /// A topic of ours has two channels.
-    #[error("it has two channels {0}: which one counts can't be known")]
+    #[error("it has two channels {0}, which is ambiguous")]
     TwoChannels(String),
     /// A recording without a scenario.
     #[error(transparent)]
@@ -45,11 +45,11 @@ pub struct MessageError {
     pub reason: DecodeError,
 }
 
-/// The reason why a recording gives no scenario.
+/// Error of reading the scenario of a recording.
 #[derive(Debug, Error)]
 pub enum NoScenario {
     /// The file has no attachment with a scenario.
-    #[error("no scenario is attached to it")]
+    #[error("it has no scenario attached")]
     Missing,
     /// The attachment is damaged.
     #[error("its scenario is damaged: {0}")]

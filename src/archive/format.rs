@@ -1,12 +1,11 @@
-//! The format of recordings: the names of the records in an MCAP file and what stands in them, for the writer
-//! and the readers alike.
+//! The recording format: names and contents of MCAP records, shared by writer and readers.
 //!
 //! A recording holds, in this order: the metadata record [`RUN_RECORD`] and the scenario as an attachment; the
 //! schemas and channels; the messages; the metadata record [`END_RECORD`]. A file without the last was
 //! interrupted. Nothing in a recording depends on when or where it was made.
 //!
-//! Beside the channels of the table there are those for viewers ([`crate::telemetry::views`]), which the content
-//! digest leaves out.
+//! In addition to the table's channels there are channels for viewers ([`crate::telemetry::views`]), which are not part
+//! of the content digest.
 
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
@@ -17,9 +16,9 @@ use crate::telemetry::table;
 use mcap::Attachment;
 use std::collections::BTreeMap;
 
-/// Name of the metadata record at the start: which run this is.
+/// Name of the metadata record at the start: identifies the run.
 pub const RUN_RECORD: &str = "toprise.run";
-/// Name of the metadata record at the end: how the run ended, and what the file must hold.
+/// Name of the metadata record at the end: end of the run and content digest.
 pub const END_RECORD: &str = "toprise.end";
 /// Name of the attachment that holds the scenario as TOML.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
@@ -84,8 +83,8 @@ pub fn run_entries(scenario: &Scenario) -> Entries {
     ])
 }
 
-/// The entries of [`RUN_RECORD`] with the form in which the run is recorded: with the scenario they determine every
-/// byte of the file.
+/// The entries of [`RUN_RECORD`] for encoding, views and topics. Together with the scenario they determine every byte
+/// of the file.
 #[must_use]
 pub fn form_entries(encoding: Encoding, views: bool, topics: &Topics) -> Entries {
     let topics = match topics {
@@ -103,8 +102,7 @@ pub fn form_entries(encoding: Encoding, views: bool, topics: &Topics) -> Entries
     ])
 }
 
-/// The form that the entries of [`RUN_RECORD`] name: the encoding, whether there are views, and the topics. None if they
-/// don't.
+/// Encoding, views flag and topics from the entries of [`RUN_RECORD`]; `None` if they are missing.
 #[must_use]
 pub fn recorded_form(run: &Entries) -> Option<(Encoding, bool, Topics)> {
     let topics = match run.get(TOPICS)?.as_str() {
@@ -138,7 +136,7 @@ pub fn end_entries(end: &RunEnd) -> Entries {
     ])
 }
 
-/// Whether the end record of a recording belongs to a run with this outcome.
+/// Whether an end record agrees with an outcome.
 #[must_use]
 pub fn is_end_of(end: &Entries, outcome: &Outcome) -> bool {
     let is = |key: &str, value: &str| end.get(key).is_some_and(|message| message == value);

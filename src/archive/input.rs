@@ -1,4 +1,4 @@
-//! Words that name a run: presets, scenario files and recordings.
+//! Command-line arguments that identify a run: presets, scenario files and recordings.
 
 use crate::archive::recording::{Recording, RecordingError};
 use crate::archive::writer::Form;
@@ -9,7 +9,7 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// The reason why a word names no scenario.
+/// Error of reading a scenario.
 #[derive(Debug, Error)]
 pub enum InputError {
     /// There is no preset of this name.
@@ -41,14 +41,14 @@ pub enum InputError {
     },
 }
 
-/// Whether a word names a recording that is read, rather than a scenario that is simulated.
+/// Whether an argument is a recording rather than a scenario.
 #[must_use]
 pub fn is_recording(word: &Path) -> bool {
     let is_scenario = is_preset(word) || has_extension(word, "toml");
     !is_scenario && (word.exists() || is_like_a_file(word))
 }
 
-/// Reads the scenario that a word means: a preset, a file, or the scenario of a recording.
+/// Reads the scenario of a preset, a scenario file or a recording.
 ///
 /// # Errors
 /// [`InputError`] if there is none, or a key of it is wrong; whether it is complete is not checked.
@@ -76,7 +76,7 @@ fn text(word: &Path) -> Result<String, InputError> {
     text.map_err(|reason| InputError::Recording { path, reason })
 }
 
-/// Form of the recording that a word names; none if it names something else.
+/// Encoding, views and topics of a recording; `None` for other arguments.
 #[must_use]
 pub fn form(word: &Path) -> Option<(Form, Topics)> {
     if is_preset(word) || !is_mcap(word) {
@@ -86,7 +86,7 @@ pub fn form(word: &Path) -> Option<(Form, Topics)> {
     Some((Form { encoding, views }, topics))
 }
 
-/// Whether a file begins like an MCAP file, whatever its name.
+/// Whether a file starts with the MCAP magic bytes.
 fn is_mcap(path: &Path) -> bool {
     let mut magic = [0; mcap::MAGIC.len()];
     let file = open_file(path);
@@ -100,12 +100,12 @@ fn is_mcap(path: &Path) -> bool {
 /// As [`open_file`], or that it is no text.
 pub fn read_file(path: &Path) -> io::Result<String> {
     io::read_to_string(open_file(path)?).map_err(|error| match error.kind() {
-        io::ErrorKind::InvalidData => io::Error::new(error.kind(), "it is not a text in UTF-8"),
+        io::ErrorKind::InvalidData => io::Error::new(error.kind(), "it is not UTF-8 text"),
         _ => error,
     })
 }
 
-/// Opens a file for reading. Opening a pipe without a writer would wait for ever: it is refused.
+/// Opens a file for reading. Pipes and devices are rejected, because opening a pipe could block.
 ///
 /// # Errors
 /// The system's, or that it is no file.
@@ -125,7 +125,7 @@ fn has_extension(word: &Path, extension: &str) -> bool {
     word.extension().is_some_and(|found| found == extension)
 }
 
-/// Whether a word that names nothing is the name of a recording rather than of a preset.
+/// Whether an unknown argument looks like a file name rather than a preset.
 fn is_like_a_file(word: &Path) -> bool {
     let text = word.to_string_lossy();
     text.contains(['/', '\\']) || text.contains(".mcap")

@@ -1,4 +1,4 @@
-//! Messages kept in memory: for tests and for programs that use the library.
+//! Sink that stores messages in memory.
 
 use crate::archive::sink::{Sink, SinkError};
 use crate::telemetry::Message;

@@ -1,5 +1,5 @@
-//! Writing a run with two threads: the caller's encodes messages, another takes their digest, compresses and writes
-//! them, in order. The bytes are those of [`crate::archive::writer::McapWriter`].
+//! Two-threaded MCAP writing: the caller encodes messages; a worker thread hashes, compresses and writes them in order.
+//! The bytes equal those of [`crate::archive::writer::McapWriter`].
 
 use crate::archive::format::end_entries;
 use crate::archive::publish::{Draft, Existing};
@@ -14,9 +14,9 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 
-/// Encoded messages travel to the writing thread in batches of about this size.
+/// Approximate size of a batch of encoded messages.
 const BATCH_BYTES: usize = 128 * 1024;
-/// Number of batches that may wait for the writing thread, which bounds the memory.
+/// Maximum number of queued batches; bounds memory use.
 const BATCHES: usize = 8;
 
 /// Writes a run as MCAP with two threads.
@@ -31,11 +31,11 @@ pub struct Pipeline<W: Write> {
     thread: Option<JoinHandle<McapResult<Packer<W>>>>,
 }
 
-/// Writes the recording of a run into a file, which takes its name when it is complete.
+/// Writes a recording to a draft file, which is renamed when complete.
 pub type McapSink = Pipeline<BufWriter<Draft>>;
 
 impl<W: Write + Send + 'static> Pipeline<W> {
-    /// Starts a recording in `target`, which errors call `name`.
+    /// Starts a recording in `target`; `name` is used in errors.
     pub(crate) fn start(target: W, name: PathBuf, opening: Opening) -> Result<Self, SinkError> {
         let opened = Packer::open(target, &opening);
         let (packer, ids) = opened.map_err(|reason| mcap_error(&name, reason))?;
@@ -62,7 +62,7 @@ impl<W: Write + Send + 'static> Pipeline<W> {
         if batches.is_some_and(|batches| batches.send(batch).is_ok()) {
             return Ok(());
         }
-        // The thread only goes away before the end when it has failed.
+        // The channel is closed early only if the thread has failed.
         self.join()?;
         Err(self.died())
     }
@@ -117,7 +117,7 @@ impl<W: Write + Send + 'static> Sink for Pipeline<W> {
         self.send_batch()
     }
 
-    /// Passes on what there is. Chunks end by their size alone, so that their bytes are the same whenever they are written.
+    /// Sends the pending batch. Does not end a chunk, so that flushing doesn't change the bytes.
     fn flush(&mut self) -> Result<(), SinkError> {
         self.send_batch()
     }
@@ -151,8 +151,8 @@ impl McapSink {
         Self::create_in(draft, scenario, telemetry, form)
     }
 
-    /// Content of a draft before its first chunk: everything that comes before the
-    /// messages, with the channels outside of chunks. So a run that is killed at once can be run again.
+    /// Initial content of a draft: everything before the messages, with channels outside chunks, so that a killed run
+    /// can be repeated.
     ///
     /// # Errors
     /// [`SinkError`] if the channels are more than a file may have.
@@ -165,7 +165,7 @@ impl McapSink {
         bytes.map_err(|reason| mcap_error(Path::new(""), reason))
     }
 
-    /// Starts the recording of `scenario` in a draft, with the channels that `telemetry` wants.
+    /// Starts the recording of `scenario` in a draft, with the channels enabled in `telemetry`.
     ///
     /// # Errors
     /// [`SinkError`] if the file can't be written.
@@ -182,7 +182,7 @@ impl McapSink {
         Self::start(file, name, opening)
     }
 
-    /// Ends the recording, which still has to be published; returns the content digest too.
+    /// Finishes the recording without publishing it. Returns the draft and the content digest.
     ///
     /// # Errors
     /// [`SinkError`] if anything could not be written; the partial file is kept.
@@ -197,7 +197,7 @@ impl McapSink {
         Ok((draft, digest))
     }
 
-    /// Ends the recording and gives the file its name.
+    /// Finishes and publishes the recording.
     ///
     /// # Errors
     /// As [`Self::complete`] and [`Draft::publish`].

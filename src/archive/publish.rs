@@ -1,11 +1,10 @@
-//! Files that appear whole or not at all.
+//! Atomic file output.
 //!
-//! A [`Draft`] is written next to its place under a temporary name and takes its own name only when it is complete
-//! and on the disk. Temporary names are always new: no file that exists is ever opened for writing, so neither
-//! what a command reads, nor what another one is writing or has left, can be harmed.
+//! A [`Draft`] is written under a temporary name in the target directory and renamed when it is complete and synced.
+//! Temporary names are always new, so no existing file is opened for writing.
 //!
-//! The draft of a run is called `NAME.partial` and stays if the run doesn't reach its end. Everything else can be
-//! made again: its draft is a hidden file that vanishes if it isn't published, with the directories that were made for it.
+//! The draft of a run is called `NAME.partial` and stays if the run doesn't reach its end. Other drafts are hidden
+//! files. They are deleted if not published, together with the directories created for them.
 
 use crate::archive::sink::SinkError;
 use std::collections::BTreeSet;
@@ -16,31 +15,31 @@ use std::path::{self, Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile, PersistError, TempPath};
 
-/// Treatment of a file that already has the name.
+/// What to do with an existing file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
-    /// The existing file stays; publishing is refused.
+    /// Keep it and fail.
     Keep,
-    /// The existing file is replaced, in one moment. A symbolic link is replaced as a name: the file it leads to stays as it is.
+    /// Replace it atomically. A symbolic link is replaced itself; its target is unchanged.
     Replace,
 }
 
 impl Existing {
-    /// Replaced if that is forced.
+    /// `Replace` if `force`, otherwise `Keep`.
     #[must_use]
     pub fn forced(force: bool) -> Self {
         if force { Self::Replace } else { Self::Keep }
     }
 }
 
-/// The hidden files that vanish if they are not published.
+/// Hidden drafts, for removal on exit.
 static HIDDEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// All directories that have been made for files.
+/// Directories created for drafts.
 static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Removes all hidden drafts, and the directories made for them, and lets no new ones be made: the program is about to
-/// end without dropping them.
+/// Removes all hidden drafts and the directories created for them, and blocks new ones; called before the process
+/// exits.
 pub fn abandon_drafts() {
     let drafts = HIDDEN.lock().unwrap_or_else(PoisonError::into_inner);
     for draft in drafts.iter() {
@@ -51,7 +50,7 @@ pub fn abandon_drafts() {
     std::mem::forget((drafts, directories));
 }
 
-/// An entry among the hidden files, as long as the file has that name.
+/// Guard of an entry in the list of hidden drafts.
 #[derive(Debug)]
 struct Hidden(PathBuf);
 
@@ -62,43 +61,43 @@ impl Drop for Hidden {
     }
 }
 
-/// A file that is being written and takes its name when it is complete.
+/// A file being written, to be renamed when complete.
 #[derive(Debug)]
 pub struct Draft {
     file: NamedTempFile,
-    /// None for the draft of a run, which has a name that shows.
+    /// `None` for the draft of a run (`NAME.partial`).
     hidden: Option<Hidden>,
     path: PathBuf,
     existing: Existing,
-    /// The name under which it stays if it is not published; none if it vanishes then.
+    /// The name kept if it is not published; `None` if it is deleted.
     partial: Option<PathBuf>,
-    /// The length of the preface that it still holds.
+    /// Length of the current preface.
     preface: usize,
     /// Replacement of the preface, in one write.
     first: Vec<u8>,
-    /// The directories that were made for it; they go after the file.
+    /// Directories created for it; dropped after the file.
     directories: MadeDirectories,
 }
 
-/// Directories that were made for a file, from the outermost on. Those in which nothing is vanish with this.
+/// Directories created for a file, outermost first. Empty ones are removed on drop.
 #[derive(Debug)]
 struct MadeDirectories(Vec<PathBuf>);
 
 impl MadeDirectories {
-    /// Makes a directory and those in which it is, as far as there are none.
+    /// Creates a directory and missing parents.
     fn make(directory: &Path) -> io::Result<Self> {
         let missing = directory.ancestors();
         let missing = missing.take_while(|path| !path.as_os_str().is_empty() && !path.exists());
         let mut missing: Vec<PathBuf> = missing.map(Path::to_owned).collect();
         missing.reverse();
-        // Known before they are there, so that none stays when the program is asked to end.
+        // Registered before creation, so that they can be removed on a signal.
         let mut all = MADE.lock().unwrap_or_else(PoisonError::into_inner);
         all.extend(missing.iter().cloned());
         let made = Self(missing);
         fs::create_dir_all(directory).map(|()| made)
     }
 
-    /// Lets them stay.
+    /// Keeps them.
     fn keep(mut self) {
         self.0.clear();
     }
@@ -118,7 +117,7 @@ fn remove_empty(directories: &[PathBuf]) {
 }
 
 impl Draft {
-    /// Starts a file that vanishes if it is not published.
+    /// Creates a draft that is deleted if not published.
     ///
     /// # Errors
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
@@ -126,8 +125,8 @@ impl Draft {
         Self::within(directory_of(path), path, existing)
     }
 
-    /// Starts a file that vanishes if it is not published, and is in this directory until then: removing that directory
-    /// also removes the remains of a process that was killed.
+    /// Like [`Draft::new`], but places the draft in another directory, so that removing that directory removes
+    /// leftovers of a killed process.
     ///
     /// # Errors
     /// As [`Draft::new`]; [`Draft::publish`] fails if the directory is on another file system.
@@ -146,10 +145,10 @@ impl Draft {
         })
     }
 
-    /// Starts the recording of a run: a file that is called `NAME.partial` until it is published, and stays from
-    /// [`Draft::keep`] on. It contains at least the `preface`, which the first bytes replace.
+    /// Creates the draft of a run, `NAME.partial`. It is kept on failure after [`Draft::keep`]. It starts with
+    /// `preface`, which is replaced by the first write.
     ///
-    /// A `NAME.partial` that is there already is left alone: with [`Existing::Replace`] the next free name of
+    /// A `NAME.partial` that is there already is not touched: with [`Existing::Replace`] the next free name of
     /// `NAME.2.partial`, `NAME.3.partial`, … is taken, otherwise the run is refused.
     ///
     /// # Errors
@@ -157,7 +156,7 @@ impl Draft {
     /// file can't be made.
     pub fn of_run(path: &Path, existing: Existing, preface: &[u8]) -> Result<Self, SinkError> {
         if path.extension().is_some_and(|kind| kind == "partial") {
-            let reason = "is a name of runs that are not complete: choose another name";
+            let reason = "has the extension .partial, which is reserved for incomplete runs";
             return Err(name_error(path, reason));
         }
         let mut draft = Self::new(path, existing)?;
@@ -171,7 +170,7 @@ impl Draft {
             preface: preface.len(),
             ..draft
         };
-        // Another run may have published its file and given up the partial name since the first look.
+        // Another run may have published its file meanwhile.
         refuse_existing(path, existing)?;
         Ok(draft)
     }
@@ -182,18 +181,18 @@ impl Draft {
         &self.path
     }
 
-    /// The name by which messages call it until then.
+    /// The name used in messages until then.
     #[must_use]
     pub fn working_name(&self) -> &Path {
         self.partial.as_deref().unwrap_or(&self.path)
     }
 
-    /// Lets the draft of a run stay from now on, because there is something in it.
+    /// Keeps the draft of a run even if it is not published.
     pub fn keep(&mut self) {
         self.file.disable_cleanup(self.partial.is_some());
     }
 
-    /// The file, for something that writes it by itself.
+    /// A handle of the file, for other writers.
     ///
     /// # Errors
     /// [`SinkError::Io`] if the system has no more handles.
@@ -207,7 +206,7 @@ impl Draft {
         self.file.disable_cleanup(false);
     }
 
-    /// Gives the complete file its name, after it has reached the disk, and returns its size in bytes.
+    /// Syncs and renames the complete file. Returns its size in bytes.
     ///
     /// # Errors
     /// [`SinkError::Exists`] if the name was taken meanwhile, [`SinkError::Io`] otherwise. What a run has
@@ -240,11 +239,13 @@ impl Draft {
                 (io::ErrorKind::AlreadyExists, Some(partial)) => exists(
                     &path,
                     format!(
-                        "it appeared during the run; the new recording is complete, as {}: rename it",
+                        "the file was created during the run; the new recording is complete and saved as {}",
                         partial.display()
                     ),
                 ),
-                (io::ErrorKind::AlreadyExists, None) => exists(&path, "it has just appeared"),
+                (io::ErrorKind::AlreadyExists, None) => {
+                    exists(&path, "it was just created by another process")
+                }
                 _ => io_error("name", &path, refused.error),
             });
         }
@@ -296,7 +297,7 @@ pub fn write(path: &Path, existing: Existing, contents: &[u8]) -> Result<(), Sin
     draft.publish().map(|_| ())
 }
 
-/// Refuses a path that no file can have, as one that ends in a separator.
+/// Rejects invalid file paths, e.g. with a trailing separator.
 ///
 /// # Errors
 /// [`SinkError::Name`].
@@ -306,15 +307,15 @@ pub fn check_name(path: &Path) -> Result<(), SinkError> {
     if name.is_some_and(|name| whole.ends_with(name.as_encoded_bytes())) {
         return Ok(());
     }
-    Err(name_error(path, "names no file: add the name of one"))
+    Err(name_error(path, "is not a file name"))
 }
 
-/// Refuses to replace what is not a file, or must stay, and makes the directory.
+/// Checks that the target can be written, and creates its directory.
 fn prepare(path: &Path, existing: Existing) -> Result<MadeDirectories, SinkError> {
     check_name(path)?;
-    // A directory, a device, a pipe: publishing would put a file in its place.
+    // Don't replace a directory, device or pipe.
     if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
-        return Err(exists(path, "it is not a file; name one"));
+        return Err(exists(path, "it is not a regular file"));
     }
     refuse_existing(path, existing)?;
     let directory = directory_of(path);
@@ -324,7 +325,7 @@ fn prepare(path: &Path, existing: Existing) -> Result<MadeDirectories, SinkError
 
 fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
     if existing == Existing::Keep && path.symlink_metadata().is_ok() {
-        let advice = "choose another name, or replace it with --force";
+        let advice = "choose another name, or overwrite it with --force";
         return Err(exists(path, advice));
     }
     Ok(())
@@ -343,7 +344,7 @@ fn prefix(path: &Path) -> String {
     format!(".{}.", &name[..name.floor_char_boundary(LONGEST)])
 }
 
-/// Whether a file is called like a hidden draft of `path`.
+/// Whether a file name is that of a hidden draft of `path`.
 #[must_use]
 pub fn is_draft_of(name: &str, path: &Path) -> bool {
     let random = name.strip_prefix(&prefix(path));
@@ -369,7 +370,7 @@ fn hidden(directory: &Path, path: &Path) -> Result<(NamedTempFile, Hidden), Sink
     Ok((file, hidden))
 }
 
-/// Calls a file `NAME.partial`, or by the next free name if that is allowed.
+/// Names a file `NAME.partial`, or the next free name if allowed.
 fn name_partial(
     mut file: NamedTempFile,
     path: &Path,
@@ -392,12 +393,12 @@ fn name_partial(
         if existing == Existing::Keep {
             let advice = if path.extension().is_some_and(|kind| kind == "mcap") {
                 format!(
-                    "a run is writing it, or was interrupted: `toprise run {} -o OUT` runs it again to its end; \
+                    "it belongs to a running or interrupted run; to repeat an interrupted run: `toprise run {} -o OUT`; \
                      move it away, or choose another name",
                     name.display()
                 )
             } else {
-                "a run is writing it, or was interrupted; move it away, or choose another name"
+                "it belongs to a running or interrupted run; move it or choose another name"
                     .to_owned()
             };
             return Err(exists(&name, advice));
@@ -408,11 +409,11 @@ fn name_partial(
     }
 }
 
-/// Gives a file a name that nothing has.
+/// Renames a file to an unused name.
 fn name_anew(file: NamedTempFile, name: &Path) -> Result<File, PersistError> {
     file.persist_noclobber(name).or_else(|refused| {
         let is_taken = refused.error.kind() == io::ErrorKind::AlreadyExists;
-        // File systems without hard links: the look and the renaming are two moments there.
+        // Without hard links, check and rename are not atomic.
         if is_taken || name.symlink_metadata().is_ok() {
             return Err(refused);
         }
@@ -439,7 +440,7 @@ fn directory_of(path: &Path) -> &Path {
     }
 }
 
-/// Makes a new name itself durable, where the system lets a directory be synced.
+/// Syncs the directory, where supported.
 fn sync_directory(path: &Path) {
     if let Ok(directory) = File::open(directory_of(path)) {
         let _ = directory.sync_all();
@@ -468,7 +469,7 @@ fn io_error(action: &'static str, path: &Path, reason: io::Error) -> SinkError {
     }
 }
 
-/// Refuses to write to a file that is read, by whatever name or link they are reached.
+/// Rejects an output that is also an input, under any name or link.
 ///
 /// # Errors
 /// [`SinkError::IsInUse`] if `output` is one of `inputs`.
@@ -485,21 +486,20 @@ pub fn refuse_inputs<'a>(
     Ok(())
 }
 
-/// Whether two paths lead to one file, or would.
+/// Whether two paths refer to the same (existing or future) file.
 #[must_use]
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
     place(one) == place(other) || identity(one).is_some_and(|one| identity(other) == Some(one))
 }
 
-/// The place of a file, existing or not: its name in its directory, which is resolved. A link that has the name itself is not
-/// followed: it would be replaced.
+/// The canonical path of an existing or new file. The last component is not resolved if it is a link.
 fn place(path: &Path) -> PathBuf {
     let directory = resolved(directory_of(path));
     path.file_name()
         .map_or_else(|| path.to_owned(), |name| directory.join(name))
 }
 
-/// The absolute path of a directory without links, `.` and `..`. It may be one that is not there yet.
+/// The canonical path of an existing or new directory.
 fn resolved(directory: &Path) -> PathBuf {
     let absolute = path::absolute(directory).unwrap_or_else(|_| directory.to_owned());
     let mut resolved = PathBuf::new();

@@ -1,8 +1,7 @@
 //! Reading recordings back.
 //!
-//! [`Recording::open`] finds out where everything is in a file, past whatever is damaged, and what
-//! kind of file it is. [`Recording::reader`] gives its messages with the very bits that were written, [`Overview`]
-//! lists what is in it.
+//! [`Recording::open`] scans a file, tolerating damage, and classifies it. [`Recording::reader`] returns its messages
+//! bit-exactly; [`Overview`] lists the content.
 //!
 //! ```no_run
 //! use toprise::archive::recording::{Recording, Selection};

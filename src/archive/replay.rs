@@ -1,10 +1,10 @@
-//! Replaying a recording into any sink: the messages of the run come again as they were.
+//! Replays a recording into a sink.
 
 use crate::archive::recording::{Loss, MessageError, Recording, Selection};
 use crate::archive::sink::{Sink, SinkError};
 use std::ops::ControlFlow;
 
-/// Messages that a replay has passed on, and those that it could not.
+/// Result of a replay.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replayed {
     /// Messages passed on.
@@ -15,10 +15,10 @@ pub struct Replayed {
     pub losses: Vec<Loss>,
 }
 
-/// Gives the selected messages of a recording's channels to `sink`.
+/// Writes the selected messages of a recording to `sink`.
 ///
 /// `between` is called after each message with the number of bytes of the file that have been read since the
-/// last one; it may break the replay off.
+/// last one; it can cancel the replay.
 ///
 /// # Errors
 /// The first error of the sink.

@@ -1,4 +1,4 @@
-//! The destinations of messages: MCAP files, Rerun, memory.
+//! Message sinks.
 
 use crate::run::simulation::{Record, RunEnd, Simulation, SimulationError, StopReason};
 use crate::telemetry::{Message, Telemetry, TelemetryError};
@@ -14,18 +14,17 @@ pub trait Sink {
     /// [`SinkError`] if this message or an earlier one could not be stored.
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError>;
 
-    /// Passes on what can be passed on by now: a viewer shows all that was written before. It changes nothing of the
-    /// bytes of a file.
+    /// Flushes buffered messages, e.g. to a viewer. Does not affect the bytes of a file.
     ///
     /// # Errors
     /// [`SinkError`] if an earlier message could not be stored.
     fn flush(&mut self) -> Result<(), SinkError>;
 }
 
-/// The reason why messages can't be stored.
+/// Error of a sink.
 #[derive(Debug, Error)]
 pub enum SinkError {
-    /// The file can't be made, because something is there that must not be lost.
+    /// The file exists and must not be overwritten.
     #[error("{} exists: {advice}", path.display())]
     Exists {
         /// The existing file.
@@ -41,8 +40,8 @@ pub enum SinkError {
         /// The reason.
         reason: &'static str,
     },
-    /// The file is one that is read, or the other one that is written.
-    #[error("{} is already read or written here: write to another file", path.display())]
+    /// The file is also an input or another output.
+    #[error("{} is also an input or another output: choose another file", path.display())]
     IsInUse {
         /// The file.
         path: PathBuf,
@@ -54,7 +53,7 @@ pub enum SinkError {
         action: &'static str,
         /// On which file.
         path: PathBuf,
-        /// Why, according to the system.
+        /// The system error.
         reason: std::io::Error,
     },
     /// The MCAP writer failed.
@@ -69,7 +68,7 @@ pub enum SinkError {
     #[error(transparent)]
     Viewer(Box<dyn std::error::Error + Send + Sync>),
     /// A thread that writes died.
-    #[error("the thread that writes {} died", path.display())]
+    #[error("the writer thread of {} panicked", path.display())]
     WriterDied {
         /// The file.
         path: PathBuf,
@@ -90,9 +89,9 @@ pub enum RecordError {
     Sink(#[from] SinkError),
 }
 
-/// Runs a simulation and gives every message to every sink, in one pass.
+/// Runs a simulation and writes every message to all sinks.
 ///
-/// `between` is called after each record, and may flush the sinks, wait, or break off the run.
+/// `between` is called after each record, and can flush the sinks, wait, or cancel the run.
 ///
 /// # Errors
 /// The first error of the simulation, the telemetry or a sink.
@@ -117,8 +116,7 @@ pub fn record(
     Ok(simulation.end())
 }
 
-/// As [`record`]. A motion that can't be computed or recorded to its end is a run that failed there: the error comes
-/// in addition to its end.
+/// Like [`record`], but a simulation error is returned together with the end of the run up to that point.
 ///
 /// # Errors
 /// The first error of a sink.
@@ -139,7 +137,7 @@ pub fn record_to_end(
     }
 }
 
-/// An error with its chain of causes: the MCAP crate's messages alone hide the operating system's.
+/// An error with its chain of causes: `McapError` does not display its source.
 fn with_causes(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();

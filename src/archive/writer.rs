@@ -1,7 +1,7 @@
-//! A run as an MCAP file, written into anything that takes bytes.
+//! MCAP writer of a run, for any `io::Write`.
 //!
-//! [`crate::archive::format`] lists the records of such a file in their order. [`McapWriter`] does everything on the
-//! caller's thread; [`crate::archive::pipeline`] writes the same bytes with two.
+//! [`crate::archive::format`] lists the records of such a file in their order. [`McapWriter`] is single-threaded;
+//! [`crate::archive::pipeline`] writes the same bytes with two threads.
 
 use crate::archive::format::{
     CONTENT_DIGEST, END_RECORD, Entries, LIBRARY, RUN_RECORD, form_entries, run_entries,
@@ -18,15 +18,15 @@ use ::mcap::{Attachment, Compression, McapError, McapResult, WriteOptions, Write
 use std::fmt;
 use std::io::{Seek, Write};
 
-/// Uncompressed size of a chunk, bytes: the most that is lost when the process is killed.
+/// Uncompressed chunk size, bytes.
 const CHUNK_SIZE: u64 = 256 * 1024;
 
-/// Form of a recording.
+/// Format options of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Form {
     /// The encoding of the table's channels.
     pub encoding: Encoding,
-    /// Whether the channels for viewers are written too.
+    /// Whether view channels are written.
     pub views: bool,
 }
 
@@ -87,7 +87,7 @@ impl Opening {
         }
     }
 
-    /// The bytes of a file with nothing but this, with the channels outside of chunks.
+    /// A file with only this content, with channels outside chunks.
     pub(crate) fn bytes(&self) -> McapResult<Vec<u8>> {
         let mut writer = options()
             .use_chunks(false)
@@ -140,7 +140,7 @@ impl Declared {
     }
 }
 
-/// Encodes the messages of a run, each followed by the views that come with it.
+/// Encodes the messages of a run, each followed by its views.
 #[derive(Debug)]
 pub(crate) struct RunEncoder {
     encoder: Encoder,
@@ -189,9 +189,9 @@ impl RunEncoder {
 /// Encoded messages on their way into a file.
 #[derive(Debug, Default)]
 pub(crate) struct Batch {
-    /// Their encoded bytes, one after the other.
+    /// Their concatenated encoded bytes.
     data: Vec<u8>,
-    /// Their part in the digest, likewise.
+    /// Their concatenated digest input.
     content: Vec<u8>,
     messages: Vec<Entry>,
 }
@@ -251,7 +251,7 @@ impl Batch {
     }
 }
 
-/// Packs encoded messages into a file. Dropped before it is finished, it leaves a file without an end.
+/// Writes batches to a file. If dropped unfinished, the file stays without an end record.
 pub(crate) struct Packer<W: Write> {
     /// Taken when the file is finished or abandoned: the `mcap` crate's writer completes its file on drop.
     writer: Option<Writer<NoSeek<W>>>,
@@ -259,7 +259,7 @@ pub(crate) struct Packer<W: Write> {
 }
 
 impl<W: Write> Packer<W> {
-    /// Writes the opening into `target`; returns the ids of its channels too.
+    /// Writes the opening into `target`; returns also the channel ids.
     pub(crate) fn open(target: W, opening: &Opening) -> McapResult<(Self, Vec<u16>)> {
         let mut packer = Self {
             writer: Some(options().create(NoSeek::new(target))?),
@@ -285,7 +285,7 @@ impl<W: Write> Packer<W> {
         Ok(())
     }
 
-    /// Closes the chunk and passes on everything.
+    /// Closes the chunk and flushes.
     pub(crate) fn flush(&mut self) -> McapResult<()> {
         self.writer()?.flush()
     }
@@ -303,7 +303,7 @@ impl<W: Write> Packer<W> {
         Ok((target, digest))
     }
 
-    /// Lets go of the target as it is.
+    /// Releases the target without finishing it.
     fn abandon(&mut self) -> Option<W> {
         let writer = self.writer.take()?;
         Some(writer.into_inner().into_inner())
@@ -360,7 +360,7 @@ impl<W: Write> McapWriter<W> {
         self.packer.write(&self.batch)
     }
 
-    /// Ends the recording with `end`, as [`crate::archive::format::end_entries`] has it; returns the target and the content
+    /// Ends the recording with `end`, see [`crate::archive::format::end_entries`]. Returns the target and the content
     /// digest.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
-//! Layouts: what a viewer shows when it opens a recording. Rerun calls them blueprints.
+//! Viewer layouts (Rerun blueprints).
 //!
-//! A blueprint is a store of its own, whose chunks are built here one by one, because the SDK's builder has no
-//! camera and no visible time ranges, and its identifiers are random.
+//! Blueprints are built chunk by chunk here, because the SDK's builder supports neither cameras nor visible time
+//! ranges, and uses random identifiers.
 
 mod builder;
 pub(super) mod charts;

@@ -29,7 +29,7 @@ pub struct Comparison {
     runs: [Entities; 2],
     difference: Plots,
     magnitude: Plots,
-    /// Between the two, where one of them travels.
+    /// Camera target between the tops, if a peg is free.
     focus: Option<Focus>,
     identity: PairIdentity,
 }
@@ -76,7 +76,7 @@ impl Stream<Comparison> {
 }
 
 impl Comparison {
-    /// Sends what doesn't change: what both runs share, and what [`Entities::new`] sends of each.
+    /// Sends static data: shared entities and those of each run.
     fn new(identity: &PairIdentity, outlet: &mut Outlet) -> Self {
         let stage = identity.stage();
         if let Some(geometry) = &stage {
@@ -97,7 +97,7 @@ impl Comparison {
             focus,
             identity: identity.clone(),
         };
-        // Until the comparison has ended there is only the key to the colours.
+        // Until the comparison ends, the summary contains only the colour key.
         comparison.summarize("", outlet);
         comparison
     }

@@ -62,7 +62,7 @@ impl Sink for Stream<Entities> {
 }
 
 impl Entities {
-    /// Sends what doesn't change: the description, names and colours, the scene's bodies.
+    /// Sends static data: description, names and colours, bodies of the scene.
     pub(super) fn new(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Self {
         let has_scene = identity.has(POSE);
         let mut about = identity.description.clone();
@@ -106,7 +106,7 @@ impl Content for Entities {
     fn finish(&mut self, end_ns: u64, outlet: &mut Outlet) {
         self.summarize_events(outlet);
         outlet.complete();
-        // In the file only: a viewer has been playing the run.
+        // Only in the file; a live viewer already plays the run.
         let layout = blueprint::run::messages_at_end(&outlet.store, end_ns as f64 * 1e-9);
         outlet.send_layout(To::File, layout);
     }
@@ -165,7 +165,7 @@ mod tests {
         let live = Some(Live::Connect("http://".to_owned()));
         let destinations = Destinations { file: None, live };
         let mut sink = RerunSink::new(&identity(all_topics()), destinations);
-        assert!(sink.take_warnings()[0].contains("no address of a Rerun viewer"));
+        assert!(sink.take_warnings()[0].contains("not a valid Rerun viewer address"));
     }
 
     #[cfg(target_os = "linux")]

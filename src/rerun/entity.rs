@@ -1,4 +1,4 @@
-//! Names of entities that are written in one file and laid out in another.
+//! Entity names shared by writing and layout code.
 //!
 //! Those without a leading slash are relative to the run: see [`Look::entity`](super::look::Look::entity).
 

@@ -11,8 +11,7 @@ use crate::run::simulation::EventKind;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, events};
 
-/// The logs of a run's events: one in which repetitions are one line, one with each event, and one of the nutation
-/// extremes, which are hundreds.
+/// The logs of a run's events: one with repetitions merged, one with every event, and one with the nutation extremes.
 pub(super) struct Events {
     summary: Track<String>,
     each: Track<String>,

@@ -1,4 +1,4 @@
-//! Description of a run before its messages.
+//! Metadata of a run, needed before its messages.
 
 use super::message::store;
 use super::scale::Scales;
@@ -30,7 +30,7 @@ pub enum Playback {
     Following,
 }
 
-/// The names of a recording, and what the scene and the layout need to know beforehand.
+/// Names, geometry and topics of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identity {
     /// Identifier: a viewer merges recordings that have the same.
@@ -47,7 +47,7 @@ pub struct Identity {
     pub topics: Vec<Topic>,
     /// Its playback in a viewer.
     pub playback: Playback,
-    /// Whether it is the only recording in its viewer, so that there is none to choose.
+    /// Whether it is the only recording in its viewer.
     pub is_alone: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The entities of a recording, and their look.
+//! Entity names and styles.
 //!
 //! In a recording of one run, colours distinguish quantities. Where two runs are compared, colours distinguish the runs:
 //! each has one in the scene, the plots and the log of events, and their difference has a third.
@@ -9,7 +9,7 @@ use crate::telemetry::side::Side;
 /// Opacity of the top of run B, of 255: the one of run A shines through.
 const GHOST: u32 = 0x88;
 
-/// Owner of an entity, which decides its name and its looks.
+/// Owner of an entity; determines its name and style.
 #[derive(Clone, Debug)]
 pub(super) enum Look {
     /// The only run of a recording.
@@ -73,7 +73,7 @@ impl Look {
     /// and leave them visible at both sides.
     pub(super) fn width(&self, own: f32) -> f32 {
         match self {
-            // Ripple and dots stay as they are: they form bands that others shine through.
+            // Translucent bands and dots keep their width.
             Self::Compared(Side::A, _) if own > 1.0 => 3.5,
             Self::Alone | Self::Compared(Side::A, _) => own,
             Self::Compared(Side::B, _) | Self::Difference | Self::Magnitude => own.min(1.2),
@@ -89,8 +89,7 @@ impl Look {
         if self.is_of_b() { 0.7 } else { 1.0 }
     }
 
-    /// Distance by which the names of arrows are moved up, in heights of the top, so that those of two runs don't hide each
-    /// other.
+    /// Vertical offset of arrow labels, in heights of the top, to avoid overlap of two runs.
     pub(super) fn lift(&self) -> f64 {
         match self {
             Self::Compared(Side::A, _) => 0.11,
@@ -99,8 +98,7 @@ impl Look {
         }
     }
 
-    /// The factor by which the top is drawn larger: where both tops stand alike, that of run B is a veil around the
-    /// other.
+    /// Scale factor of the drawn top; B is slightly larger, so that it is visible around A.
     pub(super) fn size(&self) -> f64 {
         if self.is_of_b() { 1.015 } else { 1.0 }
     }

@@ -1,7 +1,6 @@
 //! The destinations of the chunks of a recording: a file, to a viewer, or to both.
 //!
-//! Neither can stop the other, or the run. What happens to the viewer becomes a warning; an error of the file is kept
-//! for [`Outlet::finish`].
+//! They are independent. Viewer failures become warnings; a file error is returned by [`Outlet::finish`].
 
 use std::cell::RefCell;
 use std::fs::File;
@@ -24,12 +23,12 @@ pub struct Destinations {
     pub live: Option<Live>,
 }
 
-/// Which of the destinations is meant.
+/// Destinations of a message.
 #[derive(Clone, Copy)]
 pub(super) enum To {
-    /// The viewer: the file gets its own message, as the same rows later, in longer chunks.
+    /// The viewer only; the file gets the same rows later in longer chunks.
     Viewer,
-    /// The file: the viewer has its own message already.
+    /// The file only; the viewer already has the rows.
     File,
     /// Both.
     Both,
@@ -175,13 +174,13 @@ impl Outlet {
         }
     }
 
-    /// Keeps an error for [`Self::finish`], and gives up the file, in which something is missing now.
+    /// Stores an error for [`Self::finish`] and stops writing the file.
     fn fail(&mut self, error: RerunError) {
         self.file = None;
         self.failure.get_or_insert(error);
     }
 
-    /// Completes all destinations. Gives back the warnings that were not taken yet.
+    /// Completes all destinations. Returns pending warnings.
     pub(super) fn finish(self) -> Result<Vec<String>, RerunError> {
         let file = match self.failure {
             Some(error) => Err(error),

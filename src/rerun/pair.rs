@@ -1,4 +1,4 @@
-//! Description of two compared runs before their messages.
+//! Metadata of a comparison, needed before its messages.
 
 use super::blueprint::charts::compares;
 use super::identity::{Geometry, Identity};
@@ -56,8 +56,8 @@ impl PairIdentity {
         (topic.info().is_sampled || topic == NUTATION) && self.a.has(topic) && self.b.has(topic)
     }
 
-    /// Whether there will be logarithms of these differences: the layout shows them, and the plot has one number. A
-    /// row of several could not leave out those that are zero.
+    /// Whether there will be logarithms of these differences: the layout shows them, and the plot has one number. Rows
+    /// with several numbers can't omit zeros.
     pub(super) fn has_magnitude_of(&self, plot: Plot) -> bool {
         self.has_difference_of(plot) && compares(plot) && plot.numbers().count() == 1
     }
@@ -87,7 +87,7 @@ impl PairIdentity {
         run
     }
 
-    /// Which run is which, in Markdown.
+    /// Colour key of the runs, in Markdown.
     pub(super) fn key(&self) -> String {
         format!(
             "**A** is `{}`: blue, the solid top. **B** is `{}`: orange, the translucent top. \

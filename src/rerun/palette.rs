@@ -9,6 +9,6 @@ pub(super) const PALE: u32 = 0x56B4_E990;
 pub(super) const GREEN: u32 = 0x00B0_80FF;
 pub(super) const YELLOW: u32 = 0xF0E4_42FF;
 pub(super) const BLUE: u32 = 0x4C8F_D6FF;
-pub(super) const VERMILLION: u32 = 0xE863_1AFF;
+pub(super) const VERMILION: u32 = 0xE863_1AFF;
 pub(super) const PURPLE: u32 = 0xCC79_A7FF;
 pub(super) const GREY: u32 = 0xB4BA_C4FF;

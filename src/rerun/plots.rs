@@ -46,14 +46,14 @@ impl Plots {
         Self(plots.collect())
     }
 
-    /// The least and the greatest number of a plot; the former is the larger one if there is none.
+    /// The least and the greatest number of a plot; reversed infinite bounds if there is none.
     pub(super) fn range(&self, plot: Plot) -> [f64; 2] {
         let mut tracks = self.0[plot.topic().index()].iter();
         let track = tracks.find(|track| track.plot == plot);
         track.map_or([f64::INFINITY, f64::NEG_INFINITY], |track| track.range)
     }
 
-    /// Adds a row without values to plots that end before this time, so that a viewer's time axes reach until then.
+    /// Adds a row without values to plots that end before this time, so that time axes extend to it.
     pub(super) fn reach(&mut self, time_ns: u64, outlet: &mut Outlet) {
         let plots = self.0.iter_mut().flatten();
         for plot in plots.filter(|plot| plot.end_ns < time_ns) {
@@ -62,7 +62,7 @@ impl Plots {
         }
     }
 
-    /// Adds a row of what `value` makes of the numbers of a message, unless it makes nothing of one of them.
+    /// Adds a row of the numbers of a message, mapped by `value`; skipped if it returns `None` for any.
     pub(super) fn write(
         &mut self,
         message: &Message<'_>,

@@ -1,4 +1,4 @@
-//! Properties of a recording: the outcome of the run, by which a catalog of recordings can choose among them.
+//! Properties of a recording: the outcome of the run, for queries in a catalog.
 
 use std::sync::Arc;
 

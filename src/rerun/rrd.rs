@@ -89,8 +89,7 @@ impl Write for Encoded {
     }
 }
 
-/// The `end` of a file, from byte `start` on, with its parts in a fixed order: the SDK's encoder lists stores, and the
-/// columns of their schemas, in the order of hash maps, which is another each time.
+/// The `end` of a file, from byte `start` on, in deterministic order; the SDK's encoder uses hash map order.
 ///
 /// The end consists of a message header, the footer with a manifest per store, and the place of the footer.
 fn in_fixed_order(end: &[u8], start: u64) -> Result<Vec<u8>, RerunError> {

@@ -8,13 +8,13 @@ use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
 use crate::telemetry::proportions::Proportions;
 
-/// Lengths of arrows in heights of the top: of a torque M g l and of the speed of a fall from this height; of friction with
-/// k = 1, 0.1, 0.01 and so on; of the angular momentum at the start, which reaches beyond the tip.
+/// Reference arrow lengths in heights of the top: torque M g l and free-fall speed; friction with k = 1, 0.1, …;
+/// initial angular momentum.
 const REFERENCE_LENGTH: f64 = 2.5;
 const FRICTION_LENGTH: f64 = 3.5;
 const MOMENTUM_LENGTH: f64 = 1.5;
 
-/// Quantity per metre of an arrow, each 10^n times 1, 2 or 5; 0 where there is nothing to draw.
+/// Quantity per metre of arrow, rounded to 1, 2 or 5 × 10^n; 0 if not drawn.
 ///
 /// They follow from the weight M g, the torques M g l and M g R, and √(2 g × height): friction that is 1.5 times as strong is
 /// drawn 1.5 times as long, also in another run of the same top. Only whole decades of a typical size count.
@@ -52,7 +52,7 @@ impl Scales {
         }
     }
 
-    /// The coarser scales of two runs: what fits both.
+    /// The larger scale of two runs.
     pub(super) fn common(&self, other: &Self) -> Self {
         Self {
             slip: self.slip.max(other.slip),
@@ -104,7 +104,7 @@ pub(super) fn power_of_ten(exponent: f64) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(0.0)
 }
 
-/// A scale in words, as in `1 cm = 20 µN m`.
+/// A scale as text, e.g. `1 cm = 20 µN m`.
 pub(super) fn legend(per_metre: f64, unit: &str) -> String {
     const PREFIXES: [(f64, &str); 5] = [
         (1.0, ""),
@@ -113,7 +113,7 @@ pub(super) fn legend(per_metre: f64, unit: &str) -> String {
         (1e-9, "n"),
         (1e-12, "p"),
     ];
-    // A unit that prefixes go with.
+    // Use a unit that takes SI prefixes.
     let unit = if unit == "kg m²/s" { "N m s" } else { unit };
     let per_centimetre = 0.01 * per_metre;
     // Half a unit of the last digit: 1e-3 is one thousandth, whatever its rounding.

@@ -19,7 +19,7 @@ use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
 use super::identity::{Geometry, Identity};
 use super::look::Look;
 use super::outlet::{Columns, Outlet};
-use super::palette::{GREEN, GREY, PURPLE, SKY, VERMILLION};
+use super::palette::{GREEN, GREY, PURPLE, SKY, VERMILION};
 use super::track::Track;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{CONTACT, POSE, contact, pose};
@@ -52,7 +52,7 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// Sends bodies, colours and labels, and what stands still if no other run shares it.
+    /// Sends bodies, colours and labels, and the static parts unless shared.
     pub(super) fn new(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Self {
         let geometry = identity.geometry;
         let (is_alone, is_free) = (look.is_alone(), geometry.is_free);
@@ -75,7 +75,7 @@ impl Scene {
         let below = [(TRAIL_BELOW, PURPLE)];
         let below = (!is_free).then(|| Path::new(look, &below, 1.0, outlet));
         let [slides, rolls, flies] = CONTACT_PATHS;
-        let colors = [(slides, SKY), (rolls, GREEN), (flies, VERMILLION)];
+        let colors = [(slides, SKY), (rolls, GREEN), (flies, VERMILION)];
         let contact_path = (is_free && identity.has(CONTACT)).then(|| {
             let text = "path of the contact point";
             let path = Path::new(look, &colors, 1.6, outlet);
@@ -148,11 +148,11 @@ fn columns(rows: &[Pose]) -> Columns {
     Ok(transform.columns_of_unit_batches()?.collect())
 }
 
-/// Sends what stands still, which two runs that are compared share: the table and, where a peg is fixed, the vertical.
+/// Sends the static parts: the table and, for a fixed peg, the vertical.
 pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) {
     let size = Proportions::new(&geometry.top).size();
     outlet.send_static(STAGE, &ViewCoordinates::RIGHT_HAND_Z_UP());
-    // A top that travels needs more room: those of the presets go as far as eleven times their height.
+    // A free peg needs a larger table.
     let (rings, table) = if geometry.is_free {
         (20, 14.0 * size)
     } else {
@@ -169,7 +169,7 @@ pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) {
 pub(super) fn explanation(identity: &Identity, look: &Look) -> String {
     let mut text = arrow::explanation(identity, look);
     if identity.geometry.is_free {
-        text += "\n\n## Path of the contact point\n\nBlue where it slides, green where it rolls or sticks, vermillion \
+        text += "\n\n## Path of the contact point\n\nBlue where it slides, green where it rolls or sticks, vermilion \
                  where the peg is in the air.\n";
     }
     text

@@ -5,7 +5,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use rerun::grpc_server::GrpcServerSink;
 use rerun::web_viewer::WebViewerConfig;
 
-/// Memory of the stream's server for viewers that connect later, bytes.
+/// Buffer size of the server for viewers that connect later, bytes.
 const MEMORY: u64 = 2 << 30;
 
 /// A server of the viewer's page and of the stream that it shows, until it is dropped.
@@ -28,7 +28,7 @@ impl WebViewer {
         let (bind, port) = (address.ip(), address.port());
         let stream_port = port
             .checked_add(1)
-            .ok_or("port 65535 leaves none for the stream")?;
+            .ok_or("port 65535 can't be used, because the stream needs the next port")?;
         for port in [port, stream_port] {
             check_free(SocketAddr::new(bind, port))?;
         }
@@ -74,19 +74,19 @@ impl WebViewer {
     }
 }
 
-/// An error if an address can't be listened at: the SDK's servers would only log it.
+/// Checks that an address is free; the SDK's servers only log such errors.
 fn check_free(address: SocketAddr) -> Result<(), String> {
     match TcpListener::bind(address) {
         Ok(_) => Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => Err(format!(
-            "port {} is in use: choose another with --serve=IP:PORT (the stream takes the one after it)",
+            "port {} is in use: choose another with --serve=IP:PORT (the stream uses the next port)",
             address.port()
         )),
         Err(error) => Err(format!("cannot listen on {address}: {error}")),
     }
 }
 
-/// An IP address as it stands before a port.
+/// An IP address in URL notation.
 fn bracketed(ip: IpAddr) -> String {
     match ip {
         IpAddr::V4(ip) => ip.to_string(),

@@ -7,7 +7,7 @@ use super::outlet::{Destinations, Outlet};
 
 /// A Rerun recording that is being written: its content, and where it goes.
 ///
-/// Writing never fails, so that other sinks of the run go on. [`Self::take_warnings`] returns what happened to the
+/// Writing never fails, so other sinks are not affected. [`Self::take_warnings`] returns what happened to the
 /// viewer, [`Self::finish`] what happened to the file.
 pub struct Stream<C> {
     pub(super) content: C,
@@ -46,7 +46,7 @@ impl<C: Content> Stream<C> {
         self.outlet.is_live()
     }
 
-    /// Failures of the viewer since the last call, in sentences. A viewer that isn't there is a warning too.
+    /// Viewer warnings since the last call, including a missing viewer.
     #[must_use]
     pub fn take_warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.outlet.warnings)
@@ -54,7 +54,7 @@ impl<C: Content> Stream<C> {
 
     /// Sends all that is left and completes the file with its footer.
     ///
-    /// Gives back the warnings that were not taken yet. A viewer that doesn't read is left alone after a few seconds.
+    /// Gives back the warnings that were not taken yet. An unresponsive viewer is disconnected after a few seconds.
     ///
     /// # Errors
     /// The first [`RerunError`]; the file then holds what was written before.

@@ -4,14 +4,14 @@ use rerun::components::{AggregationPolicy, InterpolationMode, MarkerShape};
 use rerun::{AsComponents, Color, SeriesLines, SeriesPoints};
 
 use super::look::Look;
-use super::palette::{BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILLION, YELLOW};
+use super::palette::{BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, YELLOW};
 use crate::telemetry::fields::{
     NUTATION, NumberField, acceleration, contact, energy, momentum, nutation, precession, state,
     torque,
 };
 
 /// Colours of numbers that are not in [`STORY`], in their order within a plot.
-const PALETTE: [u32; 7] = [SKY, ORANGE, GREEN, PURPLE, YELLOW, VERMILLION, BLUE];
+const PALETTE: [u32; 7] = [SKY, ORANGE, GREEN, PURPLE, YELLOW, VERMILION, BLUE];
 
 /// Names, colours and widths of the numbers in the layouts' charts.
 #[rustfmt::skip]
@@ -28,26 +28,26 @@ const STORY: [(NumberField, &str, u32, f32); 42] = [
     (nutation::PHI_DOT_MEAN, "nutation mean", ORANGE, 0.8),
     (nutation::PSI_DOT_MEAN, "nutation mean", ORANGE, 0.8),
     (nutation::PERIOD, "nutation period", SKY, 1.5),
-    (precession::SLOW_ROOT, "slow root", VERMILLION, 4.0),
+    (precession::SLOW_ROOT, "slow root", VERMILION, 4.0),
     (precession::FAST_ROOT, "fast root", PURPLE, 1.5),
     (precession::EXCESS, "dφ/dt − slow root", SKY, 1.0),
     (precession::STRENGTH_RATIO, "strength ratio", GREEN, 1.5),
     (torque::FRICTION_NODE.x(), "line of nodes", SKY, 1.2),
     (torque::FRICTION_NODE.y(), "perpendicular", ORANGE, 1.2),
-    (torque::FRICTION_NODE.z(), "symmetry axis", VERMILLION, 1.2),
+    (torque::FRICTION_NODE.z(), "symmetry axis", VERMILION, 1.2),
     (torque::GRAVITY_NODE.x(), "line of nodes", SKY, 1.2),
     (torque::GRAVITY_NODE.y(), "perpendicular", ORANGE, 1.2),
-    (torque::GRAVITY_NODE.z(), "symmetry axis", VERMILLION, 1.2),
+    (torque::GRAVITY_NODE.z(), "symmetry axis", VERMILION, 1.2),
     (acceleration::THETA_DDOT_GYROSCOPIC, "gyroscopic", YELLOW, 1.2),
     (acceleration::THETA_DDOT_CENTRIFUGAL, "centrifugal", PURPLE, 1.2),
     (acceleration::THETA_DDOT_GRAVITATIONAL, "gravitational", GREEN, 1.2),
-    (acceleration::THETA_DDOT_FRICTIONAL, "frictional", VERMILLION, 1.2),
+    (acceleration::THETA_DDOT_FRICTIONAL, "frictional", VERMILION, 1.2),
     (acceleration::PHI_DDOT_GYROSCOPIC, "gyroscopic", YELLOW, 1.2),
     (acceleration::PHI_DDOT_CORIOLIS, "coriolis", PURPLE, 1.2),
-    (acceleration::PHI_DDOT_FRICTIONAL, "frictional", VERMILLION, 1.2),
+    (acceleration::PHI_DDOT_FRICTIONAL, "frictional", VERMILION, 1.2),
     (acceleration::PSI_DDOT_GYROSCOPIC, "gyroscopic", YELLOW, 1.2),
     (acceleration::PSI_DDOT_CORIOLIS, "coriolis", PURPLE, 1.2),
-    (acceleration::PSI_DDOT_FRICTIONAL, "frictional", VERMILLION, 1.2),
+    (acceleration::PSI_DDOT_FRICTIONAL, "frictional", VERMILION, 1.2),
     (contact::SLIP_SPEED, "speed", SKY, 2.0),
     (contact::SLIP_WORLD.x(), "x", ORANGE, 1.0),
     (contact::SLIP_WORLD.y(), "y", PURPLE, 1.0),
@@ -57,13 +57,13 @@ const STORY: [(NumberField, &str, u32, f32); 42] = [
     (energy::KINETIC, "kinetic", SKY, 1.2),
     (energy::POTENTIAL, "potential", GREEN, 1.2),
     (energy::TOTAL, "total", YELLOW, 1.5),
-    (energy::FRICTION_WORK, "work of friction", VERMILLION, 1.5),
+    (energy::FRICTION_WORK, "work of friction", VERMILION, 1.5),
 ];
 
 /// Names, colours and widths of the numbers of one plot.
 ///
-/// Means over a nutation are dots, because dots lie above lines, whatever the order of the entities. Where many values
-/// share a pixel, lines keep the least and the greatest: the envelope of a fast ripple.
+/// Nutation means are dots, because dots are drawn above lines. Lines show the envelope where many values share a
+/// pixel.
 pub(super) fn of(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> {
     let styles = numbers.iter().enumerate();
     let styles: Vec<_> = styles.map(|(at, number)| one(*number, at, look)).collect();
@@ -94,7 +94,7 @@ fn one(number: NumberField, place: usize, look: &Look) -> (String, u32, f32) {
         let name = path.rsplit('.').next().unwrap_or(path);
         (name.replace('_', " "), PALETTE[place % PALETTE.len()], 1.2)
     };
-    // The means of two runs and of their difference are lighter than the ripple that they lie on.
+    // The means of two runs and of their difference are lighter than the curve behind them.
     let shade = if number.topic() == NUTATION { 1 } else { place };
     (
         look.name(&name),

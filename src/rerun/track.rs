@@ -1,4 +1,4 @@
-//! Rows that wait until there are enough of them for a chunk.
+//! Buffers of rows that are sent as chunks.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -7,7 +7,7 @@ use rerun::external::re_log_types::EntityPath;
 
 use super::outlet::{Columns, Outlet, To, Waiting};
 
-/// Rows of one chunk: enough that the cost per chunk doesn't matter, few enough to bound memory.
+/// Rows per chunk.
 const CHUNK_ROWS: usize = 4096;
 
 /// The rows of one entity, which the outlet flushes.
@@ -48,7 +48,7 @@ impl<R: 'static> Track<R> {
     /// Adds a row at a simulation time in ns, and sends a chunk if it is full.
     pub(super) fn push(&self, outlet: &mut Outlet, time_ns: u64, row: impl IntoIterator<Item = R>) {
         let mut rows = self.0.borrow_mut();
-        // A duration of 292 years is beyond any run; saturating keeps the order.
+        // Saturates at 292 years.
         rows.times.push(i64::try_from(time_ns).unwrap_or(i64::MAX));
         rows.values.extend(row);
         if rows.times.len() == CHUNK_ROWS {

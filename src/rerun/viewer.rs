@@ -1,4 +1,4 @@
-//! Live viewers, which are fed with a recording while it grows.
+//! Live viewers.
 
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::str::FromStr as _;
@@ -12,13 +12,13 @@ use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink as _};
 
 use super::message::QUEUE;
 
-/// Patience with a viewer that should already be there.
+/// Timeout for connecting to a running viewer.
 const CONNECT: Duration = Duration::from_secs(1);
-/// Patience with a viewer that was just started, until it listens.
+/// Timeout for a viewer that was just started.
 const START: Duration = Duration::from_secs(10);
-/// Patience with a viewer that takes nothing, before it is given up.
+/// Timeout for a viewer that stops reading.
 const STALL: Duration = Duration::from_secs(3);
-/// Patience with a viewer that takes the last messages.
+/// Timeout for sending the last messages.
 const FINISH: Duration = Duration::from_secs(5);
 
 /// The viewer to feed.
@@ -32,8 +32,7 @@ pub enum Live {
 
 /// A viewer, and the thread that feeds it.
 ///
-/// The client of the SDK waits without limit when a viewer stops reading, so it lives on a thread
-/// of its own that can be left behind.
+/// The SDK client blocks if the viewer stops reading, so it runs on its own thread that can be abandoned.
 pub(super) struct LiveDestination {
     address: String,
     queue: SyncSender<LogMsg>,
@@ -79,7 +78,7 @@ impl LiveDestination {
                 }
                 Err(TrySendError::Full(_)) if start.elapsed() > STALL => {
                     return Err(format!(
-                        "the Rerun viewer at {} took nothing for {} s and is left alone from here on",
+                        "the Rerun viewer at {} did not respond for {} s and was disconnected",
                         self.address,
                         STALL.as_secs()
                     ));
@@ -105,7 +104,9 @@ impl LiveDestination {
 }
 
 fn lost(address: &str, reason: &str) -> String {
-    format!("the Rerun viewer at {address} is gone ({reason}); it shows only the part until then")
+    format!(
+        "the connection to the Rerun viewer at {address} was lost ({reason}); it shows only part of the run"
+    )
 }
 
 /// Feeds a viewer until there are no more messages, and waits until it has taken them all.
@@ -120,7 +121,7 @@ fn feed(uri: ProxyUri, messages: &Receiver<LogMsg>) -> Result<(), String> {
     sink.flush_blocking(FINISH).map_err(|e| e.to_string())
 }
 
-/// The address that a text means: one as `rerun` prints it, or `HOST:PORT`.
+/// Parses an address: a URL as printed by `rerun`, or `HOST:PORT`.
 fn parse_address(address: &str) -> Result<ProxyUri, String> {
     let full = if address.contains("://") {
         address.to_owned()
@@ -128,10 +129,10 @@ fn parse_address(address: &str) -> Result<ProxyUri, String> {
         format!("rerun+http://{address}/proxy")
     };
     ProxyUri::from_str(&full)
-        .map_err(|error| format!("{address:?} is no address of a Rerun viewer: {error}"))
+        .map_err(|error| format!("{address:?} is not a valid Rerun viewer address: {error}"))
 }
 
-/// Tries to connect until the viewer answers, within `patience`; the SDK's client would try for ever.
+/// Retries the connection until `timeout`; the SDK client would retry forever.
 fn wait_for_viewer(uri: &ProxyUri, patience: Duration) -> Result<(), String> {
     let start = Instant::now();
     loop {
@@ -147,7 +148,7 @@ fn wait_for_viewer(uri: &ProxyUri, patience: Duration) -> Result<(), String> {
 
 fn knock(uri: &ProxyUri) -> std::io::Result<()> {
     let host = uri.origin.host.to_string();
-    // An IPv6 address stands in brackets in a URL, without them for the resolver.
+    // Strip the brackets of an IPv6 address for the resolver.
     let host = host.trim_start_matches('[').trim_end_matches(']');
     let mut result = Err(std::io::ErrorKind::NotFound.into());
     for address in (host, uri.origin.port).to_socket_addrs()? {

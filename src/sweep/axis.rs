@@ -4,15 +4,15 @@ use super::error::SweepError;
 use crate::physics::math::{exp, ln};
 use crate::run::scenario::{KEYS, Key, Value, Values};
 
-/// The most values of an axis.
+/// Maximum number of values of an axis.
 const MOST_VALUES: u32 = 10_000_000;
 
-/// A key with the values that it takes.
+/// A key with its values.
 #[derive(Clone, Debug)]
 pub struct Axis {
     /// The key.
     pub key: &'static Key,
-    /// The values as they were written: part of a sweep's identity.
+    /// The values as given; part of a sweep's identity.
     pub text: String,
     points: Points,
 }
@@ -25,7 +25,7 @@ enum Points {
     Range {
         from: f64,
         to: f64,
-        /// Number of values; none if a sample chooses them.
+        /// Number of values; `None` for samples.
         count: Option<u32>,
         /// Whether logarithms are evenly spaced rather than numbers.
         is_log: bool,
@@ -39,7 +39,7 @@ enum Points {
 pub fn find_key(name: &str) -> Result<&'static Key, SweepError> {
     let mut keys = KEYS.iter();
     let found = keys.find(|key| key.path == name || column_name(key) == name);
-    // The error names the keys that are like it.
+    // The error suggests similar keys.
     let unknown = || match Values::default().set_value(name, 0.0) {
         Err(error) => error.into(),
         Ok(()) => SweepError::Scenario(format!("unknown key {name}")),
@@ -47,18 +47,18 @@ pub fn find_key(name: &str) -> Result<&'static Key, SweepError> {
     found.ok_or_else(unknown)
 }
 
-/// The name of a key's column: its path without dots, which Spark and Rerun don't take in names.
+/// The name of a key's column: its path with `_` for the dots, which Spark and Rerun don't allow.
 #[must_use]
 pub fn column_name(key: &Key) -> String {
     key.path.replace('.', "_")
 }
 
 impl Axis {
-    /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas. Texts may stand in
-    /// quotes, and must where a comma is in them.
+    /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas. Texts can be
+    /// quoted, and must be if they contain a comma.
     ///
     /// # Errors
-    /// [`SweepError::Scenario`] for a key that there isn't, [`SweepError::Spec`] for values that make no sense.
+    /// [`SweepError::Scenario`] for an unknown key, [`SweepError::Spec`] for invalid values.
     pub fn parse(name: &str, text: &str) -> Result<Self, SweepError> {
         let key = find_key(name)?;
         let points = if key.kind.is_text() {
@@ -111,7 +111,7 @@ impl Axis {
         }
     }
 
-    /// The value at a place of the grid; the last one beyond it.
+    /// The value at a grid index, clamped to the last value.
     #[must_use]
     pub fn at(&self, index: u64) -> Value {
         match &self.points {
@@ -165,7 +165,7 @@ fn is_plain(text: &str) -> bool {
     !text.is_empty() && text.trim() == text && !text.starts_with(['"', '\'']) && !text.contains(',')
 }
 
-/// Texts separated by commas, some of them in quotes: double ones, within which JSON's escapes hold, or single ones.
+/// Comma-separated texts, optionally in double quotes (with JSON escapes) or single quotes.
 fn words(text: &str) -> Result<Vec<Value>, String> {
     let mut words = Vec::new();
     let mut rest = text;
@@ -177,7 +177,7 @@ fn words(text: &str) -> Result<Vec<Value>, String> {
             return Ok(words);
         }
         let next = after.strip_prefix(',');
-        rest = next.ok_or_else(|| format!("there must be a comma before {after}"))?;
+        rest = next.ok_or_else(|| format!("expected a comma before {after}"))?;
     }
 }
 
@@ -192,7 +192,7 @@ fn first_word(text: &str) -> Result<(String, &str), String> {
             if error.is_eof() {
                 open()
             } else {
-                format!("{text}: within double quotes JSON's escapes hold, as in \\\" and \\n")
+                format!("{text}: invalid escape; double-quoted text uses JSON escapes such as \\\" and \\n")
             }
         })?;
         return Ok((word, &text[quoted.byte_offset()..]));
@@ -231,7 +231,7 @@ fn range(text: &str) -> Result<Points, String> {
         None => (text, ""),
     };
     let ends = ends.split_once("..");
-    let (from, to) = ends.ok_or("a range is a..b/N, a..b/Nlog, or a..b in a sample")?;
+    let (from, to) = ends.ok_or("expected a..b/N or a..b/Nlog, or a..b for a sample")?;
     let (from, to) = (number(from)?, number(to)?);
     let count = steps.strip_suffix("log");
     let is_log = count.is_some();
@@ -245,7 +245,7 @@ fn range(text: &str) -> Result<Points, String> {
         }
     };
     if is_log && !(from > 0.0 && to > 0.0) {
-        return Err("a logarithmic range is between positive numbers".to_owned());
+        return Err("a logarithmic range needs positive ends".to_owned());
     }
     Ok(Points::Range {
         from,
@@ -332,8 +332,8 @@ mod tests {
         for (list, part) in [
             ("\"a,b", "\"a,b: the closing quote is missing"),
             ("'a", "'a: the closing quote is missing"),
-            ("\"a\\q\"", "JSON's escapes hold"),
-            ("\"a\" b", "there must be a comma before b"),
+            ("\"a\\q\"", "invalid escape"),
+            ("\"a\" b", "expected a comma before b"),
             ("a,,b", "empty"),
             ("a,", "empty"),
         ] {

@@ -1,4 +1,4 @@
-//! Scenarios that a sweep starts from.
+//! Base scenarios of a sweep.
 
 use super::axis::find_key;
 use super::error::SweepError;
@@ -7,7 +7,7 @@ use crate::run::scenario::{KEYS, Value, Values};
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
 
-/// A scenario that runs of a sweep start from. Only with what a row changes need it be complete.
+/// A base scenario. It may be incomplete if the rows set the missing keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Base {
     /// Its name in the table.
@@ -32,7 +32,7 @@ impl Base {
         }
     }
 
-    /// The preset of this name, or the scenario of the file or recording at this path, with some keys set otherwise.
+    /// The preset of this name, or the scenario of the file or recording at this path, with overrides.
     ///
     /// # Errors
     /// [`SweepError::Input`] if there is none, [`SweepError::Scenario`] if a key can't be set.

@@ -1,4 +1,4 @@
-//! Cells of Arrow's columns: numbers and words, whichever of the many types a library writes them in.
+//! Cells of Arrow columns of any numeric or text type.
 
 use crate::run::scenario::Value;
 use arrow_array::cast::AsArray as _;
@@ -7,7 +7,7 @@ use arrow_array::{Array, ArrayRef};
 use arrow_cast::{CastOptions, cast_with_options};
 use arrow_schema::{ArrowError, DataType};
 
-/// A number or a word for each row; none where a cell is empty.
+/// A number or text per row; `None` for empty cells.
 pub type Cells = Vec<Option<Value>>;
 
 /// The cells of a column of numbers or words, which may be a dictionary's.
@@ -18,7 +18,7 @@ pub fn cells(column: &dyn Array) -> Result<Cells, String> {
     let cells = match values_of(column.data_type()) {
         DataType::Null => Ok(vec![None; column.len()]),
         kind if kind.is_string() => words(column),
-        // The double next to a decimal is that which its text is read as.
+        // Decimals are converted through their text to get the nearest double.
         kind if kind.is_decimal() => {
             cast(column, &DataType::Utf8).and_then(|texts| numbers(&texts))
         }

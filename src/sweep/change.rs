@@ -11,7 +11,7 @@ fn changed(path: &str, before: &Json, now: &Json) -> Option<String> {
     match (before, now) {
         (Json::Object(old), Json::Object(new)) => {
             let mut names: Vec<_> = new.keys().chain(old.keys()).collect();
-            // The number of runs follows from the rest, which is more useful.
+            // Ignored: the number of runs follows from other entries.
             names.sort_by_key(|name| *name == "runs");
             let differing = names.into_iter().find_map(|name| {
                 let inner = format!("{path}.{name}");
@@ -30,9 +30,9 @@ fn changed(path: &str, before: &Json, now: &Json) -> Option<String> {
             Some(format!("{path} had {there} entries there, and {here} here"))
         }
         (old, new) if old == new => None,
-        (Json::Null, new) => Some(format!("{path} = {new} is new")),
-        (old, Json::Null) => Some(format!("{path} = {old} is gone")),
-        (old, new) => Some(format!("{path} = {old} there, and {new} here")),
+        (Json::Null, new) => Some(format!("{path} = {new} is not in the file")),
+        (old, Json::Null) => Some(format!("{path} = {old} is missing here")),
+        (old, new) => Some(format!("{path} is {old} in the file, {new} here")),
     }
 }
 
@@ -63,11 +63,11 @@ mod tests {
         assert_eq!(message(&[("friction.k", "0.1,0.2")]), None);
         assert_eq!(
             message(&[("friction.k", "0.1,0.3")]).unwrap(),
-            "over.friction.k = \"0.1,0.2\" there, and \"0.1,0.3\" here"
+            "over.friction.k is \"0.1,0.2\" in the file, \"0.1,0.3\" here"
         );
         assert_eq!(
             message(&[]).unwrap(),
-            "over.friction.k = \"0.1,0.2\" is gone"
+            "over.friction.k = \"0.1,0.2\" is missing here"
         );
         let set = [("top.mass".to_owned(), "0.2".to_owned())];
         let bases = vec![Base::open("paper", Path::new("."), &set).unwrap()];
@@ -75,7 +75,7 @@ mod tests {
         let heavier = Spec::new(bases, Design::Grid(axes), None).unwrap();
         assert_eq!(
             change(&before, &heavier.to_json()).unwrap(),
-            "bases[0].scenario.top.mass = 0.11 there, and 0.2 here"
+            "bases[0].scenario.top.mass is 0.11 in the file, 0.2 here"
         );
     }
 }

@@ -1,5 +1,5 @@
-//! Checksums of Parquet files. The SHA-256 of all other bytes of a file stands before its footer, where readers pass over
-//! it: neither the `parquet` crate nor its zstd frames can be asked for checksums.
+//! Checksums of Parquet files. The SHA-256 of all other bytes is stored before the footer, where readers ignore it,
+//! because the `parquet` crate can't write checksums.
 
 use sha2::{Digest as _, Sha256};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -20,7 +20,7 @@ pub(super) fn add(mut file: impl Read + Write + Seek) -> io::Result<()> {
     file.write_all(&end)
 }
 
-/// Whether a Parquet file has a checksum, and every byte of it is as it was written.
+/// Whether a Parquet file has a valid checksum.
 pub(super) fn is_right(mut file: impl Read + Seek) -> io::Result<bool> {
     let Some(data) = footer(&mut file)?.checked_sub(LENGTH) else {
         return Ok(false);

@@ -11,7 +11,7 @@ pub struct Counts {
     pub stops: BTreeMap<String, u64>,
     /// Number of rows that have an error instead of an outcome.
     pub errors: u64,
-    /// The first row that has an error; absent if none has.
+    /// The first row that has an error; absent if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_error: Option<RowError>,
 }
@@ -40,7 +40,7 @@ impl Counts {
         }
     }
 
-    /// Adds those of later rows.
+    /// Adds the counts of later rows.
     pub fn add(&mut self, later: Self) {
         for (stop, count) in later.stops {
             *self.stops.entry(stop).or_default() += count;

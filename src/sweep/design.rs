@@ -1,4 +1,4 @@
-//! Design of the rows of each base.
+//! Design: the rows per base.
 
 use super::axis::Axis;
 use super::error::SweepError;
@@ -6,7 +6,7 @@ use super::sample::Sample;
 use super::table::Table;
 use crate::run::scenario::Key;
 
-/// The most rows of a sweep: parts are numbered with six digits.
+/// Maximum number of rows (part numbers have six digits).
 pub(super) const MOST_ROWS: u64 = 1_000_000_000;
 
 /// Design of the rows of each base.
@@ -14,7 +14,7 @@ pub(super) const MOST_ROWS: u64 = 1_000_000_000;
 pub enum Design {
     /// Every combination of the values of some axes; the last axis varies fastest.
     Grid(Vec<Axis>),
-    /// Points chosen among the values of some axes.
+    /// Sampled points of some axes.
     Sample(Sample, Vec<Axis>),
     /// The rows of a table.
     Table(Table),
@@ -35,7 +35,7 @@ impl Design {
             (Some(sample), None) => Ok(Self::Sample(sample, axes)),
             (None, Some(table)) if axes.is_empty() => Ok(Self::Table(table)),
             (_, Some(_)) => Err(SweepError::Spec(
-                "a table defines all that varies: leave the axes and the sample out".to_owned(),
+                "a table can't be combined with axes or a sample".to_owned(),
             )),
         }
     }
@@ -60,7 +60,7 @@ impl Design {
         }
     }
 
-    /// Whether each row has a value for this key, so that none is left to the base.
+    /// Whether every row sets this key.
     pub(super) fn always_has(&self, key: &str) -> bool {
         match self {
             Self::Grid(axes) | Self::Sample(_, axes) => {
@@ -86,7 +86,7 @@ fn grid_size(axes: &[Axis]) -> Result<u64, SweepError> {
 
 fn check_sample(axes: &[Axis]) -> Result<(), SweepError> {
     if axes.is_empty() {
-        let reason = "a sample needs at least one axis, as in friction.k = 0.01..1";
+        let reason = "a sample needs at least one axis, e.g. --over friction.k=0.01..1";
         return Err(SweepError::Spec(reason.to_owned()));
     }
     match axes.iter().find(|axis| axis.is_counted_range()) {

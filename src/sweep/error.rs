@@ -7,7 +7,7 @@ use std::io;
 use std::path::Path;
 use thiserror::Error;
 
-/// The reason why a sweep can't be started, or was not finished.
+/// Error of a sweep.
 #[derive(Debug, Error)]
 pub enum SweepError {
     /// The spec of the sweep is wrong.
@@ -16,13 +16,13 @@ pub enum SweepError {
     /// A key that scenarios don't have, or a scenario to start from with a value that it can't have.
     #[error("{0}")]
     Scenario(String),
-    /// A word names no scenario to start from.
+    /// Base scenario not found.
     #[error(transparent)]
     Input(#[from] InputError),
     /// A table, a part or the directory of parts belongs to another sweep, is damaged, or can't be read as a table.
     #[error("{0}")]
     File(String),
-    /// A row failed where none may.
+    /// A row failed (with `fail_fast`).
     #[error("run {run}: {error}")]
     Row {
         /// The number of the row.

@@ -1,4 +1,4 @@
-//! The spec of a sweep as a TOML file has it.
+//! Sweep specs in TOML.
 
 use super::axis::Axis;
 use super::base::Base;
@@ -11,7 +11,7 @@ use super::words::{section, some_count, texts};
 use serde::Deserialize;
 use std::path::Path;
 
-/// Keys of a spec that a scenario lacks.
+/// Top-level keys of a spec.
 const SECTIONS: [&str; 6] = ["bases", "set", "over", "sample", "table", "max_steps"];
 
 /// A spec as a file has it.
@@ -41,12 +41,9 @@ impl Spec {
         set: &[(String, String)],
     ) -> Result<Self, SweepError> {
         let refused = |error: toml::de::Error| {
-            SweepError::Spec(format!(
-                "not the spec of a sweep: {}",
-                error.to_string().trim()
-            ))
+            SweepError::Spec(format!("not a sweep spec: {}", error.to_string().trim()))
         };
-        // Errors of the table name the key, also where the text was made of a mapping; those of its syntax name the line.
+        // Type errors name the key; syntax errors name the line.
         let table: toml::Table = text.parse().map_err(refused)?;
         let file: File = table.try_into().map_err(refused)?;
         check_quotes("set", &file.set)?;
@@ -83,7 +80,7 @@ impl Spec {
     }
 }
 
-/// Refuses keys that were written without quotes: their dots make tables of them.
+/// Rejects unquoted keys with dots, which TOML reads as tables.
 fn check_quotes(section: &str, entries: &toml::Table) -> Result<(), SweepError> {
     let inner = entries.iter().find_map(|(name, value)| {
         let (inner, _) = value.as_table()?.iter().next()?;
@@ -101,7 +98,7 @@ fn check_quotes(section: &str, entries: &toml::Table) -> Result<(), SweepError> 
 fn plain(value: &toml::Value) -> String {
     match value {
         toml::Value::String(text) => text.clone(),
-        // TOML's own text of it may have rows of zeros.
+        // TOML's own formatting may print many zeros.
         toml::Value::Float(number) => format!("{number:?}"),
         value => value.to_string(),
     }
@@ -155,8 +152,8 @@ mod tests {
             ("max_steps = 0", "must be a whole number from 1 on"),
             ("max_steps = 1e3", "must be a whole number from 1 on"),
             ("max_steps = -1", "must be a whole number from 1 on"),
-            ("bases = [1]", "must be a list of texts"),
-            ("bases = \"paper\"", "must be a list of texts"),
+            ("bases = [1]", "must be a list of strings"),
+            ("bases = \"paper\"", "must be a list of strings"),
             ("set = 1", "must be a section"),
             ("over = []", "must be a section"),
             ("sample = 10", "expected a section with count"),
@@ -169,7 +166,10 @@ mod tests {
                 "sample = { count = 9, method = \"x\" }",
                 "must be \"sobol\" or \"random\"",
             ),
-            ("sample.count = 9", "at least one axis, as in friction.k"),
+            (
+                "sample.count = 9",
+                "at least one axis, e.g. --over friction.k",
+            ),
         ] {
             let message = Spec::from_toml(text, Path::new(""), &[]).unwrap_err();
             let message = message.to_string();

@@ -21,7 +21,7 @@ use std::io::Cursor;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The number of rows of a part; the last one has what is left.
+/// The number of rows of a part; the last part may be shorter.
 pub const PART_ROWS: u64 = 1000;
 
 /// The entry of a file's metadata with the number of rows for each outcome.
@@ -30,7 +30,7 @@ pub(super) const COUNTS_ENTRY: &str = "toprise.counts";
 /// A sweep that can be computed row by row.
 pub struct Sweep {
     spec: Spec,
-    /// The spec as JSON, made once: it has a digest of all of a table's rows.
+    /// The spec as JSON, cached because it hashes all rows of an input table.
     identity: Json,
     schema: SchemaRef,
     run: Run,
@@ -49,13 +49,13 @@ impl Sweep {
         }
     }
 
-    /// This sweep with another way to run a scenario: for tests of what happens when that fails.
+    /// Replaces the function that runs a scenario (for tests).
     #[must_use]
     pub fn with_run(self, run: Run) -> Self {
         Self { run, ..self }
     }
 
-    /// Which runs it consists of.
+    /// The spec.
     #[must_use]
     pub fn spec(&self) -> &Spec {
         &self.spec
@@ -85,14 +85,14 @@ impl Sweep {
         start..(start + PART_ROWS).min(self.spec.rows())
     }
 
-    /// Some rows of the table, computed with all threads of the current pool, and how they came out. None if `watch` did
-    /// not let them be finished.
+    /// Some rows of the table, computed with all threads of the current pool, and their counts. `None` if cancelled by
+    /// `watch`.
     ///
     /// # Panics
-    /// Never: the columns are made for the schema.
+    /// Never; the columns match the schema.
     #[must_use]
     pub fn batch(&self, rows: Range<u64>, watch: &Watch<'_>) -> Option<(RecordBatch, Counts)> {
-        // One by one: no thread is left with many rows while the others have none.
+        // Rows are distributed individually for load balancing.
         let computed: Option<Vec<Row>> = (0..rows.clone().count())
             .into_par_iter()
             .with_max_len(1)
@@ -136,7 +136,7 @@ impl Sweep {
     /// The scenario of a row.
     ///
     /// # Errors
-    /// [`ScenarioError`] if what the row changes makes none.
+    /// [`ScenarioError`] if the changed keys are invalid.
     pub fn scenario(&self, row: u64) -> Result<Scenario, ScenarioError> {
         let mut values = self.spec.base(row).values.clone();
         for (key, value) in self.spec.keys().iter().zip(self.spec.values(row)) {
@@ -231,7 +231,7 @@ fn field(name: &str, kind: ColumnKind, unit: &str, meaning: &str) -> Field {
     Field::new(name, kind, true).with_metadata(metadata)
 }
 
-/// Settings of the writer: nothing that could differ from one machine or moment to another.
+/// Writer settings, independent of machine and time.
 pub(super) fn properties(entries: Vec<KeyValue>) -> WriterProperties {
     let level = ZstdLevel::try_new(1).unwrap_or_default();
     WriterProperties::builder()
@@ -244,7 +244,7 @@ pub(super) fn properties(entries: Vec<KeyValue>) -> WriterProperties {
         .build()
 }
 
-/// The bytes of a part, given the entry that names it.
+/// The bytes of a part with an identifying metadata entry.
 ///
 /// # Errors
 /// [`ParquetError`] if the writer fails.

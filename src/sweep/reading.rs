@@ -1,4 +1,4 @@
-//! Reading columns of a table again.
+//! Reading sweep tables.
 
 use super::axis::find_key;
 use super::cells::{Cells, cells};
@@ -21,10 +21,10 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Reads the columns of these names, which may be those of keys too.
+    /// Reads columns by name or key.
     ///
     /// # Errors
-    /// [`SweepError::File`] if it is no Parquet file, or a column is missing.
+    /// [`SweepError::File`] if it is not a Parquet file, or a column is missing.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, SweepError> {
         let wrong = SweepError::table(path);
         reader::read(path, |opened| {
@@ -34,7 +34,7 @@ impl Columns {
             let is_there = |name: &&&str| all.iter().any(|other| is(name, other));
             if let Some(name) = names.iter().find(|name| !is_there(name)) {
                 let all = all.join(", ");
-                let reason = format!("there is no column {name}; there are {all}");
+                let reason = format!("no column {name}; columns: {all}");
                 return Err(wrong(reason));
             }
             let is_wanted = |at: &usize| names.iter().any(|name| is(name, all[*at]));
@@ -65,13 +65,13 @@ impl Columns {
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, SweepError> {
         let number = |cell: Option<Value>| match cell {
             Some(Value::Number(number)) => Ok(number),
-            Some(Value::Text(text)) => Err(self.wrong(name, &format!("{text:?} is no number"))),
+            Some(Value::Text(text)) => Err(self.wrong(name, &format!("{text:?} is not a number"))),
             None => Ok(f64::NAN),
         };
         self.cells(name)?.into_iter().map(number).collect()
     }
 
-    /// The cells of a column as texts; none where there is nothing.
+    /// The cells of a column as texts; `None` for nulls.
     ///
     /// # Errors
     /// [`SweepError::File`] if they are neither numbers nor words.
@@ -104,7 +104,7 @@ impl Columns {
     }
 }
 
-/// The keys and values of the scenario of a row in a sweep's table: those of its base, and what the row changes.
+/// The scenario values of a row of a sweep table: those of its base with the row's changes.
 ///
 /// # Errors
 /// [`SweepError::File`] if it is not the table of a sweep, has no such row, or gives another scenario than the one that was
@@ -121,7 +121,7 @@ fn read_row(table: &Path, row: u64, opened: Opened) -> Result<Values, SweepError
     let bases = bases.ok_or_else(|| wrong("it is not the table of a sweep".to_owned()))?;
     let rows = opened.metadata().file_metadata().num_rows() as u64;
     if row >= rows {
-        let reason = format!("there is no row {row}: it has {rows}, from 0 on");
+        let reason = format!("no row {row}: the table has {rows} rows, numbered from 0");
         return Err(wrong(reason));
     }
     let reader = opened.with_offset(row as usize).with_limit(1).build();
@@ -152,7 +152,7 @@ fn read_row(table: &Path, row: u64, opened: Opened) -> Result<Values, SweepError
     let digest = Scenario::new(values.clone()).map(|scenario| Value::Text(scenario.digest()));
     if recorded.transpose()?.flatten() != digest.ok() {
         return Err(wrong(format!(
-            "row {row} gives another scenario than the one that was run: the table was changed, or is of another version"
+            "the scenario of row {row} does not match its digest: the table was modified or written by another version"
         )));
     }
     Ok(values)

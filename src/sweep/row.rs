@@ -1,4 +1,4 @@
-//! One row of a sweep: from values to a scenario to an outcome, or to why there is none.
+//! Computes one row of a sweep.
 
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, ScenarioError};
@@ -10,14 +10,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// Result of a run.
 pub type RunResult = Result<Outcome, SimulationError>;
 
-/// Runs a scenario for its outcome. Tests have their own.
+/// Function that computes an outcome (replaceable in tests).
 pub type Run = fn(&Scenario, &mut dyn FnMut() -> bool) -> RunResult;
 
-/// Watches a sweep from outside. Both functions are called from many threads.
+/// Callbacks of a sweep, called from several threads.
 pub struct Watch<'a> {
-    /// Asked before each step of each run whether to go on.
+    /// Cancellation check, called before each step.
     pub carry_on: &'a (dyn Fn() -> bool + Sync),
-    /// Called after each row with the reason why its run stopped; none for a row with an error.
+    /// Called after each row with the reason why its run stopped; `None` for a failed row.
     pub done: &'a (dyn Fn(Option<StopReason>) + Sync),
 }
 
@@ -25,7 +25,7 @@ pub struct Watch<'a> {
 pub(super) struct Row {
     /// Digest of the scenario; none if it is invalid.
     pub(super) digest: Option<String>,
-    /// The outcome, or why there is none.
+    /// The outcome or an error text.
     pub(super) result: Result<Outcome, String>,
 }
 
@@ -39,7 +39,7 @@ pub fn is_in_row() -> bool {
     IN_ROW.get()
 }
 
-/// Computes a row, whatever happens in it; none if it was interrupted.
+/// Computes a row; panics become errors. `None` if cancelled.
 pub(super) fn row(
     scenario: Result<Scenario, ScenarioError>,
     most_steps: Option<u64>,

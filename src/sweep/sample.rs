@@ -1,4 +1,4 @@
-//! The points of a sample: each a function of the seed, the row and the dimension alone.
+//! Sampling: each coordinate depends only on seed, row and dimension.
 
 use super::sobol::{DIMENSIONS, Sobol};
 use super::words;
@@ -6,14 +6,14 @@ use crate::run::scenario::KEYS;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
-/// Method by which points are chosen.
+/// Sampling method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Sobol's sequence, which fills the space evenly.
+    /// Sobol sequence (low discrepancy)
     #[default]
     Sobol,
-    /// Each coordinate by itself at random.
+    /// Independent random coordinates
     Random,
 }
 
@@ -30,7 +30,7 @@ pub struct Sample {
     /// Method by which they are chosen.
     #[serde(default, deserialize_with = "words::method")]
     pub method: Method,
-    /// Which of many such choices; 0 is Sobol's sequence itself.
+    /// The seed; 0 is the unscrambled Sobol sequence.
     #[serde(default, deserialize_with = "words::seed")]
     pub seed: u64,
 }
@@ -71,7 +71,7 @@ impl Points {
     }
 }
 
-/// A number that depends on all of these, and looks random: SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, Fast
+/// A pseudorandom hash of these numbers: SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, Fast
 /// splittable pseudorandom number generators, OOPSLA 2014), once for each.
 fn mixed(numbers: &[u64]) -> u64 {
     numbers.iter().fold(0, |state: u64, number| {

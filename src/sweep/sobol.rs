@@ -1,11 +1,11 @@
-//! Sobol's sequence: points that fill a cube more evenly than random ones.
+//! Sobol sequence.
 //!
-//! Written here because the published crates end at 65,536 points or are no longer maintained.
+//! Own implementation, because available crates are limited to 65,536 points or unmaintained.
 
 /// Number of dimensions that the table has.
 pub(super) const DIMENSIONS: usize = DIRECTIONS.len() + 1;
 
-/// Binary digits of a coordinate: all that a double between 0 and 1 has room for.
+/// Number of bits of a coordinate.
 const BITS: u32 = 52;
 
 /// For each dimension but the first a primitive polynomial, its coefficients as binary digits, and the initial direction
@@ -106,8 +106,8 @@ impl Sobol {
         Self(numbers)
     }
 
-    /// The coordinate of a point of the sequence, in binary digits: a number below 2⁵². The sequence is in the order of the
-    /// Gray code, as everywhere.
+    /// The coordinate of a point of the sequence, in binary digits: a number below 2⁵². The sequence is in Gray code
+    /// order, as usual.
     fn digits(&self, index: u64) -> u64 {
         let gray = index ^ (index >> 1);
         let used = self.0.iter().enumerate();
@@ -115,8 +115,8 @@ impl Sobol {
             .fold(0, |digits, (_, number)| digits ^ number)
     }
 
-    /// The coordinate, from 0 to below 1, of a point of the sequence, whose digits are flipped where those of `shift` are
-    /// set: another shift gives another sequence that is as even.
+    /// The coordinate, from 0 to below 1, of a point of the sequence, with a digital shift (XOR with `shift`), which
+    /// preserves the low discrepancy.
     pub(super) fn at(&self, index: u64, shift: u64) -> f64 {
         let digits = self.digits(index) ^ (shift >> (64 - BITS));
         digits as f64 / (1_u64 << BITS) as f64

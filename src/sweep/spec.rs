@@ -1,4 +1,4 @@
-//! The spec of a sweep: which runs it consists of.
+//! Sweep specs.
 
 use super::axis::Axis;
 use super::base::Base;
@@ -10,12 +10,12 @@ use serde_json::{Map, Value as Json, json};
 use std::collections::HashSet;
 use std::path::Path;
 
-/// Which runs a sweep consists of.
+/// The definition of a sweep.
 #[derive(Clone, Debug)]
 pub struct Spec {
     bases: Vec<Base>,
     design: Design,
-    /// A run that takes more steps of the integrator than this has an error instead of an outcome.
+    /// Maximum number of integrator steps per run.
     pub most_steps: Option<u64>,
     keys: Vec<&'static Key>,
     rows_per_base: u64,
@@ -37,7 +37,7 @@ impl Spec {
             return wrong("a sweep needs at least one preset or scenario file".to_owned());
         }
         if most_steps == Some(0) {
-            return wrong("max_steps = 0: a run takes at least one step".to_owned());
+            return wrong("max_steps must be at least 1".to_owned());
         }
         let rows_per_base = design.rows()?;
         let keys = design.keys();
@@ -47,7 +47,7 @@ impl Spec {
         let mut set = bases.iter().flat_map(|base| &base.set);
         if let Some(key) = set.find(|key| design.always_has(key)) {
             return wrong(format!(
-                "{key} is set and varies too: what it is set to would have no effect"
+                "{key} is both set and varied: remove one of the two"
             ));
         }
         let points = match &design {
@@ -80,7 +80,7 @@ impl Spec {
         &self.keys
     }
 
-    /// A name that several bases have, so that their runs can't be distinguished in the table.
+    /// A name shared by several bases, if any.
     #[must_use]
     pub fn shared_name(&self) -> Option<&str> {
         repeated(self.bases.iter().map(|base| base.name.as_str()))
@@ -100,7 +100,7 @@ impl Spec {
         &self.bases[(row / self.rows_per_base) as usize]
     }
 
-    /// Changes of a row in its base: a value, or none, for each of [`Spec::keys`].
+    /// The changes of a row: an optional value for each of [`Spec::keys`].
     pub(super) fn values(&self, row: u64) -> Vec<Option<Value>> {
         let row = row % self.rows_per_base;
         match &self.design {
@@ -239,7 +239,7 @@ mod tests {
         for design in [Design::Grid(axes()), Design::Sample(SAMPLE, axes())] {
             let message = Spec::new(bases(), design, None).unwrap_err().to_string();
             assert!(
-                message.contains("friction.k is set and varies too"),
+                message.contains("friction.k is both set and varied"),
                 "{message}"
             );
         }

@@ -1,4 +1,4 @@
-//! Files of a sweep: its parts while it grows, its table when it is complete.
+//! Files of a sweep: parts and the complete table.
 
 use super::change::change;
 use super::checksum;
@@ -36,7 +36,7 @@ pub fn parts_directory(table: &Path) -> PathBuf {
     table.with_added_extension("parts")
 }
 
-/// The places of a sweep's files.
+/// Paths of a sweep's files.
 pub(super) struct Store<'a> {
     sweep: &'a Sweep,
     /// The SHA-256 of its spec.
@@ -45,7 +45,7 @@ pub(super) struct Store<'a> {
     parts: PathBuf,
 }
 
-/// A part that is there and undamaged.
+/// An existing, undamaged part.
 struct Part {
     file: File,
     metadata: ParquetMetaData,
@@ -56,8 +56,7 @@ impl<'a> Store<'a> {
     /// The places next to a table.
     ///
     /// # Errors
-    /// [`SweepError::Sink`] if no file can have the table's name, or a file that the spec is read from is in one of the
-    /// places.
+    /// [`SweepError::Sink`] if the table's name is invalid, or an input file would be overwritten.
     pub(super) fn new(sweep: &'a Sweep, table: &'a Path) -> Result<Self, SweepError> {
         publish::check_name(table)?;
         let store = Self {
@@ -83,28 +82,26 @@ impl<'a> Store<'a> {
     /// The counts of the complete table; none if there is no table yet.
     ///
     /// # Errors
-    /// If a file of that name is something else.
+    /// If the existing file is not this table.
     pub(super) fn finished(&self) -> Result<Option<Counts>, SweepError> {
         let table = self.table;
         if table.symlink_metadata().is_err() {
             return Ok(None);
         }
         let unusable = |reason| SweepError::unusable(table, reason);
-        let exists = || unusable("exists and is not the table of a sweep: choose another name");
+        let exists = || unusable("exists and is not a sweep table: choose another name");
         let file = open_file(table).map_err(SweepError::io("read", table))?;
         let metadata = metadata(&file).map_err(|_| exists())?;
         let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(exists)?;
         refuse_other(table, spec, self.sweep.identity())?;
         if !checksum::is_right(&file).map_err(SweepError::io("read", table))? {
-            let reason =
-                "is damaged, or was changed: choose another name, or remove it and sweep again";
+            let reason = "is damaged or was modified: choose another name, or delete it and run the sweep again";
             return Err(unusable(reason));
         }
         counts(&metadata).map(Some).ok_or_else(exists)
     }
 
-    /// Makes the directory of the parts, or finds that it is of this sweep, and refuses a name that the table can't get, as
-    /// one that is too long, before anything is computed for it.
+    /// Creates the parts directory or checks that it belongs to this sweep, and rejects invalid table names early.
     ///
     /// # Errors
     /// [`SweepError::File`] if the directory belongs to another sweep, [`SweepError::Sink`] if a file can't be made.
@@ -136,7 +133,7 @@ impl<'a> Store<'a> {
         self.parts.join(SPEC_FILE)
     }
 
-    /// A draft of the table. What a process that was killed leaves of it goes with the parts.
+    /// A draft of the table, in the parts directory so that leftovers are removed with it.
     fn draft(&self) -> Result<Draft, SinkError> {
         Draft::within(&self.parts, self.table, Existing::Keep)
     }
@@ -154,8 +151,7 @@ impl<'a> Store<'a> {
         Ok(self.found(part)?.map(|found| found.counts))
     }
 
-    /// Writes a part: whole, or not at all. It takes the place of a damaged one, or of that of another process, which has
-    /// the same bytes.
+    /// Writes a part atomically, replacing a damaged part or an identical one of another process.
     ///
     /// # Errors
     /// [`SweepError::Sink`] if the disk is full, or the like.
@@ -175,7 +171,7 @@ impl<'a> Store<'a> {
         format!("{} {part}", self.digest)
     }
 
-    /// Merges all parts into the table by copying their columns, and removes them.
+    /// Merges all parts into the table and removes them.
     ///
     /// # Errors
     /// [`SweepError::File`] for a part that is not what it must be.
@@ -196,7 +192,7 @@ impl<'a> Store<'a> {
         Ok(())
     }
 
-    /// Removes what a process left that was killed, or late, when the table was there already.
+    /// Removes leftovers of other processes after the table is complete.
     pub(super) fn clear_rest(&self) {
         let is_claimed = self.spec_file().exists();
         let is_ours = |part| self.whole(part).is_ok() || !self.path(part).exists();
@@ -205,9 +201,8 @@ impl<'a> Store<'a> {
         }
     }
 
-    /// Removes the parts, what was left of them by processes that were killed, and the directory unless there is
-    /// something else in it. What is left if this fails does no harm. The file that identifies the sweep of the directory
-    /// goes last.
+    /// Removes parts and leftovers, and the directory if it is empty. Failures are harmless. The file identifying the
+    /// sweep is removed last.
     fn clear(&self) {
         let entries = fs::read_dir(&self.parts).into_iter().flatten().flatten();
         for entry in entries.filter(|entry| self.is_own(&entry.file_name().to_string_lossy())) {
@@ -217,8 +212,7 @@ impl<'a> Store<'a> {
         let _ = fs::remove_dir(&self.parts);
     }
 
-    /// Whether a file in the directory of parts has the name of a part of this sweep, or of a hidden draft of a part, of
-    /// the table or of the file that identifies the sweep of the directory.
+    /// Whether a file in the parts directory belongs to this sweep: a part, a hidden draft, or the spec file.
     fn is_own(&self, name: &str) -> bool {
         let digits = name.trim_start_matches('.').split('.').next();
         let number = digits.and_then(|digits| digits.parse().ok());
@@ -269,7 +263,7 @@ impl<'a> Store<'a> {
         checksum::add(draft.file()?).map_err(SweepError::io("write", self.table))
     }
 
-    /// A part; none if it is missing or damaged.
+    /// A part; `None` if it is missing or damaged.
     fn found(&self, part: u64) -> Result<Option<Part>, SweepError> {
         let Ok(file) = open_file(&self.path(part)) else {
             return Ok(None);
@@ -279,7 +273,7 @@ impl<'a> Store<'a> {
             return Ok(None);
         };
         if entry(&metadata, PART_ENTRY) != Some(&self.name(part)) {
-            return Err(self.bad(part, "it is of another sweep"));
+            return Err(self.bad(part, "it belongs to another sweep"));
         }
         Ok(counts(&metadata).map(|counts| Part {
             file,
@@ -288,32 +282,32 @@ impl<'a> Store<'a> {
         }))
     }
 
-    /// A part that must be there.
+    /// A part; an error if it is missing.
     fn whole(&self, part: u64) -> Result<Part, SweepError> {
         self.found(part)?
             .ok_or_else(|| self.bad(part, "it is missing or damaged"))
     }
 
     fn bad(&self, part: u64, reason: &str) -> SweepError {
-        let reason = format!("can't be merged: {reason}; remove it and sweep again");
+        let reason = format!("can't be merged: {reason}; delete it and run the sweep again");
         SweepError::unusable(&self.path(part), reason)
     }
 }
 
-/// Refuses a table or a directory of parts with the spec of another sweep.
+/// Rejects a table or parts directory of another sweep.
 fn refuse_other(path: &Path, text: &str, sweep: &Json) -> Result<(), SweepError> {
     let Ok(before) = serde_json::from_str::<Json>(text) else {
-        let reason = "does not name its sweep, because its file is damaged: choose another name, or remove it";
+        let reason = "is damaged (its spec is unreadable): choose another name or delete it";
         return Err(SweepError::unusable(path, reason));
     };
     let Some(change) = change(&before, sweep) else {
         return Ok(());
     };
-    let reason = format!("is of another sweep: {change}; choose another name, or remove it");
+    let reason = format!("belongs to another sweep: {change}; choose another name or delete it");
     Err(SweepError::unusable(path, reason))
 }
 
-/// Why a table can't be written: the system's reason, where there is one, and not how the Parquet writer wraps it.
+/// Unwraps the I/O error of a Parquet write error.
 fn cannot_write(table: &Path, error: SweepError) -> SweepError {
     let SweepError::Parquet(ParquetError::External(cause)) = error else {
         return error;
@@ -324,7 +318,7 @@ fn cannot_write(table: &Path, error: SweepError) -> SweepError {
     }
 }
 
-/// Whether a draft could not get its name because that is on another disk, as where the directory of parts is a link.
+/// Whether renaming a draft failed because the target is on another file system.
 fn is_on_another_disk(error: &SinkError) -> bool {
     matches!(error, SinkError::Io { reason, .. } if reason.kind() == io::ErrorKind::CrossesDevices)
 }

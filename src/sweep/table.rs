@@ -1,4 +1,4 @@
-//! A table with the values of each run: a design made elsewhere.
+//! Input tables with the values of each run.
 
 use super::axis::find_key;
 use super::cells::{Cells, cells as cells_of, values_of};
@@ -12,10 +12,10 @@ use serde_json::Value as Json;
 use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
 
-/// The most rows of a table: it is held in memory.
+/// Maximum number of rows (held in memory).
 const MOST_ROWS: u64 = 10_000_000;
 
-/// A table with a column for each key that varies. Where a cell is empty, the base's own value holds.
+/// A table with a column for each key that varies. Empty cells keep the base's value.
 #[derive(Clone, Debug)]
 pub struct Table {
     columns: Vec<Column>,
@@ -35,7 +35,7 @@ impl Table {
     /// Reads a `.parquet` or a `.csv` file.
     ///
     /// # Errors
-    /// [`SweepError::File`] for what is neither, or has a column that is no key.
+    /// [`SweepError::File`] for other file types, or a column that is not a key.
     pub fn read(path: &Path) -> Result<Self, SweepError> {
         let has = |kind| path.extension().is_some_and(|extension| extension == kind);
         let wrong = SweepError::table(path);
@@ -51,8 +51,8 @@ impl Table {
         Ok(table)
     }
 
-    /// Takes the columns of Arrow's batches, which all have this schema. An index of pandas is passed over, unless it is
-    /// called like a key.
+    /// Takes the columns of Arrow's batches, which all have this schema. A pandas index is ignored unless it has the
+    /// name of a key.
     ///
     /// # Errors
     /// A column that is no key, or has values that are no numbers or words.
@@ -65,8 +65,7 @@ impl Table {
         Ok(table)
     }
 
-    /// A table that will have the columns of a schema and this number of rows, as yet without cells. All that can be known to be
-    /// wrong before a cell is read is refused.
+    /// An empty table for a schema and number of rows, validated before any cell is read.
     fn of_schema(schema: &Schema, rows: u64) -> Result<Self, String> {
         check_rows(rows)?;
         let indices = pandas_indices(schema);
@@ -147,18 +146,16 @@ impl Table {
     }
 }
 
-/// Refuses no rows, and more than there is memory for.
+/// Checks the number of rows.
 fn check_rows(rows: u64) -> Result<(), String> {
     match rows {
         0 => Err("there are no rows".to_owned()),
         1..=MOST_ROWS => Ok(()),
-        _ => Err(format!(
-            "more than {MOST_ROWS} rows: divide them among several tables"
-        )),
+        _ => Err(format!("more than {MOST_ROWS} rows: split the table")),
     }
 }
 
-/// Refuses a type none of whose values can be one of this key.
+/// Checks that a column type suits its key.
 fn check_type(key: &Key, of: &DataType) -> Result<(), String> {
     cells_of(&new_empty_array(of))?;
     let of = values_of(of);
@@ -166,7 +163,7 @@ fn check_type(key: &Key, of: &DataType) -> Result<(), String> {
         return Ok(());
     }
     let are = if of.is_string() { "words" } else { "numbers" };
-    Err(format!("the values are {are}, and must be {}", key.kind))
+    Err(format!("the values are {are}; expected {}", key.kind))
 }
 
 fn from_parquet(opened: Opened) -> Result<Table, String> {
@@ -191,13 +188,13 @@ fn pandas_indices(schema: &Schema) -> Vec<String> {
     let about: Option<Json> = about.and_then(|text| serde_json::from_str(text).ok());
     let indices = about.and_then(|about| about["index_columns"].as_array().cloned());
     let names = indices.into_iter().flatten();
-    // An index that only counts is no column, and described by an object.
+    // A RangeIndex is not a column; it is described by an object.
     names
         .filter_map(|name| name.as_str().map(str::to_owned))
         .collect()
 }
 
-/// Whether this is what pandas calls an index without a name: `__index_level_0__`.
+/// Whether this is the name of an unnamed pandas index: `__index_level_0__`.
 fn is_nameless_index(name: &str) -> bool {
     let level = name.strip_prefix("__index_level_");
     let level = level.and_then(|rest| rest.strip_suffix("__"));
@@ -258,7 +255,7 @@ fn from_csv(text: &str) -> Result<Table, String> {
                 Some(key) => csv_cell(key, cell),
                 None if cell.parse() == Ok(rows) => Ok(None),
                 None => Err(format!(
-                    "{cell:?} is in a column without a name, which may only count the rows (0, 1, 2, …): name it, or leave it out"
+                    "{cell:?} is in an unnamed column, which must be a row index (0, 1, 2, …): name the column or remove it"
                 )),
             };
             cells.push(read.map_err(|reason| format!("line {line}: {reason}"))?);
@@ -290,7 +287,7 @@ fn csv_cell(key: &Key, cell: &str) -> Result<Option<Value>, String> {
         return Ok(Some(Value::Text(cell.to_owned())));
     }
     let number = cell.parse().map(|number| Some(Value::Number(number)));
-    number.map_err(|_| format!("{} = {cell:?} is no number", key.path))
+    number.map_err(|_| format!("{} = {cell:?} is not a number", key.path))
 }
 
 #[cfg(test)]
@@ -320,7 +317,7 @@ mod tests {
         ] {
             let message = read(text).unwrap_err();
             assert!(message.starts_with("line 3: "), "{message}");
-            assert!(message.contains("without a name"), "{message}");
+            assert!(message.contains("unnamed column"), "{message}");
         }
     }
 
@@ -329,19 +326,19 @@ mod tests {
         for (text, message) in [
             (
                 "friction_k\n0.1\nfast\n",
-                "line 3: friction.k = \"fast\" is no number",
+                "line 3: friction.k = \"fast\" is not a number",
             ),
             (
                 "friction_k\n\n\nfast\n",
-                "line 4: friction.k = \"fast\" is no number",
+                "line 4: friction.k = \"fast\" is not a number",
             ),
             (
                 "friction_k,initial.phi\r\n0.1,1\r\n\r\n\r\n0.2,fast",
-                "line 5: initial.phi = \"fast\" is no number",
+                "line 5: initial.phi = \"fast\" is not a number",
             ),
             (
                 "\u{feff}friction_k,initial.phi\n\"0.1\",1\n0.2,\"fast\"\n",
-                "line 3: initial.phi = \"fast\" is no number",
+                "line 3: initial.phi = \"fast\" is not a number",
             ),
             (
                 "friction_k,initial.phi\n0.1,1\n\n0.2\n",
@@ -355,6 +352,6 @@ mod tests {
             assert_eq!(read(text).unwrap_err(), message, "{text:?}");
         }
         let message = read(b"friction_k\n\xff\n").unwrap_err();
-        assert!(message.ends_with("it is not a text in UTF-8"), "{message}");
+        assert!(message.ends_with("it is not UTF-8 text"), "{message}");
     }
 }

@@ -1,4 +1,4 @@
-//! Values of a TOML file, with errors in words that are not Rust's.
+//! Deserializers with human-readable errors.
 
 use serde::de::{Deserialize, Deserializer, Error as _};
 use std::num::NonZeroU64;
@@ -11,7 +11,7 @@ fn read<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     T::deserialize(deserializer).map_err(|_| D::Error::custom(format!("must be {what}")))
 }
 
-/// A number from 1 on.
+/// A positive integer.
 pub(super) fn count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
     read(deserializer, "a whole number from 1 on").map(NonZeroU64::get)
 }
@@ -35,10 +35,7 @@ pub(super) fn method<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
 
 /// A list of texts.
 pub(super) fn texts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
-    read(
-        deserializer,
-        "a list of texts in quotes, as in [\"…\", \"…\"]",
-    )
+    read(deserializer, "a list of strings, e.g. [\"…\", \"…\"]")
 }
 
 /// A section of keys and values.

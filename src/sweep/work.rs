@@ -1,4 +1,4 @@
-//! Computing what is missing of a sweep, with all processors.
+//! Computes the missing parts of a sweep in parallel.
 
 use super::counts::{Counts, RowError};
 use super::error::SweepError;
@@ -8,12 +8,12 @@ use super::store::Store;
 use std::path::Path;
 use std::thread;
 
-/// A share of the parts, for one machine of several.
+/// A shard of the parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which, from 0.
+    /// Index, from 0.
     pub index: u64,
-    /// Of how many.
+    /// Number of shards.
     pub count: u64,
 }
 
@@ -24,15 +24,14 @@ impl Shard {
     }
 }
 
-/// Options of a computation. Nothing of this changes its bytes.
+/// Options of a computation. They don't affect the bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
     /// Number of threads, as [`threads`] takes it.
     pub threads: usize,
     /// Computes the parts of this share alone, and doesn't merge.
     pub shard: Option<Shard>,
-    /// Ends at the first row with an error instead of going on: of all rows or those of the share, whether they are
-    /// computed now or were there.
+    /// Stop at the first failed row, including rows computed before.
     pub fail_fast: bool,
 }
 
@@ -48,7 +47,7 @@ pub fn threads(wanted: usize, runs: u64) -> usize {
 /// The result of a computation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finished {
-    /// Whether the table is there. It is not after a shard, nor after an interruption.
+    /// Whether the table is complete (not after a shard or interruption).
     pub is_merged: bool,
     /// Whether the sweep was interrupted.
     pub is_interrupted: bool,
@@ -58,11 +57,11 @@ pub struct Finished {
     pub counts: Counts,
 }
 
-/// Computes the parts of a sweep that are missing next to `table`, and merges them into it. If the table is there, nothing
-/// is left to do.
+/// Computes the parts of a sweep that are missing next to `table`, and merges them into it. Does nothing if the table
+/// is complete.
 ///
 /// # Errors
-/// [`SweepError`] if what is there is of another sweep or can't be written, or, with [`Options::fail_fast`], a row fails.
+/// [`SweepError`] if existing files belong to another sweep, a file can't be written, or a row fails with [`Options::fail_fast`].
 /// Parts that are complete stay.
 pub fn run(
     sweep: &Sweep,
@@ -75,7 +74,7 @@ pub fn run(
     let mut merged = store.finished()?;
     if merged.is_none() {
         let completed = complete(&store, sweep, options, watch, &mut finished);
-        // What is missing may have been completed elsewhere meanwhile, and the parts cleared away.
+        // Another process may have completed the table meanwhile.
         merged = store.finished().ok().flatten();
         match completed {
             Err(error @ SweepError::Row { .. }) => return Err(error),
@@ -102,8 +101,7 @@ fn refuse(error: Option<&RowError>) -> Result<(), SweepError> {
     }
 }
 
-/// Computes the parts that are missing, and merges all unless that is left to another process. The result is returned even
-/// if that fails.
+/// Computes missing parts and merges unless sharded. Returns the counts even on failure.
 fn complete(
     store: &Store<'_>,
     sweep: &Sweep,

@@ -138,11 +138,11 @@ fn what_is_not_a_file_is_not_replaced() {
     let directory = tempfile::tempdir().unwrap();
     for existing in [Existing::Keep, Existing::Replace] {
         let error = archive(directory.path(), &short(), existing).unwrap_err();
-        assert!(error.to_string().contains("not a file"), "{error}");
+        assert!(error.to_string().contains("not a regular file"), "{error}");
     }
     if cfg!(unix) {
         let error = archive(Path::new("/dev/null"), &short(), Existing::Replace).unwrap_err();
-        assert!(error.to_string().contains("not a file"), "{error}");
+        assert!(error.to_string().contains("not a regular file"), "{error}");
     }
 }
 

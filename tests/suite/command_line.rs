@@ -493,10 +493,10 @@ fn an_answer_that_nobody_can_read_is_failed_output() {
 fn regress_names_that_no_recording_can_have_are_refused_at_once() {
     let directory = tempdir().unwrap();
     for (output, part) in [
-        ("new/", "\"new/\" names no file"),
-        ("new/..", "names no file"),
-        ("a.mcap/.", "names no file"),
-        ("a.mcap.partial", "runs that are not complete"),
+        ("new/", "\"new/\" is not a file name"),
+        ("new/..", "is not a file name"),
+        ("a.mcap/.", "is not a file name"),
+        ("a.mcap.partial", "reserved for incomplete runs"),
         ("a.rrd", "use --rrd a.rrd"),
     ] {
         // It would take longer than the test does.

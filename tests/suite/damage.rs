@@ -417,7 +417,7 @@ fn a_chunk_of_compressed_zeros_is_not_read_to_its_end() {
     assert!(
         losses
             .iter()
-            .any(|loss| loss.contains("at byte 0 of its content")),
+            .any(|loss| loss.contains("at byte 0 of the chunk")),
         "{losses:?}"
     );
 }
@@ -443,6 +443,6 @@ fn a_pipe_is_refused_and_not_waited_for() {
         .expect("opening a pipe takes no time");
     assert_eq!(
         opened,
-        Err("it is a pipe or a device; name an MCAP file".to_owned())
+        Err("it is a pipe or device, not an MCAP file".to_owned())
     );
 }

@@ -154,7 +154,7 @@ fn figures_that_say_nothing_of_a_peg_are_left_out_with_a_reason() {
     let directory = tempdir().unwrap();
     let asked = figures(&directory, &["paper", "--only", "track"]);
     let error = error_of(&mut { asked }, 2);
-    assert!(error.contains("the peg is held"), "{error}");
+    assert!(error.contains("the peg is fixed"), "{error}");
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn hops_are_drawn_only_of_a_peg_that_leaves_the_table() {
     let does_not_apply = |preset| hops.does_not_apply(&short(preset));
     assert_eq!(
         does_not_apply("tippe-top"),
-        Some("the peg never leaves the table")
+        Some("the peg does not leave the table")
     );
     assert_eq!(does_not_apply("drop"), None);
 }
@@ -185,13 +185,13 @@ fn a_ripple_is_pale_below_its_average() {
 fn a_track_tells_what_the_peg_does() {
     let run = simulated("free-paper", &[("stop.duration", "8.0")]);
     let svg = svg_of("track", &[&run]);
-    for part in ["slides", "rolls", "flies"] {
+    for part in ["sliding", "rolling", "in the air"] {
         assert!(labels(&svg).contains(&part.to_owned()), "{part}");
         let group = format!("free-paper: track of the contact point, {part}");
         assert!(!places(&svg, &group).is_empty(), "{part}");
     }
     let short = svg_of("track", &[&short("tippe-top")]);
-    assert!(!labels(&short).contains(&"flies".to_owned()));
+    assert!(!labels(&short).contains(&"in the air".to_owned()));
 }
 
 #[test]
@@ -346,7 +346,11 @@ fn val_simulated_runs_show_nutation_that_is_faster_than_their_samples() {
         }
     }
     let svg = svg_of("acceleration", &[&run]);
-    assert!(!labels(&svg).iter().any(|label| label.contains("too few")));
+    assert!(
+        !labels(&svg)
+            .iter()
+            .any(|label| label.contains("not resolved"))
+    );
     // The mean of the gyroscopic term balances gravity all the time.
     let (low, high) = heights(&svg, "frictionless: gyroscopic", (0.0, 1.0));
     let (top, bottom) = heights(&svg, "frame", (0.0, 1.0));
@@ -374,23 +378,31 @@ fn figures_say_where_samples_are_too_few() {
         let svg = svg_of(name, &[&run]);
         let note = labels(&svg)
             .into_iter()
-            .find(|label| label.contains("too few"));
+            .find(|label| label.contains("not resolved"));
         assert_eq!(
             note.as_deref(),
-            Some("as few as 2.2 samples per nutation: too few to show it truly"),
+            Some("only 2.2 samples per nutation: nutation is not resolved"),
             "{name}"
         );
     }
     // The least and greatest θ of each nutation are recorded.
     let svg = svg_of("figure-4", &[&run, &run]);
-    assert!(!labels(&svg).iter().any(|label| label.contains("too few")));
+    assert!(
+        !labels(&svg)
+            .iter()
+            .any(|label| label.contains("not resolved"))
+    );
     let group = "coarse: theta, range in each nutation";
     assert!(!places(&svg, group).is_empty());
     let fine = svg_of(
         "figure-2",
         &[&simulated("paper", &[("stop.duration", "2")])],
     );
-    assert!(!labels(&fine).iter().any(|label| label.contains("too few")));
+    assert!(
+        !labels(&fine)
+            .iter()
+            .any(|label| label.contains("not resolved"))
+    );
 }
 
 #[test]
@@ -544,8 +556,8 @@ const GOLDEN: &[(&str, &str, &str)] = &[
      "e0031daffc360d7b10fa9164de6bea9cdb376b19cb3236930a7db5f644ecaea9",
      "7ed15d2c2ed2d7029eeeae85454d81a8d103cdc963289ffd8bd97d3080461e45"),
     ("precession",
-     "cc4e7566bb1c0eb445514f40512ef8cfc41aff57c40b635b4304c5cd3413d4e0",
-     "9f1f591606930425514c08d7f2c4abbe3c86b943d0383a357c889748a9fd4bdc"),
+     "d0fc86ad352a089e4615575beef4d3702abf88211aab7742103ba518d5e151c6",
+     "d34ab2dde661d2393cb7410b0eb34d714d5c2e6675328df9105c8ef44bb97d0c"),
 ];
 
 #[test]
@@ -732,7 +744,7 @@ fn an_interrupted_run_is_drawn_as_far_as_it_goes() {
     fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
     let arguments = ["cut.mcap", "--only", "figure-2", "--kinds", "svg"];
     let error = error_of(&mut figures(&directory, &arguments), 3);
-    assert!(error.contains("cut: the run was cut off"), "{error}");
+    assert!(error.contains("cut: the run is incomplete"), "{error}");
     assert!(directory.path().join("figures/figure-2.svg").is_file());
 }
 

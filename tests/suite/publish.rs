@@ -135,7 +135,7 @@ fn an_input_is_known_by_any_name_or_link() {
         let output = output.replace("{}", &name);
         let refused = toprise(&directory, &["run", "cut.mcap", "-o", &output, "--force"]).code(2);
         let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-        assert!(error.contains("already read or written here"), "{error}");
+        assert!(error.contains("also an input or another output"), "{error}");
         assert!(fs::read(directory.path().join(&output)).unwrap() == cut);
     }
     // A scenario is read too.
@@ -174,7 +174,7 @@ fn regress_two_outputs_of_one_name_are_refused() {
         if cfg!(feature = "rerun") {
             let refused = toprise(&directory, &arguments).code(2);
             let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-            assert!(error.contains("already read or written here"), "{error}");
+            assert!(error.contains("also an input or another output"), "{error}");
         }
         assert!(is_same_file(
             &directory.path().join(one),

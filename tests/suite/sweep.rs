@@ -252,7 +252,7 @@ fn a_key_that_each_row_of_a_table_has_is_not_set_too() {
     assert_eq!(told("0.1,0.5\n,0.4\n"), Ok(()));
     let error = told("0.1,0.5\n0.2,0.4\n").unwrap_err();
     assert!(
-        error.contains("friction.k is set and varies too"),
+        error.contains("friction.k is both set and varied"),
         "{error}"
     );
 }
@@ -471,7 +471,7 @@ fn samples_and_tables_say_what_runs() {
         assert_eq!(k, [None, Some(0.02), None], "{text:?}");
     }
     for (text, part) in [
-        ("friction_k\nfast\n", "is no number"),
+        ("friction_k\nfast\n", "is not a number"),
         ("friction_kk\n1\n", "friction.k"),
         ("friction_k\n", "no rows"),
     ] {
@@ -551,7 +551,7 @@ fn the_command_sweeps_resumes_and_reports() {
     let (code, _, told) = toprise(folder, &line.replace("0.01", "0.02"));
     assert_eq!(code, 2);
     assert!(
-        told.contains("bases[0].scenario.stop.duration = 0.01 there, and 0.02 here"),
+        told.contains("bases[0].scenario.stop.duration is 0.01 in the file, 0.02 here"),
         "{told}"
     );
     let (code, _, told) = toprise(folder, "sweep paper --over friction.k=0.1..1 -o b.parquet");
@@ -636,10 +636,7 @@ fn a_row_that_is_not_there_or_was_changed_is_not_run() {
     let design = RecordBatch::try_from_iter([("friction_k", k)]).unwrap();
     write(&folder.join("design.parquet"), &design);
     for (line, part) in [
-        (
-            "a.parquet --row 2",
-            "there is no row 2: it has 2, from 0 on",
-        ),
+        ("a.parquet --row 2", "no row 2: the table has 2 rows"),
         ("a.parquet --row 1", "initial.theta = 4"),
         ("a.parquet", "--row 42"),
         ("design.parquet --row 0", "not the table of a sweep"),
@@ -865,11 +862,11 @@ fn regress_a_design_is_refused_before_its_columns_are_read() {
     let words = || Arc::new(LargeStringArray::from(vec!["fast"; 1000])) as ArrayRef;
     for (name, column, part) in [
         ("friction_kk", numbers(), "did you mean"),
-        ("friction_k", words(), "the values are words, and must be"),
+        ("friction_k", words(), "the values are words; expected"),
         (
             "friction_law",
             numbers(),
-            "the values are numbers, and must be",
+            "the values are numbers; expected",
         ),
     ] {
         let told = written(name, column);
@@ -1106,10 +1103,10 @@ fn a_table_needs_a_name() {
         let output = output.unwrap();
         let told = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(told.contains("names no file"), "{told}");
+        assert!(told.contains("is not a file name"), "{told}");
     }
     let nameless = compute(&Sweep::new(spec(AXES)), Path::new(""), &Options::default());
-    assert!(nameless.is_err_and(|error| error.to_string().contains("names no file")));
+    assert!(nameless.is_err_and(|error| error.to_string().contains("is not a file name")));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -1189,7 +1186,7 @@ fn what_others_keep_beside_the_parts_stays() {
     let line = "sweep paper --table b.parquet.parts/000000.parquet -o b.parquet";
     let (code, _, told) = toprise(folder, line);
     assert_eq!(code, 2);
-    assert!(told.contains("already read or written here"), "{told}");
+    assert!(told.contains("also an input or another output"), "{told}");
     assert!(table.exists());
     // So would a scenario.
     let scenario = scenario("paper", &[]).to_toml();
@@ -1197,7 +1194,7 @@ fn what_others_keep_beside_the_parts_stays() {
     let line = "sweep b.parquet.parts/000000.parquet --set stop.duration=0.01 -o b.parquet";
     let (code, _, told) = toprise(folder, line);
     assert_eq!(code, 2);
-    assert!(told.contains("already read or written here"), "{told}");
+    assert!(told.contains("also an input or another output"), "{told}");
     assert_eq!(fs::read_to_string(&table).unwrap(), scenario);
 }
 

@@ -330,7 +330,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Finding {
 fn torque(evidence: &Evidence<'_>) -> Option<Finding> {
     let torque = evidence.discrepancy?.quantities.first()?;
     Some(Finding {
-        what: "max. friction torque difference at A's states".to_owned(),
+        what: "max. friction torque difference".to_owned(),
         unit: torque.unit.clone(),
         difference: Some(torque.largest),
         ..Finding::default()

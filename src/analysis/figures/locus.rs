@@ -29,7 +29,7 @@ const Y: Quantity = Quantity::new("*n*_{*y*}", "");
 pub(super) fn locus(runs: &[&Run], width: f64) -> Drawing {
     let looks = Looks { runs: runs.len() };
     let mut traces: Vec<_> = runs.iter().map(|run| Trace::of(run)).collect();
-    // What covers most is drawn first and with the broadest line, so that the others show.
+    // The longest path is drawn first with the widest line, so that others stay visible.
     let mut longest: Vec<usize> = (0..runs.len()).collect();
     longest.sort_by(|one, other| traces[*other].length().total_cmp(&traces[*one].length()));
     for (order, run) in longest.iter().enumerate() {
@@ -92,8 +92,7 @@ struct Square<'a> {
     only: Option<Stroke>,
 }
 
-/// The projections of the whole paths in the order of drawing, and their ends magnified: together if that magnifies each,
-/// else one by one.
+/// The projected paths in drawing order, and their magnified ends (together if possible, otherwise separately).
 fn squares<'a>(drawn: &[&'a Trace], traces: &'a [Trace]) -> Vec<Square<'a>> {
     let size = |traces: &[&Trace]| {
         let [x, y] = ranges(traces, |trace| trace.end).map(|(low, high)| high - low);

@@ -1,10 +1,10 @@
-//! The looks of runs and their quantities.
+//! Line styles of runs and quantities.
 
 use super::run::Run;
 use crate::analysis::plot::legend::Entry;
 use crate::analysis::plot::shape::{Colour, Stroke};
 use crate::analysis::plot::style::{
-    BLACK, COLOURS, DASHED, DASHES, HAIRLINE, MEDIUM, POINT, SKY, THIN, VERMILLION, line,
+    BLACK, COLOURS, DASHED, DASHES, HAIRLINE, MEDIUM, POINT, SKY, THIN, VERMILION, line,
 };
 use crate::analysis::plot::text::Text;
 
@@ -49,7 +49,7 @@ impl Looks {
         Colour(on_white(red), on_white(green), on_white(blue))
     }
 
-    /// The stroke of averages. Those of several runs often coincide: dashes let each be seen.
+    /// The stroke of averages. Dashed if there are several runs, because they often coincide.
     pub(super) fn average(self, run: usize) -> Stroke {
         let (colour, dash) = if self.runs == 1 {
             (BLACK, DASHED)
@@ -67,8 +67,7 @@ impl Looks {
         line(Self::colour(run), HAIRLINE + self.broader(order))
     }
 
-    /// By how much the line of a run is broader than that of the last one, mm: where they coincide, that of the earlier
-    /// run shows.
+    /// Extra line width relative to the last run, mm, so that coinciding lines stay visible.
     pub(super) fn broader(self, run: usize) -> f64 {
         (self.runs - 1).saturating_sub(run).min(2) as f64 * 0.5 * POINT
     }
@@ -82,7 +81,7 @@ impl Looks {
         }
     }
 
-    /// The stroke of the ripple of a quantity, whose average is drawn as [`Self::term`].
+    /// The stroke of a rapidly oscillating quantity; its average uses [`Self::term`].
     pub(super) fn ripple(self, run: usize, term: usize) -> Stroke {
         Stroke {
             opacity: 0.3,
@@ -102,7 +101,7 @@ impl Looks {
     /// The stroke of the rates of regular precession of a run, or of all runs in a legend.
     pub(super) fn root(self, run: Option<usize>) -> Stroke {
         let colour = match run {
-            _ if self.runs == 1 => VERMILLION,
+            _ if self.runs == 1 => VERMILION,
             Some(run) => Self::colour(run),
             None => BLACK,
         };
@@ -119,7 +118,7 @@ impl Looks {
 pub(super) fn note(runs: &[&Run]) -> Option<Entry> {
     let fewest = runs.iter().filter_map(|run| run.coarseness());
     let fewest = fewest.reduce(f64::min)?;
-    let note = format!("as few as {fewest:.1} samples per nutation: too few to show it truly");
+    let note = format!("only {fewest:.1} samples per nutation: nutation is not resolved");
     Some(Entry::note(&note))
 }
 

@@ -25,7 +25,7 @@ impl Map {
         let (x, y) = (&self.x.name, self.y.as_ref().map(|y| &y.name));
         if self.runs.is_empty() {
             let also = y.map_or(String::new(), |y| format!(" and one of {y}"));
-            return Err(format!("no run has a value of {x}{also}"));
+            return Err(format!("no run has a value for {x}{also}"));
         }
         self.check_magnitudes()?;
         let mut drawing = match &self.y {
@@ -45,7 +45,7 @@ impl Map {
             for (axis, value) in axes.into_iter().chain(y) {
                 if value.is_finite() && value.abs() >= BEYOND_USE {
                     return Err(format!(
-                        "{} is {value:e} in one of the runs: numbers from {BEYOND_USE:e} on can't be drawn",
+                        "{} = {value:e} in one run: values above {BEYOND_USE:e} can't be drawn",
                         axis.name
                     ));
                 }
@@ -144,7 +144,7 @@ mod tests {
         }
     }
 
-    const EDGE: &str = "edge of the runs that loop; ticks point to them";
+    const EDGE: &str = "boundary of looping runs (ticks point inside)";
 
     #[test]
     fn runs_without_an_outcome_have_no_edge_of_looping() {
@@ -195,7 +195,7 @@ mod tests {
         let message = map.draw(85.0).unwrap_err();
         assert_eq!(
             message,
-            "no run has a value of friction_k and one of initial_theta"
+            "no run has a value for friction_k and one of initial_theta"
         );
     }
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct FiguresReport {
     /// The files that were written.
     pub files: Vec<FigureFile>,
-    /// Needs of figures that runs lack: these figures were drawn without them, or not at all.
+    /// Missing data; the figures were drawn without it or not at all.
     pub lacking: Vec<Lacking>,
     /// Runs left out because a figure does not apply to them.
     pub left_out: Vec<LeftOut>,
@@ -31,7 +31,7 @@ pub struct FigureFile {
     pub bytes: u64,
 }
 
-/// A need of a figure that a run lacks.
+/// Missing data of a run for a figure.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Lacking {
     /// Name of the run.
@@ -42,14 +42,14 @@ pub struct Lacking {
     pub missing: String,
 }
 
-/// A run that a figure does not apply to, whatever it has recorded.
+/// A run that a figure does not apply to.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LeftOut {
     /// Name of the run.
     pub run: String,
     /// Name of the figure.
     pub figure: &'static str,
-    /// Why.
+    /// Reason.
     pub because: &'static str,
 }
 

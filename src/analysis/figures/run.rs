@@ -1,4 +1,4 @@
-//! The numbers of a run that figures need.
+//! Data of a run for figures.
 
 use super::channel::Channel;
 use super::sampling;
@@ -60,7 +60,7 @@ impl Run {
         if let Subject::Recording(recording) = subject {
             match recording.condition() {
                 Condition::Interrupted => {
-                    let loss = "the run was cut off: its end is missing";
+                    let loss = "the run is incomplete (interrupted)";
                     run.losses.push(loss.to_owned());
                 }
                 Condition::Damaged => {
@@ -101,8 +101,7 @@ impl Run {
         self.channels.iter().find(|channel| channel.topic == topic)
     }
 
-    /// A number over time; nothing if the run doesn't have it. Where samples are missing there is a point that is not
-    /// a number.
+    /// A number over time; empty if it is not recorded. Gaps are NaN points.
     pub(super) fn series(&self, field: NumberField) -> Vec<Point> {
         let channel = self.channel(field.topic());
         channel.map_or_else(Vec::new, |channel| channel.series(field))
@@ -114,8 +113,8 @@ impl Run {
         channel.map_or_else(Vec::new, |channel| channel.means(field))
     }
 
-    /// A number that was recorded of each nutation, in the middle of the nutation. Where the motion between two
-    /// nutations is none there is a point that is not a number.
+    /// A number that was recorded of each nutation, in the middle of the nutation. Interruptions of the nutation are
+    /// NaN points.
     pub(super) fn averages(&self, field: NumberField) -> Vec<Point> {
         let mut points: Vec<Point> = Vec::new();
         let channel = self.channel(NUTATION);

@@ -3,22 +3,19 @@
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{Record, Simulation};
 
-/// The samples in each nutation that show its envelope: the highest of them is lower than the peak by at most
-/// 1 − cos(π/20) of the amplitude, which in print is less than the width of a line.
+/// Samples per nutation needed to show the envelope; the error is below a line width.
 const PER_NUTATION: f64 = 20.0;
 
-/// Samples in a nutation from which figures are drawn as they are: a few less than simulations are sampled with, so that
-/// these count.
+/// Minimum samples per nutation for drawing the samples directly.
 pub(super) const ENOUGH: f64 = 0.9 * PER_NUTATION;
 
 /// The samples in a run that make its curves smooth.
 const PER_RUN: f64 = 500.0;
 
-/// Ratio by which shorter than they are on average the nutations of a run may become before their samples become
-/// fewer. The time to sample is thus bounded by that to integrate, which needs about as many steps.
+/// Allowed ratio of the mean nutation period to the shortest; bounds the sampling cost.
 const SHORTENING: f64 = 8.0;
 
-/// A time between samples, ns, that is longer than any run.
+/// A sampling period longer than any run, ns.
 const NEVER: u64 = i64::MAX.unsigned_abs();
 
 /// The run with samples that are close enough together to draw it: they are read off the dense output and don't change

@@ -29,7 +29,7 @@ pub(super) fn motion(runs: &[&Run], width: f64) -> Drawing {
     legend.extend(note(runs, &panels.map(|(_, field, _)| field)));
     let panels = panels.map(|(symbol, field, mean)| {
         let mut panel = Panel::new(symbol, field.unit());
-        // Upright, φ and ψ turn about the same axis, and each may turn as fast as it likes.
+        // Near the vertical, φ̇ and ψ̇ diverge.
         panel.is_singular = [state::PHI_DOT, state::PSI_DOT].contains(&field);
         motions(&mut panel, runs, field);
         averages(&mut panel, runs, field, mean);
@@ -59,7 +59,7 @@ fn curves(
     }
 }
 
-/// The motion of each run, and where samples are too few to show how it nutates, the region in which it does.
+/// The curve of each run, or its nutation envelope if the sampling is too coarse.
 fn motions(panel: &mut Panel, runs: &[&Run], field: NumberField) {
     let looks = Looks { runs: runs.len() };
     let (series, stroke) = (|run: &Run| run.series(field), |run| looks.motion(run));
@@ -82,7 +82,7 @@ fn averages(panel: &mut Panel, runs: &[&Run], field: NumberField, mean: NumberFi
     curves(panel, runs, &meaning, points, stroke);
 }
 
-/// The averages of a number that goes up and down about them so often that it fills a band: by more than its range in all.
+/// The averages of a quantity that oscillates so fast that it fills a band.
 fn averages_of_band(run: &Run, field: NumberField) -> Option<Vec<Point>> {
     let (points, averages) = (run.series(field), run.means(field));
     let (low, high) = extremes(points.iter().map(|point| point.1));
@@ -115,7 +115,7 @@ fn motion_legend(runs: &[&Run]) -> Vec<Entry> {
     }
     let mut legend = looks::legend(runs, |run| looks.average(run));
     let about = if averages {
-        "simulation; lines: average over each nutation"
+        "simulation; lines: averages over nutations"
     } else {
         "simulation"
     };
@@ -164,8 +164,8 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// Adds a number; `name` is markup. Where it ripples so fast that it fills a band, the band is pale and its average over
-    /// each nutation is the line: bands that overlap stay readable.
+    /// Adds a number; `name` is markup. If it oscillates too fast to be resolved, it is drawn as a pale band with its
+    /// average as a line.
     fn number(mut self, name: &str, field: NumberField) -> Self {
         let runs = self.runs;
         let looks = Looks { runs: runs.len() };
@@ -223,10 +223,10 @@ fn page(legend: Vec<Entry>, panels: Vec<Panel>) -> Page {
     }
 }
 
-/// A mean acceleration that is smaller than this part of gravity's is what its integration errs by.
+/// Mean accelerations below this fraction of the gravity term are integration errors.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// The terms of θ̈ and φ̈, averaged over nutations: why the top rises.
+/// The terms of θ̈ and φ̈, averaged over nutations.
 pub(super) fn acceleration(runs: &[&Run], width: f64) -> Drawing {
     let mean = |field: NumberField| move |run: &Run| run.means(field);
     let gravity = runs
@@ -269,7 +269,7 @@ pub(super) fn precession(runs: &[&Run], width: f64) -> Drawing {
     if let [run] = runs {
         let bands = rising(run);
         if !bands.is_empty() {
-            legend.push(Entry::area(SHADE, "*θ\u{308}* < 0: driven upright"));
+            legend.push(Entry::area(SHADE, "*θ\u{308}* < 0"));
         }
         for panel in &mut panels {
             panel.bands.clone_from(&bands);
@@ -279,7 +279,7 @@ pub(super) fn precession(runs: &[&Run], width: f64) -> Drawing {
     page(legend, panels).draw(width)
 }
 
-/// The range of rates next to which a motion in this range is seen: a root that is there for a moment only may be far off.
+/// The y range around the motion; roots outside it are clipped.
 fn around((low, high): (f64, f64)) -> (f64, f64) {
     let room = 2.0 * (high - low).max(low.abs()).max(high.abs());
     (low - room, high + room)
@@ -302,8 +302,8 @@ fn by_nearness(run: &Run) -> [NumberField; 2] {
     }
 }
 
-/// The motion with the root that it follows, and the other root: with a common axis, broken between them, if one lies
-/// above the other.
+/// Panels of the motion with the root it follows and of the other root, with a broken common axis if they are
+/// separated.
 fn arranged(near: Panel, far: Panel) -> Vec<Panel> {
     let (of_near, of_far) = (near.range(), far.range());
     let height = 0.45;
@@ -322,8 +322,8 @@ fn arranged(near: Panel, far: Panel) -> Vec<Panel> {
 
 /// The regions where θ̈ is negative: θ̈ is positive at φ̇ = 0 and changes its sign at the roots.
 ///
-/// While both roots have the same sign it is negative between them. Where one goes through infinity and comes back from
-/// the other side, it is negative beyond both.
+/// While both roots have the same sign it is negative between them. If one root passes through infinity and changes
+/// sign, θ̈ is negative outside them.
 fn rising(run: &Run) -> Vec<Band> {
     let slow = run.series(rates::SLOW_ROOT).into_iter();
     let roots: Vec<_> = slow.zip(run.series(rates::FAST_ROOT)).collect();
@@ -370,7 +370,7 @@ pub(super) fn torque(runs: &[&Run], width: f64) -> Drawing {
 /// The slip speed and the path slipped.
 pub(super) fn slip(runs: &[&Run], width: f64) -> Drawing {
     let speed = Terms::new(runs, "|*v*|", "m/s").number("slip speed", contact::SLIP_SPEED);
-    let path = Terms::new(runs, "*s*", "m").number("path slipped", contact::SLIP_PATH);
+    let path = Terms::new(runs, "*s*", "m").number("slip path", contact::SLIP_PATH);
     draw(runs, width, vec![speed, path])
 }
 
@@ -381,7 +381,7 @@ pub(super) fn hops(runs: &[&Run], width: f64) -> Drawing {
     draw(runs, width, vec![force, gap])
 }
 
-/// A change of the energy by less than this part is the integrator's.
+/// Relative energy changes below this are integration errors.
 const CONSERVED: f64 = 1e-9;
 
 /// The energies, and the work and power of friction.

@@ -7,7 +7,7 @@ use crate::analysis::plot::frame::{self, Frame, Quantity};
 use crate::analysis::plot::legend::{self, Entry};
 use crate::analysis::plot::range::extremes;
 use crate::analysis::plot::shape::{Bounds, Colour, Point};
-use crate::analysis::plot::style::{self, BLUE, GREEN, LINE, MARGIN, MEDIUM, VERMILLION};
+use crate::analysis::plot::style::{self, BLUE, GREEN, LINE, MARGIN, MEDIUM, VERMILION};
 use crate::telemetry::fields::contact;
 
 /// The greatest side of the square, mm.
@@ -75,7 +75,11 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
 /// A regime of a peg, and the colour of its track.
 type Regime = (&'static str, Colour);
 
-const REGIMES: [Regime; 3] = [("slides", BLUE), ("rolls", GREEN), ("flies", VERMILLION)];
+const REGIMES: [Regime; 3] = [
+    ("sliding", BLUE),
+    ("rolling", GREEN),
+    ("in the air", VERMILION),
+];
 
 /// The parts of a track in which the peg does one thing; none if that is not known.
 fn regimes(track: &[(Point, f64)]) -> Vec<(Regime, Vec<Point>)> {

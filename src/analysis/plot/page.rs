@@ -128,7 +128,7 @@ const PROPORTION: f64 = 0.46;
 /// The greatest height of a panel, mm.
 const TALLEST: f64 = 48.0;
 
-/// A range that starts after zero by less than this part of its end is drawn from zero on.
+/// A range that starts within this fraction of its end above zero is extended to zero.
 const NEARLY_ZERO: f64 = 0.02;
 
 /// The distance between columns, mm.

@@ -1,5 +1,4 @@
-//! Rows of numbers over time that thin themselves out, so that memory is bounded by what can be seen of a run and not by
-//! how long it is.
+//! Time series with automatic decimation, so that memory is bounded by the display resolution, not the run length.
 
 use super::decimate::envelope;
 use super::shape::Point;
@@ -21,9 +20,9 @@ const LONGEST_STEP: f64 = 1.5;
 
 /// Columns of numbers with a common time.
 ///
-/// When there are too many rows, time is divided into bins. Each bin keeps its first and its last row, and for each column
-/// the rows with the least and the greatest value, so that envelopes survive. Bins are divided by powers of two, so
-/// thinning again with wider bins gives what thinning once with these would have given.
+/// When there are too many rows, time is divided into bins. Each bin keeps its first and its last row, and for each
+/// column the rows with the least and the greatest value, so that envelopes survive. Bin widths are powers of two, so
+/// repeated thinning equals thinning once.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rows {
     times: Vec<f64>,

@@ -8,13 +8,13 @@ pub(crate) const GREY: Colour = Colour(0x99, 0x99, 0x99);
 pub(crate) const WHITE: Colour = Colour(255, 255, 255);
 pub(crate) const SKY: Colour = Colour(0x56, 0xb4, 0xe9);
 pub(crate) const BLUE: Colour = Colour(0x00, 0x72, 0xb2);
-pub(crate) const VERMILLION: Colour = Colour(0xd5, 0x5e, 0x00);
+pub(crate) const VERMILION: Colour = Colour(0xd5, 0x5e, 0x00);
 pub(crate) const GREEN: Colour = Colour(0x00, 0x9e, 0x73);
 const PURPLE: Colour = Colour(0xcc, 0x79, 0xa7);
 const ORANGE: Colour = Colour(0xe6, 0x9f, 0x00);
 
 /// The colours of curves, in the order in which they are taken.
-pub(crate) const COLOURS: &[Colour] = &[BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK];
+pub(crate) const COLOURS: &[Colour] = &[BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK];
 
 const SOLID: &[f64] = &[];
 pub(crate) const DASHED: &[f64] = &[1.5, 0.8];

@@ -34,7 +34,7 @@ const ACCENT_STEP: f64 = 0.2;
 /// The width to which names are cut, em.
 const LONGEST_NAME: f64 = 14.0;
 
-/// The slant of italic letters: how far they lean, as a part of their height.
+/// Slant of italic letters, relative to their height.
 const SLANT: f64 = 0.21;
 
 fn face(style: Style) -> Option<&'static Face<'static>> {

@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 pub(crate) struct Scale {
     pub(crate) low: f64,
     pub(crate) high: f64,
-    /// The numbers at the ticks are to be multiplied by ten to this power, a multiple of three.
+    /// Tick labels are in units of ten to this power (a multiple of three).
     pub(crate) exponent: i32,
     /// The ticks with numbers.
     pub(crate) ticks: Vec<Tick>,
@@ -114,7 +114,7 @@ impl Scale {
             fits.then_some((ticks, choice.1))
         });
         if let Some((ticks, every)) = fitting {
-            // Where not every decade has a number, ticks for digits would be a smear.
+            // No minor ticks if not every decade has a label.
             let digits = if every == 1 { ALL } else { &ALL[..1] };
             let all = linear.of_decades((digits, 1)).into_iter();
             let is_minor = |value: &f64| ticks.iter().all(|tick| tick.value != *value);
@@ -179,7 +179,7 @@ fn decimal(digit: u8, decade: i32) -> String {
     }
 }
 
-/// Magnitudes from this on have no scale.
+/// Maximum magnitude of an axis.
 pub(crate) const BEYOND_USE: f64 = 1e100;
 
 /// Magnitudes below this are zero in SI units.
@@ -192,7 +192,7 @@ fn decade(number: f64) -> i32 {
     exponent.and_then(|text| text.parse().ok()).unwrap_or(0)
 }
 
-/// The power of ten in whose units numbers of a decade are easily read.
+/// The power of ten used as unit for labels of a decade.
 fn easy_exponent(decade: i32) -> i32 {
     match decade {
         -1..=3 => 0,

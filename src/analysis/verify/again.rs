@@ -1,4 +1,4 @@
-//! A run that is simulated again: its messages as they stand in a recording, one after the other.
+//! Reruns a scenario and yields its encoded messages.
 
 use crate::archive::format::{CONTENT_DIGEST, Entries, end_entries};
 use crate::archive::writer::{Batch, Form, Opening, RunEncoder};
@@ -7,10 +7,10 @@ use crate::run::simulation::{RunEnd, Simulation, StopReason};
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::{Telemetry, TelemetryError};
 
-/// A message that the run gives.
+/// An expected message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Expected {
-    /// The place of its channel in the opening.
+    /// Index of its channel.
     pub(super) channel: usize,
     pub(super) sequence: u32,
     pub(super) time_ns: u64,
@@ -49,7 +49,7 @@ impl Again {
         })
     }
 
-    /// Simulates one record and passes its messages to `take`; returns its time in ns, and none at the end.
+    /// Simulates one record and passes its messages to `take`; returns its time in ns, or `None` at the end.
     pub(super) fn next(&mut self, mut take: impl FnMut(Expected)) -> Option<u64> {
         if self.has_failed {
             return None;
@@ -73,7 +73,7 @@ impl Again {
                 data: data.to_vec(),
             });
         }
-        // What can't be recorded ended the recorded run, too.
+        // A recording error ended the original run, too.
         self.has_failed = logged.is_err();
         logged.is_ok().then(|| record.time_ns())
     }

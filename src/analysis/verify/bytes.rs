@@ -1,4 +1,4 @@
-//! Comparing a file byte by byte with its scenario, run again.
+//! Byte comparison of a file with a new run.
 
 use crate::archive::container::source::Source;
 use crate::archive::pipeline::Pipeline;
@@ -49,7 +49,7 @@ pub(super) fn are_equal(
     Some(comparer.position.load(Ordering::Relaxed) == recording.size())
 }
 
-/// Takes bytes as long as they are those of a file.
+/// Writer that fails at the first byte that differs from a file.
 #[derive(Debug)]
 struct Comparer {
     source: Source,

@@ -68,7 +68,7 @@ fn recorded(recording: &Recording) -> Facts {
         add(&mut facts, &channel.topic, "", &text);
     }
     for schema in recording.layout.channels.unused_schemas() {
-        add(&mut facts, &schema.name, "", "a schema without a channel");
+        add(&mut facts, &schema.name, "", "an unused schema");
     }
     facts
 }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt;
 
-/// A difference between a recording and its scenario, run again.
+/// A difference between a recording and a new run.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Difference {
     /// Topic, metadata record or attachment.
@@ -18,7 +18,7 @@ pub struct Difference {
     /// The value in the file; absent if it isn't there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded: Option<String>,
-    /// The value that the scenario gives; absent if it gives none.
+    /// The value of the new run; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulated: Option<String>,
 }

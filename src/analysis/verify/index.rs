@@ -1,6 +1,6 @@
-//! The index of a file: it leads to everything in the data, and agrees with them.
+//! Checks that the index of a file is complete and agrees with its data.
 //!
-//! Readers differ in what they follow, the data or the index. A file that contradicts itself would show them different things.
+//! Some readers use the data, others the index; an inconsistent file would look different to them.
 
 use super::difference::Difference;
 use crate::archive::container::record::{HEAD, RecordSpan, fields_length, parse};
@@ -22,7 +22,7 @@ const LZ4_MAGIC: [u8; 4] = [0x04, 0x22, 0x4d, 0x18];
 
 type Checked = Result<(), Difference>;
 
-/// The first contradiction in a whole file.
+/// The first inconsistency of a complete file.
 pub(super) fn index_difference(recording: &Recording) -> Option<Difference> {
     Survey::default().run(&recording.source).err()
 }
@@ -59,7 +59,7 @@ struct Survey {
     span: Option<(u64, u64)>,
     /// Schemas and channels that have been defined: opcode and id.
     defined: BTreeSet<(u8, u16)>,
-    /// The last chunk, until the indexes behind it are over, and its messages that were not indexed yet.
+    /// The current chunk with its messages that are not indexed yet.
     chunk: Option<ChunkIndex>,
     messages: BTreeMap<u16, Vec<MessageIndexEntry>>,
     /// The beginning of the summary, once the data are over.
@@ -120,7 +120,7 @@ impl Survey {
             }
             Record::MessageIndex(index) => self.take_message_index(place, &index)?,
             Record::DataEnd(end) => {
-                // 0 is none, as other programs leave it: chunks have checksums of their own.
+                // 0 means no checksum; chunks have their own.
                 if end.data_section_crc != 0 {
                     let sum = source.checksum(0, place.offset)?;
                     equal("the checksum of the data", &end.data_section_crc, &sum)?;
@@ -128,7 +128,7 @@ impl Survey {
                 self.end_data();
                 self.summary = Some(place.end());
             }
-            _ => return Err(fault(place, "a record that doesn't belong there")),
+            _ => return Err(fault(place, "an unexpected record")),
         }
         Ok(())
     }
@@ -142,7 +142,7 @@ impl Survey {
         let (id, needs) = match record {
             Record::Schema { header, .. } => (header.id, 0),
             Record::Channel(channel) => (channel.id, channel.schema_id),
-            _ => return Err(fault(place, "a record that doesn't belong into a chunk")),
+            _ => return Err(fault(place, "a record not allowed in a chunk")),
         };
         let is_schema = record.opcode() == op::SCHEMA;
         let has_schema = needs == 0 || self.defined.contains(&(op::SCHEMA, needs));
@@ -209,7 +209,7 @@ impl Survey {
     fn take_message_index(&mut self, place: &RecordSpan, index: &MessageIndex) -> Checked {
         let entries = self.messages.remove(&index.channel_id).unwrap_or_default();
         let Some(chunk) = self.chunk.as_mut().filter(|_| !entries.is_empty()) else {
-            return Err(fault(place, "an index of nothing"));
+            return Err(fault(place, "an index without a chunk"));
         };
         let offsets = &mut chunk.message_index_offsets;
         offsets.insert(index.channel_id, place.offset);
@@ -217,7 +217,7 @@ impl Survey {
         equal("the index of a chunk", &index.records, &entries)
     }
 
-    /// The indexes behind the last chunk are over.
+    /// Finishes the index of the last chunk.
     fn close_chunk(&mut self) -> Checked {
         equal(
             "messages without an index",
@@ -285,20 +285,20 @@ impl Survey {
         };
         equal("the footer", &footer, &expected)?;
         let behind = source.length() - place.end();
-        equal("bytes behind the footer", &behind, &(MAGIC.len() as u64))
+        equal("bytes after the footer", &behind, &(MAGIC.len() as u64))
     }
 }
 
 /// Reads a record without trailing bytes.
 fn read<'a>(place: &RecordSpan, opcode: u8, body: &'a [u8]) -> Result<Record<'a>, Difference> {
     if fields_length(opcode, body) != Some(body.len() as u64) {
-        return Err(fault(place, "more than is read of it"));
+        return Err(fault(place, "trailing bytes"));
     }
     parse(opcode, body).map_err(|error| fault(place, &error.to_string()))
 }
 
-/// Whether a chunk is compressed as one frame, which takes all of its data. Of several frames some readers see all, and
-/// some the first.
+/// Whether a chunk is compressed as one frame, which takes all of its data. With several frames, some readers read only
+/// the first.
 fn is_one_frame(compression: &str, data: &[u8]) -> bool {
     match compression {
         "zstd" => zstd::zstd_safe::find_frame_compressed_size(data) == Ok(data.len()),

@@ -1,4 +1,4 @@
-//! Comparing the messages of a file, in its order, with those of its scenario, run again.
+//! Compares the messages of a file, in file order, with those of a new run.
 
 use super::again::{Again, Expected};
 use super::difference::Difference;
@@ -13,25 +13,25 @@ use std::collections::VecDeque;
 #[derive(Default)]
 pub(super) struct Compared {
     pub(super) equal: u64,
-    /// Messages of the run that the file lacks.
+    /// Missing messages.
     pub(super) missing: u64,
     /// Parts of the file that can't be read.
     pub(super) losses: usize,
     pub(super) difference: Option<Difference>,
-    /// The first message that stands before others of its time that the run gives earlier.
+    /// The first message that is out of order among messages of the same time.
     pub(super) out_of_order: Option<Difference>,
 }
 
-/// A file and its run, side by side.
+/// Comparison of a file with a new run.
 pub(super) struct Comparison<'r> {
     recording: &'r Recording,
     again: Again,
-    /// Whether values count and their encoding doesn't.
+    /// Whether values are compared instead of encoded bytes.
     is_by_value: bool,
-    /// For each channel of the file its place among those of the run; none if the run has no such channel.
+    /// For each channel of the file, the index of the run's channel, if it has one.
     places: Vec<Option<usize>>,
     decoders: Vec<Option<[Decoder; 2]>>,
-    /// Messages that have been simulated and not been met.
+    /// Simulated messages not yet found in the file.
     ahead: VecDeque<Expected>,
     /// The time up to which everything has been simulated, ns.
     reached_ns: Option<u64>,
@@ -93,7 +93,7 @@ impl<'r> Comparison<'r> {
             return;
         };
         if found.is_some_and(|at| at > 0) && self.compared.out_of_order.is_none() {
-            let field = "order among messages of the same time";
+            let field = "order of simultaneous messages";
             self.compared.out_of_order = Some(stray(recorded, field));
         }
         self.compared.difference = self.compare(recorded, &expected);
@@ -132,8 +132,7 @@ impl<'r> Comparison<'r> {
         }
     }
 
-    /// Finds the message of the run that a recorded one should be, and simulates no further than it takes: the rest of an
-    /// interrupted run may be long.
+    /// Finds the expected message for a recorded one, simulating only as far as necessary.
     fn find(&mut self, channel: usize, recorded: &Undecoded<'_>) -> Option<usize> {
         loop {
             self.leave_behind(recorded.log_time);
@@ -157,7 +156,7 @@ impl<'r> Comparison<'r> {
         self.reached_ns = Some(time.unwrap_or(u64::MAX));
     }
 
-    /// Counts as missing what is earlier than what is recorded next.
+    /// Counts expected messages before `time_ns` as missing.
     fn leave_behind(&mut self, time_ns: u64) {
         while self.ahead.front().is_some_and(|m| m.time_ns < time_ns) {
             let passed = self.ahead.pop_front();
@@ -165,14 +164,14 @@ impl<'r> Comparison<'r> {
         }
     }
 
-    /// Whether a message of the run is looked for in the file.
+    /// Whether an expected message should be in the file.
     fn counts(&self, expected: &Expected) -> bool {
         let topic = self.again.opening.channels[expected.channel].topic;
         let is_common = || Topic::find(topic).is_some_and(|topic| self.recording.has(topic));
         !self.is_by_value || is_common()
     }
 
-    /// Simulates to the end and counts what the file lacks.
+    /// Simulates to the end and counts missing messages.
     fn finish_run(&mut self) {
         loop {
             let is_over = self.reached_ns == Some(u64::MAX);
@@ -187,7 +186,7 @@ impl<'r> Comparison<'r> {
     }
 }
 
-/// A message that the run doesn't give, or not there.
+/// An unexpected message.
 fn stray(recorded: &Undecoded<'_>, field: &str) -> Difference {
     let message = format!("message {}", recorded.sequence);
     at(recorded, field, Some(message), None)
@@ -215,8 +214,8 @@ fn decoders_of(channel: &FileChannel, declared: &Declared) -> Option<[Decoder; 2
     Some([file, run])
 }
 
-/// The first field that differs, with the values in the file and of the run; fields that the file's schema lacks don't
-/// count.
+/// The first field that differs, with the values in the file and of the run; fields missing in the file's schema are
+/// ignored.
 fn first_field(
     [of_file, of_run]: &[Decoder; 2],
     recorded: &Undecoded<'_>,

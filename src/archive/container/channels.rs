@@ -1,4 +1,4 @@
-//! The channels of a file, and which of them are the table's.
+//! Channels of a file, matched with the table.
 
 use crate::telemetry::encoding::{DecodeError, Decoder};
 use crate::telemetry::views::view_channels;
@@ -17,7 +17,7 @@ pub struct FileChannel {
     pub topic: String,
     /// Encoding of its messages.
     pub encoding: String,
-    /// Its message type; none for messages that describe themselves.
+    /// Its message type; `None` for self-describing messages.
     pub schema: Option<Arc<FileSchema>>,
     /// Its further metadata in the file.
     pub metadata: BTreeMap<String, String>,
@@ -30,9 +30,9 @@ pub struct FileChannel {
 pub struct FileSchema {
     /// Its name.
     pub name: String,
-    /// The language in which it is described.
+    /// Its schema encoding.
     pub encoding: String,
-    /// Its description.
+    /// Its schema data.
     pub data: Vec<u8>,
 }
 
@@ -49,7 +49,7 @@ impl FileChannel {
         self.table.map(Topic::info)
     }
 
-    /// Whether it is one of those that are there for viewers only.
+    /// Whether it is a view channel.
     #[must_use]
     pub fn is_view(&self) -> bool {
         view_channels().iter().any(|view| view.topic == self.topic)
@@ -80,7 +80,7 @@ impl Channels {
         &self.list
     }
 
-    /// Schemas that no channel has, even if another with the same content is used.
+    /// Unused schemas, including duplicates of used ones.
     pub(crate) fn unused_schemas(&self) -> impl Iterator<Item = &FileSchema> {
         let schemas = self.schemas.values();
         let is_used = |schema: &Arc<FileSchema>| {
@@ -104,7 +104,7 @@ impl Channels {
         self.positions.get(&id).copied()
     }
 
-    /// Takes in a schema or channel record; others mean nothing here.
+    /// Adds a schema or channel record; other records are ignored.
     pub(crate) fn define(&mut self, record: Record<'_>) {
         match record {
             Record::Schema { header, data } => {

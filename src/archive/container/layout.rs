@@ -12,10 +12,10 @@ use mcap::MAGIC;
 use mcap::records::{Metadata, Record, op};
 use std::io;
 
-/// A file that is damaged in more places than this is not looked through further.
+/// Maximum number of damaged parts before scanning stops.
 const MOST_LOSSES: usize = 1000;
 
-/// Records outside of chunks are read in sections of about this size.
+/// Approximate section size for records outside chunks.
 const LOOSE_SECTION: u64 = 1 << 20;
 
 /// The place of an attachment, and its name.
@@ -30,7 +30,7 @@ pub(crate) struct AttachmentSpan {
 pub(crate) struct Layout {
     /// Name of the library that wrote the file.
     pub(crate) library: String,
-    /// Which conventions it keeps, by its own words.
+    /// The profile in its header.
     pub(crate) profile: String,
     pub(crate) sections: Vec<Section>,
     pub(crate) metadata: Vec<Metadata>,
@@ -40,12 +40,12 @@ pub(crate) struct Layout {
     pub(crate) losses: Vec<Loss>,
     /// The end of the data, if the file has it.
     pub(crate) data_end: Option<u64>,
-    /// Whether the file ends as an MCAP file does.
+    /// Whether the file has the end magic.
     pub(crate) is_ended: bool,
 }
 
 impl Layout {
-    /// Goes through a file.
+    /// Scans a file.
     pub(crate) fn read(source: &Source) -> Result<Self, RecordingError> {
         let mut magic = Vec::new();
         source.read(0, MAGIC.len() as u64, &mut magic)?;
@@ -58,7 +58,7 @@ impl Layout {
             match found {
                 Found::Record(place) => layout.take(&place, source)?,
                 Found::Damage(bytes) => {
-                    layout.lose(bytes, "no readable record stands here");
+                    layout.lose(bytes, "no readable record");
                     if layout.losses.len() > MOST_LOSSES {
                         break;
                     }
@@ -75,7 +75,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Whether the file calls itself written by toprise.
+    /// Whether the library field says toprise.
     pub(crate) fn is_ours(&self) -> bool {
         self.library.starts_with(LIBRARY_PREFIX)
     }
@@ -86,7 +86,7 @@ impl Layout {
                 let section = Section::of_chunk(place, source)?;
                 self.sections.push(section);
             }
-            // Behind the end of the data, schemas and channels are repeated.
+            // The summary repeats schemas and channels.
             op::MESSAGE | op::SCHEMA | op::CHANNEL if self.data_end.is_none() => {
                 self.take_loose(place);
             }
@@ -95,7 +95,7 @@ impl Layout {
                 let place = place.clone();
                 self.attachments.push(AttachmentSpan { name, place });
             }
-            // A second one is damage: something else in the summary that has become one.
+            // A second one is damage in the summary.
             op::DATA_END => self.data_end = self.data_end.or(Some(place.offset)),
             op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => {
                 self.take_small(place, source)?;
@@ -105,7 +105,7 @@ impl Layout {
         Ok(())
     }
 
-    /// Adds a record outside of chunks to the section before it, if it continues that.
+    /// Adds a record outside chunks to the preceding section if contiguous.
     fn take_loose(&mut self, place: &RecordSpan) {
         match self.sections.last_mut() {
             Some(last)

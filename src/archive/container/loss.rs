@@ -1,4 +1,4 @@
-//! Parts of a file that can't be read, or are left unread.
+//! Unreadable or skipped parts of a file.
 
 use std::fmt;
 
@@ -28,9 +28,9 @@ pub struct Loss {
     pub offset: u64,
     /// Length, bytes.
     pub length: u64,
-    /// The times between which messages are lost; none if none are.
+    /// Time span of the lost messages; `None` if no messages are lost.
     pub span: Option<Span>,
-    /// Whether it was left unread, though it may be whole.
+    /// Whether it was skipped although it may be intact.
     pub is_unread: bool,
     /// The reason why it can't be read, or was left unread.
     pub reason: String,
@@ -43,7 +43,7 @@ impl fmt::Display for Loss {
             write!(f, ", {span}")?;
         }
         if self.is_unread {
-            f.write_str(", which may be whole but were left unread")?;
+            f.write_str(", skipped")?;
         }
         write!(f, ": {}", self.reason)
     }

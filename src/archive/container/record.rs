@@ -1,4 +1,4 @@
-//! One record of an MCAP file: where it stands, and what is in it.
+//! MCAP records: position and content.
 
 use mcap::records::{Record, op};
 use mcap::{McapError, McapResult};
@@ -19,7 +19,7 @@ pub(crate) struct RecordSpan {
 }
 
 impl RecordSpan {
-    /// The position behind it.
+    /// Its end offset.
     pub(crate) fn end(&self) -> u64 {
         self.offset + self.length
     }
@@ -32,15 +32,15 @@ pub(crate) fn head(bytes: &[u8]) -> Option<(u8, u64)> {
     (length < 1 << 62).then_some((bytes[0], length))
 }
 
-/// Opcodes of the specification, and those left to applications.
+/// Whether an opcode is in the specification or the private range.
 pub(crate) fn is_known(opcode: u8) -> bool {
     (op::HEADER..=op::DATA_END).contains(&opcode) || opcode >= 0x80
 }
 
 /// Reads a record.
 ///
-/// `mcap` takes memory for a text before it looks whether the text is there, up to 4 GiB of it, and panics
-/// at an attachment that ends behind its head: such records are refused before.
+/// Rejects records with invalid lengths first, because the `mcap` crate allocates up to 4 GiB for a string before
+/// checking its length, and panics on truncated attachments.
 pub(crate) fn parse(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
     let is_there = fields_length(opcode, body).is_some_and(|length| length <= body.len() as u64);
     if !is_there {

@@ -1,7 +1,7 @@
-//! Going through a file's top-level records by their lengths, past whatever is damaged.
+//! Scanner of top-level records that skips damaged parts.
 //!
-//! A record that contradicts itself, or whose length leads nowhere, is a loss; the next place where a
-//! record stands that doesn't is searched byte by byte.
+//! An inconsistent record, or one whose length leads to invalid data, is a loss. The next valid record is then searched
+//! byte by byte.
 
 use super::record::{HEAD, RecordSpan, fields_length, head, is_known, parse};
 use super::source::Source;
@@ -10,18 +10,18 @@ use mcap::records::op;
 use std::io;
 use std::ops::Range;
 
-/// Number of bytes that are read of each record at first.
+/// Number of bytes read initially per record.
 const PREFIX: u64 = 256;
 /// The names of an attachment are not longer than this.
 const NAMES: u64 = 1 << 16;
-/// A record that must be read as a whole to be understood is not longer than this.
+/// Maximum length of a record that must be read completely.
 const LONGEST: u64 = 256 << 20;
 /// Bytes that are searched at a time for the next record.
 const SEARCH_WINDOW: u64 = 1 << 20;
-/// Number of further bytes that are read to search for records; damage beyond that is not searched.
+/// Total search limit, bytes.
 const SEARCH_LIMIT: u64 = 1 << 28;
 
-/// Records that are found on the way.
+/// A scan result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
     /// A record.
@@ -30,7 +30,7 @@ pub(crate) enum Found {
     Damage(Range<u64>),
     /// The magic bytes at the end of the file.
     End,
-    /// The file ends without them, in these last bytes that belong to no record.
+    /// The file is truncated; these bytes belong to no record.
     Cut(Range<u64>),
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct Scanner<'a> {
 }
 
 impl<'a> Scanner<'a> {
-    /// Starts behind the magic bytes at the beginning, which the file must have.
+    /// Starts after the magic bytes.
     pub(crate) fn new(source: &'a Source) -> Self {
         Self {
             source,
@@ -57,7 +57,7 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// The next thing in the file; none behind its end.
+    /// The next scan result; `None` at the end.
     pub(crate) fn next(&mut self) -> io::Result<Option<Found>> {
         if self.done {
             return Ok(None);
@@ -90,7 +90,7 @@ impl<'a> Scanner<'a> {
         Ok(self.prefix == MAGIC)
     }
 
-    /// The record at a position, if there is one that doesn't contradict itself.
+    /// The record at a position, if it is consistent.
     fn record_at(&mut self, offset: u64) -> io::Result<Option<RecordSpan>> {
         self.source.read(offset, PREFIX, &mut self.prefix)?;
         let Some((opcode, body_length)) = head(&self.prefix) else {
@@ -118,7 +118,7 @@ impl<'a> Scanner<'a> {
         let consistent = match opcode {
             op::MESSAGE => body_length >= 22,
             op::CHUNK | op::MESSAGE_INDEX | op::ATTACHMENT => is_exact,
-            // Later versions of the format may add fields; else a longer record has swallowed others.
+            // A longer record is accepted only if another record follows (newer format versions may add fields).
             _ => parse(opcode, body).is_ok() && (is_exact || self.may_begin_at(place.end())?),
         };
         Ok(consistent.then_some(place))
@@ -133,7 +133,7 @@ impl<'a> Scanner<'a> {
         Ok(begins || room <= MAGIC.len() as u64)
     }
 
-    /// The first position from `from` on where a record or the end magic stands.
+    /// The first record or end magic at or after `from`.
     fn search(&mut self, from: u64) -> io::Result<Option<u64>> {
         let mut window = Vec::new();
         let mut start = from;
@@ -146,7 +146,7 @@ impl<'a> Scanner<'a> {
                 let room = self.source.length() - position;
                 let plausible = head(&window[at..])
                     .is_some_and(|(opcode, length)| is_known(opcode) && length + HEAD <= room);
-                // A lone message can't be distinguished from chance, nor a short unknown record.
+                // A single message or short unknown record could be random data.
                 let telling = window[at] != op::MESSAGE && window[at] < 0x80;
                 if plausible && telling && self.searched < SEARCH_LIMIT {
                     let length = head(&window[at..]).map_or(0, |(_, length)| length);

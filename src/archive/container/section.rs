@@ -7,7 +7,7 @@ use mcap::records::{ChunkHeader, Record, op};
 use std::io::{self, Read};
 use thiserror::Error;
 
-/// Largest size of a chunk; more is damage. Writers make chunks of one to a few megabytes.
+/// Maximum chunk size; larger chunks are treated as damage.
 const LARGEST_CHUNK: u64 = 1 << 28;
 
 /// Larger chunks are decompressed in pieces of this size.
@@ -20,7 +20,7 @@ pub(crate) struct Section {
     pub(crate) offset: u64,
     /// Length, bytes.
     pub(crate) length: u64,
-    /// Whether it is a chunk; else it is a row of records outside of chunks.
+    /// Whether it is a chunk; otherwise consecutive records outside chunks.
     pub(crate) is_chunk: bool,
     /// The times of its first and last message, ns; unknown outside of chunks.
     pub(crate) span: Option<(u64, u64)>,
@@ -31,25 +31,25 @@ pub(crate) struct Section {
 pub(crate) enum SectionError {
     #[error(transparent)]
     Io(#[from] io::Error),
-    #[error("the file ends within it")]
+    #[error("truncated")]
     Cut,
-    #[error("its head can't be read: {0}")]
+    #[error("unreadable header: {0}")]
     Head(#[from] McapError),
-    #[error("it is longer than {LARGEST_CHUNK} bytes")]
+    #[error("larger than {LARGEST_CHUNK} bytes")]
     TooLarge,
-    #[error("its compression {0:?} is none of zstd, lz4 and none")]
+    #[error("unsupported compression {0:?} (supported: zstd, lz4, none)")]
     Compression(String),
-    #[error("it can't be decompressed: {0}")]
+    #[error("decompression failed: {0}")]
     Decompress(io::Error),
-    #[error("what stands at byte {0} of its content can't be a record of a chunk")]
+    #[error("invalid record at byte {0} of the chunk")]
     NoRecord(usize),
-    #[error("it has {found} bytes, not {expected}")]
+    #[error("length {found} bytes, expected {expected}")]
     Size { expected: u64, found: u64 },
-    #[error("its checksum is {found:08x}, not {expected:08x}")]
+    #[error("checksum {found:08x}, expected {expected:08x}")]
     Checksum { expected: u32, found: u32 },
 }
 
-/// The bytes of a section, used again for the next one.
+/// Reusable buffers of a section.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     raw: Vec<u8>,
@@ -128,11 +128,10 @@ fn decompress(
     Ok(())
 }
 
-/// Decompresses in pieces, and no further than what a chunk may hold: a few kilobytes can become hundreds of megabytes of
-/// nothing.
+/// Decompresses in pieces up to the maximum chunk size (decompression bombs).
 fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> Result<(), SectionError> {
     records.clear();
-    // One byte more than there should be, to notice that there is more.
+    // One extra byte to detect excess data.
     let mut decoder = decoder.take(size + 1);
     let mut next = 0;
     loop {
@@ -158,7 +157,7 @@ pub(crate) struct InnerRecord<'a> {
     pub(crate) body: &'a [u8],
 }
 
-/// The record at `position` of a section's bytes, and the position behind it; `None` at the end.
+/// The record at `position` of a section's bytes, and its end; `None` at the end.
 #[inline]
 pub(crate) fn record_at(
     records: &[u8],
@@ -170,7 +169,7 @@ pub(crate) fn record_at(
         let body = rest.get(HEAD as usize..end)?;
         Some((InnerRecord { opcode, body }, position + end))
     });
-    Some(found.ok_or("a record in it is longer than it"))
+    Some(found.ok_or("a record exceeds its chunk"))
 }
 
 /// The times of the earliest and the latest message in a section's records.

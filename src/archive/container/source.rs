@@ -1,7 +1,6 @@
-//! A file read at any position, by several threads at once.
+//! Random-access file shared between threads.
 //!
-//! The file is not mapped into memory: a file that shrinks while it is mapped, as one that is being replaced
-//! does, kills the process, and reading it is as fast.
+//! The file is not memory-mapped: truncating a mapped file would kill the process, and reading is equally fast.
 
 use crate::archive::error::RecordingError;
 use std::fs::{File, Metadata};
@@ -17,7 +16,7 @@ pub(crate) struct Source {
 
 impl Source {
     pub(crate) fn open(path: &Path) -> Result<Self, RecordingError> {
-        // Opening a pipe without a writer would wait for ever.
+        // Opening a pipe without a writer would block.
         if is_special(&path.metadata()?) {
             return Err(RecordingError::NoFile);
         }
@@ -103,7 +102,7 @@ fn read_at(file: &File, buffer: &mut [u8], offset: u64) -> io::Result<usize> {
     std::os::windows::fs::FileExt::seek_read(file, buffer, offset)
 }
 
-/// Where there are no files, as in a browser.
+/// Platforms without files (WebAssembly).
 #[cfg(not(any(unix, windows)))]
 fn read_at(_: &File, _: &mut [u8], _: u64) -> io::Result<usize> {
     Err(io::ErrorKind::Unsupported.into())

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Kind of the file, as far as opening it shows: damage inside of chunks is found in reading.
+/// State of the file as determined by opening it; damage inside chunks is only found on reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
@@ -13,14 +13,14 @@ pub enum Condition {
     /// A recording with its end record, readable throughout.
     #[serde(rename = "complete")]
     Whole,
-    /// A recording without an end record: the run was cut off, but nothing else is wrong.
+    /// A recording without an end record: the run was interrupted, without other damage.
     Interrupted,
     /// A recording with unreadable parts.
     Damaged,
 }
 
 impl Condition {
-    /// In a word or two.
+    /// Short name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

@@ -19,12 +19,12 @@ use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A scenario has a few kilobytes; what is longer is none.
+/// Maximum size of a scenario, bytes.
 const LONGEST_SCENARIO: u64 = 1 << 20;
 
 /// An MCAP file, opened for reading.
 ///
-/// Only positions in a file are kept, not its content: memory doesn't grow with the messages.
+/// Stores positions only, so memory use is independent of the number of messages.
 #[derive(Debug)]
 pub struct Recording {
     pub(crate) source: Source,
@@ -33,10 +33,10 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Opens a file and finds out where everything is in it.
+    /// Opens and scans a file.
     ///
     /// # Errors
-    /// [`RecordingError`] if it can't be opened or is no MCAP file. Damage is no error.
+    /// [`RecordingError`] if it can't be opened or is not an MCAP file. Damage is not an error.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let source = Source::open(path)?;
         let layout = Layout::read(&source)?;
@@ -56,7 +56,7 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Its place.
+    /// Its path.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -68,7 +68,7 @@ impl Recording {
         self.source.length()
     }
 
-    /// The program and version that wrote it, by its own words.
+    /// The library field of its header.
     #[must_use]
     pub fn library(&self) -> &str {
         &self.layout.library
@@ -80,7 +80,7 @@ impl Recording {
         &self.layout.profile
     }
 
-    /// Kind of the file.
+    /// State of the file.
     #[must_use]
     pub fn condition(&self) -> Condition {
         if self.run().is_none() && !self.layout.is_ours() {
@@ -96,7 +96,7 @@ impl Recording {
         }
     }
 
-    /// Whether a loss is only the record that was being written when the run was cut off.
+    /// Whether a loss is only the last, incompletely written record.
     fn is_tail(&self, loss: &Loss) -> bool {
         self.end().is_none() && loss.offset + loss.length == self.size()
     }
@@ -107,13 +107,13 @@ impl Recording {
         self.metadata(RUN_RECORD)
     }
 
-    /// The entries of the `toprise.end` record; none if the run did not reach its end.
+    /// The entries of the `toprise.end` record; `None` if the run did not end.
     #[must_use]
     pub fn end(&self) -> Option<&Entries> {
         self.metadata(END_RECORD)
     }
 
-    /// Whether the run was ended before its end, orderly or not.
+    /// Whether the run was interrupted.
     #[must_use]
     pub fn is_interrupted(&self) -> bool {
         let reason = self.end().map(|end| end.get(STOP_REASON));
@@ -128,8 +128,7 @@ impl Recording {
         records.find(|r| r.name == name).map(|r| &r.metadata)
     }
 
-    /// Form of the recording, according to `toprise.run`, or else to its channels: the encoding, whether with views, and the topics.
-    /// None if both are lost.
+    /// Encoding, views flag and topics, from `toprise.run` or from the channels; `None` if both are lost.
     #[must_use]
     pub fn form(&self) -> Option<(Encoding, bool, Topics)> {
         let named = self.run().and_then(recorded_form);
@@ -151,7 +150,7 @@ impl Recording {
         self.layout.channels.list()
     }
 
-    /// The encoding of its channels of the table; none if it has none, or they differ.
+    /// The common encoding of its table channels, if any.
     #[must_use]
     pub fn encoding(&self) -> Option<Encoding> {
         let mut ours = self.channels().iter().filter(|c| c.table.is_some());
@@ -172,14 +171,13 @@ impl Recording {
         self.channels().iter().filter_map(|c| c.table).collect()
     }
 
-    /// The damage that opening it met.
+    /// Damage found on opening.
     #[must_use]
     pub fn losses(&self) -> &[Loss] {
         &self.layout.losses
     }
 
-    /// In what its channels differ from this version's: topics with the fields that are missing or
-    /// unknown, and topics of toprise that are not known at all.
+    /// Differences from this version: topics with missing or unknown fields, and unknown topics.
     #[must_use]
     pub fn differences(&self) -> Vec<(String, FieldDifferences)> {
         let mut differences = Vec::new();
@@ -226,13 +224,13 @@ impl Recording {
         Ok(Scenario::from_toml(&self.scenario_text()?)?)
     }
 
-    /// Whether its writer closed it: it has a footer.
+    /// Whether it has a footer.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.layout.is_ended
     }
 
-    /// SHA-256 of what the attachments of each name hold, in the order of the file; for what can't be read, the reason.
+    /// SHA-256 of the attachments by name, in file order; an error text for unreadable ones.
     pub(crate) fn attachment_digests(&self) -> BTreeMap<String, Vec<String>> {
         let mut digests: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for attachment in &self.layout.attachments {
@@ -265,7 +263,7 @@ impl Recording {
                 }
                 Ok((header, data.into_owned()))
             }
-            Ok(_) => Err("it is no attachment".to_owned()),
+            Ok(_) => Err("it is not an attachment".to_owned()),
             Err(error) => Err(error.to_string()),
         }
     }

@@ -6,8 +6,7 @@ use crate::archive::container::channels::FileChannel;
 use crate::archive::container::section::MessageRecord;
 use std::fmt;
 
-/// Separates messages in their order from those that repeat others or go back in time, as in a file that has a chunk
-/// twice.
+/// Filters out messages that are repeated or go back in time, e.g. if a file contains a chunk twice.
 #[derive(Debug)]
 pub(super) struct Order {
     channels: Vec<Channel>,
@@ -22,14 +21,14 @@ struct Channel {
     last: Option<(u64, u32)>,
 }
 
-/// Expectations of a channel's messages.
+/// Ordering rule of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rule {
-    /// A later time than the last one.
+    /// Times must increase.
     Time,
-    /// No earlier time than the last one, and a greater sequence number: several events may happen at the same time.
+    /// Sequence numbers must increase and times must not decrease (events can be simultaneous).
     Sequence,
-    /// Nothing: a channel of others, of whose messages none is left out.
+    /// No rule: foreign channels are not filtered.
     Nothing,
 }
 
@@ -47,7 +46,7 @@ pub struct Misplaced {
 impl fmt::Display for Misplaced {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.messages {
-            1 => f.write_str("1 message that repeats another or goes")?,
+            1 => f.write_str("1 message that is repeated or goes")?,
             count => write!(f, "{count} messages that repeat others or go")?,
         }
         let time = self.time_ns as f64 / 1e9;
@@ -79,8 +78,8 @@ impl Order {
         }
     }
 
-    /// The place of a message among others: by its time, and at one time by channel and number, as toprise writes them.
-    /// Those of others with one time stay in the order of the file.
+    /// Sort key of a message: time, then channel and sequence number. Foreign messages with equal times keep the file
+    /// order.
     pub(super) fn rank(&self, channel: usize, head: &MessageRecord<'_>) -> (u64, usize, u32) {
         match self.channels[channel].rule {
             Rule::Nothing => (head.log_time, 0, 0),
@@ -88,7 +87,7 @@ impl Order {
         }
     }
 
-    /// Whether a message comes after the last one of its channel that did.
+    /// Whether a message follows the last accepted message of its channel.
     pub(super) fn accepts(&mut self, channel: usize, time_ns: u64, sequence: u32) -> bool {
         let channel = &mut self.channels[channel];
         let is_later = channel.last.is_none_or(|last| match channel.rule {

@@ -24,7 +24,7 @@ pub struct Overview {
     pub library: String,
     /// Metadata of toprise from the start of the run; absent in other files.
     pub run: Option<Entries>,
-    /// Metadata of toprise from the end of the run; absent if it was not reached.
+    /// Metadata of toprise from the end of the run; absent if the run did not end.
     pub end: Option<Entries>,
     /// The scenario, TOML.
     pub scenario: Option<String>,
@@ -79,7 +79,7 @@ impl ChannelOverview {
 pub struct EventOverview {
     /// Its kind.
     pub name: String,
-    /// When, s.
+    /// Time, s.
     pub time: f64,
     /// The event, in a sentence.
     pub description: String,

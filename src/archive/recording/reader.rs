@@ -10,7 +10,7 @@ use crate::telemetry::encoding::{DecodeError, Decoder, Row};
 use crate::telemetry::{ChannelInfo, Message, Topics};
 use mcap::records::op;
 
-/// Which messages to read.
+/// Selection of messages.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     /// Only these topics.
@@ -31,12 +31,12 @@ impl Selection {
     }
 }
 
-/// A message of any channel, as it stands in the file.
+/// A raw message of any channel.
 #[derive(Clone, Copy, Debug)]
 pub struct Undecoded<'a> {
     /// Its channel.
     pub channel: &'a FileChannel,
-    /// Its place among the channels of the recording.
+    /// Index of its channel in the recording.
     pub position: usize,
     /// Sequence number.
     pub sequence: u32,
@@ -48,18 +48,17 @@ pub struct Undecoded<'a> {
     pub data: &'a [u8],
 }
 
-/// Sections that overlap in time are put in order together as long as they take no more bytes than this.
+/// Maximum total size of overlapping sections that are sorted together, bytes.
 const LARGEST_BATCH: usize = 1 << 26;
 
-/// Bound of the analysed content, bytes, and as a multiple of the file's size: real messages are
-/// compressed to a tenth or, if nothing changes in them, a hundredth.
+/// Limit of decompressed content: this many bytes plus `LARGEST_GROWTH` times the file size.
 const LARGEST_CONTENT: u64 = 1 << 26;
 const LARGEST_GROWTH: u64 = 1000;
 
 /// Reads the messages of a recording from start to end.
 ///
-/// One chunk at a time is held in memory, or several where chunks overlap in time and the order matters. Parts of
-/// the file that can't be read are left out and listed by [`Reader::losses`].
+/// Holds one chunk in memory, or several if chunks overlap in time and order matters. Unreadable parts are skipped and
+/// listed by [`Reader::losses`].
 #[derive(Debug)]
 pub struct Reader<'r> {
     recording: &'r Recording,
@@ -70,7 +69,7 @@ pub struct Reader<'r> {
     buffers: Buffers,
     /// The records of the batch that is being read.
     records: Vec<u8>,
-    /// The places of the wanted messages in them, and how many of these have been given.
+    /// Positions of the selected messages, and the number already returned.
     starts: Vec<u32>,
     given: usize,
     /// Treatment of each of the file's channels.
@@ -78,7 +77,7 @@ pub struct Reader<'r> {
     row: Row,
     losses: Vec<Loss>,
     order: Option<Order>,
-    /// Number of bytes of content that may still be read; none if there is no bound.
+    /// Remaining content limit, bytes; `None` for no limit.
     left: Option<u64>,
     /// Number of bytes that have been read, and of those that have been reported.
     seen: u64,
@@ -89,7 +88,7 @@ pub struct Reader<'r> {
 #[derive(Debug)]
 enum Plan {
     Leave,
-    /// Give them undecoded.
+    /// Return raw messages.
     Raw,
     Decode {
         channel: usize,
@@ -142,10 +141,10 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// Gives the messages in the order of their times, wherever they stand.
+    /// Returns the messages in time order.
     ///
-    /// Chunks are sorted, and messages within them. A message that comes too late even so, or a second time, is
-    /// left out and counted by [`Reader::left_out`]: the times of a channel never go back.
+    /// Chunks are sorted, and messages within them. Late or repeated messages are skipped and counted by
+    /// [`Reader::left_out`].
     pub(crate) fn in_order_of_time(mut self) -> Self {
         self = self.bounded();
         if !self.are_sections_in_order() {
@@ -155,8 +154,8 @@ impl<'r> Reader<'r> {
         self
     }
 
-    /// Reads no more of what is compressed than a thousand times the size of the file, and reports the rest as a loss: a
-    /// few kilobytes can become gigabytes of nothing.
+    /// Limits the decompressed content to a thousand times the file size; the rest is reported as a loss (decompression
+    /// bombs).
     pub(crate) fn bounded(mut self) -> Self {
         let size = self.recording.size();
         self.left = Some(LARGEST_CONTENT.saturating_add(size.saturating_mul(LARGEST_GROWTH)));
@@ -168,7 +167,7 @@ impl<'r> Reader<'r> {
         self.order.as_ref()?.misplaced()
     }
 
-    /// Whether each chunk begins where the one before has ended, according to their heads.
+    /// Whether the time spans of the chunks, per their headers, are in order.
     fn are_sections_in_order(&self) -> bool {
         let mut last = 0;
         self.recording.layout.sections.iter().all(|section| {
@@ -182,7 +181,7 @@ impl<'r> Reader<'r> {
 
     /// The sections by the times of their messages, with those that overlap in one batch.
     ///
-    /// The times in the heads of chunks have no checksum: where they are not in order, the messages count.
+    /// Chunk header times have no checksum; if they are out of order, message times are used.
     fn batches_by_time(&self) -> Vec<Vec<usize>> {
         let mut buffers = Buffers::default();
         let mut found = Vec::new();
@@ -192,7 +191,7 @@ impl<'r> Reader<'r> {
             let is_read = left > 0 && section.load(&self.recording.source, &mut buffers).is_ok();
             let span = is_read.then(|| times(&buffers.records)).flatten();
             left = left.saturating_sub(buffers.records.len() as u64);
-            // What can't be read stays where it is.
+            // Unreadable sections keep their position.
             let (start, end) = span.unwrap_or((last, last));
             last = start;
             found.push((start, end, buffers.records.len(), index));
@@ -213,7 +212,7 @@ impl<'r> Reader<'r> {
                 }
             }
         }
-        // Messages of others with one time stay in the order of the file.
+        // Foreign messages with equal times keep the file order.
         for batch in &mut batches {
             batch.sort_unstable();
         }
@@ -226,9 +225,9 @@ impl<'r> Reader<'r> {
         &self.losses
     }
 
-    /// The next message of a channel of the table, decoded; messages of other channels are passed over.
+    /// The next message of a channel of the table, decoded; messages of other channels are skipped.
     ///
-    /// After an error reading can go on: it is about one message.
+    /// An error concerns one message; reading can continue.
     #[allow(clippy::should_implement_trait)] // the message borrows from the reader
     pub fn next(&mut self) -> Option<Result<Message<'_>, MessageError>> {
         loop {
@@ -338,7 +337,7 @@ impl<'r> Reader<'r> {
         let recording = self.recording;
         let sections = &recording.layout.sections;
         for section in batch.iter().map(|index| &sections[*index]) {
-            // Where chunks are out of order, it would go back.
+            // Not if chunks are out of order.
             self.seen = self.seen.max(section.offset + section.length);
             if !section
                 .span
@@ -353,7 +352,7 @@ impl<'r> Reader<'r> {
                     span: None,
                     is_unread: true,
                     reason: format!(
-                        "what was read before it is {LARGEST_GROWTH} times as long as the file"
+                        "the content before it already exceeds {LARGEST_GROWTH} times the file size"
                     ),
                 });
                 self.read = self.batches.len();
@@ -401,14 +400,11 @@ impl<'r> Reader<'r> {
                 continue;
             }
             let Some(message) = MessageRecord::parse(&record) else {
-                self.lose(
-                    section,
-                    "a message in it is shorter than its head".to_owned(),
-                );
+                self.lose(section, "truncated message header".to_owned());
                 continue;
             };
             let Some(channel) = self.recording.layout.channels.position(message.channel_id) else {
-                let reason = format!("nothing is known of its channel {}", message.channel_id);
+                let reason = format!("undefined channel {}", message.channel_id);
                 return self.lose(section, reason);
             };
             let is_wanted = !matches!(self.plans[channel], Plan::Leave)
@@ -419,9 +415,9 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// Notes that something of a section is lost.
+    /// Records a loss in a section.
     fn lose(&mut self, section: &Section, reason: String) {
-        // A chunk decompresses to a thousand times its size: not each of its records is a loss of its own.
+        // At most one loss per section.
         let last = self.losses.last();
         if last.is_some_and(|loss| loss.offset == section.offset) {
             return;

@@ -60,7 +60,7 @@ impl Layout {
         self.messages.push(row);
     }
 
-    /// The next part, numbered: the viewer only asks that identifiers differ.
+    /// The next part with a unique identifier.
     fn child(&mut self, prefix: &str) -> Child {
         self.children += 1;
         let number = self.children;

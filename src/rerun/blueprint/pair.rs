@@ -22,7 +22,7 @@ use crate::telemetry::Topic;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};
 use crate::telemetry::side::Side;
 
-/// Distance of the camera from two tops, one of which travels, in usual distances.
+/// Camera distance for two tops with a free peg, relative to the default.
 const FAR: f64 = 1.2;
 
 /// The extent of a comparison that has ended.
@@ -98,7 +98,7 @@ fn looks(identity: &PairIdentity, topic: Topic) -> Vec<(Look, &Geometry)> {
     sides.map(of).collect()
 }
 
-/// The summary, and the descriptions of the runs behind it.
+/// Tabs with the summary and the run descriptions.
 fn words(layout: &mut Layout, identity: &PairIdentity) -> Child {
     let mut pages = vec![layout.view("TextDocument", "Summary", SUMMARY, &["$origin"])];
     for side in [Side::A, Side::B] {
@@ -127,7 +127,7 @@ impl Charts<'_> {
         let friction = FRICTION_CONTRASTS.iter();
         let friction: Vec<_> = friction.filter_map(|chart| self.overlay(chart)).collect();
         motion.extend(self.layout.contain_any(row(&[]), &friction));
-        let mut all = vec![("How they differ", motion)];
+        let mut all = vec![("Differences", motion)];
         if is_free {
             all.push(("On the table", self.rows(&TABLE_CONTRASTS)));
             all.push(("Rates", self.rows(&RATE_CONTRASTS)));
@@ -209,10 +209,10 @@ fn entities(plots: &[Plot], is_there: impl Fn(Plot) -> bool, look: &Look) -> Vec
     plots.map(|plot| look.entity(&plot.to_string())).collect()
 }
 
-/// The most ticks that a viewer names on the axis of a small chart. They are a power of ten apart.
+/// Maximum number of labelled ticks of a small chart.
 const MOST_TICKS: f64 = 7.0;
 
-/// A smaller part of the values is rounding: there are no ticks in it.
+/// Ranges below this fraction of the values are rounding.
 const SMALLEST_SPAN: f64 = 1e-12;
 
 /// A range with these values in it, and at least three ticks with a name; none if the values are equal.

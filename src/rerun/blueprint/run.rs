@@ -20,7 +20,7 @@ pub(crate) fn messages(identity: &Identity, playback: Playback) -> Messages {
     let mut layout = Layout::new(&identity.store());
     let left = left_side(&mut layout, identity);
     let right = right_side(&mut layout, identity);
-    // Without a scene there are only words at the left.
+    // Without a scene the left side has only text.
     let shares = if identity.has(POSE) {
         [42.0, 58.0]
     } else {
@@ -30,7 +30,7 @@ pub(crate) fn messages(identity: &Identity, playback: Playback) -> Messages {
     window(layout, left, right, shares, identity.is_alone, &panel)
 }
 
-/// The messages that change the layout of a recording, so that a viewer plays the run, of this duration in s, from its start.
+/// The messages that change the layout of a recording, to play the run from the start (`duration` in s).
 pub(crate) fn messages_at_end(recording: &StoreId, duration: f64) -> Messages {
     let mut layout = Layout::changes(recording);
     let panel = time_panel(Playback::FromStart, speed(duration));
@@ -54,7 +54,7 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
         return words;
     }
     let whole = ["$origin/**".to_owned()];
-    // Beside the list of recordings the scene is narrower, and must still hold the names of all arrows.
+    // Next to the recordings panel the scene is narrower and must still show all arrow labels.
     let distance = if identity.is_alone { 1.0 } else { 1.2 };
     let stage = Stage {
         name: &identity.title,
@@ -71,7 +71,7 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
 fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
     let is_tippe_top = Proportions::new(&identity.geometry.top).is_ball;
     let mut pages: Vec<(&str, &[Chart])> = vec![match (identity.geometry.is_free, is_tippe_top) {
-        (false, _) => ("How it rises", &RISE),
+        (false, _) => ("Rise", &RISE),
         (true, false) => ("How it travels", &TRAVEL),
         (true, true) => ("How it inverts", &TRAVEL),
     }];

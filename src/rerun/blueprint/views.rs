@@ -26,9 +26,9 @@ pub(super) struct Stage<'a> {
     pub(super) name: &'a str,
     /// Entities.
     pub(super) contents: &'a [String],
-    /// Runs, of whose paths it shows what is past.
+    /// Runs whose paths are shown up to the time cursor.
     pub(super) runs: &'a [(Look, &'a Geometry)],
-    /// The top whose height is the unit of the camera's place. The camera goes along with a free one.
+    /// The top whose height is the unit of the camera position. The camera goes along with a free one.
     pub(super) geometry: &'a Geometry,
     /// Distance of the camera, in usual distances.
     pub(super) distance: f64,
@@ -160,7 +160,7 @@ pub(super) fn window(
     };
     layout.fill(&root);
     let panel = |state| parts::PanelBlueprint::new().with_state(state);
-    // Between several recordings one chooses in this panel.
+    // Needed to select among several recordings.
     let recordings = if is_alone {
         PanelState::Hidden
     } else {

@@ -25,7 +25,7 @@ const KINDS: [Kind; 5] = [
     ("slip velocity", palette::SKY, contact::SLIP_WORLD),
     ("friction force", palette::ORANGE, contact::FRICTION_FORCE),
     ("gravity torque", palette::GREEN, torque::GRAVITY_BODY),
-    ("friction torque", palette::VERMILLION, FRICTION_TORQUE),
+    ("friction torque", palette::VERMILION, FRICTION_TORQUE),
     ("angular momentum", palette::YELLOW, momentum::WORLD),
 ];
 

@@ -10,7 +10,7 @@ use crate::rerun::outlet::{Columns, Outlet};
 use crate::rerun::track::Track;
 use crate::telemetry::proportions::Proportions;
 
-/// Height of the camera's target and its distance, in sizes of the top: as where the peg is fixed.
+/// Camera target height and distance, in sizes of the top.
 const CAMERA_HEIGHT: f64 = 0.55;
 const CAMERA_DISTANCE: f64 = 4.0;
 
@@ -26,8 +26,7 @@ pub(super) fn send_vertical(geometry: &Geometry, outlet: &mut Outlet) {
     outlet.send_static("scene/focus/vertical", &line);
 }
 
-/// Two invisible points for the camera to follow: it looks at the middle between them. When a viewer begins to follow
-/// an entity, it goes one and a half times as far away as that reaches from its middle.
+/// Two invisible points tracked by the camera. The viewer looks at their midpoint from 1.5 times their extent.
 fn camera_target(geometry: &Geometry) -> Points3D {
     let size = Proportions::new(&geometry.top).size();
     let reach = CAMERA_DISTANCE * size / 1.5;

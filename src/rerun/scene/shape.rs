@@ -1,4 +1,4 @@
-//! The bodies of the scene: surfaces of revolution, as a lathe would turn them.
+//! Bodies of the scene: surfaces of revolution.
 //!
 //! Lengths in metres. The body frame has its origin at the centre of the spherical peg and its z
 //! axis along the symmetry axis; the world frame has the table at z = 0.
@@ -163,7 +163,7 @@ pub(super) fn table(radius: f64) -> Mesh3D {
     let depth = 0.03 * radius;
     let mut surface = Surface::default();
     let color = [0x2B30_3AFF; SECTORS];
-    // The surface lies a trace below zero, so that what is drawn at z = 0 stays visible.
+    // The surface is slightly below z = 0 to avoid z-fighting.
     let top = -2e-4;
     surface.turn(&line([radius, top], [0.0, top]), color);
     surface.turn(&line([radius, top - depth], [radius, top]), color);

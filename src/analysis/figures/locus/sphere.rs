@@ -21,7 +21,7 @@ const AZIMUTH: f64 = 0.6;
 /// The number of meridians.
 const MERIDIANS: u32 = 12;
 
-/// Points that are behind the outline of the sphere by less than this are so by rounding.
+/// Tolerance for points on the outline of the sphere.
 const SLACK: f64 = 1e-9;
 
 /// The number of pieces of a circle.

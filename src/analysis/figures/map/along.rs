@@ -6,11 +6,10 @@ use crate::analysis::plot::range::extremes;
 use crate::analysis::plot::ticks::Scale;
 use crate::physics::math::log10;
 
-/// Values that differ at least by this factor are drawn over their logarithms, unless their spacing is another.
+/// Range ratio from which an axis is logarithmic, unless the spacing is linear.
 const LOGARITHMIC: f64 = 30.0;
 
-/// Colours show logarithms from here on: evenly spread over the values, all below a tenth of the greatest would share a
-/// tenth of the shades.
+/// Range ratio from which the colour scale is logarithmic.
 const LOGARITHMIC_COLOURS: f64 = 10.0;
 
 /// Spacings that differ by less than this part are equal.
@@ -70,8 +69,8 @@ impl Along {
         extremes(self.levels.iter().copied())
     }
 
-    /// The ends of the cell around each level: halfway to its neighbours; a level without any has a tenth of its value on
-    /// both sides.
+    /// The cell boundaries, halfway between neighbouring levels; a single level gets a tenth of its value on both
+    /// sides.
     pub(super) fn edges(&self) -> Vec<f64> {
         let (Some(first), Some(last)) = (self.levels.first(), self.levels.last()) else {
             return Vec::new();
@@ -90,7 +89,7 @@ impl Along {
         edges
     }
 
-    /// Which of the different values this is.
+    /// Index of a value among the distinct values.
     pub(super) fn level(&self, value: f64) -> Option<usize> {
         let level = self.values.partition_point(|other| *other < value);
         (self.values.get(level) == Some(&value)).then_some(level)

@@ -17,10 +17,10 @@ const NUMBER_GAP: f64 = 1.0;
 /// The number of colours in the bar.
 const SHADES: usize = 64;
 
-/// Areas reach so far below their upper and right neighbours, which are drawn later, mm: no seams show.
+/// Overlap of neighbouring areas, mm; avoids visible seams.
 pub(super) const OVERLAP: f64 = 0.15;
 
-/// Colours from small to large values: equal steps look equal, and in grey too (viridis, S. van der Walt and N. Smith).
+/// The viridis colour map (S. van der Walt and N. Smith), perceptually uniform.
 const RAMP: [Colour; 9] = [
     Colour(68, 1, 84),
     Colour(71, 44, 122),

@@ -85,7 +85,7 @@ fn curves(map: &Map) -> Result<Vec<Curve<'_>>, String> {
     let most = COLOURS.len() * DASHES.len();
     if parts.len() > most {
         return Err(format!(
-            "{} scenarios are more than the {most} curves that can be distinguished: choose with --where scenario=NAME",
+            "{} scenarios, but at most {most} curves can be distinguished: select with --where scenario=NAME",
             parts.len()
         ));
     }
@@ -95,7 +95,7 @@ fn curves(map: &Map) -> Result<Vec<Curve<'_>>, String> {
         let name = &runs[0].scenario;
         if let Some(pair) = runs.windows(2).find(|pair| pair[0].x == pair[1].x) {
             return Err(format!(
-                "several runs of {name} have {} = {:?}: choose among them with --where",
+                "several runs of {name} have {} = {:?}: select with --where",
                 map.x.name, pair[0].x
             ));
         }

@@ -7,7 +7,7 @@ use crate::analysis::plot::frame::Frame;
 use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape};
 use crate::analysis::plot::style::{self, MEDIUM};
 
-/// The length of the ticks at the edge of what loops, mm.
+/// Length of the ticks on the boundary of looping runs, mm.
 const EDGE_TICK: f64 = 0.9;
 
 /// The runs in the cells of a grid.
@@ -30,7 +30,7 @@ impl<'a> Grid<'a> {
     /// The grid of the runs of a map; none if they make no grid.
     pub(super) fn of(map: &'a Map, y: &MapAxis, axes: [&Along; 2]) -> Result<Option<Self>, String> {
         let [columns, rows] = axes.map(|axis| axis.levels.len());
-        // A grid with holes is one still; a sample has about as many values as runs.
+        // A grid may have holes; a sample has about as many distinct values as runs.
         if columns * rows > 2 * map.runs.len() {
             return Ok(None);
         }
@@ -41,7 +41,7 @@ impl<'a> Grid<'a> {
             };
             if cells[row * columns + column].replace(run).is_some() {
                 return Err(format!(
-                    "several runs have {} = {:?} and {} = {:?}: choose among them with --where",
+                    "several runs have {} = {:?} and {} = {:?}: select with --where",
                     map.x.name, run.x, y.name, run.y
                 ));
             }

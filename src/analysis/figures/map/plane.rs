@@ -33,7 +33,7 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
     let borders = grid.as_ref().map_or_else(Vec::new, Grid::borders);
     if !borders.is_empty() {
         let stroke = style::line(style::BLACK, MEDIUM);
-        let words = "edge of the runs that loop; ticks point to them";
+        let words = "boundary of looping runs (ticks point inside)";
         key.push(Entry::line(stroke, words));
     }
     let bar_label = if bar.is_empty() { 0.0 } else { LINE };

@@ -18,7 +18,7 @@ pub struct MapAxis {
 /// A run of a map. Values that are absent are NaN.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapRun {
-    /// The value across.
+    /// The x value.
     pub x: f64,
     /// The value upward; ignored by a map without such an axis.
     pub y: f64,
@@ -47,8 +47,7 @@ pub struct Map {
 
 const NO_OUTCOME: &str = "no outcome";
 
-/// The columns of times of what every top may do sooner or later, so that none means "not yet". What a fixed peg never does is
-/// not among them.
+/// Time columns for which a missing value means "not yet" (not those of free pegs).
 const AWAITED: [&str; 3] = ["rise_time", "weak_time", "loop_time"];
 
 impl MapAxis {
@@ -64,7 +63,7 @@ impl MapAxis {
     fn symbol(&self) -> Option<String> {
         let is_own = |key: &&Key| key.path.replace('.', "_") == self.name;
         let symbol = KEYS.iter().find(is_own)?.symbol()?;
-        // Of two keys with one symbol, the first has it.
+        // If two keys share a symbol, only the first uses it.
         let mut of_symbol = KEYS.iter().filter(|key| key.symbol() == Some(symbol));
         let key = of_symbol.next().filter(is_own)?;
         let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
@@ -77,7 +76,7 @@ impl MapAxis {
 }
 
 impl MapRun {
-    /// The outcome, which stands for a value that is absent.
+    /// The outcome shown for a missing value.
     fn outcome(&self) -> &str {
         self.stop.as_deref().unwrap_or(NO_OUTCOME)
     }
@@ -125,7 +124,7 @@ fn outcome_colour(outcome: &str) -> Colour {
 /// A human-readable outcome, where a run has no value in a column.
 fn outcome_words(outcome: &str, column: &str) -> String {
     match outcome {
-        "duration" if AWAITED.contains(&column) => "not by the end of the run".to_owned(),
+        "duration" if AWAITED.contains(&column) => "not reached".to_owned(),
         "duration" => "none in the whole run".to_owned(),
         other => other.replace('_', " "),
     }
@@ -138,7 +137,7 @@ mod tests {
     #[test]
     fn what_a_column_can_never_have_is_not_called_late() {
         let words = |column| outcome_words("duration", column);
-        assert_eq!(words("rise_time"), "not by the end of the run");
+        assert_eq!(words("rise_time"), "not reached");
         assert_eq!(words("hops"), "none in the whole run");
     }
 
