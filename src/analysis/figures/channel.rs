@@ -110,7 +110,6 @@ impl Channel {
         if let Some((from, to, _)) = self.group.take() {
             self.mean(from, to);
         }
-        self.rows.mark_gaps();
     }
 
     /// Forms the means of the nutations that have ended.
