@@ -8,13 +8,14 @@ use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::{Telemetry, TelemetryError};
 
 /// An expected message.
-#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Expected {
     /// Index of its channel.
     pub(super) channel: usize,
     pub(super) sequence: u32,
     pub(super) time_ns: u64,
     pub(super) data: Vec<u8>,
+    /// Numbers and texts of a message of the table.
+    pub(super) values: Option<(Vec<f64>, Vec<String>)>,
 }
 
 /// A run that is simulated again.
@@ -59,20 +60,23 @@ impl Again {
             return None;
         };
         let (encoder, batch, digest) = (&mut self.encoder, &mut self.batch, &mut self.digest);
-        batch.clear();
         let logged = self.telemetry.messages(&record, |message| {
+            batch.clear();
             encoder.encode(message, batch);
             digest.update(message);
+            // The views come behind the message.
+            let mut values = Some((message.numbers.to_vec(), message.texts.to_vec()));
+            for (header, data) in batch.messages() {
+                take(Expected {
+                    channel: usize::from(header.channel_id),
+                    sequence: header.sequence,
+                    time_ns: header.log_time,
+                    data: data.to_vec(),
+                    values: values.take(),
+                });
+            }
             Ok::<(), TelemetryError>(())
         });
-        for (header, data) in batch.messages() {
-            take(Expected {
-                channel: usize::from(header.channel_id),
-                sequence: header.sequence,
-                time_ns: header.log_time,
-                data: data.to_vec(),
-            });
-        }
         // A recording error ended the original run, too.
         self.has_failed = logged.is_err();
         logged.is_ok().then(|| record.time_ns())

@@ -51,7 +51,6 @@ impl From<io::Error> for Difference {
 /// State of a pass through a file.
 #[derive(Default)]
 struct Survey {
-    buffers: Buffers,
     /// The records of the summary that the data demand and that were not met yet, as text.
     expected: BTreeSet<String>,
     statistics: Statistics,
@@ -157,7 +156,7 @@ impl Survey {
 
     fn take_chunk(&mut self, place: &RecordSpan, header: ChunkHeader, source: &Source) -> Checked {
         self.statistics.chunk_count += 1;
-        let mut buffers = mem::take(&mut self.buffers);
+        let mut buffers = Buffers::default();
         let loaded = Section::of_chunk(place, source)?.load(source, &mut buffers);
         loaded.map_err(|error| fault(place, &error.to_string()))?;
         let mut at = 0;
@@ -191,7 +190,6 @@ impl Survey {
             let (first, last) = self.span.unwrap_or((start, end));
             self.span = Some((first.min(start), last.max(end)));
         }
-        self.buffers = buffers;
         self.chunk = Some(ChunkIndex {
             message_start_time: start,
             message_end_time: end,

@@ -4,9 +4,9 @@ use super::again::{Again, Expected};
 use super::difference::Difference;
 use crate::archive::format::Entries;
 use crate::archive::recording::{FileChannel, Recording, Selection, Undecoded};
-use crate::archive::writer::{Declared, Opening};
+use crate::archive::writer::Opening;
+use crate::telemetry::Topic;
 use crate::telemetry::encoding::{Decoder, Row};
-use crate::telemetry::{ChannelInfo, Topic};
 use std::collections::VecDeque;
 
 /// The result of comparing messages.
@@ -30,7 +30,8 @@ pub(super) struct Comparison<'r> {
     is_by_value: bool,
     /// For each channel of the file, the index of the run's channel, if it has one.
     places: Vec<Option<usize>>,
-    decoders: Vec<Option<[Decoder; 2]>>,
+    /// The decoder of each file channel that is in the table.
+    decoders: Vec<Option<Decoder>>,
     /// Simulated messages not yet found in the file.
     ahead: VecDeque<Expected>,
     /// The time up to which everything has been simulated, ns.
@@ -42,11 +43,10 @@ impl<'r> Comparison<'r> {
     pub(super) fn new(recording: &'r Recording, again: Again, is_by_value: bool) -> Self {
         let declared = &again.opening.channels;
         let place = |channel: &FileChannel| declared.iter().position(|d| d.topic == channel.topic);
-        let places: Vec<_> = recording.channels().iter().map(place).collect();
-        let decoders = recording.channels().iter().zip(&places);
-        let decoders = decoders.map(|(channel, place)| decoders_of(channel, &declared[(*place)?]));
+        let places = recording.channels().iter().map(place).collect();
+        let decoder = |channel: &FileChannel| channel.decoder()?.ok();
         Self {
-            decoders: decoders.collect(),
+            decoders: recording.channels().iter().map(decoder).collect(),
             recording,
             again,
             is_by_value,
@@ -117,8 +117,8 @@ impl<'r> Comparison<'r> {
         if recorded.data == expected.data {
             return None;
         }
-        let decoders = self.decoders[recorded.position].as_ref();
-        match decoders.map(|decoders| first_field(decoders, recorded, expected)) {
+        let decoder = self.decoders[recorded.position].as_ref();
+        match decoder.map(|decoder| first_field(decoder, recorded, expected)) {
             Some(Ok(Some((field, values)))) => difference(&field, values),
             Some(Ok(None)) if self.is_by_value => None,
             Some(Err(reason)) => difference("", [reason, "a message".to_owned()]),
@@ -205,48 +205,33 @@ fn at(
     }
 }
 
-/// Decoders of a channel of the table: for the file, and for the run.
-fn decoders_of(channel: &FileChannel, declared: &Declared) -> Option<[Decoder; 2]> {
-    let info: &'static ChannelInfo = channel.info()?;
-    let file = channel.decoder()?.ok()?;
-    let (name, schema) = (declared.schema_name, &declared.schema);
-    let run = Decoder::new(info, declared.encoding, name, schema).ok()?;
-    Some([file, run])
-}
-
 /// The first field that differs, with the values in the file and of the run; fields missing in the file's schema are
 /// ignored.
 fn first_field(
-    [of_file, of_run]: &[Decoder; 2],
+    decoder: &Decoder,
     recorded: &Undecoded<'_>,
     expected: &Expected,
 ) -> Result<Option<(String, [String; 2])>, String> {
-    let (mut a, mut b) = (Row::default(), Row::default());
-    of_file
-        .decode(recorded.data, &mut a)
-        .map_err(|error| error.to_string())?;
-    of_run
-        .decode(&expected.data, &mut b)
-        .map_err(|error| error.to_string())?;
-    let missing = &of_file.differences().missing;
-    let Some(info) = recorded.channel.info() else {
+    let mut row = Row::default();
+    let decoded = decoder.decode(recorded.data, &mut row);
+    decoded.map_err(|error| error.to_string())?;
+    let (Some(info), Some((numbers, texts))) = (recorded.channel.info(), &expected.values) else {
         return Ok(None);
     };
-    let numbers = info.numbers.iter().zip(a.numbers.iter().zip(&b.numbers));
+    let numbers = info.numbers.iter().zip(row.numbers.iter().zip(numbers));
     let numbers = numbers.filter(|(_, (a, b))| a.to_bits() != b.to_bits());
     let numbers = numbers.map(|(leaf, (a, b))| (&leaf.path, [a, b].map(|x| format!("{x:?}"))));
-    let texts = info.texts.iter().zip(a.texts.iter().zip(&b.texts));
+    let texts = info.texts.iter().zip(row.texts.iter().zip(texts));
     let texts = texts.filter(|(_, (a, b))| a != b);
     let texts = texts.map(|(leaf, (a, b))| (&leaf.path, [a, b].map(|x| format!("{x:?}"))));
+    let missing = &decoder.differences().missing;
     let mut different = numbers.chain(texts);
     if let Some((path, values)) = different.find(|(path, _)| !missing.contains(path)) {
         return Ok(Some((path.clone(), values)));
     }
-    if a.time_ns != b.time_ns {
-        let values = [a.time_ns, b.time_ns].map(seconds);
-        return Ok(Some(("timestamp (s)".to_owned(), values)));
-    }
-    Ok(None)
+    let times = [row.time_ns, expected.time_ns];
+    let is_late = times[0] != times[1];
+    Ok(is_late.then(|| ("timestamp (s)".to_owned(), times.map(seconds))))
 }
 
 fn seconds(time_ns: u64) -> String {
