@@ -202,7 +202,6 @@ impl Run {
     /// Reads what some figures need of a recording or a simulation.
     ///
     /// `progress` receives the number of further bytes that have been read.
-    #[must_use]
     pub fn read<'a>(
         subject: impl Into<Subject<'a>>,
         name: &str,
@@ -222,19 +221,16 @@ impl Run {
 
 impl Figure {
     /// The figure with this name.
-    #[must_use]
     pub fn find(name: &str) -> Option<&'static Self> {
         FIGURES.iter().find(|figure| figure.name == name)
     }
 
     /// The first missing requirement of a run: a channel, its messages, or a field.
-    #[must_use]
     pub fn missing(&self, run: &Run) -> Option<String> {
         self.needs.iter().find_map(|field| run.missing(*field))
     }
 
     /// The reason why the figure does not apply to a run, whatever the run has recorded.
-    #[must_use]
     pub fn does_not_apply(&self, run: &Run) -> Option<&'static str> {
         if self.is_expected_of(run) {
             (self.does_not_apply)(run)
@@ -244,13 +240,11 @@ impl Figure {
     }
 
     /// Whether the figure is expected for a run.
-    #[must_use]
     pub fn is_expected_of(&self, run: &Run) -> bool {
         run.has_free_peg || !self.is_of_free_pegs
     }
 
     /// Draws the figure with a width in mm. Several runs are overlaid; missing data is omitted.
-    #[must_use]
     pub fn draw(&self, runs: &[&Run], width: f64) -> Drawing {
         let mut drawing = (self.draw)(runs, width);
         let names: Vec<_> = runs.iter().map(|run| run.name.as_str()).collect();

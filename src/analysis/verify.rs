@@ -61,7 +61,6 @@ pub struct Report {
 
 /// Runs the scenario of a recording again and compares. `progress` is called with the number of further bytes compared
 /// (in total at most twice the file size).
-#[must_use]
 pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
     let mut report = Report {
         verdict: Verdict::Different,

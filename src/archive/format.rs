@@ -57,7 +57,6 @@ const ALL_TOPICS: &str = "all";
 pub type Entries = BTreeMap<String, String>;
 
 /// The attachment that holds a scenario.
-#[must_use]
 pub fn scenario_attachment(toml: String) -> Attachment<'static> {
     Attachment {
         log_time: 0,
@@ -69,7 +68,6 @@ pub fn scenario_attachment(toml: String) -> Attachment<'static> {
 }
 
 /// The entries of [`RUN_RECORD`] that identify the run.
-#[must_use]
 pub fn run_entries(scenario: &Scenario) -> Entries {
     entries([
         (VERSION, env!("CARGO_PKG_VERSION").to_owned()),
@@ -85,7 +83,6 @@ pub fn run_entries(scenario: &Scenario) -> Entries {
 
 /// The entries of [`RUN_RECORD`] for encoding, views and topics. Together with the scenario they determine every byte
 /// of the file.
-#[must_use]
 pub fn form_entries(encoding: Encoding, views: bool, topics: &Topics) -> Entries {
     let topics = match topics {
         Topics::All => ALL_TOPICS.to_owned(),
@@ -103,7 +100,6 @@ pub fn form_entries(encoding: Encoding, views: bool, topics: &Topics) -> Entries
 }
 
 /// Encoding, views flag and topics from the entries of [`RUN_RECORD`]; `None` if they are missing.
-#[must_use]
 pub fn recorded_form(run: &Entries) -> Option<(Encoding, bool, Topics)> {
     let topics = match run.get(TOPICS)?.as_str() {
         ALL_TOPICS => Topics::All,
@@ -119,7 +115,6 @@ pub fn recorded_form(run: &Entries) -> Option<(Encoding, bool, Topics)> {
 }
 
 /// The entries of [`END_RECORD`], but for the content digest.
-#[must_use]
 pub fn end_entries(end: &RunEnd) -> Entries {
     let statistics = &end.statistics;
     entries([
@@ -137,7 +132,6 @@ pub fn end_entries(end: &RunEnd) -> Entries {
 }
 
 /// Whether an end record agrees with an outcome.
-#[must_use]
 pub fn is_end_of(end: &Entries, outcome: &Outcome) -> bool {
     let is = |key: &str, value: &str| end.get(key).is_some_and(|message| message == value);
     is(STOP_REASON, outcome.stop_reason.name())

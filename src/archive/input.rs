@@ -42,7 +42,6 @@ pub enum InputError {
 }
 
 /// Whether an argument is a recording rather than a scenario.
-#[must_use]
 pub fn is_recording(word: &Path) -> bool {
     let is_scenario = is_preset(word) || has_extension(word, "toml");
     !is_scenario && (word.exists() || is_like_a_file(word))
@@ -77,7 +76,6 @@ fn text(word: &Path) -> Result<String, InputError> {
 }
 
 /// Encoding, views and topics of a recording; `None` for other arguments.
-#[must_use]
 pub fn form(word: &Path) -> Option<(Form, Topics)> {
     if is_preset(word) || !is_mcap(word) {
         return None;

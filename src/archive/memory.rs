@@ -33,7 +33,6 @@ impl From<&Message<'_>> for Owned {
 
 impl Owned {
     /// The message as sinks take it.
-    #[must_use]
     pub fn as_message(&self) -> Message<'_> {
         Message {
             channel: self.channel,

@@ -26,7 +26,6 @@ pub enum Existing {
 
 impl Existing {
     /// `Replace` if `force`, otherwise `Keep`.
-    #[must_use]
     pub fn forced(force: bool) -> Self {
         if force { Self::Replace } else { Self::Keep }
     }
@@ -176,13 +175,11 @@ impl Draft {
     }
 
     /// The name that the file will have.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// The name used in messages until then.
-    #[must_use]
     pub fn working_name(&self) -> &Path {
         self.partial.as_deref().unwrap_or(&self.path)
     }
@@ -345,7 +342,6 @@ fn prefix(path: &Path) -> String {
 }
 
 /// Whether a file name is that of a hidden draft of `path`.
-#[must_use]
 pub fn is_draft_of(name: &str, path: &Path) -> bool {
     let random = name.strip_prefix(&prefix(path));
     let random = random.and_then(|rest| rest.strip_suffix(SUFFIX));
@@ -422,7 +418,6 @@ fn name_anew(file: NamedTempFile, name: &Path) -> Result<File, PersistError> {
 }
 
 /// The name of a run's file while it is not complete.
-#[must_use]
 pub fn partial_name(path: &Path) -> PathBuf {
     with_suffix(path, ".partial")
 }
@@ -487,7 +482,6 @@ pub fn refuse_inputs<'a>(
 }
 
 /// Whether two paths refer to the same (existing or future) file.
-#[must_use]
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
     place(one) == place(other) || identity(one).is_some_and(|one| identity(other) == Some(one))
 }

@@ -30,7 +30,6 @@ pub struct Entities {
 
 impl Stream<Entities> {
     /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
-    #[must_use]
     pub fn new(identity: &Identity, destinations: Destinations) -> Self {
         Self::open(identity.store(), &identity.name, destinations, |outlet| {
             // The file is opened when the run is complete.

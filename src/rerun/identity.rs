@@ -56,7 +56,6 @@ impl Identity {
     ///
     /// The identifier depends on the name: two runs of one scenario are two recordings to a viewer, as they are two
     /// files.
-    #[must_use]
     pub fn of(name: &str, scenario: &Scenario, topics: Vec<Topic>, playback: Playback) -> Self {
         let model = &scenario.model;
         let is_free = model.support.is_free();

@@ -41,13 +41,11 @@ impl<C: Content> Stream<C> {
     }
 
     /// Whether a viewer is being fed, as far as is known.
-    #[must_use]
     pub fn is_live(&self) -> bool {
         self.outlet.is_live()
     }
 
     /// Viewer warnings since the last call, including a missing viewer.
-    #[must_use]
     pub fn take_warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.outlet.warnings)
     }

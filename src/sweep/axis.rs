@@ -48,7 +48,6 @@ pub fn find_key(name: &str) -> Result<&'static Key, SweepError> {
 }
 
 /// The name of a key's column: its path with `_` for the dots, which Spark and Rerun don't allow.
-#[must_use]
 pub fn column_name(key: &Key) -> String {
     key.path.replace('.', "_")
 }
@@ -103,7 +102,6 @@ impl Axis {
     }
 
     /// Number of values that a grid has along this axis; none if only a sample can choose them.
-    #[must_use]
     pub fn count(&self) -> Option<u64> {
         match &self.points {
             Points::List(values) => Some(values.len() as u64),
@@ -112,7 +110,6 @@ impl Axis {
     }
 
     /// The value at a grid index, clamped to the last value.
-    #[must_use]
     pub fn at(&self, index: u64) -> Value {
         match &self.points {
             Points::List(values) => values[index.min(values.len() as u64 - 1) as usize].clone(),
@@ -124,7 +121,6 @@ impl Axis {
     }
 
     /// The value at a fraction, from 0 to below 1, of the axis.
-    #[must_use]
     pub fn sampled(&self, fraction: f64) -> Value {
         match &self.points {
             Points::List(values) => self.at((fraction * values.len() as f64) as u64),
@@ -133,7 +129,6 @@ impl Axis {
     }
 
     /// Whether this is a range with a number of values, which a sample doesn't need.
-    #[must_use]
     pub fn is_counted_range(&self) -> bool {
         matches!(self.points, Points::Range { count: Some(_), .. })
     }

@@ -22,7 +22,6 @@ pub struct Base {
 
 impl Base {
     /// A scenario as it is.
-    #[must_use]
     pub fn new(name: String, values: Values) -> Self {
         Self {
             name,

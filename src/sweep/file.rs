@@ -73,7 +73,6 @@ impl Spec {
     }
 
     /// Whether a TOML text is a spec rather than a scenario.
-    #[must_use]
     pub fn is_spec(text: &str) -> bool {
         let table: Option<toml::Table> = text.parse().ok();
         table.is_some_and(|table| SECTIONS.iter().any(|name| table.contains_key(*name)))

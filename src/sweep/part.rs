@@ -38,7 +38,6 @@ pub struct Sweep {
 
 impl Sweep {
     /// The sweep that a spec defines.
-    #[must_use]
     pub fn new(spec: Spec) -> Self {
         let schema = Arc::new(Schema::new(fields(&spec)));
         Self {
@@ -50,13 +49,11 @@ impl Sweep {
     }
 
     /// Replaces the function that runs a scenario (for tests).
-    #[must_use]
     pub fn with_run(self, run: Run) -> Self {
         Self { run, ..self }
     }
 
     /// The spec.
-    #[must_use]
     pub fn spec(&self) -> &Spec {
         &self.spec
     }
@@ -67,19 +64,16 @@ impl Sweep {
     }
 
     /// The columns of the table, with units and meanings as metadata.
-    #[must_use]
     pub fn schema(&self) -> SchemaRef {
         self.schema.clone()
     }
 
     /// The number of parts.
-    #[must_use]
     pub fn parts(&self) -> u64 {
         self.spec.rows().div_ceil(PART_ROWS)
     }
 
     /// The rows of a part.
-    #[must_use]
     pub fn rows_of(&self, part: u64) -> Range<u64> {
         let start = (part * PART_ROWS).min(self.spec.rows());
         start..(start + PART_ROWS).min(self.spec.rows())
@@ -90,7 +84,6 @@ impl Sweep {
     ///
     /// # Panics
     /// Never; the columns match the schema.
-    #[must_use]
     pub fn batch(&self, rows: Range<u64>, watch: &Watch<'_>) -> Option<(RecordBatch, Counts)> {
         // Rows are distributed individually for load balancing.
         let computed: Option<Vec<Row>> = (0..rows.clone().count())
@@ -121,7 +114,6 @@ impl Sweep {
     ///
     /// # Panics
     /// Never: the columns are made for the schema.
-    #[must_use]
     pub fn design(&self, rows: Range<u64>) -> RecordBatch {
         self.batch_of(self.design_columns(rows))
     }

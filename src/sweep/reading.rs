@@ -51,7 +51,6 @@ impl Columns {
     }
 
     /// The unit of a column; empty if it has none.
-    #[must_use]
     pub fn unit(&self, name: &str) -> &str {
         let field = self.position(name).map(|at| self.schema.field(at));
         let unit = field.and_then(|field| field.metadata().get("unit"));

@@ -34,7 +34,6 @@ thread_local! {
 }
 
 /// Whether this thread computes a row, whose panics are caught and recorded in the table.
-#[must_use]
 pub fn is_in_row() -> bool {
     IN_ROW.get()
 }

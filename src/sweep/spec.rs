@@ -69,19 +69,16 @@ impl Spec {
     }
 
     /// The number of rows.
-    #[must_use]
     pub fn rows(&self) -> u64 {
         self.rows_per_base * self.bases.len() as u64
     }
 
     /// The keys that vary, in the order of their columns.
-    #[must_use]
     pub fn keys(&self) -> &[&'static Key] {
         &self.keys
     }
 
     /// A name shared by several bases, if any.
-    #[must_use]
     pub fn shared_name(&self) -> Option<&str> {
         repeated(self.bases.iter().map(|base| base.name.as_str()))
     }
@@ -124,7 +121,6 @@ impl Spec {
     }
 
     /// Everything that determines the bytes of the table, which identifies the sweep.
-    #[must_use]
     pub fn to_json(&self) -> Json {
         let axes = |axes: &[Axis]| -> Json {
             let entry = |axis: &Axis| (axis.key.path.to_owned(), json!(axis.text));

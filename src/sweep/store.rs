@@ -31,7 +31,6 @@ const PART_ENTRY: &str = "toprise.part";
 const SPEC_FILE: &str = "sweep.json";
 
 /// The directory for the parts of a table.
-#[must_use]
 pub fn parts_directory(table: &Path) -> PathBuf {
     table.with_added_extension("parts")
 }

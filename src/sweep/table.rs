@@ -106,7 +106,6 @@ impl Table {
     }
 
     /// The keys that vary.
-    #[must_use]
     pub fn keys(&self) -> Vec<&'static Key> {
         self.columns.iter().map(|column| column.key).collect()
     }
@@ -118,7 +117,6 @@ impl Table {
     }
 
     /// The number of rows.
-    #[must_use]
     pub fn rows(&self) -> u64 {
         self.rows
     }

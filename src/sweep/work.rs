@@ -36,7 +36,6 @@ pub struct Options {
 }
 
 /// The number of threads for some runs: as many as are wanted (0: all), but no more than there are processors and runs.
-#[must_use]
 pub fn threads(wanted: usize, runs: u64) -> usize {
     let processors = thread::available_parallelism().map_or(1, usize::from);
     let wanted = if wanted == 0 { processors } else { wanted };

@@ -42,7 +42,6 @@ pub struct Drawing {
 
 impl Drawing {
     /// The width and height, mm.
-    #[must_use]
     pub fn size(&self) -> (f64, f64) {
         (self.width, self.height)
     }

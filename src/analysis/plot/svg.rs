@@ -16,7 +16,6 @@ const SCALE: f64 = 100.0;
 
 impl Drawing {
     /// The drawing as an SVG document.
-    #[must_use]
     pub fn svg(&self) -> String {
         let [width, height] = [self.width, self.height].map(unit);
         let mut svg = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");

@@ -38,19 +38,16 @@ pub struct FileSchema {
 
 impl FileChannel {
     /// The name of its message type, empty if it has none.
-    #[must_use]
     pub fn schema_name(&self) -> &str {
         self.schema.as_ref().map_or("", |schema| &schema.name)
     }
 
     /// The row of the table, if it is a channel of the table.
-    #[must_use]
     pub fn info(&self) -> Option<&'static ChannelInfo> {
         self.table.map(Topic::info)
     }
 
     /// Whether it is a view channel.
-    #[must_use]
     pub fn is_view(&self) -> bool {
         view_channels().iter().any(|view| view.topic == self.topic)
     }
@@ -59,7 +56,6 @@ impl FileChannel {
     ///
     /// # Errors
     /// [`DecodeError`] if its encoding or schema can't be read.
-    #[must_use]
     pub fn decoder(&self) -> Option<Result<Decoder, DecodeError>> {
         let data = self.schema.as_ref().map_or(&[][..], |schema| &schema.data);
         let info = self.info()?;

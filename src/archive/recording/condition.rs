@@ -21,7 +21,6 @@ pub enum Condition {
 
 impl Condition {
     /// Short name.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Foreign => "not a toprise recording",

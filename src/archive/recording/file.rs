@@ -57,31 +57,26 @@ impl Recording {
     }
 
     /// Its path.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// Its size, bytes.
-    #[must_use]
     pub fn size(&self) -> u64 {
         self.source.length()
     }
 
     /// The library field of its header.
-    #[must_use]
     pub fn library(&self) -> &str {
         &self.layout.library
     }
 
     /// The profile of its header: the conventions that it follows in addition to those of MCAP.
-    #[must_use]
     pub fn profile(&self) -> &str {
         &self.layout.profile
     }
 
     /// State of the file.
-    #[must_use]
     pub fn condition(&self) -> Condition {
         if self.run().is_none() && !self.layout.is_ours() {
             return Condition::Foreign;
@@ -102,19 +97,16 @@ impl Recording {
     }
 
     /// The entries of the `toprise.run` record.
-    #[must_use]
     pub fn run(&self) -> Option<&Entries> {
         self.metadata(RUN_RECORD)
     }
 
     /// The entries of the `toprise.end` record; `None` if the run did not end.
-    #[must_use]
     pub fn end(&self) -> Option<&Entries> {
         self.metadata(END_RECORD)
     }
 
     /// Whether the run was interrupted.
-    #[must_use]
     pub fn is_interrupted(&self) -> bool {
         let reason = self.end().map(|end| end.get(STOP_REASON));
         let interrupted = StopReason::Interrupted.name();
@@ -122,14 +114,12 @@ impl Recording {
     }
 
     /// The entries of the first metadata record with a name.
-    #[must_use]
     pub fn metadata(&self, name: &str) -> Option<&Entries> {
         let mut records = self.layout.metadata.iter();
         records.find(|r| r.name == name).map(|r| &r.metadata)
     }
 
     /// Encoding, views flag and topics, from `toprise.run` or from the channels; `None` if both are lost.
-    #[must_use]
     pub fn form(&self) -> Option<(Encoding, bool, Topics)> {
         let named = self.run().and_then(recorded_form);
         named.or_else(|| {
@@ -145,13 +135,11 @@ impl Recording {
     }
 
     /// All channels, in the order of the file.
-    #[must_use]
     pub fn channels(&self) -> &[FileChannel] {
         self.layout.channels.list()
     }
 
     /// The common encoding of its table channels, if any.
-    #[must_use]
     pub fn encoding(&self) -> Option<Encoding> {
         let mut ours = self.channels().iter().filter(|c| c.table.is_some());
         let first = ours.next()?;
@@ -160,25 +148,21 @@ impl Recording {
     }
 
     /// Whether it has this channel of the table.
-    #[must_use]
     pub fn has(&self, topic: Topic) -> bool {
         self.channels().iter().any(|c| c.table == Some(topic))
     }
 
     /// The topics of the table that it has, in the order of the file.
-    #[must_use]
     pub fn topics(&self) -> Vec<Topic> {
         self.channels().iter().filter_map(|c| c.table).collect()
     }
 
     /// Damage found on opening.
-    #[must_use]
     pub fn losses(&self) -> &[Loss] {
         &self.layout.losses
     }
 
     /// Differences from this version: topics with missing or unknown fields, and unknown topics.
-    #[must_use]
     pub fn differences(&self) -> Vec<(String, FieldDifferences)> {
         let mut differences = Vec::new();
         for channel in self.channels() {
@@ -225,7 +209,6 @@ impl Recording {
     }
 
     /// Whether it has a footer.
-    #[must_use]
     pub fn is_closed(&self) -> bool {
         self.layout.is_ended
     }

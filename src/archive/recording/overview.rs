@@ -96,7 +96,6 @@ impl Overview {
     }
 
     /// Reads a recording as far as it can be read.
-    #[must_use]
     pub fn of(recording: &Recording) -> Self {
         let of_channel = |channel: &FileChannel| ChannelOverview {
             topic: channel.topic.clone(),
@@ -142,19 +141,16 @@ impl Overview {
     }
 
     /// Whether it is a recording of toprise that reached its end and is readable throughout.
-    #[must_use]
     pub fn is_whole(&self) -> bool {
         self.condition == Condition::Whole
     }
 
     /// Number of messages in all channels.
-    #[must_use]
     pub fn messages(&self) -> u64 {
         self.channels.iter().map(|channel| channel.messages).sum()
     }
 
     /// Time of the last message, ns.
-    #[must_use]
     pub fn last_ns(&self) -> u64 {
         self.channels.iter().map(|c| c.last_ns).max().unwrap_or(0)
     }

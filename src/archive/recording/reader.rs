@@ -99,7 +99,6 @@ enum Plan {
 
 impl Recording {
     /// A reader for some of its messages.
-    #[must_use]
     pub fn reader(&self, selection: Selection) -> Reader<'_> {
         Reader::new(self, selection)
     }
@@ -220,7 +219,6 @@ impl<'r> Reader<'r> {
     }
 
     /// Parts that could not be read so far; complete once the reader has come to its end.
-    #[must_use]
     pub fn losses(&self) -> &[Loss] {
         &self.losses
     }
