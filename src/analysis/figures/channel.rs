@@ -223,6 +223,20 @@ mod tests {
     }
 
     #[test]
+    fn there_is_no_mean_where_samples_are_missing() {
+        let mut channel = channel((0..4).map(f64::from).map(|start| (start, start + 1.0)));
+        let is_missing = |time: &f64| *time > 1.5 && *time < 2.5;
+        let times = (0..=100).map(|step| f64::from(step) / 25.0);
+        for time in times.filter(|time| !is_missing(time)) {
+            channel.push(time, vec![1.0], |_| f64::NAN);
+        }
+        channel.finish();
+        let means = channel.means(FIELD).into_iter();
+        let is_there: Vec<_> = means.map(|(_, mean)| mean.is_finite()).collect();
+        assert_eq!(is_there, [true, false, false, true]);
+    }
+
+    #[test]
     fn nutations_with_few_samples_are_averaged_together() {
         let mut channel = channel((0..120).map(f64::from).map(|start| (start, start + 1.0)));
         for time in (0..=480).map(|step| f64::from(step) / 4.0) {
