@@ -50,13 +50,13 @@ pub struct Figure {
     pub title: &'static str,
     /// Minimum number of runs.
     pub least_runs: usize,
-    /// The fields without which the figure can't be drawn.
+    /// Required fields.
     needs: &'static [NumberField],
-    /// The fields without which parts of the figure are left out.
+    /// Optional fields; parts of the figure are omitted without them.
     uses: &'static [NumberField],
     /// Whether means of its fields over nutations are drawn.
     has_means: bool,
-    /// Whether the figure is one of free pegs: a held one stays where it is.
+    /// Whether the figure applies to free pegs only.
     is_of_free_pegs: bool,
     /// Reason why the figure does not apply to a run, if any.
     does_not_apply: fn(&Run) -> Option<&'static str>,

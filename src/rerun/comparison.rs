@@ -43,7 +43,7 @@ impl Stream<Comparison> {
         })
     }
 
-    /// Adds a message of one run. Each run's messages come in the order of time; the runs take turns as they like.
+    /// Adds a message of one run. The messages of each run must be in time order; the runs may be interleaved freely.
     pub fn write(&mut self, side: Side, message: &Message<'_>) {
         self.end_ns = self.end_ns.max(message.time_ns);
         let (content, outlet) = (&mut self.content, &mut self.outlet);
@@ -57,9 +57,9 @@ impl Stream<Comparison> {
         }
     }
 
-    /// Adds the differences B − A of the numbers of a message, at the time of A; its texts don't matter.
+    /// Adds the differences B − A of the numbers of a message, at the time of A; texts are ignored.
     ///
-    /// Channels that are neither sampled nor `/top/nutation` are passed over.
+    /// Channels that are neither sampled nor `/top/nutation` are ignored.
     pub fn difference(&mut self, message: &Message<'_>) {
         // Zero has no logarithm.
         let magnitude = |number: f64| (number != 0.0).then(|| math::log10(number.abs()));

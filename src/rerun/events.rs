@@ -96,7 +96,7 @@ impl Events {
             if let Some(plural) = kind.plural(&self.top) {
                 let span = [repeated.again_ns, repeated.last_ns];
                 let [again, last] = span.map(|ns| ns as f64 * 1e-9);
-                let text = format!("{again:.6} s: {more} more {plural} until {last:.6} s");
+                let text = format!("{again:.6} s to {last:.6} s: {more} more {plural}");
                 self.summary.push(outlet, repeated.again_ns, [text]);
             }
         }

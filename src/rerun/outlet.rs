@@ -34,7 +34,7 @@ pub(super) enum To {
     Both,
 }
 
-/// Rows that wait until they are sent.
+/// Buffered rows.
 pub(super) trait Waiting {
     /// Sends those that the viewer does not have yet, to the viewer; the file gets them later, in longer chunks.
     fn show(&mut self, outlet: &mut Outlet);

@@ -10,12 +10,12 @@ use crate::telemetry::fields::{
     torque,
 };
 
-/// Colours of numbers that are not in [`STORY`], in their order within a plot.
+/// Colours of numbers that are not in [`NAMED_STYLES`], in their order within a plot.
 const PALETTE: [u32; 7] = [SKY, ORANGE, GREEN, PURPLE, YELLOW, VERMILION, BLUE];
 
 /// Names, colours and widths of the numbers in the layouts' charts.
 #[rustfmt::skip]
-const STORY: [(NumberField, &str, u32, f32); 42] = [
+const NAMED_STYLES: [(NumberField, &str, u32, f32); 42] = [
     (state::THETA, "θ", SKY, 3.5),
     (state::THETA_DOT, "dθ/dt", PALE, 1.0),
     (state::PHI_DOT, "dφ/dt", PALE, 1.0),
@@ -86,7 +86,7 @@ pub(super) fn of(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> 
 
 /// Name, colour and width of a number, which stands at a place in its plot.
 fn one(number: NumberField, place: usize, look: &Look) -> (String, u32, f32) {
-    let known = STORY.iter().find(|(known, ..)| *known == number);
+    let known = NAMED_STYLES.iter().find(|(known, ..)| *known == number);
     let (name, color, width) = if let Some(&(_, name, color, width)) = known {
         (name.to_owned(), color, width)
     } else {

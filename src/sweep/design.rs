@@ -77,7 +77,9 @@ fn grid_size(axes: &[Axis]) -> Result<u64, SweepError> {
     for axis in axes {
         let name = axis.key.path;
         let count = axis.count().ok_or_else(|| {
-            axis.wrong(&format!("a grid needs the number of values, as in {name}=a..b/10 or a..b/10log; a sample does not"))
+            axis.wrong(&format!(
+                "a grid needs a number of values, e.g. {name}=a..b/10 (or use --sample)"
+            ))
         })?;
         size = size.saturating_mul(count);
     }
@@ -91,7 +93,7 @@ fn check_sample(axes: &[Axis]) -> Result<(), SweepError> {
     }
     match axes.iter().find(|axis| axis.is_counted_range()) {
         Some(axis) => {
-            let reason = "a sample has its own number of values; write a..b or a..b/log";
+            let reason = "for a sample, write a..b or a..b/log (without a number of values)";
             Err(axis.wrong(reason))
         }
         None => Ok(()),

@@ -209,7 +209,7 @@ fn from_csv(text: &str) -> Result<Table, String> {
     lines.pop_if(|(line, _)| line.is_empty());
     let is_open = |(line, _): &&(&str, u64)| line.matches('"').count() % 2 == 1;
     if let Some((_, line)) = lines.iter().find(is_open) {
-        let reason = "a quote is opened here that nothing closes";
+        let reason = "unclosed quote";
         return Err(format!("line {line}: {reason}"));
     }
     // A reader passes over an empty line, which is an empty cell where there is one column.
@@ -245,7 +245,7 @@ fn from_csv(text: &str) -> Result<Table, String> {
         if count != expected {
             let cells = if count == 1 { "cell" } else { "cells" };
             return Err(format!(
-                "line {line} has {count} {cells}, and the header {expected}"
+                "line {line} has {count} {cells}, the header has {expected}"
             ));
         }
         for ((key, cells), cell) in columns.iter_mut().zip(&record) {
@@ -340,11 +340,11 @@ mod tests {
             ),
             (
                 "friction_k,initial.phi\n0.1,1\n\n0.2\n",
-                "line 4 has 1 cell, and the header 2",
+                "line 4 has 1 cell, the header has 2",
             ),
             (
                 "friction_k\n\"0.1\"\n\"0.2\n0.3\n",
-                "line 3: a quote is opened here that nothing closes",
+                "line 3: unclosed quote",
             ),
         ] {
             assert_eq!(read(text).unwrap_err(), message, "{text:?}");

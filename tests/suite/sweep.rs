@@ -556,7 +556,7 @@ fn the_command_sweeps_resumes_and_reports() {
     );
     let (code, _, told) = toprise(folder, "sweep paper --over friction.k=0.1..1 -o b.parquet");
     assert_eq!(code, 2);
-    assert!(told.contains("a grid needs the number of values"), "{told}");
+    assert!(told.contains("a grid needs a number of values"), "{told}");
     let spec = "bases = [\"paper\"]\nset = { \"stop.duration\" = 0.01 }\nover = { initial_theta = [0.5, 4] }\n";
     fs::write(folder.join("spec.toml"), spec).unwrap();
     let (code, _, notes) = toprise(folder, "sweep spec.toml -o c.parquet");

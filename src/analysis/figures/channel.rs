@@ -53,7 +53,7 @@ impl Channel {
         fields.dedup();
         let is_averaged = |column: &usize| averaged.contains(&fields[*column]);
         let averaged: Vec<_> = (0..fields.len()).filter(is_averaged).collect();
-        // The locus goes round and round, and too few chords of a circle show.
+        // A locus needs enough points to look round.
         let most = if topic == POSE { 2 * MOST } else { MOST };
         let columns = fields.len() + averaged.len();
         Self {

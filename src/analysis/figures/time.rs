@@ -150,7 +150,7 @@ struct Terms<'a> {
     panel: Panel,
     runs: &'a [&'a Run],
     count: usize,
-    /// The number of curves that are bands of numbers that ripple: they lie below all lines.
+    /// Number of bands of rapidly oscillating quantities, drawn below all lines.
     bands: usize,
 }
 

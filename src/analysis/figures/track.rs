@@ -72,7 +72,7 @@ pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
     drawing
 }
 
-/// A regime of a peg, and the colour of its track.
+/// A contact regime and its colour.
 type Regime = (&'static str, Colour);
 
 const REGIMES: [Regime; 3] = [

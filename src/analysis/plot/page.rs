@@ -32,7 +32,7 @@ pub(crate) struct Panel {
     pub(crate) height: f64,
     /// Whether the upright axis is broken and goes on in the next panel.
     pub(crate) is_broken: bool,
-    /// Whether the quantity may grow beyond all bounds: brief spikes are then cut off and marked.
+    /// Whether the quantity may diverge; brief spikes are clipped and marked.
     pub(crate) is_singular: bool,
     /// The widest range for which there is room.
     pub(crate) most: (f64, f64),

@@ -12,8 +12,7 @@ pub(super) struct Chart {
     pub(super) name: &'static str,
     /// The plots that are shown of each run.
     pub(super) plots: &'static [Plot],
-    /// The corner where a legend is out of the curves' way. Where two runs are compared, most charts go without: colours mean
-    /// the same everywhere.
+    /// The corner of the legend. Comparisons have few legends, because colours mean the same everywhere.
     pub(super) legend: Option<Corner2D>,
     /// The plots that are subtracted.
     pub(super) differences: &'static [Plot],
@@ -91,7 +90,7 @@ const THETA_RATE: Chart = chart("dθ/dt", THETA_DOT, LeftTop);
 const PHI_RATE: Chart = chart(PHI_DOT_NAME, PHI_DOT_AND_ROOT, LeftTop);
 const PSI_RATE: Chart = chart("dψ/dt, spin", PSI_DOT, RightTop);
 const FRICTION_TORQUE: Chart = chart(TORQUE_NAME, TORQUE, LeftBottom);
-const THETA_TERMS: Chart = chart("d²θ/dt² term by term", THETA_DDOT, RightBottom);
+const THETA_TERMS: Chart = chart("Terms of d²θ/dt²", THETA_DDOT, RightBottom);
 const SLIP_VELOCITY: Chart = chart("Slip velocity at the contact, world axes", SLIP, RightTop);
 const ENERGIES: Chart = chart("Total and kinetic energy", ENERGY, LeftBottom);
 const ANGULAR_MOMENTUM: Chart = chart(MOMENTUM_NAME, MOMENTUM, RightTop);
@@ -136,8 +135,8 @@ pub(super) const RATES: [Chart; 4] = [THETA_RATE, PHI_RATE, PSI_RATE, THETA_TERM
 
 /// Further quantities.
 pub(super) const MORE: [Chart; 8] = [
-    chart("d²φ/dt² term by term", PHI_DDOT, LeftTop),
-    chart("d²ψ/dt² term by term", PSI_DDOT, LeftTop),
+    chart("Terms of d²φ/dt²", PHI_DDOT, LeftTop),
+    chart("Terms of d²ψ/dt²", PSI_DDOT, LeftTop),
     chart("dφ/dt − slow root", EXCESS, LeftTop),
     chart("Nutation period", PERIOD, LeftTop),
     chart("Gravity torque, node frame", GRAVITY, RightTop),

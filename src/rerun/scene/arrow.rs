@@ -34,8 +34,8 @@ const FRICTION_TORQUE: VectorField = torque::FRICTION_BODY;
 /// The only arrow that is drawn where two runs are compared: all arrows of both would hide the tops.
 const COMPARED: VectorField = contact::FRICTION_FORCE;
 
-/// The kinds of which there is anything to draw, with their scales and these in words: without friction its arrows have
-/// no length.
+/// The arrows that are drawn, with their scales, as numbers and as text. Without friction, its arrows have no length
+/// and are omitted.
 fn drawn(identity: &Identity, look: &Look) -> impl Iterator<Item = (Kind, f64, String)> {
     let scales = &identity.geometry.scales;
     let scales = [
@@ -62,8 +62,8 @@ pub(super) fn explanation(identity: &Identity, look: &Look) -> String {
     text
 }
 
-/// An arrow from the origin of a quantity, and its name a little beyond its tip. Short arrows go without: their names
-/// would lie on top of each other.
+/// An arrow at the origin of a quantity, with a label beyond its tip. Short arrows have no label, because labels would
+/// overlap.
 pub(super) struct Arrow {
     vector: VectorField,
     /// Quantity per metre.

@@ -17,7 +17,7 @@ const CAMERA_DISTANCE: f64 = 4.0;
 /// Time between two places, in ns.
 const STEP_NS: u64 = 10_000_000;
 
-/// Sends the vertical, up to half a top above the top, from the table below a peg in the middle of it.
+/// Sends the vertical line through the centre of the table, up to half a height above the top.
 pub(super) fn send_vertical(geometry: &Geometry, outlet: &mut Outlet) {
     let height = geometry.top.peg_radius + 1.5 * Proportions::new(&geometry.top).size();
     let line = LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
