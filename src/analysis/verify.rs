@@ -101,7 +101,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
     let is_interrupted = recording.is_interrupted();
     let is_whole = report.state == Condition::Whole && compared.losses == 0;
     let is_part = !is_whole || is_interrupted || compared.missing > 0;
-    let beside = || container::difference(recording, &opening, &end, is_part, is_by_value);
+    let of_container = || container::difference(recording, &opening, &end, is_part, is_by_value);
     let is_exact = !is_by_value && !is_part;
     // Data and index must agree, unless the file is damaged.
     let has_index =
@@ -109,7 +109,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
     let index = || index::index_difference(recording);
     report.difference = compared
         .difference
-        .or_else(beside)
+        .or_else(of_container)
         .or(compared.out_of_order.filter(|_| is_exact))
         .or_else(|| has_index.then(index)?);
     report.verdict = match (&report.difference, &report.recorded_by) {

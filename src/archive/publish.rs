@@ -15,7 +15,7 @@ use std::path::{self, Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile, PersistError, TempPath};
 
-/// What to do with an existing file.
+/// Treatment of an existing file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
     /// Keep it and fail.

@@ -13,7 +13,7 @@ const RULE: char = '\u{1}';
 /// A table. The first `left` columns contain text and may be wrapped; the others contain right-aligned numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Table {
-    /// Names of the columns; none for a table without.
+    /// Names of the columns; `None` for a table without.
     pub(super) header: Vec<String>,
     /// The cells.
     pub(super) rows: Vec<Vec<String>>,

@@ -101,7 +101,7 @@ impl Axis {
         Self::parse(name, &items.join(","))
     }
 
-    /// Number of values that a grid has along this axis; none if only a sample can choose them.
+    /// Number of values that a grid has along this axis; `None` if only a sample can choose them.
     pub fn count(&self) -> Option<u64> {
         match &self.points {
             Points::List(values) => Some(values.len() as u64),

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json};
 
-/// The first difference between the specs of two sweeps, in words; none if they are equal.
+/// The first difference between the specs of two sweeps, in words; `None` if they are equal.
 pub(super) fn change(before: &Json, now: &Json) -> Option<String> {
     changed("", before, now)
 }

@@ -23,7 +23,7 @@ pub struct Watch<'a> {
 
 /// Result of a row.
 pub(super) struct Row {
-    /// Digest of the scenario; none if it is invalid.
+    /// Digest of the scenario; `None` if it is invalid.
     pub(super) digest: Option<String>,
     /// The outcome or an error text.
     pub(super) result: Result<Outcome, String>,

@@ -42,7 +42,7 @@ const _: () = assert!(KEYS.len() <= DIMENSIONS);
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     seed: u64,
-    /// One for each dimension; none for random points.
+    /// One for each dimension; `None` for random points.
     sobol: Vec<Sobol>,
 }
 

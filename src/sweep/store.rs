@@ -78,7 +78,7 @@ impl<'a> Store<'a> {
         }
     }
 
-    /// The counts of the complete table; none if there is no table yet.
+    /// The counts of the complete table; `None` if there is no table yet.
     ///
     /// # Errors
     /// If the existing file is not this table.
@@ -142,7 +142,7 @@ impl<'a> Store<'a> {
         self.parts.join(part_name(part))
     }
 
-    /// The counts of a part; none if it is missing, or damaged and must be computed again.
+    /// The counts of a part; `None` if it is missing, or damaged and must be computed again.
     ///
     /// # Errors
     /// [`SweepError::File`] if it belongs to another sweep.
@@ -338,7 +338,7 @@ pub(super) fn entry<'a>(metadata: &'a ParquetMetaData, name: &str) -> Option<&'a
     found.value.as_deref()
 }
 
-/// The counts in a file's metadata; none if they are missing or damaged.
+/// The counts in a file's metadata; `None` if they are missing or damaged.
 fn counts(metadata: &ParquetMetaData) -> Option<Counts> {
     serde_json::from_str(entry(metadata, COUNTS_ENTRY)?).ok()
 }

@@ -97,7 +97,7 @@ impl FieldDifferences {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Object<K>(pub(super) Vec<(K, Target<K>)>);
 
-/// Where a member is stored.
+/// The storage place of a member.
 #[derive(Clone, Debug)]
 pub(super) enum Target<K> {
     Seconds,

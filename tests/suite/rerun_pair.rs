@@ -403,7 +403,7 @@ fn events_that_repeat_are_one_line_with_their_number() {
         .split_once(" s:")
         .unwrap()
         .0;
-    let expected = format!("{} more loops until {last} s", loops.count() - 1);
+    let expected = format!(" to {last} s: {} more loops", loops.count() - 1);
     let summary = lines("/events");
     assert!(
         summary.iter().any(|line| line.ends_with(&expected)),

@@ -151,7 +151,7 @@ fn amplitude(cycle: &Cycle) -> f64 {
 /// Amplitude and drift are evaluated at the first crossing, because they can change during a large lead.
 pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
     let (first, last) = history.of_cycles(Cycle::amplitude).domain()?;
-    let touch = time.clamp(first, last);
+    let crossing = time.clamp(first, last);
     let (of_theta, of_rate) = (
         history.of_cycles(amplitude),
         history.of_cycles(Cycle::amplitude),
@@ -162,11 +162,11 @@ pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
         let ratio = of_rate.at(time)? / mean.slope(time)?.abs();
         Some(earlier(time)? * latest(ratio))
     };
-    let since = touch - earlier(touch)?;
+    let since = crossing - earlier(crossing)?;
     let middles = history.cycles.iter().map(Cycle::middle);
     let times = middles
-        .filter(|middle| (since..touch).contains(middle))
-        .chain([touch]);
+        .filter(|middle| (since..crossing).contains(middle))
+        .chain([crossing]);
     let mut range = [0.0_f64, f64::NEG_INFINITY];
     for time in times {
         range = [range[0].min(-earlier(time)?), range[1].max(later(time)?)];

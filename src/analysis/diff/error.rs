@@ -51,7 +51,7 @@ pub enum DiffError {
     /// A run of toprise is compared with another file.
     #[error("{side} is not a toprise recording; it can only be compared with another MCAP file")]
     Mixed {
-        /// Which one, A or B.
+        /// The run, A or B.
         side: &'static str,
     },
     /// An observer could not write what it was shown.

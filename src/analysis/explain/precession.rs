@@ -129,7 +129,7 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
     })
 }
 
-/// Friction's part in the change of φ̇ between the first and the last sample; none where that isn't known.
+/// Friction's part in the change of φ̇ between the first and the last sample; `None` where that isn't known.
 pub(super) fn friction(evidence: &Evidence) -> Option<Fact> {
     let [first, last] = evidence.history.states?;
     let changes = [0, 1, 2].map(|term| last.terms[term] - first.terms[term]);

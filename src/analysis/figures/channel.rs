@@ -140,7 +140,7 @@ impl Channel {
         }
     }
 
-    /// The integral of an averaged number up to a time; none if that isn't between samples.
+    /// The integral of an averaged number up to a time; `None` if that isn't between samples.
     ///
     /// Between two samples it is the cubic with the integrals and the numbers at both as values and slopes.
     fn integral(&self, index: usize, time: f64) -> Option<f64> {
@@ -161,7 +161,7 @@ impl Channel {
         Some(before + part * rise + bend)
     }
 
-    /// What is missing of a field: messages or the field.
+    /// The missing part of a field: its messages or the field.
     pub(super) fn missing(&self, field: NumberField) -> Option<String> {
         if self.rows.is_empty() {
             return Some(format!("messages of {}", self.topic));

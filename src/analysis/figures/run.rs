@@ -87,7 +87,7 @@ impl Run {
         }
     }
 
-    /// What is missing of a field: the channel, its messages or the field.
+    /// The missing part of a field: the channel, its messages or the field.
     pub(super) fn missing(&self, field: NumberField) -> Option<String> {
         let topic = field.topic();
         let channel = self.channel(topic);

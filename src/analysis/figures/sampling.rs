@@ -34,7 +34,7 @@ fn sampled(scenario: &Scenario, period_ns: u64) -> Scenario {
     sampled
 }
 
-/// The longest time between samples that shows everything, ns; none if the run can't be simulated.
+/// The longest time between samples that shows everything, ns; `None` if the run can't be simulated.
 fn period_ns(scenario: &Scenario) -> Option<f64> {
     let mut simulation = Simulation::new(&sampled(scenario, NEVER)).ok()?;
     let (mut shortest, mut count) = (f64::INFINITY, 0.0);

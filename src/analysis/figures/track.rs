@@ -81,7 +81,7 @@ const REGIMES: [Regime; 3] = [
     ("in the air", VERMILION),
 ];
 
-/// The parts of a track in which the peg does one thing; none if that is not known.
+/// The parts of a track in which the peg does one thing; `None` if that is not known.
 fn regimes(track: &[(Point, f64)]) -> Vec<(Regime, Vec<Point>)> {
     let known = track.iter().filter(|(_, regime)| regime.is_finite());
     let known: Vec<_> = known.collect();

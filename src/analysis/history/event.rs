@@ -5,7 +5,7 @@ use crate::run::simulation::EventKind;
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Event {
-    /// Its kind; none for a name of another version.
+    /// Its kind; `None` for a name of another version.
     pub(crate) kind: Option<EventKind>,
     /// Time, s.
     pub(crate) time: f64,

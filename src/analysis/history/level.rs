@@ -16,7 +16,7 @@ const SAME_LEVEL: f64 = 1e-9;
 /// The first crossing of a level.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FirstCrossing {
-    /// The level, rad; none if none is looked for.
+    /// The level, rad; `None` if none is looked for.
     level: Option<f64>,
     time: Option<f64>,
     /// The last sample: its time (s), θ, θ̇ and θ̈.

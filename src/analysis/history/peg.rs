@@ -156,7 +156,7 @@ impl PegHistory {
         self.lost = Some(lost.map(|field| field.of(message)));
     }
 
-    /// The intervals of the phases, to the end of the run (s); none if there are no events.
+    /// The intervals of the phases, to the end of the run (s); `None` if there are no events.
     pub(crate) fn intervals(&self, end: f64) -> Vec<Interval> {
         if !self.has_events {
             return Vec::new();

@@ -61,7 +61,7 @@ enum Part {
     Texts,
     /// Pairs of a channel's id and a number of eight bytes.
     Numbers,
-    /// What is left.
+    /// The rest.
     Rest,
 }
 

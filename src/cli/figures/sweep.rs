@@ -42,7 +42,7 @@ fn parse_where(text: &str) -> Result<Override, String> {
 }
 
 impl SweepFigure {
-    /// The table of the sweep; none if a figure of runs is wanted.
+    /// The table of the sweep; `None` if a figure of runs is wanted.
     pub(super) fn table(&self) -> Option<&PathBuf> {
         self.sweep.as_ref()
     }

@@ -215,7 +215,7 @@ const MOST_TICKS: f64 = 7.0;
 /// Ranges below this fraction of the values are rounding.
 const SMALLEST_SPAN: f64 = 1e-12;
 
-/// A range with these values in it, and at least three ticks with a name; none if the values are equal.
+/// A range with these values in it, and at least three ticks with a name; `None` if the values are equal.
 fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
     let size = high - low;
     let is_rounding = size <= SMALLEST_SPAN * low.abs().max(high.abs());

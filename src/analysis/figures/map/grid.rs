@@ -27,7 +27,7 @@ pub(super) struct Border {
 }
 
 impl<'a> Grid<'a> {
-    /// The grid of the runs of a map; none if they make no grid.
+    /// The grid of the runs of a map; `None` if they make no grid.
     pub(super) fn of(map: &'a Map, y: &MapAxis, axes: [&Along; 2]) -> Result<Option<Self>, String> {
         let [columns, rows] = axes.map(|axis| axis.levels.len());
         // A grid may have holes; a sample has about as many distinct values as runs.

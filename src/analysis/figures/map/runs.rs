@@ -24,9 +24,9 @@ pub struct MapRun {
     pub y: f64,
     /// The value that colours or curves show.
     pub color: f64,
-    /// The reason why the run stopped; none where it has no outcome.
+    /// The reason why the run stopped; `None` where it has no outcome.
     pub stop: Option<String>,
-    /// Whether the axis looped; none where that is not known.
+    /// Whether the axis looped; `None` where that is not known.
     pub loops: Option<bool>,
     /// The scenario: each has a curve of its own.
     pub scenario: String,
