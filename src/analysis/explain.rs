@@ -123,39 +123,21 @@ pub fn explain_while<'a>(
     carry_on: &dyn Fn() -> bool,
 ) -> Result<Explanation, ExplainError> {
     let (evidence, losses) = gather(subject.into(), carry_on)?;
-    let is_free = evidence.scenario.model.support.is_free();
-    let chapters = [
-        (
-            "What happened",
-            if is_free {
-                free::motion(&evidence)
-            } else {
-                held::motion(&evidence)
-            },
-        ),
-        (
-            "Why the axis moves",
-            if is_free {
-                free::cause(&evidence)
-            } else {
-                held::cause(&evidence)
-            },
-        ),
-        (
-            "Where the energy goes",
-            if is_free {
-                free::energy(&evidence)
-            } else {
-                held::energy(&evidence)
-            },
-        ),
+    let [motion, cause, energy] = if evidence.scenario.model.support.is_free() {
+        [free::motion, free::cause, free::energy]
+    } else {
+        [held::motion, held::cause, held::energy]
+    };
+    let chapter = |heading, facts| Chapter { heading, facts };
+    let mut chapters = vec![
+        chapter("What happened", motion(&evidence)),
+        chapter("Why the axis moves", cause(&evidence)),
+        chapter("Where the energy goes", energy(&evidence)),
     ];
-    let chapters = chapters.into_iter().filter(|(_, facts)| !facts.is_empty());
+    chapters.retain(|chapter| !chapter.facts.is_empty());
     Ok(Explanation {
         title: title(&evidence),
-        chapters: chapters
-            .map(|(heading, facts)| Chapter { heading, facts })
-            .collect(),
+        chapters,
         events: event_summaries(&evidence.history),
         stages: precession::stages(&evidence),
         summary: evidence.summary,

@@ -5,6 +5,7 @@ use super::fact::Fact;
 use super::precession;
 use crate::physics::friction::Dissipation;
 use crate::run::simulation::EventKind;
+use crate::telemetry::fields::nutation;
 
 /// The event.
 pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
@@ -59,12 +60,9 @@ pub(super) fn loops(evidence: &Evidence) -> Option<Fact> {
         let later = history.cycles.partition_point(|cycle| cycle.start <= time);
         let cycle = later.checked_sub(1).map(|index| &history.cycles[index]);
         cycle.is_some_and(|cycle| {
-            let [least, greatest] = cycle.ranges[2];
-            let [small, large] = [
-                least.abs().min(greatest.abs()),
-                least.abs().max(greatest.abs()),
-            ];
-            small <= evidence.floor(large)
+            let bounds = [nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX];
+            let [least, greatest] = bounds.map(|bound| cycle.of_field(bound).abs());
+            least.min(greatest) <= evidence.floor(least.max(greatest))
         })
     };
     let loops = history.events_of(EventKind::LoopingBegins);

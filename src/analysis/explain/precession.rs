@@ -6,6 +6,7 @@ use crate::analysis::history::Cycle;
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
 use crate::run::simulation::UPRIGHT;
+use crate::telemetry::fields::nutation;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -158,11 +159,12 @@ pub(super) fn cancelling(evidence: &Evidence) -> Option<Fact> {
     let cycles = &evidence.history.cycles;
     let (first, last) = (cycles.first()?, cycles.last()?);
     let duration = last.end() - first.start;
+    let frictional = |cycle: &Cycle| cycle.of_field(nutation::PHI_DDOT_FRICTIONAL_MEAN);
     let demanded = |cycle: &Cycle| {
         let tilt = mean_motion(cycle)?;
         let gyroscopic = top.axial_moment / top.transverse_moment * tilt.axial_rate();
         let answer = (gyroscopic - 2.0 * tilt.rates.phi * tilt.cos) / tilt.sin;
-        Some(-cycle.period * cycle.frictional / answer)
+        Some(-cycle.period * frictional(cycle) / answer)
     };
     let known = cycles.iter().filter(|cycle| mean_motion(cycle).is_some());
     let known: Vec<&Cycle> = known.collect();
@@ -173,7 +175,7 @@ pub(super) fn cancelling(evidence: &Evidence) -> Option<Fact> {
         .sum::<f64>()
         / time;
     let mean = known.iter().map(|c| c.period * c.means[1]).sum::<f64>() / time;
-    let friction: f64 = cycles.iter().map(|c| c.period * c.frictional).sum();
+    let friction: f64 = cycles.iter().map(|c| c.period * frictional(c)).sum();
     let change = (last.means[2] - first.means[2]).abs();
     let is_steady = change < STEADY * friction.abs() && friction.abs() > evidence.floor(change);
     let is_known = demanded.is_finite() && duration > 0.0 && demanded != 0.0;
