@@ -21,15 +21,12 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
 
 /// The inclinations at which a top has risen or fallen, if it reached them.
 pub(super) fn limits(evidence: &Evidence) -> impl Iterator<Item = Fact> {
-    let first = |kind| evidence.history.first(kind);
-    let risen = first(EventKind::Risen).map(|event| Fact::Risen {
-        theta: event.theta,
-        time: event.time,
-    });
-    let fallen = first(EventKind::Fallen).map(|event| Fact::Fallen {
-        theta: event.theta,
-        time: event.time,
-    });
+    let first = |kind| {
+        let event = evidence.history.first(kind);
+        event.map(|event| (event.theta, event.time))
+    };
+    let risen = first(EventKind::Risen).map(|(theta, time)| Fact::Risen { theta, time });
+    let fallen = first(EventKind::Fallen).map(|(theta, time)| Fact::Fallen { theta, time });
     risen.into_iter().chain(fallen)
 }
 
