@@ -123,39 +123,21 @@ pub fn explain_while<'a>(
     carry_on: &dyn Fn() -> bool,
 ) -> Result<Explanation, ExplainError> {
     let (evidence, losses) = gather(subject.into(), carry_on)?;
-    let is_free = evidence.scenario.model.support.is_free();
-    let chapters = [
-        (
-            "What happened",
-            if is_free {
-                free::motion(&evidence)
-            } else {
-                held::motion(&evidence)
-            },
-        ),
-        (
-            "Why the axis moves",
-            if is_free {
-                free::cause(&evidence)
-            } else {
-                held::cause(&evidence)
-            },
-        ),
-        (
-            "Where the energy goes",
-            if is_free {
-                free::energy(&evidence)
-            } else {
-                held::energy(&evidence)
-            },
-        ),
+    let [motion, cause, energy] = if evidence.scenario.model.support.is_free() {
+        [free::motion, free::cause, free::energy]
+    } else {
+        [held::motion, held::cause, held::energy]
+    };
+    let chapter = |heading, facts| Chapter { heading, facts };
+    let mut chapters = vec![
+        chapter("What happened", motion(&evidence)),
+        chapter("Why the axis moves", cause(&evidence)),
+        chapter("Where the energy goes", energy(&evidence)),
     ];
-    let chapters = chapters.into_iter().filter(|(_, facts)| !facts.is_empty());
+    chapters.retain(|chapter| !chapter.facts.is_empty());
     Ok(Explanation {
         title: title(&evidence),
-        chapters: chapters
-            .map(|(heading, facts)| Chapter { heading, facts })
-            .collect(),
+        chapters,
         events: event_summaries(&evidence.history),
         stages: precession::stages(&evidence),
         summary: evidence.summary,
@@ -214,29 +196,23 @@ fn gather(
 
 fn title(evidence: &Evidence) -> String {
     let reason = evidence.history.end_entry(STOP_REASON);
-    let reason = StopReason::ALL
-        .into_iter()
-        .find(|stop| Some(stop.name()) == reason);
+    let mut known = StopReason::ALL.into_iter();
+    let reason = known.find(|stop| Some(stop.name()) == reason);
+    let scenario = evidence.scenario.title();
     let end = moment(evidence.history.stop_time().unwrap_or(0.0));
     match reason {
-        Some(reason) => format!(
-            "{}: {} at t = {end}",
-            evidence.scenario.title(),
-            reason.sentence()
-        ),
-        None => format!(
-            "{}: incomplete, recorded until t = {end}",
-            evidence.scenario.title()
-        ),
+        Some(reason) => format!("{scenario}: {} at t = {end}", reason.sentence()),
+        None => format!("{scenario}: incomplete, recorded until t = {end}"),
     }
 }
 
 /// Event kinds, without nutation extremes.
 fn event_summaries(history: &RunHistory) -> Vec<EventSummary> {
     let mut event_summaries: Vec<EventSummary> = Vec::new();
+    let is_told = |kind: EventKind| kind != EventKind::Start && !kind.is_of_nutation();
     let events = history.events.iter();
     let events = events.filter_map(|event| Some((event.kind?, event)));
-    for (kind, event) in events.filter(|(kind, _)| !kind.is_of_nutation()) {
+    for (kind, event) in events.filter(|(kind, _)| is_told(*kind)) {
         let mut known = event_summaries.iter_mut();
         match known.find(|known| known.name == kind.name()) {
             Some(known) => (known.count, known.last) = (known.count + 1, event.time),
@@ -249,6 +225,5 @@ fn event_summaries(history: &RunHistory) -> Vec<EventSummary> {
             }),
         }
     }
-    event_summaries.retain(|summary| summary.name != EventKind::Start.name());
     event_summaries
 }

@@ -25,7 +25,7 @@ use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
     ACCELERATION, CONTACT, ENERGY, EVENTS, MOMENTUM, NUTATION, STATE, acceleration, contact,
-    events, momentum, state,
+    events, momentum, nutation, state,
 };
 
 use std::f64::consts::FRAC_PI_2;
@@ -212,8 +212,9 @@ impl RunHistory {
     pub(crate) fn phase(&self) -> Curve {
         let cycles = self.cycles.iter().enumerate();
         let broken_off = cycles.filter(|(index, _)| !self.goes_on_after(*index));
-        let ends = broken_off.map(|(_, cycle)| (cycle.end(), cycle.number + 1.0));
-        let starts = self.cycles.iter().map(|cycle| (cycle.start, cycle.number));
+        let number = |cycle: &Cycle| cycle.of_field(nutation::CYCLE);
+        let ends = broken_off.map(|(_, cycle)| (cycle.end(), number(cycle) + 1.0));
+        let starts = self.cycles.iter().map(|cycle| (cycle.start, number(cycle)));
         let mut points: Vec<_> = starts.chain(ends).collect();
         points.sort_by(|one, other| one.0.total_cmp(&other.0));
         Curve::new(points)

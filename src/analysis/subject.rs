@@ -86,29 +86,25 @@ impl Subject<'_> {
 
     /// Whether it has the channel with this topic.
     pub fn has_topic(self, topic: Topic) -> bool {
-        match self {
-            Self::Scenario(scenario) => {
-                Topic::all_with(scenario.model.support).any(|own| own == topic)
-            }
-            Self::Recording(recording) => recording.has(topic),
-        }
+        self.topics().contains(&topic)
     }
 
     /// Whether it is a toprise run. (Foreign files are compared by bytes.)
     pub fn is_ours(self) -> bool {
-        match self {
-            Self::Scenario(_) => true,
-            Self::Recording(recording) => recording.condition() != Condition::Foreign,
-        }
+        self.condition() != Some(Condition::Foreign)
     }
 
     /// Whether parts of the run are known to be missing.
     pub(crate) fn is_cut(self) -> bool {
+        let is_cut = |kind| !matches!(kind, Condition::Whole | Condition::Foreign);
+        self.condition().is_some_and(is_cut)
+    }
+
+    /// The kind of file; none for a scenario.
+    fn condition(self) -> Option<Condition> {
         match self {
-            Self::Scenario(_) => false,
-            Self::Recording(recording) => {
-                !matches!(recording.condition(), Condition::Whole | Condition::Foreign)
-            }
+            Self::Scenario(_) => None,
+            Self::Recording(recording) => Some(recording.condition()),
         }
     }
 }
@@ -171,18 +167,6 @@ impl Undecodable {
     }
 }
 
-/// Reason for stopping a simulation.
-enum Stopped {
-    Telemetry(TelemetryError),
-    Unwanted,
-}
-
-impl From<TelemetryError> for Stopped {
-    fn from(error: TelemetryError) -> Self {
-        Self::Telemetry(error)
-    }
-}
-
 fn simulate(
     scenario: &Scenario,
     topics: &Topics,
@@ -198,24 +182,24 @@ fn simulate(
     };
     let mut telemetry = Telemetry::with_topics(topics);
     let mut losses = Vec::new();
-    for record in simulation.by_ref() {
-        let sent = match &record {
-            Ok(record) => telemetry.messages(record, |message| match take(message, 0) {
-                ControlFlow::Continue(()) => Ok(()),
-                ControlFlow::Break(()) => Err(Stopped::Unwanted),
-            }),
-            Err(error) => {
-                losses.push(format!("the rest of the motion: {error}"));
-                break;
-            }
-        };
-        match sent {
-            Ok(()) => {}
-            Err(Stopped::Unwanted) => break,
-            Err(Stopped::Telemetry(error)) => {
-                losses.push(format!("the rest of the motion: {error}"));
-                break;
-            }
+    let mut flow = ControlFlow::Continue(());
+    while flow.is_continue()
+        && let Some(record) = simulation.next()
+    {
+        let sent = record
+            .map_err(|error| error.to_string())
+            .and_then(|record| {
+                let sent = telemetry.messages(&record, |message| {
+                    if flow.is_continue() {
+                        flow = take(message, 0);
+                    }
+                    Ok::<_, TelemetryError>(())
+                });
+                sent.map_err(|error| error.to_string())
+            });
+        if let Err(error) = sent {
+            losses.push(format!("the rest of the motion: {error}"));
+            break;
         }
     }
     Ended {

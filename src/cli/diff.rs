@@ -4,22 +4,12 @@ mod content;
 #[cfg(feature = "rerun")]
 mod viewer;
 
-#[cfg(feature = "rerun")]
-use super::arguments::OUTPUT;
 use super::arguments::{Override, parse_override};
 use super::input::{Input, open};
-#[cfg(feature = "rerun")]
-use super::output;
-#[cfg(feature = "rerun")]
-use super::page;
 use super::progress::Progress;
 use super::report;
 use super::status::Status;
-#[cfg(feature = "rerun")]
-use crate::analysis::diff::Report;
 use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, compare_observed};
-#[cfg(feature = "rerun")]
-use crate::archive::publish::{Existing, refuse_inputs};
 #[cfg(feature = "rerun")]
 use crate::archive::sink::SinkError;
 #[cfg(feature = "rerun")]
@@ -93,11 +83,6 @@ pub(super) struct DiffArguments {
     #[cfg(feature = "rerun")]
     #[command(flatten)]
     show: viewer::ShowArguments,
-
-    /// Replace files that exist.
-    #[cfg(feature = "rerun")]
-    #[arg(long, help_heading = OUTPUT)]
-    force: bool,
 }
 
 impl DiffArguments {
@@ -136,25 +121,23 @@ impl DiffArguments {
 pub(super) fn diff(arguments: &DiffArguments) -> Result<Status, Error> {
     let options = arguments.options()?;
     #[cfg(feature = "rerun")]
-    if let Some(rrd) = arguments.show.rrd() {
-        refuse_inputs(rrd, arguments.runs.iter().map(PathBuf::as_path))?;
-    }
+    arguments.show.check_file(&arguments.runs)?;
     let [a, b] = arguments.inputs()?;
     let subjects = [&a, &b].map(Input::subject);
     let progress = Progress::of_bytes("comparing", a.bytes() + b.bytes());
     let mut watching = Observers {
         progress: &progress,
         #[cfg(feature = "rerun")]
-        viewer: arguments
-            .show
-            .open(subjects, Existing::forced(arguments.force))?,
+        viewer: arguments.show.open(subjects)?,
     };
     let compared = compare_observed(subjects[0], subjects[1], &options, &mut watching);
     progress.finish();
     let report = compared?;
     report::print(&report, || content::page(&report, arguments.all))?;
     #[cfg(feature = "rerun")]
-    watching.finish(&report)?;
+    if let Some(viewer) = watching.viewer {
+        viewer.finish(&report)?;
+    }
     Ok(match report.verdict {
         Verdict::Different => Status::Different,
         Verdict::Agreeing => Status::Partial,
@@ -169,37 +152,21 @@ struct Observers<'a> {
     viewer: Option<viewer::Viewer>,
 }
 
-#[cfg(feature = "rerun")]
-impl Observers<'_> {
-    /// Completes the file for the viewer, and serves it if requested.
-    fn finish(self, report: &Report) -> Result<(), Error> {
-        let Some(viewer) = self.viewer else {
-            return Ok(());
-        };
-        let markdown = page::markdown(&content::page(report, false));
-        let (target, written) = viewer.finish(&markdown)?;
-        if let Some(file) = written {
-            output::note(&format!("wrote {}", file.line()));
-        }
-        viewer::serve(target)
-    }
-}
-
 impl Observer for Observers<'_> {
     #[cfg(feature = "rerun")]
     fn message(&mut self, side: Side, message: &Message<'_>) -> Result<(), SinkError> {
-        match &mut self.viewer {
-            Some(viewer) => viewer.message(side, message),
-            None => Ok(()),
+        if let Some(viewer) = &mut self.viewer {
+            viewer.sink.write(side, message);
         }
+        Ok(())
     }
 
     #[cfg(feature = "rerun")]
     fn difference(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        match &mut self.viewer {
-            Some(viewer) => viewer.difference(message),
-            None => Ok(()),
+        if let Some(viewer) = &mut self.viewer {
+            viewer.sink.difference(message);
         }
+        Ok(())
     }
 
     fn progress(&mut self, bytes: u64) {

@@ -39,11 +39,7 @@ pub(super) fn explain(arguments: &ExplainArguments) -> Result<Status, Error> {
     let context = || arguments.run.display().to_string();
     let explanation = explained(input.subject()).with_context(context)?;
     report::print(&explanation, || page(&explanation, arguments.all))?;
-    Ok(if explanation.losses.is_empty() {
-        Status::Success
-    } else {
-        Status::Partial
-    })
+    Ok(Status::of_whole(explanation.losses.is_empty()))
 }
 
 fn page(explanation: &Explanation, all: bool) -> Vec<Section> {

@@ -124,17 +124,11 @@ impl FiguresArguments {
         };
         let has_runs = |figure: &&Figure| figure.least_runs <= runs;
         if let Some(figure) = FIGURES.iter().filter(is_asked).find(|f| !has_runs(f)) {
-            let Figure {
-                name, least_runs, ..
-            } = figure;
-            bail!("{name} compares runs: give at least {least_runs} runs, or none for the paper's");
+            let (name, least) = (figure.name, figure.least_runs);
+            bail!("{name} compares runs: give at least {least} runs, or none for the paper's");
         }
-        let all = FIGURES.iter().filter(has_runs);
-        Ok(if self.only.is_empty() {
-            all.collect()
-        } else {
-            all.filter(is_asked).collect()
-        })
+        let is_wanted = |figure: &&Figure| self.only.is_empty() || is_asked(figure);
+        Ok(FIGURES.iter().filter(has_runs).filter(is_wanted).collect())
     }
 
     /// The kinds of files, each once.
@@ -228,11 +222,12 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Status, Error> {
     warn(&report);
     if drawn.is_empty() {
         match report.left_out.first() {
-            Some(LeftOut {
-                figure,
-                run,
-                because,
-            }) => bail!("nothing to draw: {figure} does not apply to {run}: {because}"),
+            Some(left) => bail!(
+                "nothing to draw: {} does not apply to {}: {}",
+                left.figure,
+                left.run,
+                left.because
+            ),
             None => bail!("nothing can be drawn"),
         }
     }
@@ -243,11 +238,8 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Status, Error> {
         report.files.extend(files);
     }
     report::print(&report, || page(&report))?;
-    Ok(if report.losses.is_empty() && report.lacking.is_empty() {
-        Status::Success
-    } else {
-        Status::Partial
-    })
+    let is_whole = report.losses.is_empty() && report.lacking.is_empty();
+    Ok(Status::of_whole(is_whole))
 }
 
 fn warn(report: &FiguresReport) {

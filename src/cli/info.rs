@@ -13,7 +13,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Event kinds with more events than this are only counted.
 const RARE: u64 = 20;
@@ -49,27 +49,19 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
     let overview = Overview::read(path).with_context(context)?;
     let size = fs::metadata(path).with_context(context)?.len();
     let is_whole = matches!(overview.condition, Condition::Whole | Condition::Foreign);
-    let report = InfoReport::of(path, size, overview);
+    let report = InfoReport {
+        file: context(),
+        bytes: size,
+        messages: overview.messages(),
+        last_ns: overview.last_ns(),
+        losses: overview.losses.iter().map(LossReport::from).collect(),
+        overview,
+    };
     report::print(&report, || report.page())?;
-    Ok(if is_whole && report.losses.is_empty() {
-        Status::Success
-    } else {
-        Status::Partial
-    })
+    Ok(Status::of_whole(is_whole && report.losses.is_empty()))
 }
 
 impl InfoReport {
-    fn of(path: &Path, size: u64, overview: Overview) -> Self {
-        Self {
-            file: path.display().to_string(),
-            bytes: size,
-            messages: overview.messages(),
-            last_ns: overview.last_ns(),
-            losses: overview.losses.iter().map(LossReport::from).collect(),
-            overview,
-        }
-    }
-
     fn page(&self) -> Vec<Section> {
         let mut head = Section::new(&self.file);
         head.note = bytes(self.bytes);
@@ -85,29 +77,23 @@ impl InfoReport {
         if overview.condition == Condition::Foreign {
             facts.push(("written by", overview.library.clone()));
         }
-        facts.extend(
-            overview
-                .losses
-                .iter()
-                .map(|loss| ("lost", loss.to_string())),
-        );
+        let losses = overview.losses.iter();
+        facts.extend(losses.map(|loss| ("lost", loss.to_string())));
         if let Some(run) = &overview.run {
             facts.push(("scenario", run_line(run)));
         }
         if let Some(end) = &overview.end {
             facts.push(("end", end_line(end)));
-            facts.push((
-                "content",
-                format!("sha-256 {}", entry(end, "content_digest")),
-            ));
+            let digest = entry(end, "content_digest");
+            facts.push(("content", format!("sha-256 {digest}")));
         }
         facts.push(("span", format!("{} s", self.last_ns as f64 / 1e9)));
         facts.push(("messages", count(self.messages)));
         if !self.overview.events.is_empty() {
-            let counts = self.counts().into_iter();
-            let counts: Vec<_> = counts
-                .map(|(name, number)| format!("{} × {}", count(number), name.replace('_', " ")))
-                .collect();
+            let words = |(name, number): (&str, u64)| {
+                format!("{} × {}", count(number), name.replace('_', " "))
+            };
+            let counts: Vec<_> = self.counts().into_iter().map(words).collect();
             facts.push(("events", counts.join(", ")));
         }
         facts
@@ -142,9 +128,8 @@ impl InfoReport {
     fn event_table(&self) -> Table {
         let counts = self.counts();
         let is_rare = |event: &&EventOverview| {
-            let is_of_nutation =
-                EventKind::find(&event.name).is_some_and(EventKind::is_of_nutation);
-            counts[event.name.as_str()] <= RARE && !is_of_nutation
+            let kind = EventKind::find(&event.name);
+            counts[event.name.as_str()] <= RARE && !kind.is_some_and(EventKind::is_of_nutation)
         };
         let rare = self.overview.events.iter().filter(is_rare);
         let row = |event: &EventOverview| {

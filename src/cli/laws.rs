@@ -94,19 +94,13 @@ impl LawReport {
     fn table(&self) -> Table {
         let mut rows = vec![vec![self.name.to_owned(), self.formula.to_owned()]];
         let mut add = |left: &str, right: String| rows.push(vec![format!("  {left}"), right]);
-        for Parameter {
-            key,
-            unit,
-            meaning,
-            allowed,
-        } in &self.parameters
-        {
-            let unit = if unit.is_empty() {
-                String::new()
-            } else {
-                format!(" [{unit}]")
+        for parameter in &self.parameters {
+            let (meaning, allowed) = (parameter.meaning, &parameter.allowed);
+            let text = match parameter.unit {
+                "" => format!("{meaning}: {allowed}"),
+                unit => format!("{meaning} [{unit}]: {allowed}"),
             };
-            add(key, format!("{meaning}{unit}: {allowed}"));
+            add(parameter.key, text);
         }
         for (name, text) in [("typical", self.typical), ("source", self.source)] {
             if !text.is_empty() {

@@ -18,14 +18,9 @@ pub(super) fn number(value: f64, digits: usize) -> String {
 /// Formats an integer with thousands separators.
 pub(super) fn count(value: u64) -> String {
     let digits = value.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    let groups = digits.as_bytes().rchunks(3).rev();
+    let groups: Vec<_> = groups.map(String::from_utf8_lossy).collect();
+    groups.join(",")
 }
 
 /// Formats a count with its noun: "1 sample", "2 samples".

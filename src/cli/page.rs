@@ -4,10 +4,6 @@ use super::table::Table;
 use super::text::{sanitized, sanitized_lines};
 use anstyle::{AnsiColor, Effects, Style};
 
-const HEADING: Style = AnsiColor::Cyan.on_default().effects(Effects::BOLD);
-const GOOD: Style = AnsiColor::Green.on_default().effects(Effects::BOLD);
-const WEAK: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
-const BAD: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const FAINT: Style = Style::new().effects(Effects::DIMMED);
 
 /// Maximum text width.
@@ -29,12 +25,13 @@ pub(super) enum Tone {
 
 impl Tone {
     fn style(self) -> Style {
-        match self {
-            Self::Neutral => HEADING,
-            Self::Good => GOOD,
-            Self::Weak => WEAK,
-            Self::Bad => BAD,
-        }
+        let color = match self {
+            Self::Neutral => AnsiColor::Cyan,
+            Self::Good => AnsiColor::Green,
+            Self::Weak => AnsiColor::Yellow,
+            Self::Bad => AnsiColor::Red,
+        };
+        color.on_default().effects(Effects::BOLD)
     }
 }
 

@@ -58,11 +58,8 @@ impl PresetsReport {
             let code = |preset: &PresetReport| Part::Code(preset.scenario.clone());
             section.parts.extend(self.0.iter().map(code));
         } else {
-            let facts = self
-                .0
-                .iter()
-                .map(|preset| (preset.name, preset.description.to_owned()));
-            section.table(Table::of_facts(facts.collect()));
+            let fact = |preset: &PresetReport| (preset.name, preset.description.to_owned());
+            section.table(Table::of_facts(self.0.iter().map(fact).collect()));
         }
         vec![section]
     }

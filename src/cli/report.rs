@@ -10,6 +10,7 @@ use crate::archive::sink::SinkError;
 use anyhow::Error;
 use schemars::JsonSchema;
 use serde::Serialize;
+use serde_json::json;
 use std::path::Path;
 
 /// Prints a report in the selected format; --quiet suppresses text.
@@ -26,17 +27,11 @@ pub(super) fn print(
     Ok(())
 }
 
-/// JSON form of an error.
-#[derive(Serialize)]
-struct Failure<'a> {
-    error: &'a str,
-}
-
 /// With --format json, prints an error as JSON on standard output.
 pub(super) fn print_error(error: &str) {
     if output::format() == Format::Json {
         // The error is on standard error, too.
-        let _ = print(&Failure { error }, Vec::new);
+        let _ = print(&json!({ "error": error }), Vec::new);
     }
 }
 

@@ -95,7 +95,11 @@ impl Recorder<'_> {
         let mut archive = McapSink::create_in(files.mcap, scenario, &telemetry, self.form)?;
         let mut sinks: Vec<&mut dyn Sink> = vec![&mut archive];
         #[cfg(feature = "rerun")]
-        sinks.extend(viewer.sink());
+        sinks.extend(
+            viewer
+                .as_mut()
+                .map(|viewer| &mut viewer.sink as &mut dyn Sink),
+        );
 
         let mut pace = Pace::start(arguments.realtime, self.interrupt.clone());
         let mut counts = Tally::default();
@@ -122,12 +126,13 @@ impl Recorder<'_> {
             None => WrittenFile::publish(draft)?,
         };
         #[cfg(feature = "rerun")]
-        let rrd = {
+        let rrd = viewer.map_or(Ok(None), |mut viewer| {
             if !matches!(end.stop, StopReason::Interrupted | StopReason::Failed) {
-                viewer.set_outcome(&Outcome::new(scenario, &end, &counts));
+                let outcome = Outcome::new(scenario, &end, &counts);
+                viewer.sink.set_outcome(&outcome);
             }
             viewer.finish(arguments.adjacent_rrd(there.as_ref()))
-        };
+        });
         #[cfg(not(feature = "rerun"))]
         let rrd: Result<_, Error> = Ok(None);
         // The MCAP file is complete without it.

@@ -15,6 +15,17 @@ pub(super) enum Status {
     Partial,
 }
 
+impl Status {
+    /// Success of a whole result, or a partial one.
+    pub(super) fn of_whole(is_whole: bool) -> Self {
+        if is_whole {
+            Self::Success
+        } else {
+            Self::Partial
+        }
+    }
+}
+
 impl From<Status> for ExitCode {
     fn from(status: Status) -> Self {
         Self::from(match status {

@@ -18,7 +18,7 @@ use crate::sweep::{
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 pub(crate) use report::SweepReport;
-use report::{Asked, summary};
+use report::summary;
 use std::panic;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -116,7 +116,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
     let interrupt = Interrupt::watch()?;
     let carry_on = || !interrupt.is_requested();
-    let computed = quietly(|| {
+    let finished = quietly(|| {
         if arguments.dry_run {
             return Ok(Finished::default());
         }
@@ -131,14 +131,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
         let finished = run(&sweep, &arguments.output, &arguments.options(), &watch);
         tally.progress.finish();
         finished
-    });
-    let finished = computed?;
-    let asked = Asked {
-        dry_run: arguments.dry_run,
-        shard: arguments.shard,
-        left,
-        computing: began.elapsed(),
-    };
+    })?;
     let report = SweepReport {
         runs: sweep.spec().rows(),
         computed: finished.computed,
@@ -151,13 +144,8 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
         interrupted: finished.is_interrupted,
         wall_time: began.elapsed().as_secs_f64(),
     };
-    reports::print(&report, || report.page(&asked))?;
-    let has_losses = report.errors > 0 || report.interrupted;
-    Ok(if has_losses {
-        Status::Partial
-    } else {
-        Status::Success
-    })
+    reports::print(&report, || report.page(arguments, left))?;
+    Ok(Status::of_whole(report.errors == 0 && !report.interrupted))
 }
 
 impl SweepArguments {

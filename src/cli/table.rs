@@ -58,16 +58,12 @@ impl Table {
                 .set_width(u16::try_from(columns).unwrap_or(u16::MAX));
         }
         let width = self.columns();
-        let cells = |row: &[String]| {
-            let cell = |at| sanitized(row.get(at).map_or("", String::as_str)).into_owned();
-            (0..width).map(cell).collect::<Vec<_>>()
-        };
         if self.has_header() {
             layout
                 .set_style(TableComponent::HeaderLines, RULE)
-                .set_header(cells(&self.header));
+                .set_header(cells(&self.header, width));
         }
-        layout.add_rows(self.rows.iter().map(|row| cells(row)));
+        layout.add_rows(self.rows.iter().map(|row| cells(row, width)));
         for (at, column) in layout.column_iter_mut().enumerate() {
             column.set_padding((2, 0));
             if at >= self.left {
@@ -92,13 +88,9 @@ impl Table {
     /// Renders as Markdown.
     pub(super) fn markdown(&self) -> String {
         let columns = self.columns();
-        let row = |cells: &[String]| {
-            let cell = |at: usize| {
-                cells
-                    .get(at)
-                    .map_or(String::new(), |cell| sanitized(cell).replace('|', "\\|"))
-            };
-            let cells: Vec<String> = (0..columns).map(cell).collect();
+        let row = |row: &[String]| {
+            let cells = cells(row, columns).into_iter();
+            let cells: Vec<_> = cells.map(|cell| cell.replace('|', "\\|")).collect();
             format!("| {} |\n", cells.join(" | "))
         };
         let rule = |at: usize| if at < self.left { ":--" } else { "--:" }.to_owned();
@@ -109,6 +101,12 @@ impl Table {
         }
         text
     }
+}
+
+/// The sanitised cells of a row; empty ones at the end, if it has fewer.
+fn cells(row: &[String], columns: usize) -> Vec<String> {
+    let cell = |at| sanitized(row.get(at).map_or("", String::as_str)).into_owned();
+    (0..columns).map(cell).collect()
 }
 
 #[cfg(test)]

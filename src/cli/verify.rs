@@ -7,12 +7,12 @@ use super::status::Status;
 use super::table::Table;
 use super::{output, parallel, report};
 use crate::analysis::verify::{Report, Verdict, verify as check};
-use crate::archive::recording::{Condition, Recording, RecordingError};
+use crate::archive::recording::{Condition, Recording};
 use anyhow::Error;
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `toprise verify`.
 #[derive(Args, Debug, Default, PartialEq)]
@@ -21,8 +21,6 @@ pub(super) struct VerifyArguments {
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 }
-
-type Answer = Result<Report, RecordingError>;
 
 /// The results, in command-line order.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -43,10 +41,7 @@ struct VerifiedFile {
 
 /// Verifies recordings.
 pub(super) fn verify(arguments: &VerifyArguments) -> Result<Status, Error> {
-    let answers = check_all(&arguments.files);
-    let files = arguments.files.iter().zip(answers);
-    let files = files.map(|(file, answer)| VerifiedFile::of(file, answer));
-    let report = VerifyReport(files.collect());
+    let report = VerifyReport(check_all(&arguments.files));
     report::print(&report, || report.page())?;
     for file in &report.0 {
         if let Some(error) = &file.error {
@@ -57,15 +52,20 @@ pub(super) fn verify(arguments: &VerifyArguments) -> Result<Status, Error> {
 }
 
 /// Verifies all files in parallel.
-fn check_all(files: &[PathBuf]) -> Vec<Answer> {
+fn check_all(files: &[PathBuf]) -> Vec<VerifiedFile> {
     let size = |file: &PathBuf| file.metadata().map_or(0, |metadata| metadata.len());
     let progress = Progress::of_bytes("verifying", files.iter().map(size).sum());
-    let answers = parallel::map(files, |file| {
-        let recording = Recording::open(file);
-        recording.map(|recording| check(&recording, &|bytes| progress.add(bytes)))
+    let verified = parallel::map(files, |path| {
+        let recording = Recording::open(path);
+        let answer = recording.map(|recording| check(&recording, &|bytes| progress.add(bytes)));
+        VerifiedFile {
+            file: path.display().to_string(),
+            error: answer.as_ref().err().map(ToString::to_string),
+            report: answer.ok(),
+        }
     });
     progress.finish();
-    answers
+    verified
 }
 
 impl VerifyReport {
@@ -84,21 +84,6 @@ impl VerifyReport {
     fn page(&self) -> Vec<Section> {
         let section = |file: &VerifiedFile| Some(section(&file.file, file.report.as_ref()?));
         self.0.iter().filter_map(section).collect()
-    }
-}
-
-impl VerifiedFile {
-    fn of(file: &Path, answer: Answer) -> Self {
-        let file = file.display().to_string();
-        let (report, error) = match answer {
-            Ok(report) => (Some(report), None),
-            Err(error) => (None, Some(error.to_string())),
-        };
-        Self {
-            file,
-            report,
-            error,
-        }
     }
 }
 

@@ -82,10 +82,7 @@ struct ShownRecording {
 
 impl ViewReport {
     fn page(&self) -> Vec<Section> {
-        let files = self
-            .recordings
-            .iter()
-            .filter_map(|shown| shown.rrd.as_ref());
+        let files = self.recordings.iter().flat_map(|shown| &shown.rrd);
         let wrote = files.map(|file| ("wrote", file.line()));
         vec![Section::of(Table::of_facts(wrote.collect()))]
     }
@@ -146,26 +143,24 @@ impl ViewArguments {
 /// Shows recordings.
 pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
     let selection = arguments.selection()?;
-    let recordings = arguments
-        .files
-        .iter()
-        .map(|file| open(file))
-        .collect::<Result<Vec<_>, _>>()?;
-    for name in arguments.names() {
-        refuse_input(arguments, &name)?;
+    let recordings = arguments.files.iter().map(|file| open(file));
+    let recordings = recordings.collect::<Result<Vec<_>, _>>()?;
+    let names = arguments.names();
+    for rrd in names.iter().filter_map(|name| arguments.rrd_of(name)) {
+        refuse_inputs(&rrd, arguments.files.iter().map(PathBuf::as_path))?;
     }
     let interrupt = Interrupt::watch()?;
     let target = target(arguments)?;
     let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
+    let options = ReplayOptions {
+        arguments,
+        selection: &selection,
+        target: &target,
+        interrupt: &interrupt,
+        progress: &progress,
+    };
     let mut shown = Vec::new();
-    for (recording, name) in recordings.iter().zip(arguments.names()) {
-        let options = ReplayOptions {
-            arguments,
-            selection: &selection,
-            target: &target,
-            interrupt: &interrupt,
-            progress: &progress,
-        };
+    for (recording, name) in recordings.iter().zip(names) {
         shown.push(show(recording, &name, &options)?);
         if interrupt.is_requested() {
             break;
@@ -178,19 +173,7 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
     };
     report::print(&report, || report.page())?;
     target.serve_until(&interrupt);
-    Ok(if report.is_complete() {
-        Status::Success
-    } else {
-        Status::Partial
-    })
-}
-
-/// Refuses to overwrite an input.
-fn refuse_input(arguments: &ViewArguments, name: &str) -> Result<(), Error> {
-    if let Some(rrd) = arguments.rrd_of(name) {
-        refuse_inputs(&rrd, arguments.files.iter().map(PathBuf::as_path))?;
-    }
-    Ok(())
+    Ok(Status::of_whole(report.is_complete()))
 }
 
 fn open(file: &Path) -> Result<Recording, Error> {
@@ -238,12 +221,7 @@ fn show(
     name: &str,
     options: &ReplayOptions<'_>,
 ) -> Result<ShownRecording, Error> {
-    let ReplayOptions {
-        arguments,
-        interrupt,
-        progress,
-        ..
-    } = options;
+    let (arguments, interrupt) = (options.arguments, options.interrupt);
     let path = recording.path();
     let context = || path.display().to_string();
     let identity = Identity {
@@ -264,7 +242,7 @@ fn show(
     }
     output::warn_all(warnings);
     let replayed = replay(recording, options.selection.clone(), &mut sink, |read| {
-        progress.add(read);
+        options.progress.add(read);
         if interrupt.is_requested() {
             ControlFlow::Break(())
         } else {
@@ -308,12 +286,8 @@ fn identity(recording: &Recording, name: &str) -> Result<Identity, Error> {
     let scenario = recording
         .scenario()
         .context("the scene can't be drawn without the scenario")?;
-    Ok(Identity::of(
-        name,
-        &scenario,
-        recording.topics(),
-        Playback::FromStart,
-    ))
+    let topics = recording.topics();
+    Ok(Identity::of(name, &scenario, topics, Playback::FromStart))
 }
 
 /// Warns about parts that could not be shown.

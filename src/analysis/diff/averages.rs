@@ -6,17 +6,9 @@
 
 use crate::analysis::history::curve::Curve;
 use crate::analysis::history::{Cycle, RunHistory};
-use crate::telemetry::fields::{NUTATION, NumberField, nutation, state};
+use crate::telemetry::fields::{NUTATION, NumberField, nutation};
 use schemars::JsonSchema;
 use serde::Serialize;
-
-/// The quantities whose means and ranges a cycle has.
-const QUANTITIES: [NumberField; 4] = [
-    state::THETA,
-    state::THETA_DOT,
-    state::PHI_DOT,
-    state::PSI_DOT,
-];
 
 /// The differences B − A of the averaged motions.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -68,10 +60,11 @@ pub(super) fn compare(a: &RunHistory, b: &RunHistory) -> Option<Averaged> {
     let mut times: Vec<f64> = all.filter(|time| (from..=to).contains(time)).collect();
     times.sort_by(f64::total_cmp);
     let deviation = |field: NumberField| {
-        let curves = [a, b].map(|history| history.of_cycles(|cycle| value(cycle, field)));
+        let curves = [a, b].map(|history| history.of_cycles(|cycle| cycle.of_field(field)));
         deviation(field, &times, &curves)
     };
-    let fields = NUTATION.numbers().filter(|field| is_quantity(*field));
+    let is_quantity = |field: &NumberField| ![nutation::CYCLE, nutation::START].contains(field);
+    let fields = NUTATION.numbers().filter(is_quantity);
     let amplitudes = [a, b].map(|history| history.of_cycles(Cycle::amplitude));
     let [first, second] = amplitudes.each_ref().map(|curve| curve.at(to));
     Some(Averaged {
@@ -100,41 +93,6 @@ impl Averaged {
     }
 }
 
-/// Whether a field of `/top/nutation` is a mean or a bound of a quantity.
-fn is_quantity(field: NumberField) -> bool {
-    ![nutation::CYCLE, nutation::START].contains(&field)
-}
-
-/// A field of a cycle's message.
-fn value(cycle: &Cycle, field: NumberField) -> f64 {
-    const MEANS: [NumberField; 4] = [
-        nutation::THETA_MEAN,
-        nutation::THETA_DOT_MEAN,
-        nutation::PHI_DOT_MEAN,
-        nutation::PSI_DOT_MEAN,
-    ];
-    const RANGES: [[NumberField; 2]; 4] = [
-        [nutation::THETA_MIN, nutation::THETA_MAX],
-        [nutation::THETA_DOT_MIN, nutation::THETA_DOT_MAX],
-        [nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX],
-        [nutation::PSI_DOT_MIN, nutation::PSI_DOT_MAX],
-    ];
-    for at in 0..QUANTITIES.len() {
-        if field == MEANS[at] {
-            return cycle.means[at];
-        }
-        if let Some(end) = RANGES[at].iter().position(|bound| *bound == field) {
-            return cycle.ranges[at][end];
-        }
-    }
-    match field {
-        nutation::CYCLE => cycle.number,
-        nutation::START => cycle.start,
-        nutation::PERIOD => cycle.period,
-        _ => cycle.frictional,
-    }
-}
-
 fn deviation(field: NumberField, times: &[f64], [a, b]: &[Curve; 2]) -> Option<Deviation> {
     let values = times
         .iter()
@@ -155,16 +113,16 @@ fn deviation(field: NumberField, times: &[f64], [a, b]: &[Curve; 2]) -> Option<D
 /// its time (ns) and the cycle's number.
 pub(super) fn differences(a: &RunHistory, b: &RunHistory) -> Vec<(u64, u32, Vec<f64>)> {
     let fields: Vec<NumberField> = NUTATION.numbers().collect();
-    let curve = |field: &NumberField| b.of_cycles(|cycle| value(cycle, *field));
+    let curve = |field: &NumberField| b.of_cycles(|cycle| cycle.of_field(*field));
     let curves: Vec<Curve> = fields.iter().map(curve).collect();
     let cycles = a.cycles.iter().filter_map(|cycle| {
         let time = cycle.middle();
         let numbers = fields.iter().zip(&curves);
-        let numbers = numbers.map(|(field, of_b)| Some(of_b.at(time)? - value(cycle, *field)));
+        let numbers = numbers.map(|(field, of_b)| Some(of_b.at(time)? - cycle.of_field(*field)));
         let time_ns = (1e9 * time) as u64;
         Some((
             time_ns,
-            cycle.number as u32,
+            cycle.of_field(nutation::CYCLE) as u32,
             numbers.collect::<Option<_>>()?,
         ))
     });

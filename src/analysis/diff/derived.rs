@@ -58,13 +58,10 @@ impl Derived {
                 direction("ψ as a direction", state::PSI),
             ],
             fields::POSE => {
-                let orientation = pose::ORIENTATION.components().map(NumberField::index);
+                let of = pose::ORIENTATION.components().map(NumberField::index);
                 let axis = pose::AXIS.components().map(NumberField::index);
                 vec![
-                    (
-                        "angle between orientations",
-                        DerivedKind::Orientation(orientation),
-                    ),
+                    ("angle between orientations", DerivedKind::Orientation(of)),
                     ("angle between axes", DerivedKind::Between(axis)),
                 ]
             }

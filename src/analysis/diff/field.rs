@@ -43,30 +43,28 @@ const ROUNDINGS: f64 = 8.0;
 /// The differences of one field so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FieldTally {
-    tolerance: Tolerance,
-    count: u64,
-    largest: f64,
-    at_ns: u64,
+    /// The result so far, without name, RMS and errors.
+    pub(super) found: FieldDifference,
     moments: Moments,
-    scale: f64,
-    first_different: Option<u64>,
-    beyond: u64,
 }
 
 impl FieldTally {
     pub(super) fn new(tolerance: Tolerance) -> Self {
         Self {
-            tolerance,
-            ..Self::default()
+            found: FieldDifference {
+                tolerance,
+                ..FieldDifference::default()
+            },
+            moments: Moments::default(),
         }
     }
 
     /// Takes a number of A and one of B.
     #[inline]
     pub(super) fn add(&mut self, time_ns: u64, a: f64, b: f64) {
-        self.count += 1;
+        self.found.count += 1;
         if a.is_finite() {
-            self.scale = self.scale.max(a.abs());
+            self.found.scale = self.found.scale.max(a.abs());
         }
         if a.to_bits() != b.to_bits() {
             self.add_different(time_ns, a, b);
@@ -74,49 +72,37 @@ impl FieldTally {
     }
 
     fn add_different(&mut self, time_ns: u64, a: f64, b: f64) {
-        self.first_different.get_or_insert(time_ns);
-        if !self.tolerance.allows(a, b) {
-            self.beyond += 1;
-        }
+        let found = &mut self.found;
+        found.first_different.get_or_insert(seconds(time_ns));
+        found.beyond += u64::from(!found.tolerance.allows(a, b));
         if !(a.is_finite() && b.is_finite()) {
             return;
         }
         let difference = (b - a).clamp(f64::MIN, f64::MAX);
-        self.scale = self.scale.max(b.abs());
+        found.scale = found.scale.max(b.abs());
         self.moments.add(difference);
-        if difference.abs() > self.largest.abs() {
-            (self.largest, self.at_ns) = (difference, time_ns);
+        if difference.abs() > found.largest.abs() {
+            (found.largest, found.at) = (difference, seconds(time_ns));
         }
-    }
-
-    /// The largest magnitude of a difference.
-    pub(super) fn largest(&self) -> f64 {
-        self.largest.abs()
     }
 
     /// Whether all pairs agree within the tolerance.
     pub(super) fn is_equal(&self) -> bool {
-        self.beyond == 0
+        self.found.beyond == 0
     }
 
     /// The differences; `floor` are the integrators' errors.
     pub(super) fn report(&self, field: &str, unit: &str, floor: Option<f64>) -> FieldDifference {
-        let errors = floor.map(|f| UNDERESTIMATED * f + ROUNDINGS * f64::EPSILON * self.scale);
-        let differs = self.first_different.is_some();
+        let found = &self.found;
+        let errors = floor.map(|f| UNDERESTIMATED * f + ROUNDINGS * f64::EPSILON * found.scale);
+        let differs = found.first_different.is_some();
         FieldDifference {
             field: field.to_owned(),
             unit: unit.to_owned(),
-            is_derived: false,
-            count: self.count,
-            largest: self.largest,
-            at: seconds(self.at_ns),
-            rms: self.moments.rms(self.count),
-            scale: self.scale,
-            first_different: self.first_different.map(seconds),
-            beyond: self.beyond,
-            tolerance: self.tolerance,
+            rms: self.moments.rms(found.count),
             floor,
-            is_below_floor: errors.is_some_and(|e| differs && self.largest.abs() <= e),
+            is_below_floor: errors.is_some_and(|e| differs && found.largest.abs() <= e),
+            ..found.clone()
         }
     }
 }

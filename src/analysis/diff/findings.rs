@@ -3,7 +3,7 @@
 use super::averages::Averaged;
 use super::crossing::{LevelCrossing, ripple};
 use super::discrepancy::Discrepancy;
-use super::floor::{Floor, IntegratorError};
+use super::floor::Floor;
 use super::pairing::Paired;
 use crate::analysis::history::{PegSummary, RunSummary};
 use crate::analysis::phrase::{duration, moment, signed_duration, significant};
@@ -309,11 +309,9 @@ fn energy_lost(evidence: &Evidence<'_>) -> Finding {
     };
     let what = format!("energy lost by {}", moment(time));
     let field = energy::TOTAL.to_string();
-    let of = |error: &IntegratorError| error.of(&field);
-    let errors = match evidence.floor {
-        Some(floor) => [of(&floor.a), of(&floor.b)],
-        None => [None; 2],
-    };
+    let errors = evidence.floor.map_or([None; 2], |floor| {
+        [&floor.a, &floor.b].map(|error| error.of(&field))
+    });
     let lost = [0, 1].map(|side| {
         let is_error = |lost: &f64| lost.abs() <= errors[side].unwrap_or(0.0);
         let lost = common[side].lost()?;

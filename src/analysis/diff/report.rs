@@ -20,7 +20,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The differences of two runs.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Report {
     /// The first run.
     pub a: ComparedRun,
@@ -49,7 +49,7 @@ pub struct Report {
 }
 
 /// The result of a comparison as a whole.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Messages are bit-identical and nothing else differs.
@@ -62,6 +62,7 @@ pub enum Verdict {
     /// one has samples between those of the other.
     Agreeing,
     /// Something differs.
+    #[default]
     Different,
 }
 
@@ -132,10 +133,15 @@ impl Report {
             let fields = paired.compared().flat_map(|topic| topic.only_in(side));
             fields.cloned().collect()
         });
-        let is_cut = [
-            runs[0].is_cut() || !a.losses.is_empty(),
-            runs[1].is_cut() || !b.losses.is_empty(),
-        ];
+        let is_cut = [(0, &a), (1, &b)].map(|(i, run)| runs[i].is_cut() || !run.losses.is_empty());
+        let notes = [(runs[0], "A"), (runs[1], "B")].into_iter();
+        let notes = notes.filter_map(|(run, name)| match run {
+            Subject::Recording(recording) => {
+                let error = recording.scenario().err()?;
+                Some(format!("{name}: {error}."))
+            }
+            Subject::Scenario(_) => None,
+        });
         Self {
             verdict: verdict(paired, &others, &setup, is_cut),
             is_complete: is_cut == [false; 2],
@@ -146,7 +152,7 @@ impl Report {
             averaged,
             discrepancy,
             floor,
-            notes: notes(runs),
+            notes: notes.collect(),
             a,
             b,
         }
@@ -190,13 +196,8 @@ impl Report {
             verdict,
             is_complete,
             setup,
-            findings: Vec::new(),
-            channels: Vec::new(),
             others,
-            averaged: None,
-            discrepancy: None,
-            floor: None,
-            notes: Vec::new(),
+            ..Self::default()
         }
     }
 }
@@ -258,19 +259,6 @@ fn verdict(
         true if setup.files.is_empty() && setup.scenario.is_empty() => Verdict::Identical,
         true => Verdict::SameValues,
     }
-}
-
-/// Notes on the comparison.
-fn notes(runs: [Subject<'_>; 2]) -> Vec<String> {
-    let mut notes = Vec::new();
-    for (subject, name) in runs.into_iter().zip(["A", "B"]) {
-        if let Subject::Recording(recording) = subject
-            && let Err(error) = recording.scenario()
-        {
-            notes.push(format!("{name}: {error}."));
-        }
-    }
-    notes
 }
 
 impl Report {

@@ -90,18 +90,16 @@ fn flat_scenario(subject: Subject<'_>) -> Option<Flat> {
 fn flatten(prefix: &str, table: &toml::Table, flat: &mut Flat) {
     for (name, value) in table {
         let path = format!("{prefix}{name}");
-        match value {
-            toml::Value::Table(inner) => flatten(&format!("{path}."), inner, flat),
-            toml::Value::String(text) => {
-                flat.insert(path, text.clone());
+        let text = match value {
+            toml::Value::Table(inner) => {
+                flatten(&format!("{path}."), inner, flat);
+                continue;
             }
-            toml::Value::Float(number) => {
-                flat.insert(path, Value::Number(*number).to_set_notation());
-            }
-            value => {
-                flat.insert(path, value.to_string());
-            }
-        }
+            toml::Value::String(text) => text.clone(),
+            toml::Value::Float(number) => Value::Number(*number).to_set_notation(),
+            value => value.to_string(),
+        };
+        flat.insert(path, text);
     }
 }
 

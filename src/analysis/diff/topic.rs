@@ -66,14 +66,8 @@ pub(super) struct TopicTally {
     derived: Vec<Derived>,
     /// Whether paired messages must have equal sequence numbers.
     has_sequences: bool,
-    counts: [u64; 2],
-    pairs: u64,
-    identical: u64,
-    unmatched: [u64; 2],
-    beyond: [u64; 2],
-    between: [u64; 2],
-    first_unmatched: Option<u64>,
-    first: Option<FirstDifference>,
+    /// The result so far, without fields.
+    found: ChannelDifference,
     /// Pairs with different texts or sequence numbers.
     other_texts: u64,
     /// B − A of each number of the last pair; NaN where one lacks it.
@@ -105,23 +99,15 @@ impl TopicTally {
         }
         let is_whole = alone.iter().all(Vec::is_empty);
         Self {
-            derived: if is_whole {
-                Derived::of(topic)
-            } else {
-                Vec::new()
-            },
+            derived: is_whole.then(|| Derived::of(topic)).unwrap_or_default(),
             topic,
             fields,
             alone,
             has_sequences,
-            counts: [0; 2],
-            pairs: 0,
-            identical: 0,
-            unmatched: [0; 2],
-            beyond: [0; 2],
-            between: [0; 2],
-            first_unmatched: None,
-            first: None,
+            found: ChannelDifference {
+                topic: topic.to_string(),
+                ..ChannelDifference::default()
+            },
             other_texts: 0,
             difference: Vec::new(),
         }
@@ -134,7 +120,7 @@ impl TopicTally {
 
     /// Counts a message.
     pub(super) fn count(&mut self, side: Side) {
-        self.counts[side.index()] += 1;
+        self.found.messages[side.index()] += 1;
     }
 
     /// Counts a message without a partner.
@@ -145,23 +131,21 @@ impl TopicTally {
         is_between: bool,
         is_beyond: bool,
     ) {
-        let side = side.index();
-        if is_between {
-            self.between[side] += 1;
-            return;
-        }
-        self.first_unmatched.get_or_insert(time_ns);
-        let count = if is_beyond {
-            &mut self.beyond[side]
-        } else {
-            &mut self.unmatched[side]
+        let found = &mut self.found;
+        let counts = match (is_between, is_beyond) {
+            (true, _) => &mut found.between,
+            (false, true) => &mut found.beyond,
+            (false, false) => &mut found.unmatched,
         };
-        *count += 1;
+        counts[side.index()] += 1;
+        if !is_between {
+            found.first_unmatched.get_or_insert(seconds(time_ns));
+        }
     }
 
     /// Compares two messages.
     pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) {
-        self.pairs += 1;
+        self.found.pairs += 1;
         self.difference.clear();
         self.difference.resize(a.numbers.len(), f64::NAN);
         if self.topic == EVENTS && events::NAME.of(a) != events::NAME.of(b) {
@@ -182,8 +166,8 @@ impl TopicTally {
             let was_equal = field.tally.is_equal();
             field.tally.add(a.time_ns, x, y);
             is_same &= x.to_bits() == y.to_bits();
-            if was_equal && !field.tally.is_equal() && self.first.is_none() {
-                self.first = Some(FirstDifference {
+            if was_equal && !field.tally.is_equal() && self.found.first.is_none() {
+                self.found.first = Some(FirstDifference {
                     time: seconds(a.time_ns),
                     field: field.number.path().to_owned(),
                     a: format!("{x:?}"),
@@ -191,7 +175,7 @@ impl TopicTally {
                 });
             }
         }
-        self.identical += u64::from(is_same);
+        self.found.identical += u64::from(is_same);
         for derived in &mut self.derived {
             derived.add(a.time_ns, a.numbers, b.numbers);
         }
@@ -201,7 +185,7 @@ impl TopicTally {
     /// Notes the first texts that differ.
     fn note_texts(&mut self, a: &Message<'_>, b: &Message<'_>) {
         if let Some((x, y)) = a.texts.iter().zip(b.texts).find(|(x, y)| x != y) {
-            self.first.get_or_insert_with(|| FirstDifference {
+            self.found.first.get_or_insert_with(|| FirstDifference {
                 time: seconds(a.time_ns),
                 field: "text".to_owned(),
                 a: x.clone(),
@@ -223,28 +207,28 @@ impl TopicTally {
 
     /// Whether all messages are paired and bit-identical.
     pub(super) fn is_identical(&self) -> bool {
-        self.identical == self.pairs && self.has_all_partners() && self.between == [0; 2]
+        self.found.identical == self.found.pairs && self.has_all_partners() && !self.is_thinned()
     }
 
     /// Whether all messages are paired, except extra samples of the finer run.
     pub(super) fn has_all_partners(&self) -> bool {
-        self.unmatched == [0; 2] && self.beyond == [0; 2]
+        self.found.unmatched == [0; 2] && self.found.beyond == [0; 2]
     }
 
     /// The number of unmatched messages of a run.
     pub(super) fn without_partner(&self, side: Side) -> u64 {
-        self.unmatched[side.index()] + self.beyond[side.index()]
+        self.found.unmatched[side.index()] + self.found.beyond[side.index()]
     }
 
     /// Whether one run is sampled more finely.
     pub(super) fn is_thinned(&self) -> bool {
-        self.between != [0; 2]
+        self.found.between != [0; 2]
     }
 
     /// The largest difference of each field, with its name.
     pub(super) fn largest(&self) -> impl Iterator<Item = (String, f64)> + '_ {
         let fields = self.fields.iter();
-        fields.map(|field| (field.number.to_string(), field.tally.largest()))
+        fields.map(|field| (field.number.to_string(), field.tally.found.largest.abs()))
     }
 
     /// The comparison; `floor` gives the integrators' errors of fields.
@@ -256,18 +240,10 @@ impl TopicTally {
             field.tally.report(path, field.number.unit(), floor)
         });
         ChannelDifference {
-            topic: self.topic.to_string(),
-            messages: self.counts,
-            pairs: self.pairs,
-            identical: self.identical,
-            unmatched: self.unmatched,
-            beyond: self.beyond,
-            between: self.between,
-            first_unmatched: self.first_unmatched.map(seconds),
-            first: self.first.clone(),
             fields: own
                 .chain(self.derived.iter().map(Derived::report))
                 .collect(),
+            ..self.found.clone()
         }
     }
 }

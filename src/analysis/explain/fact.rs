@@ -183,74 +183,54 @@ impl Fact {
         let angle = |theta: &f64| quantity(*theta, 4, "rad");
         let rate = |rate: &f64| quantity(*rate, 4, "rad/s");
         let joule = |energy: &f64| quantity(*energy, 4, "J");
+        let at = |time: &f64| moment(*time);
         match self {
             Self::Start { theta, psi_dot } => {
-                format!(
-                    "The top starts at θ = {} with ψ̇ = {}.",
-                    angle(theta),
-                    rate(psi_dot)
-                )
+                let (theta, psi_dot) = (angle(theta), rate(psi_dot));
+                format!("The top starts at θ = {theta} with ψ̇ = {psi_dot}.")
             }
             Self::Risen { theta, time } => {
-                format!("The top reaches θ = {} at {}.", angle(theta), moment(*time))
+                format!("The top reaches θ = {} at {}.", angle(theta), at(time))
             }
             Self::Fallen { theta, time } => {
-                format!(
-                    "The top falls to θ = {} at {}.",
-                    angle(theta),
-                    moment(*time)
-                )
+                format!("The top falls to θ = {} at {}.", angle(theta), at(time))
             }
             Self::Inverted { time } => {
                 format!("The top inverts (its axis passes the horizontal) at {time:.3} s.")
             }
             Self::NotInverted { time } => {
-                format!(
-                    "The top does not invert before the end at {}.",
-                    moment(*time)
-                )
+                format!("The top does not invert before the end at {}.", at(time))
             }
             Self::MeanTheta { first, last } => format!(
                 "The mean θ changes from {} (first nutation) to {} (last nutation).",
                 angle(first),
                 angle(last)
             ),
-            Self::ThetaConstant { theta } => {
-                format!("The mean θ is constant at {}.", angle(theta))
-            }
-            Self::Loops { count: 1, first } => {
-                format!("The axis loops once, at {}.", moment(*first))
-            }
+            Self::ThetaConstant { theta } => format!("The mean θ is constant at {}.", angle(theta)),
+            Self::Loops { count: 1, first } => format!("The axis loops once, at {}.", at(first)),
             Self::Loops { count, first } => {
-                format!("The axis loops {count} times, first at {}.", moment(*first))
+                format!("The axis loops {count} times, first at {}.", at(first))
             }
-            Self::Sticks { time } => {
-                format!("The contact point stops slipping at {}.", moment(*time))
-            }
+            Self::Sticks { time } => format!("The contact point stops slipping at {}.", at(time)),
             Self::Hops { count: 1, first } => {
-                format!("The peg leaves the table once, at {}.", moment(*first))
+                format!("The peg leaves the table once, at {}.", at(first))
             }
-            Self::Hops { count, first } => format!(
-                "The peg hops {}, first at {}.",
-                times(*count),
-                moment(*first)
-            ),
+            Self::Hops { count, first } => {
+                format!("The peg hops {}, first at {}.", times(*count), at(first))
+            }
             Self::Impacts { count, lost } => {
-                format!(
-                    "The peg hits the table {}; the impacts dissipate {}.",
-                    times(*count),
-                    joule(lost)
-                )
+                let (count, lost) = (times(*count), joule(lost));
+                format!("The peg hits the table {count}; the impacts dissipate {lost}.")
             }
             Self::Rolls { from, theta } if theta.is_finite() => format!(
                 "The peg rolls from {} to the end, starting at θ = {}.",
-                moment(*from),
+                at(from),
                 angle(theta)
             ),
-            Self::Rolls { from, .. } => format!("The peg rolls from {} to the end.", moment(*from)),
+            Self::Rolls { from, .. } => format!("The peg rolls from {} to the end.", at(from)),
             Self::RollsAtTimes { first, duration } => format!(
                 "The peg first rolls at {}; it rolls for {} in total.",
-                moment(*first),
+                at(first),
                 quantity(*duration, 3, "s")
             ),
             Self::FollowsRoot { root, within } => format!(
@@ -287,13 +267,10 @@ impl Fact {
                 "The model omits a component of the friction torque (friction.dissipation = {dissipation})."
             ),
             Self::Energy { first, last, time } => {
-                let verb = if last < first {
-                    "decreases"
-                } else {
-                    "increases"
-                };
+                let is_lost = last < first;
+                let verb = if is_lost { "decreases" } else { "increases" };
                 let change = joule(&(last - first).abs());
-                let until = moment(*time);
+                let until = at(time);
                 format!("Energy {verb} by {change} until the last sample, at {until}.")
             }
             Self::EnergyConstant { energy, deviation } => format!(

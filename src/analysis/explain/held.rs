@@ -5,6 +5,7 @@ use super::fact::Fact;
 use super::precession;
 use crate::physics::friction::Dissipation;
 use crate::run::simulation::EventKind;
+use crate::telemetry::fields::nutation;
 
 /// The event.
 pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
@@ -20,15 +21,12 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
 
 /// The inclinations at which a top has risen or fallen, if it reached them.
 pub(super) fn limits(evidence: &Evidence) -> impl Iterator<Item = Fact> {
-    let first = |kind| evidence.history.first(kind);
-    let risen = first(EventKind::Risen).map(|event| Fact::Risen {
-        theta: event.theta,
-        time: event.time,
-    });
-    let fallen = first(EventKind::Fallen).map(|event| Fact::Fallen {
-        theta: event.theta,
-        time: event.time,
-    });
+    let first = |kind| {
+        let event = evidence.history.first(kind);
+        event.map(|event| (event.theta, event.time))
+    };
+    let risen = first(EventKind::Risen).map(|(theta, time)| Fact::Risen { theta, time });
+    let fallen = first(EventKind::Fallen).map(|(theta, time)| Fact::Fallen { theta, time });
     risen.into_iter().chain(fallen)
 }
 
@@ -59,12 +57,9 @@ pub(super) fn loops(evidence: &Evidence) -> Option<Fact> {
         let later = history.cycles.partition_point(|cycle| cycle.start <= time);
         let cycle = later.checked_sub(1).map(|index| &history.cycles[index]);
         cycle.is_some_and(|cycle| {
-            let [least, greatest] = cycle.ranges[2];
-            let [small, large] = [
-                least.abs().min(greatest.abs()),
-                least.abs().max(greatest.abs()),
-            ];
-            small <= evidence.floor(large)
+            let bounds = [nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX];
+            let [least, greatest] = bounds.map(|bound| cycle.of_field(bound).abs());
+            least.min(greatest) <= evidence.floor(least.max(greatest))
         })
     };
     let loops = history.events_of(EventKind::LoopingBegins);

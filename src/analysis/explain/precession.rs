@@ -6,6 +6,7 @@ use crate::analysis::history::Cycle;
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
 use crate::run::simulation::UPRIGHT;
+use crate::telemetry::fields::nutation;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -49,16 +50,11 @@ pub(super) fn stages(evidence: &Evidence) -> Vec<Stage> {
 fn stage(top: &Top, part: &[Cycle]) -> Stage {
     let duration: f64 = part.iter().map(|cycle| cycle.period).sum();
     let mean = |at: usize| {
-        let sum: f64 = part
-            .iter()
-            .map(|cycle| cycle.period * cycle.means[at])
-            .sum();
-        sum / duration
+        let weighted = part.iter().map(|cycle| cycle.period * cycle.means[at]);
+        weighted.sum::<f64>() / duration
     };
-    let roots: Option<Vec<f64>> = part
-        .iter()
-        .map(|cycle| Some(roots(top, cycle)?[0]))
-        .collect();
+    let slow = part.iter().map(|cycle| Some(roots(top, cycle)?[0]));
+    let slow: Option<f64> = slow.sum();
     Stage {
         from: part[0].start,
         to: part[part.len() - 1].end(),
@@ -66,7 +62,7 @@ fn stage(top: &Top, part: &[Cycle]) -> Stage {
         theta: mean(0),
         theta_dot: mean(1),
         phi_dot: mean(2),
-        slow_root: roots.map(|roots| roots.iter().sum::<f64>() / part.len() as f64),
+        slow_root: slow.map(|sum| sum / part.len() as f64),
         psi_dot: mean(3),
     }
 }
@@ -94,10 +90,8 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
     let top = evidence.scenario.model.nutating_top();
     let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
     let cycles = &evidence.history.cycles;
-    let known = cycles
-        .iter()
-        .filter_map(|cycle| Some((cycle.means[2], roots(&top, cycle)?)));
-    let known: Vec<(f64, [f64; 2])> = known.collect();
+    let known = |cycle: &Cycle| Some((cycle.means[2], roots(&top, cycle)?));
+    let known: Vec<(f64, [f64; 2])> = cycles.iter().filter_map(known).collect();
     if !known.is_empty() && known.len() < cycles.len() {
         // Only report findings that hold for the whole run.
         return None;
@@ -116,17 +110,14 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
         let differences: Option<Vec<f64>> = known.iter().map(near).collect();
         differences.map(|all| all.into_iter().fold(0.0, f64::max))
     };
-    Some(match (follows(0), follows(1)) {
-        (Some(within), _) => Fact::FollowsRoot {
-            root: "slow",
+    let mut roots = ["slow", "fast"].into_iter().enumerate();
+    let followed = roots.find_map(|(at, root)| Some((root, follows(at)?)));
+    Some(
+        followed.map_or(Fact::FollowsNoRoot, |(root, within)| Fact::FollowsRoot {
+            root,
             within,
-        },
-        (None, Some(within)) => Fact::FollowsRoot {
-            root: "fast",
-            within,
-        },
-        (None, None) => Fact::FollowsNoRoot,
-    })
+        }),
+    )
 }
 
 /// Friction's part in the change of φ̇ between the first and the last sample; `None` where that isn't known.
@@ -158,22 +149,20 @@ pub(super) fn cancelling(evidence: &Evidence) -> Option<Fact> {
     let cycles = &evidence.history.cycles;
     let (first, last) = (cycles.first()?, cycles.last()?);
     let duration = last.end() - first.start;
+    let frictional = |cycle: &Cycle| cycle.of_field(nutation::PHI_DDOT_FRICTIONAL_MEAN);
     let demanded = |cycle: &Cycle| {
         let tilt = mean_motion(cycle)?;
         let gyroscopic = top.axial_moment / top.transverse_moment * tilt.axial_rate();
         let answer = (gyroscopic - 2.0 * tilt.rates.phi * tilt.cos) / tilt.sin;
-        Some(-cycle.period * cycle.frictional / answer)
+        Some(-cycle.period * frictional(cycle) / answer)
     };
     let known = cycles.iter().filter(|cycle| mean_motion(cycle).is_some());
     let known: Vec<&Cycle> = known.collect();
     let time: f64 = known.iter().map(|cycle| cycle.period).sum();
-    let demanded = known
-        .iter()
-        .filter_map(|cycle| demanded(cycle))
-        .sum::<f64>()
-        / time;
+    let demanded = known.iter().filter_map(|cycle| demanded(cycle));
+    let demanded = demanded.sum::<f64>() / time;
     let mean = known.iter().map(|c| c.period * c.means[1]).sum::<f64>() / time;
-    let friction: f64 = cycles.iter().map(|c| c.period * c.frictional).sum();
+    let friction: f64 = cycles.iter().map(|c| c.period * frictional(c)).sum();
     let change = (last.means[2] - first.means[2]).abs();
     let is_steady = change < STEADY * friction.abs() && friction.abs() > evidence.floor(change);
     let is_known = demanded.is_finite() && duration > 0.0 && demanded != 0.0;

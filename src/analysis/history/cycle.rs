@@ -1,23 +1,19 @@
 //! Nutation cycles.
 
 use crate::telemetry::Message;
-use crate::telemetry::fields::nutation;
+use crate::telemetry::fields::{NumberField, nutation};
 
-/// A nutation cycle: means, least and greatest values of θ, θ̇, φ̇ and ψ̇, in this order (rad, rad/s).
+/// A nutation cycle.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Cycle {
-    /// Its number, from 0.
-    pub(crate) number: f64,
     /// Time of its beginning, s.
     pub(crate) start: f64,
     /// Its duration, s.
     pub(crate) period: f64,
-    /// Means.
+    /// Means of θ, θ̇, φ̇ and ψ̇ (rad, rad/s).
     pub(crate) means: [f64; 4],
-    /// Least and greatest values.
-    pub(crate) ranges: [[f64; 2]; 4],
-    /// The mean of the frictional term of φ̈, rad/s².
-    pub(crate) frictional: f64,
+    /// The numbers of its message.
+    numbers: Vec<f64>,
 }
 
 impl Cycle {
@@ -28,20 +24,17 @@ impl Cycle {
             nutation::PHI_DOT_MEAN,
             nutation::PSI_DOT_MEAN,
         ];
-        let ranges = [
-            [nutation::THETA_MIN, nutation::THETA_MAX],
-            [nutation::THETA_DOT_MIN, nutation::THETA_DOT_MAX],
-            [nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX],
-            [nutation::PSI_DOT_MIN, nutation::PSI_DOT_MAX],
-        ];
         Self {
-            number: nutation::CYCLE.of(message),
             start: nutation::START.of(message),
             period: nutation::PERIOD.of(message),
             means: means.map(|field| field.of(message)),
-            ranges: ranges.map(|range| range.map(|field| field.of(message))),
-            frictional: nutation::PHI_DDOT_FRICTIONAL_MEAN.of(message),
+            numbers: message.numbers.to_vec(),
         }
+    }
+
+    /// A field of its message.
+    pub(crate) fn of_field(&self, field: NumberField) -> f64 {
+        self.numbers[field.index()]
     }
 
     /// Time of its end, s.
@@ -56,7 +49,6 @@ impl Cycle {
 
     /// Amplitude of the nutation: half the range of θ̇, rad/s. That of θ is widened by the drift.
     pub(crate) fn amplitude(&self) -> f64 {
-        let [_, [least, greatest], ..] = self.ranges;
-        0.5 * (greatest - least)
+        0.5 * (self.of_field(nutation::THETA_DOT_MAX) - self.of_field(nutation::THETA_DOT_MIN))
     }
 }

@@ -50,7 +50,6 @@ pub(crate) struct PegHistory {
     /// Changes of phase: the new one, when (s), and θ then (rad).
     changes: Vec<(PegPhase, f64, f64)>,
     flies_at_first: bool,
-    has_begun: bool,
     /// Whether there are events: without them the phases are not known.
     has_events: bool,
     impacts: u64,
@@ -75,7 +74,6 @@ impl PegHistory {
             model,
             changes: Vec::new(),
             flies_at_first: false,
-            has_begun: false,
             has_events: false,
             impacts: 0,
             impact_loss: 0.0,
@@ -139,10 +137,7 @@ impl PegHistory {
 
     fn free_peg(&mut self, message: &Message<'_>) {
         let gap = free_peg::GAP.of(message);
-        if !self.has_begun {
-            self.has_begun = true;
-            self.flies_at_first |= gap > 0.0;
-        }
+        self.flies_at_first |= self.lost.is_none() && gap > 0.0;
         if gap > 0.0 {
             self.highest = self.highest.max(gap);
         }

@@ -1,7 +1,8 @@
 //! The human-readable report of a comparison.
 
 use crate::analysis::diff::{
-    ChannelDifference, ComparedRun, FieldDifference, KeyDifference, Report, TopicBytes, Verdict,
+    Averaged, ChannelDifference, ComparedRun, Discrepancy, FieldDifference, Floor, KeyDifference,
+    Report, TopicBytes, Verdict,
 };
 use crate::analysis::phrase::significant;
 use crate::cli::numbers::count;
@@ -24,7 +25,9 @@ pub(super) fn page(report: &Report, all: bool) -> Vec<Section> {
     }
     if all {
         sections.extend(report.channels.iter().map(fields));
-        sections.extend([averages(report), models(report), integrators(report)]);
+        sections.extend(report.averaged.iter().map(averages));
+        sections.extend(report.discrepancy.iter().map(models));
+        sections.extend(report.floor.iter().map(integrators));
     }
     sections.push(notes(report, all));
     sections.retain(|section| !section.parts.is_empty());
@@ -66,22 +69,24 @@ fn setup(report: &Report, all: bool) -> Section {
     } else {
         keys
     };
-    let rows = shown.iter().map(|key| key_row(key));
-    let rows: Vec<_> = rows
-        .take(if all { usize::MAX } else { MOST_ROWS })
-        .collect();
-    section.table(Table::new(&["", "A", "B"], rows, 3));
-    for (only, letter) in setup.topics_only_in.iter().zip(["A", "B"]) {
-        if !only.is_empty() {
-            section.line(format!("only in {letter}: {}", some(only)));
-        }
-    }
-    for (only, letter) in setup.fields_only_in.iter().zip(["A", "B"]) {
-        if !only.is_empty() {
-            section.line(format!("fields only in {letter}: {}", some(only)));
+    let rows = shown.iter().take(most_rows(all)).map(|key| key_row(key));
+    section.table(Table::new(&["", "A", "B"], rows.collect(), 3));
+    for (what, [a, b]) in [
+        ("only in", &setup.topics_only_in),
+        ("fields only in", &setup.fields_only_in),
+    ] {
+        for (letter, only) in [("A", a), ("B", b)] {
+            if !only.is_empty() {
+                section.line(format!("{what} {letter}: {}", some(only)));
+            }
         }
     }
     section
+}
+
+/// Maximum number of table rows.
+fn most_rows(all: bool) -> usize {
+    if all { usize::MAX } else { MOST_ROWS }
 }
 
 fn key_row(key: &KeyDifference) -> Vec<String> {
@@ -101,8 +106,10 @@ fn key_row(key: &KeyDifference) -> Vec<String> {
 fn findings(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     let shown = report.findings.iter().filter(|f| all || f.differs());
-    let most = if all { usize::MAX } else { MOST_ROWS };
-    let rows: Vec<_> = shown.take(most).map(|f| f.cells().to_vec()).collect();
+    let rows: Vec<_> = shown
+        .take(most_rows(all))
+        .map(|f| f.cells().to_vec())
+        .collect();
     if rows.is_empty() && report.floor.is_some() && report.is_of_other_scenarios() {
         section.line("No average, event or energy differs by more than the integration error.");
     }
@@ -136,13 +143,11 @@ fn topics(report: &Report) -> Section {
 fn others(topics: &[TopicBytes]) -> Section {
     let row = |topic: &TopicBytes| {
         let first = topic.first.map(|time| format!("{time} s"));
+        let is_other = topic.is_described_differently;
+        let described = is_other.then_some("other schema or encoding");
         vec![
             topic.topic.clone(),
-            if topic.is_described_differently {
-                "other schema or encoding".to_owned()
-            } else {
-                String::new()
-            },
+            described.unwrap_or_default().to_owned(),
             count(topic.equal),
             count(topic.different),
             count(topic.unmatched[0]),
@@ -169,21 +174,14 @@ fn fields(channel: &ChannelDifference) -> Section {
         .iter()
         .filter(|field| field.first_different.is_some() && field.largest != 0.0);
     let row = |field: &FieldDifference| {
-        let relative = field.largest.abs() / field.scale;
+        let mark = if field.is_below_floor { "≈ " } else { "" };
+        let relative = Some(field.largest.abs() / field.scale).filter(|share| share.is_finite());
         vec![
             format!("{} [{}]", field.field, field.unit).replace(" []", ""),
-            if field.is_below_floor {
-                format!("≈ {}", significant(field.largest, 3))
-            } else {
-                significant(field.largest, 3)
-            },
+            format!("{mark}{}", significant(field.largest, 3)),
             format!("{} s", field.at),
             significant(field.rms, 2),
-            if relative.is_finite() {
-                significant(relative, 2)
-            } else {
-                String::new()
-            },
+            relative.map_or_else(String::new, |share| significant(share, 2)),
         ]
     };
     let header = ["field", "largest B − A", "at", "RMS", "relative"];
@@ -191,10 +189,7 @@ fn fields(channel: &ChannelDifference) -> Section {
         .titled(&channel.topic, format!("{} pairs", count(channel.pairs)))
 }
 
-fn averages(report: &Report) -> Section {
-    let Some(averaged) = &report.averaged else {
-        return Section::default();
-    };
+fn averages(averaged: &Averaged) -> Section {
     let rows = averaged.deviations.iter().map(|deviation| {
         vec![
             format!("{} [{}]", deviation.quantity, deviation.unit),
@@ -211,10 +206,7 @@ fn averages(report: &Report) -> Section {
     )
 }
 
-fn models(report: &Report) -> Section {
-    let Some(discrepancy) = &report.discrepancy else {
-        return Section::default();
-    };
+fn models(discrepancy: &Discrepancy) -> Section {
     let rows = discrepancy.quantities.iter().map(|residual| {
         vec![
             format!("{} [{}]", residual.quantity, residual.unit),
@@ -234,10 +226,7 @@ fn models(report: &Report) -> Section {
     )
 }
 
-fn integrators(report: &Report) -> Section {
-    let Some(floor) = &report.floor else {
-        return Section::default();
-    };
+fn integrators(floor: &Floor) -> Section {
     let rows = [("A", &floor.a), ("B", &floor.b)].map(|(letter, error)| {
         vec![
             letter.to_owned(),
@@ -270,10 +259,9 @@ fn notes(report: &Report, all: bool) -> Section {
             1 => "one more finding and ".to_owned(),
             more => format!("{more} more findings and"),
         };
-        let viewer = if cfg!(feature = "rerun") {
-            ", --spawn shows both tops in Rerun"
-        } else {
-            ""
+        let viewer = match cfg!(feature = "rerun") {
+            true => ", --spawn shows both tops in Rerun",
+            false => "",
         };
         section.line(format!("More: --all shows {more}every field{viewer}."));
     }

@@ -1,16 +1,13 @@
 //! Both runs, and their differences, in Rerun.
 
-use crate::analysis::diff::{Observer, Subject};
-use crate::archive::publish::{Draft, Existing};
-use crate::archive::sink::SinkError;
+use super::content;
+use crate::analysis::diff::{Report, Subject};
+use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::cli::arguments::OUTPUT;
 use crate::cli::interrupt::Interrupt;
-use crate::cli::output;
-use crate::cli::report::WrittenFile;
 use crate::cli::viewer::{self, Target, ViewerArguments};
+use crate::cli::{output, page};
 use crate::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
-use crate::telemetry::Message;
-use crate::telemetry::side::Side;
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -24,22 +21,22 @@ pub(super) struct ShowArguments {
 
     #[command(flatten)]
     viewer: ViewerArguments,
+
+    /// Replace files that exist.
+    #[arg(long, help_heading = OUTPUT)]
+    force: bool,
 }
 
 /// Rerun output of a comparison.
 pub(super) struct Viewer {
-    sink: PairSink,
+    pub(super) sink: PairSink,
     draft: Option<Draft>,
     target: Target,
 }
 
 impl ShowArguments {
     /// Opens the requested outputs; `None` if there are none.
-    pub(super) fn open(
-        &self,
-        subjects: [Subject<'_>; 2],
-        existing: Existing,
-    ) -> Result<Option<Viewer>, Error> {
+    pub(super) fn open(&self, subjects: [Subject<'_>; 2]) -> Result<Option<Viewer>, Error> {
         let target = self.viewer.target()?;
         if self.rrd.is_none() && matches!(target, Target::None) {
             return Ok(None);
@@ -48,6 +45,7 @@ impl ShowArguments {
             bail!("the viewer can only show toprise recordings; one input is another MCAP file");
         }
         let identity = identity(subjects)?;
+        let existing = Existing::forced(self.force);
         let draft = self.rrd.as_ref().map(|rrd| Draft::new(rrd, existing));
         let draft = draft.transpose()?;
         let destinations = Destinations {
@@ -63,9 +61,12 @@ impl ShowArguments {
         }))
     }
 
-    /// The file to write.
-    pub(super) fn rrd(&self) -> Option<&PathBuf> {
-        self.rrd.as_ref()
+    /// Refuses to overwrite an input.
+    pub(super) fn check_file(&self, runs: &[PathBuf]) -> Result<(), Error> {
+        if let Some(rrd) = &self.rrd {
+            refuse_inputs(rrd, runs.iter().map(PathBuf::as_path))?;
+        }
+        Ok(())
     }
 }
 
@@ -97,30 +98,16 @@ fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
 }
 
 impl Viewer {
-    /// Adds the report to the recording and completes the file.
-    pub(super) fn finish(mut self, markdown: &str) -> Result<(Target, Option<WrittenFile>), Error> {
-        self.sink.summarize(markdown);
-        let written = viewer::complete(self.sink.finish(), self.draft)?;
-        Ok((self.target, written))
-    }
-}
-
-impl Observer for Viewer {
-    fn message(&mut self, side: Side, message: &Message<'_>) -> Result<(), SinkError> {
-        self.sink.write(side, message);
+    /// Adds the report to the recording, completes the file, and keeps serving the web viewer, if requested.
+    pub(super) fn finish(mut self, report: &Report) -> Result<(), Error> {
+        let markdown = page::markdown(&content::page(report, false));
+        self.sink.summarize(&markdown);
+        if let Some(file) = viewer::complete(self.sink.finish(), self.draft)? {
+            output::note(&format!("wrote {}", file.line()));
+        }
+        if !matches!(self.target, Target::None | Target::Live(_)) {
+            self.target.serve_until(&Interrupt::watch()?);
+        }
         Ok(())
     }
-
-    fn difference(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        self.sink.difference(message);
-        Ok(())
-    }
-}
-
-/// Keeps serving the web viewer, if requested.
-pub(super) fn serve(target: Target) -> Result<(), Error> {
-    if !matches!(target, Target::None | Target::Live(_)) {
-        target.serve_until(&Interrupt::watch()?);
-    }
-    Ok(())
 }

@@ -84,11 +84,8 @@ impl RunArguments {
         if let Some(row) = self.row {
             return Ok(values_of_row(&self.scenario, row)?);
         }
-        if self
-            .scenario
-            .extension()
-            .is_some_and(|kind| kind == "parquet")
-        {
+        let kind = self.scenario.extension();
+        if kind.is_some_and(|kind| kind == "parquet") {
             let table = self.scenario.display();
             bail!("{table} is a sweep table: choose a row, e.g. --row 42");
         }
@@ -149,10 +146,7 @@ impl RunArguments {
                 Some(Value::Text(word)) => format!("_{key}-{word}"),
             };
         }
-        if stem == name {
-            return stem;
-        }
-        if stem.len() > LONGEST {
+        if stem != name && stem.len() > LONGEST {
             return format!("{name}_{:.8}", scenario.digest());
         }
         stem

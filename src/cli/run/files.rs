@@ -32,10 +32,8 @@ impl RunFiles {
             return Self::free(arguments, stem, preface);
         };
         let mcap = start(arguments, mcap, preface)?;
-        Ok((
-            Self::with(mcap, arguments, None)?,
-            ExistingRecordings(Vec::new()),
-        ))
+        let files = Self::with(mcap, arguments, None)?;
+        Ok((files, ExistingRecordings(Vec::new())))
     }
 
     /// Creates the files under the first free name of `NAME`, `NAME-2`, `NAME-3`, … (or `NAME` itself with --force).

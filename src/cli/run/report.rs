@@ -78,16 +78,12 @@ impl RunReport {
         wall: Duration,
     ) -> Self {
         let (end, counts) = (&finished.end, &finished.counts);
+        let text = |value: Option<&Value>| value.map_or_else(String::new, Value::to_set_notation);
         let changes = scenario.changes(base);
         Self {
             scenario: scenario.name().to_owned(),
             changes: changes
-                .map(|(key, value)| {
-                    (
-                        key.path,
-                        value.map_or_else(String::new, Value::to_set_notation),
-                    )
-                })
+                .map(|(key, value)| (key.path, text(value)))
                 .collect(),
             scenario_digest: scenario.digest(),
             outcome: Outcome::new(scenario, end, counts),
@@ -119,21 +115,14 @@ impl RunReport {
         let label = if recorded.is_new { "wrote" } else { "existing" };
         facts.extend(under(label, lines));
         if !recorded.is_new {
-            facts.push((
-                "",
-                format!(
-                    "{} already exists with identical content",
-                    recorded.mcap.path
-                ),
-            ));
+            let path = &recorded.mcap.path;
+            facts.push(("", format!("{path} already exists with identical content")));
         }
         facts.push(("content", format!("sha-256 {}", recorded.content_digest)));
         if let Some(rrd) = &recorded.rrd {
+            let install = "(install the viewer: pip install rerun-sdk==0.36.3)";
             facts.push(("view", format!("rerun {}", rrd.path)));
-            facts.push((
-                "",
-                "(install the viewer: pip install rerun-sdk==0.36.3)".to_owned(),
-            ));
+            facts.push(("", install.to_owned()));
         }
         let tone = match self.outcome.stop_reason {
             StopReason::Interrupted | StopReason::Failed => Tone::Weak,

@@ -1,5 +1,6 @@
 //! The report of `toprise sweep`.
 
+use super::SweepArguments;
 use crate::cli::numbers::{count, counted, number};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
@@ -8,7 +9,6 @@ use crate::sweep::{RowError, Shard};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::time::Duration;
 
 /// Result of a sweep.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -33,18 +33,6 @@ pub(crate) struct SweepReport {
     pub(super) wall_time: f64,
 }
 
-/// Additional data for the human-readable report.
-pub(super) struct Asked {
-    /// Whether --dry-run is set.
-    pub(super) dry_run: bool,
-    /// The requested shard.
-    pub(super) shard: Option<Shard>,
-    /// Number of remaining runs.
-    pub(super) left: u64,
-    /// Time of the computation.
-    pub(super) computing: Duration,
-}
-
 /// Counts of results, in a few words.
 pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
     let mut all: Vec<_> = stops.iter().collect();
@@ -60,7 +48,8 @@ pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
 }
 
 impl SweepReport {
-    pub(super) fn page(&self, asked: &Asked) -> Vec<Section> {
+    /// The human-readable report; `left` is the number of runs that were left before.
+    pub(super) fn page(&self, asked: &SweepArguments, left: u64) -> Vec<Section> {
         let mut facts = Vec::new();
         let outcomes = summary(&self.outcomes, self.errors);
         if !outcomes.is_empty() {
@@ -70,17 +59,16 @@ impl SweepReport {
             facts.push(("first error", format!("run {}: {}", error.run, error.error)));
         }
         if asked.dry_run {
-            facts.push(("left", counted(asked.left, "run")));
+            facts.push(("left", counted(left, "run")));
         } else {
-            let computing = asked.computing.as_secs_f64();
             let computed = match self.computed {
-                0 if asked.left > 0 => "nothing".to_owned(),
+                0 if left > 0 => "nothing".to_owned(),
                 0 => "0 runs (all were already computed)".to_owned(),
                 computed => format!(
                     "{} in {} s ({} per second)",
                     counted(computed, "run"),
-                    number(computing, 2),
-                    number(computed as f64 / computing, 1)
+                    number(self.wall_time, 2),
+                    number(computed as f64 / self.wall_time, 1)
                 ),
             };
             facts.push(("computed", computed));
@@ -100,7 +88,7 @@ impl SweepReport {
         vec![self.title(asked), Section::of(Table::of_facts(facts))]
     }
 
-    fn title(&self, asked: &Asked) -> Section {
+    fn title(&self, asked: &SweepArguments) -> Section {
         let runs = counted(self.runs, "run");
         let shard = asked.shard.filter(|_| self.table.is_none());
         if self.interrupted {
