@@ -178,12 +178,8 @@ impl<const N: usize> Formulation<N> for BodyRotation {
         self.phase
     }
 
-    fn guards(&self) -> &'static [Guard] {
-        match (self.phase, self.model.friction.is_set_valued()) {
-            (Phase::Sliding, true) => &[Guard::Slip],
-            (Phase::Sliding, false) => &[],
-            _ => &[Guard::Grip],
-        }
+    fn guards(&self) -> Vec<Guard> {
+        fixed::guards(&self.model, self.phase)
     }
 
     fn guard(&self, guard: Guard, motion: &Motion) -> f64 {

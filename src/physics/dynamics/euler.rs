@@ -199,12 +199,12 @@ impl<const N: usize> Formulation<N> for EulerAngles {
         self.phase
     }
 
-    fn guards(&self) -> &'static [Guard] {
-        match (self.phase, self.model.friction.is_set_valued()) {
-            (Phase::Sliding, true) => &[Guard::Slip, Guard::Regular],
-            (Phase::Sliding, false) => &[Guard::Regular],
-            _ => &[Guard::Grip],
+    fn guards(&self) -> Vec<Guard> {
+        let mut guards = fixed::guards(&self.model, self.phase);
+        if self.phase == Phase::Sliding {
+            guards.push(Guard::Regular);
         }
+        guards
     }
 
     fn guard(&self, guard: Guard, motion: &Motion) -> f64 {

@@ -43,6 +43,15 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     }
 }
 
+/// The guards of a phase, for variables that are regular everywhere.
+pub(super) fn guards(model: &Model, phase: Phase) -> Vec<Guard> {
+    match phase {
+        Phase::Sliding if model.friction.is_set_valued() => vec![Guard::Slip],
+        Phase::Sliding => Vec::new(),
+        Phase::Sticking | Phase::Flying => vec![Guard::Grip],
+    }
+}
+
 /// The value of a guard: see [`Formulation::guard`].
 pub(super) fn guard(model: &Model, guard: Guard, tilt: &Tilt) -> f64 {
     match guard {

@@ -108,7 +108,7 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     fn phase(&self) -> Phase;
 
     /// The guards of the phase.
-    fn guards(&self) -> &'static [Guard];
+    fn guards(&self) -> Vec<Guard>;
 
     /// The value of a guard.
     fn guard(&self, guard: Guard, motion: &Motion) -> f64;
