@@ -12,13 +12,13 @@ pub use self::state::FreeRotation;
 use self::state::{CONTROLLED, put, quaternion, turning, vector};
 
 use super::fixed::NO_SLIP;
-use super::formulation::{Entry, Formulation, Guard, Transition};
+use super::formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
 use super::integrals::{integrals, with_integrals};
 use super::model::Model;
 use super::motion::{Dissipated, Motion, Peg, Start};
 use super::reaction::Inertia;
 use super::support::Phase;
-use crate::physics::integrate::{IntegrateError, System, Tolerances};
+use crate::physics::integrate::{System, Tolerances};
 use crate::physics::kinematics::{
     Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
 };
@@ -91,11 +91,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         }
     }
 
-    fn start(
-        model: &Model,
-        start: &Start,
-        _may_hold: bool,
-    ) -> (Self, [f64; N], Option<Transition>) {
+    fn start(model: &Model, start: &Start, _may_hold: bool) -> Started<Self, N> {
         let (angles, rates) = (start.angles, start.rates);
         let (peg_position, peg_velocity) = (start.peg_position, start.peg_velocity);
         let top = &model.top;
@@ -223,12 +219,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         }
     }
 
-    fn enter(
-        &self,
-        guard: Guard,
-        y: &[f64; N],
-        reference: Euler,
-    ) -> Result<Entry<Self, N>, IntegrateError> {
+    fn enter(&self, guard: Guard, y: &[f64; N], reference: Euler) -> Entered<Self, N> {
         let (mut delay, mut state) = (0.0, self.completed(y));
         let (formulation, transition) = match guard {
             Guard::Slip => {
