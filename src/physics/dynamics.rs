@@ -30,7 +30,7 @@ mod support;
 pub use accelerations::Accelerations;
 pub use body::BodyRotation;
 pub use euler::EulerAngles;
-pub use formulation::{Entry, Formulation, Guard, Transition};
+pub use formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
 pub use free::FreeRotation;
 pub use impact::Impact;
 pub use integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TERMS_SINE, TermIntegrals};

@@ -186,10 +186,8 @@ impl Friction {
     /// Torque of the air, N m, in the frame of the angular velocity (rad/s) and the symmetry axis.
     #[inline]
     pub fn torque_of_air(&self, omega: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
-        match &self.losses {
-            Some(losses) => losses.air.torque(omega, axis),
-            None => Vector3::zeros(),
-        }
+        self.losses
+            .map_or_else(Vector3::zeros, |losses| losses.air.torque(omega, axis))
     }
 
     /// Sliding friction force, N.
@@ -292,10 +290,9 @@ impl Friction {
         omega: Vector3<f64>,
         axis: Vector3<f64>,
     ) -> Vector3<f64> {
-        let mut torque = match &self.losses {
-            Some(losses) => losses.torque(normal_force, &omega, &axis),
-            None => Vector3::zeros(),
-        };
+        let mut torque = self.losses.map_or_else(Vector3::zeros, |losses| {
+            losses.torque(normal_force, &omega, &axis)
+        });
         if let FrictionLaw::Contensou { k, patch_radius } = self.law {
             torque.z += drilling_torque(k, patch_radius, normal_force, slip_speed, omega.z);
         }

@@ -36,16 +36,24 @@ pub struct Euler {
     pub psi: f64,
 }
 
+impl Euler {
+    /// From φ, θ and ψ, or their derivatives.
+    #[inline]
+    pub const fn new(phi: f64, theta: f64, psi: f64) -> Self {
+        Self { phi, theta, psi }
+    }
+}
+
 impl Add for Euler {
     type Output = Self;
 
     #[inline]
     fn add(self, other: Self) -> Self {
-        Self {
-            phi: self.phi + other.phi,
-            theta: self.theta + other.theta,
-            psi: self.psi + other.psi,
-        }
+        Self::new(
+            self.phi + other.phi,
+            self.theta + other.theta,
+            self.psi + other.psi,
+        )
     }
 }
 
@@ -81,25 +89,17 @@ impl Tilt {
     /// Where the axis is vertical (sin θ = 0), φ̇ is taken as 0.
     #[inline]
     pub fn from_omega(sin: f64, cos: f64, omega_lean: Vector3<f64>) -> Self {
-        let psi_dot = if sin > UPRIGHT_SINE {
-            omega_lean.x / sin
+        let (phi_dot, psi_dot) = if sin > UPRIGHT_SINE {
+            let psi_dot = omega_lean.x / sin;
+            (omega_lean.z - psi_dot * cos, psi_dot)
         } else {
-            omega_lean.z * cos
-        };
-        let rates = Euler {
-            phi: if sin > UPRIGHT_SINE {
-                omega_lean.z - psi_dot * cos
-            } else {
-                0.0
-            },
-            theta: omega_lean.y,
-            psi: psi_dot,
+            (0.0, omega_lean.z * cos)
         };
         Self {
             sin,
             cos,
             omega_lean,
-            rates,
+            rates: Euler::new(phi_dot, omega_lean.y, psi_dot),
         }
     }
 
@@ -197,11 +197,7 @@ pub fn euler_angles(quaternion: &Quaternion<f64>, reference: Euler) -> Euler {
     } else {
         (half_sum + half_difference, half_sum - half_difference)
     };
-    Euler {
-        phi,
-        theta: inclination(quaternion),
-        psi,
-    }
+    Euler::new(phi, inclination(quaternion), psi)
 }
 
 /// Inclination θ of an orientation, rad. The quaternion need not be of unit length.

@@ -32,11 +32,7 @@ impl Accelerations {
                 + part(&self.gravitational)
                 + part(&self.frictional)
         };
-        Euler {
-            phi: sum(|e| e.phi),
-            theta: sum(|e| e.theta),
-            psi: sum(|e| e.psi),
-        }
+        Euler::new(sum(|e| e.phi), sum(|e| e.theta), sum(|e| e.psi))
     }
 }
 

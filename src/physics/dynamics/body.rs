@@ -1,13 +1,13 @@
 //! The singularity-free formulation: quaternion and angular momentum.
 
 use super::fixed::{self, FixedPeg};
-use super::formulation::{Entry, Formulation, Guard, Transition};
+use super::formulation::{Entered, Formulation, Guard, Started};
 use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, integrals, with_integrals};
 use super::lean::Lean;
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
-use crate::physics::integrate::{IntegrateError, System};
+use crate::physics::integrate::System;
 use crate::physics::kinematics::{
     Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
 };
@@ -129,11 +129,7 @@ impl<const N: usize> FixedPeg<N> for BodyRotation {
 }
 
 impl<const N: usize> Formulation<N> for BodyRotation {
-    fn start(
-        model: &Model,
-        start: &Start,
-        may_stick: bool,
-    ) -> (Self, [f64; N], Option<Transition>) {
+    fn start(model: &Model, start: &Start, may_stick: bool) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
         fixed::start(Self::new(*model), state, start, may_stick)
     }
@@ -178,25 +174,16 @@ impl<const N: usize> Formulation<N> for BodyRotation {
         self.phase
     }
 
-    fn guards(&self) -> &'static [Guard] {
-        match (self.phase, self.model.friction.is_set_valued()) {
-            (Phase::Sliding, true) => &[Guard::Slip],
-            (Phase::Sliding, false) => &[],
-            _ => &[Guard::Grip],
-        }
+    fn guards(&self) -> Vec<Guard> {
+        fixed::guards(&self.model, self.phase)
     }
 
     fn guard(&self, guard: Guard, motion: &Motion) -> f64 {
         fixed::guard(&self.model, guard, &motion.tilt)
     }
 
-    fn enter(
-        &self,
-        guard: Guard,
-        y: &[f64; N],
-        reference: Euler,
-    ) -> Result<Entry<Self, N>, IntegrateError> {
-        Ok(fixed::enter(self, guard, y, reference))
+    fn enter(&self, guard: Guard, y: &[f64; N], reference: Euler) -> Entered<Self, N> {
+        fixed::enter(self, guard, y, reference)
     }
 }
 

@@ -6,12 +6,12 @@
 )]
 
 use super::fixed::{self, FixedPeg};
-use super::formulation::{Entry, Formulation, Guard, Transition};
+use super::formulation::{Entered, Formulation, Guard, Started};
 use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, first_of, integrals, with_integrals};
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
-use crate::physics::integrate::{IntegrateError, System};
+use crate::physics::integrate::System;
 use crate::physics::kinematics::{Euler, Tilt, world_from_body};
 use nalgebra::UnitQuaternion;
 
@@ -99,12 +99,7 @@ impl EulerAngles {
         theta_dot: f64,
         psi_dot: f64,
     ) -> Derivatives<I> {
-        let rates = Euler {
-            phi: phi_dot,
-            theta: theta_dot,
-            psi: psi_dot,
-        };
-        let tilt = Tilt::from_rates(theta, rates);
+        let tilt = Tilt::from_rates(theta, Euler::new(phi_dot, theta_dot, psi_dot));
         let contact = self.model.contact(&tilt);
         let terms = self.model.accelerations(&contact, &tilt);
         let mut acceleration = terms.total();
@@ -161,11 +156,7 @@ impl<const N: usize> FixedPeg<N> for EulerAngles {
 }
 
 impl<const N: usize> Formulation<N> for EulerAngles {
-    fn start(
-        model: &Model,
-        start: &Start,
-        may_stick: bool,
-    ) -> (Self, [f64; N], Option<Transition>) {
+    fn start(model: &Model, start: &Start, may_stick: bool) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
         fixed::start(Self::new(*model), state, start, may_stick)
     }
@@ -199,42 +190,29 @@ impl<const N: usize> Formulation<N> for EulerAngles {
         self.phase
     }
 
-    fn guards(&self) -> &'static [Guard] {
-        match (self.phase, self.model.friction.is_set_valued()) {
-            (Phase::Sliding, true) => &[Guard::Slip, Guard::Regular],
-            (Phase::Sliding, false) => &[Guard::Regular],
-            _ => &[Guard::Grip],
+    fn guards(&self) -> Vec<Guard> {
+        let mut guards = fixed::guards(&self.model, self.phase);
+        if self.phase == Phase::Sliding {
+            guards.push(Guard::Regular);
         }
+        guards
     }
 
     fn guard(&self, guard: Guard, motion: &Motion) -> f64 {
         fixed::guard(&self.model, guard, &motion.tilt)
     }
 
-    fn enter(
-        &self,
-        guard: Guard,
-        y: &[f64; N],
-        reference: Euler,
-    ) -> Result<Entry<Self, N>, IntegrateError> {
-        Ok(fixed::enter(self, guard, y, reference))
+    fn enter(&self, guard: Guard, y: &[f64; N], reference: Euler) -> Entered<Self, N> {
+        fixed::enter(self, guard, y, reference)
     }
 }
 
 #[inline]
 fn angles<const N: usize>(y: &[f64; N]) -> Euler {
-    Euler {
-        phi: y[0],
-        theta: y[1],
-        psi: y[2],
-    }
+    Euler::new(y[0], y[1], y[2])
 }
 
 #[inline]
 fn rates<const N: usize>(y: &[f64; N]) -> Euler {
-    Euler {
-        phi: y[3],
-        theta: y[4],
-        psi: y[5],
-    }
+    Euler::new(y[3], y[4], y[5])
 }

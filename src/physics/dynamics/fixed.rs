@@ -1,6 +1,6 @@
 //! Phases of a top with a fixed peg: sliding, or sticking and turning about the vertical.
 
-use super::formulation::{Entry, Formulation, Guard, Transition};
+use super::formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
 use super::model::Model;
 use super::motion::{Motion, Start};
 use super::support::Phase;
@@ -27,19 +27,25 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     state: [f64; N],
     start: &Start,
     may_stick: bool,
-) -> (F, [f64; N], Option<Transition>) {
+) -> Started<F, N> {
     let model = formulation.model();
     let tilt = Tilt::from_rates(start.angles.theta, start.rates);
     let at_rest = may_stick && model.contact(&tilt).slip_speed == 0.0;
     let motion = formulation.motion(&state, start.angles);
     if at_rest && model.grip(&motion.tilt).holds() {
-        (
-            formulation.with_phase(Phase::Sticking),
-            state,
-            Some(Transition::Sticks),
-        )
+        let sticking = formulation.with_phase(Phase::Sticking);
+        (sticking, state, Some(Transition::Sticks))
     } else {
         (formulation, state, None)
+    }
+}
+
+/// The guards of a phase, for variables that are regular everywhere.
+pub(super) fn guards(model: &Model, phase: Phase) -> Vec<Guard> {
+    match phase {
+        Phase::Sliding if model.friction.is_set_valued() => vec![Guard::Slip],
+        Phase::Sliding => Vec::new(),
+        Phase::Sticking | Phase::Flying => vec![Guard::Grip],
     }
 }
 
@@ -60,7 +66,7 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
     guard: Guard,
     state: &[f64; N],
     reference: Euler,
-) -> Entry<F, N> {
+) -> Entered<F, N> {
     let motion: Motion = formulation.motion(state, reference);
     let (transition, phase) = match guard {
         Guard::Slip if formulation.model().grip(&motion.tilt).holds() => {
@@ -73,12 +79,12 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
         }
     };
     let formulation = formulation.with_phase(phase);
-    Entry {
+    Ok(Entry {
         formulation,
         state: formulation.at_rest(state),
         delay: 0.0,
         transition,
         motion,
         first_step: f64::INFINITY,
-    }
+    })
 }

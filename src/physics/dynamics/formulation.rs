@@ -71,6 +71,12 @@ pub struct Entry<F, const N: usize> {
     pub first_step: f64,
 }
 
+/// The equations, state and transition at the start of a motion.
+pub type Started<F, const N: usize> = (F, [f64; N], Option<Transition>);
+
+/// The beginning of a phase, or the error of an impact that can't be computed.
+pub type Entered<F, const N: usize> = Result<Entry<F, N>, IntegrateError>;
+
 /// The equations of motion in some set of variables, with `N` state components. The last components are the running
 /// integrals: all [`INTEGRALS`](super::INTEGRALS), or only [`FEW_INTEGRALS`](super::FEW_INTEGRALS).
 pub trait Formulation<const N: usize>: System<N> + Copy {
@@ -81,8 +87,7 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
 
     /// The equations, state and transition at the start. If `may_stick`, friction may hold the peg of a top that starts
     /// turning as a whole.
-    fn start(model: &Model, start: &Start, may_stick: bool)
-    -> (Self, [f64; N], Option<Transition>);
+    fn start(model: &Model, start: &Start, may_stick: bool) -> Started<Self, N>;
 
     /// The motion of a state. φ and ψ are unwrapped to be continuous with `reference`.
     fn motion(&self, state: &[f64; N], reference: Euler) -> Motion {
@@ -108,7 +113,7 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     fn phase(&self) -> Phase;
 
     /// The guards of the phase.
-    fn guards(&self) -> &'static [Guard];
+    fn guards(&self) -> Vec<Guard>;
 
     /// The value of a guard.
     fn guard(&self, guard: Guard, motion: &Motion) -> f64;
@@ -117,10 +122,5 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     ///
     /// # Errors
     /// If an impact can't be computed.
-    fn enter(
-        &self,
-        guard: Guard,
-        state: &[f64; N],
-        reference: Euler,
-    ) -> Result<Entry<Self, N>, IntegrateError>;
+    fn enter(&self, guard: Guard, state: &[f64; N], reference: Euler) -> Entered<Self, N>;
 }

@@ -9,16 +9,16 @@ mod state;
 mod transitions;
 
 pub use self::state::FreeRotation;
-use self::state::{CONTROLLED, Parts, put, quaternion, turning, vector};
+use self::state::{CONTROLLED, put, quaternion, turning, vector};
 
 use super::fixed::NO_SLIP;
-use super::formulation::{Entry, Formulation, Guard, Transition};
+use super::formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
 use super::integrals::{integrals, with_integrals};
 use super::model::Model;
 use super::motion::{Dissipated, Motion, Peg, Start};
 use super::reaction::Inertia;
 use super::support::Phase;
-use crate::physics::integrate::{IntegrateError, System, Tolerances};
+use crate::physics::integrate::{System, Tolerances};
 use crate::physics::kinematics::{
     Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
 };
@@ -44,26 +44,20 @@ impl<const N: usize> System<N> for FreeRotation {
     #[inline]
     fn derivative(&self, _t: f64, y: &[f64; N]) -> [f64; N] {
         let parts = self.parts(y);
-        let Parts {
-            lean,
-            tilt,
-            velocity,
-            arm,
-            ..
-        } = &parts;
-        let top = &self.model.top;
+        let (lean, omega) = (&parts.lean, &parts.tilt.omega_lean);
         let reaction = self.reaction(&parts);
-        let torque = lean.lean_to_world(&(reaction.torque(arm) * self.inertia.per_transverse));
-        let turning = turning(&quaternion(y), &lean.lean_to_world(&tilt.omega_lean));
-        let moving = lean.lean_to_world(velocity);
+        let torque = reaction.torque(&parts.arm) * self.inertia.per_transverse;
+        let torque = lean.lean_to_world(&torque);
+        let turning = turning(&quaternion(y), &lean.lean_to_world(omega));
+        let moving = lean.lean_to_world(&parts.velocity);
         let mut acceleration = lean.lean_to_world(&(reaction.force() * self.inertia.per_mass));
-        acceleration.z -= top.gravity;
+        acceleration.z -= self.model.top.gravity;
         let (mut rise, mut fall) = (moving.z, acceleration.z);
         if self.phase != Phase::Flying {
             // Components that follow from the inclination are not integrated.
             (rise, fall) = (0.0, 0.0);
         }
-        let losses = (reaction.friction.couple + reaction.air).dot(&tilt.omega_lean);
+        let losses = (reaction.friction.couple + reaction.air).dot(omega);
         let first: [f64; Self::VARIABLES] = [
             turning.i,
             turning.j,
@@ -97,17 +91,9 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         }
     }
 
-    fn start(
-        model: &Model,
-        start: &Start,
-        _may_hold: bool,
-    ) -> (Self, [f64; N], Option<Transition>) {
-        let Start {
-            angles,
-            rates,
-            peg_position,
-            peg_velocity,
-        } = *start;
+    fn start(model: &Model, start: &Start, _may_hold: bool) -> Started<Self, N> {
+        let (angles, rates) = (start.angles, start.rates);
+        let (peg_position, peg_velocity) = (start.peg_position, start.peg_velocity);
         let top = &model.top;
         let q = world_from_body(angles);
         let tilt = Tilt::from_rates(angles.theta, rates);
@@ -128,7 +114,6 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             phase: Phase::Flying,
             departure: None,
             inertia: Inertia::of(top),
-            sliding_guards: sliding_guards(model),
         };
         if peg_position.z > top.peg_radius || peg_velocity.z != 0.0 {
             return (flying, state, None);
@@ -153,16 +138,9 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 .lean
                 .rates_at_vertical(parts.tilt, &vector(y, 4), &torque);
         }
-        let Parts {
-            lean,
-            tilt,
-            velocity,
-            arm,
-            ..
-        } = &parts;
-        let to_peg = Vector3::new(arm.lean, 0.0, arm.up + top.peg_radius);
-        let mut position = vector(y, 7) + lean.lean_to_world(&to_peg);
-        let mut velocity_lean = velocity + tilt.omega_lean.cross(&to_peg);
+        let to_peg = Vector3::new(parts.arm.lean, 0.0, parts.arm.up + top.peg_radius);
+        let mut position = vector(y, 7) + parts.lean.lean_to_world(&to_peg);
+        let mut velocity_lean = parts.velocity + parts.tilt.omega_lean.cross(&to_peg);
         if self.phase != Phase::Flying {
             position.z = top.peg_radius;
             velocity_lean.z = 0.0;
@@ -174,11 +152,11 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 theta: inclination(&quaternion(y)),
                 ..reference
             },
-            tilt: *tilt,
+            tilt: parts.tilt,
             peg: Peg {
                 position,
                 velocity_lean,
-                departure: self.departure_of(tilt, &slip),
+                departure: self.departure_of(&parts.tilt, &slip),
                 dissipated: Dissipated {
                     impact_normal: y[CONTROLLED],
                     impact_friction: y[CONTROLLED + 1],
@@ -202,15 +180,17 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         self.phase
     }
 
-    fn guards(&self) -> &'static [Guard] {
-        let rolls = self.model.friction.rolling_arm() > 0.0;
-        match self.phase {
-            Phase::Flying => &[Guard::Gap],
+    fn guards(&self) -> Vec<Guard> {
+        let mut guards = match self.phase {
+            Phase::Flying => return vec![Guard::Gap],
             // A non-positive normal force also ends sticking.
-            Phase::Sticking if rolls => &[Guard::Grip, Guard::Rolling],
-            Phase::Sticking => &[Guard::Grip],
-            Phase::Sliding => self.sliding_guards,
+            Phase::Sticking => vec![Guard::Grip],
+            Phase::Sliding => sliding_guards(&self.model),
+        };
+        if self.model.friction.rolling_arm() > 0.0 {
+            guards.push(Guard::Rolling);
         }
+        guards
     }
 
     fn guard(&self, guard: Guard, motion: &Motion) -> f64 {
@@ -239,12 +219,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         }
     }
 
-    fn enter(
-        &self,
-        guard: Guard,
-        y: &[f64; N],
-        reference: Euler,
-    ) -> Result<Entry<Self, N>, IntegrateError> {
+    fn enter(&self, guard: Guard, y: &[f64; N], reference: Euler) -> Entered<Self, N> {
         let (mut delay, mut state) = (0.0, self.completed(y));
         let (formulation, transition) = match guard {
             Guard::Slip => {
@@ -286,23 +261,15 @@ impl<const N: usize> Formulation<N> for FreeRotation {
     }
 }
 
-/// Guards that end sliding.
-fn sliding_guards(model: &Model) -> &'static [Guard] {
-    use Guard::{Mobility, NormalForce, Rolling, Slip};
+/// Guards that end sliding, without rolling resistance.
+fn sliding_guards(model: &Model) -> Vec<Guard> {
     let Model { top, friction, .. } = model;
     // No normal force can jam the peg if k (R + |l|) + δ < 2 √(A/M), whatever the inclination.
     let reach = top.peg_radius + top.center_distance.abs();
     let lever = friction.law.largest_coefficient() * reach + friction.rolling_arm();
     let jams = lever >= 2.0 * (top.central_moment() / top.mass).sqrt();
-    let rolls = friction.rolling_arm() > 0.0;
-    match (friction.is_set_valued_at_rest(), jams, rolls) {
-        (true, false, false) => &[Slip, NormalForce],
-        (true, false, true) => &[Slip, NormalForce, Rolling],
-        (true, true, false) => &[Slip, NormalForce, Mobility],
-        (true, true, true) => &[Slip, NormalForce, Mobility, Rolling],
-        (false, false, false) => &[NormalForce],
-        (false, false, true) => &[NormalForce, Rolling],
-        (false, true, false) => &[NormalForce, Mobility],
-        (false, true, true) => &[NormalForce, Mobility, Rolling],
-    }
+    let slip = friction.is_set_valued_at_rest().then_some(Guard::Slip);
+    let mobility = jams.then_some(Guard::Mobility);
+    let guards = [slip, Some(Guard::NormalForce), mobility];
+    guards.into_iter().flatten().collect()
 }

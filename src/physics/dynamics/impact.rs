@@ -164,26 +164,17 @@ impl ImpactEquations<'_> {
             Stage::Slipping(start) => {
                 let speed = slip.norm();
                 let resolution = SLIP_STOPPED * self.scale();
-                match start {
-                    Some(direction) if speed < resolution => {
-                        let slip = resolution * direction;
-                        let pace = if friction.is_set_valued_at_rest() {
-                            resolution / (resolution + self.speed)
-                        } else {
-                            1.0
-                        };
-                        (self.per_impulse(&slip, &now.omega), pace)
-                    }
-                    _ => {
-                        // Near the end of slip its direction changes ever faster.
-                        let pace = if friction.is_set_valued_at_rest() {
-                            speed / (speed + self.speed)
-                        } else {
-                            1.0
-                        };
-                        (self.per_impulse(&slip, &now.omega), pace)
-                    }
-                }
+                let (slip, speed) = match start {
+                    Some(direction) if speed < resolution => (resolution * direction, resolution),
+                    _ => (slip, speed),
+                };
+                // Near the end of slip its direction changes ever faster.
+                let pace = if friction.is_set_valued_at_rest() {
+                    speed / (speed + self.speed)
+                } else {
+                    1.0
+                };
+                (self.per_impulse(&slip, &now.omega), pace)
             }
         }
     }
@@ -257,23 +248,6 @@ enum ImpactEvent {
     SlipStopped,
 }
 
-/// The watched values.
-struct EventValues {
-    compressed: f64,
-    restituted: f64,
-    slip_stopped: f64,
-}
-
-impl EventValues {
-    fn of(&self, event: ImpactEvent) -> f64 {
-        match event {
-            ImpactEvent::Compressed => self.compressed,
-            ImpactEvent::Restituted => self.restituted,
-            ImpactEvent::SlipStopped => self.slip_stopped,
-        }
-    }
-}
-
 /// An impact of a body whose contact point has the velocity `before` (m/s, lean frame), downward.
 ///
 /// # Errors
@@ -343,29 +317,31 @@ impl<'a> Collision<'a> {
     /// Selects the guards to watch.
     fn watch(&mut self) {
         let equations = self.integrator.system();
-        let normal = if self.compression.is_some() {
-            (ImpactEvent::Restituted, SignTracker::with_sign(false, 0.0))
-        } else {
-            (ImpactEvent::Compressed, SignTracker::with_sign(false, 0.0))
+        let normal = match self.compression {
+            Some(_) => ImpactEvent::Restituted,
+            None => ImpactEvent::Compressed,
         };
-        self.watches = vec![normal];
+        self.watches = vec![(normal, SignTracker::with_sign(false, 0.0))];
         if equations.stage != Stage::Held && equations.body.friction.is_set_valued_at_rest() {
             self.watches
                 .push((ImpactEvent::SlipStopped, SignTracker::default()));
         }
     }
 
-    /// The values of the watched functions.
+    /// The value of the watched function of an event.
     #[inline]
-    fn event_values(&self, y: &State) -> EventValues {
+    fn event_value(&self, event: ImpactEvent, y: &State) -> f64 {
         let equations = self.integrator.system();
-        let velocity = equations.impact_state(y).velocity;
-        let given_back = self.restitution * self.restitution;
-        EventValues {
-            compressed: velocity.z / equations.speed,
-            restituted: y[6] - self.compression.unwrap_or_default() * (1.0 - given_back),
-            slip_stopped: ImpactEquations::slip(&velocity).norm() / equations.scale()
-                - SLIP_STOPPED,
+        let velocity = || equations.impact_state(y).velocity;
+        match event {
+            ImpactEvent::Compressed => velocity().z / equations.speed,
+            ImpactEvent::Restituted => {
+                let given_back = self.restitution * self.restitution;
+                y[6] - self.compression.unwrap_or_default() * (1.0 - given_back)
+            }
+            ImpactEvent::SlipStopped => {
+                ImpactEquations::slip(&velocity()).norm() / equations.scale() - SLIP_STOPPED
+            }
         }
     }
 
@@ -427,21 +403,17 @@ impl<'a> Collision<'a> {
     fn first_event(&mut self, dense: &Dense<SIZE>) -> Option<(f64, ImpactEvent)> {
         let mut watches = std::mem::take(&mut self.watches);
         let state = |s| dense.first_at(GUARD_INPUTS, s);
-        let at = |s| self.event_values(&state(s));
-        // `map` would move everything several times.
-        let [a, b, c, d, e] = KNOTS;
-        let event_values = [at(a), at(b), at(c), at(d), at(e)];
+        let at_knots = KNOTS.map(state);
         let mut first: Option<(f64, ImpactEvent)> = None;
         for (event, tracker) in &mut watches {
-            let values = event_values
-                .each_ref()
-                .map(|event_values| event_values.of(*event));
+            let value = |y: &State| self.event_value(*event, y);
+            let values = at_knots.each_ref().map(value);
             let wanted = match event {
                 ImpactEvent::SlipStopped => Slope::Falling,
                 ImpactEvent::Compressed | ImpactEvent::Restituted => Slope::Rising,
             };
             let mut found: Vec<Crossing> = Vec::new();
-            tracker.scan(&KNOTS, &values, |s| at(s).of(*event), &mut found);
+            tracker.scan(&KNOTS, &values, |s| value(&state(s)), &mut found);
             let crossing = found.iter().find(|crossing| crossing.slope == wanted);
             if let Some(crossing) = crossing
                 && first.is_none_or(|(s, _)| crossing.s < s)

@@ -67,27 +67,19 @@ pub const TERMS_SINE: f64 = 1e-6;
 
 /// The running integrals as the last components of a state vector.
 #[inline]
-fn as_array(integrals: &Integrals) -> [f64; INTEGRALS] {
-    let Integrals {
-        friction_work,
-        slip_path,
-        theta,
-        work_node,
-        slip_work,
-        terms,
-    } = *integrals;
+fn as_array(all: &Integrals) -> [f64; INTEGRALS] {
     [
-        friction_work,
-        slip_path,
-        theta,
-        work_node.x,
-        work_node.y,
-        work_node.z,
-        slip_work,
-        terms.phi_gyroscopic,
-        terms.phi_coriolis,
-        terms.phi_frictional,
-        terms.psi_frictional,
+        all.friction_work,
+        all.slip_path,
+        all.theta,
+        all.work_node.x,
+        all.work_node.y,
+        all.work_node.z,
+        all.slip_work,
+        all.terms.phi_gyroscopic,
+        all.terms.phi_coriolis,
+        all.terms.phi_frictional,
+        all.terms.psi_frictional,
     ]
 }
 

@@ -89,11 +89,7 @@ impl Lean {
             0.0
         };
         Tilt {
-            rates: Euler {
-                phi,
-                theta: tilt.rates.theta,
-                psi: sign * (tilt.omega_lean.z - phi),
-            },
+            rates: Euler::new(phi, tilt.rates.theta, sign * (tilt.omega_lean.z - phi)),
             ..tilt
         }
     }

@@ -148,12 +148,7 @@ impl<'a> FreeBody<'a> {
         let (sin, cos) = (tilt.sin, tilt.cos);
         let height = radius + l * cos;
         let (reach, lever) = (l + radius * cos, l * sin);
-        let Inertia {
-            per_mass,
-            per_transverse,
-            per_axial,
-            ..
-        } = *inertia;
+        let (per_mass, per_transverse) = (inertia.per_mass, inertia.per_transverse);
         Self {
             top,
             friction,
@@ -163,7 +158,7 @@ impl<'a> FreeBody<'a> {
             inverse_mass: InverseMass {
                 node: per_mass
                     + reach * reach * per_transverse
-                    + radius * radius * sin * sin * per_axial,
+                    + radius * radius * sin * sin * inertia.per_axial,
                 lean: per_mass + height * height * per_transverse,
                 up: per_mass + lever * lever * per_transverse,
                 coupling: -lever * height * per_transverse,
@@ -175,12 +170,9 @@ impl<'a> FreeBody<'a> {
     #[inline(always)]
     pub(super) fn angular_acceleration(&self, torque: &Vector3<f64>) -> Vector3<f64> {
         let (sin, cos) = (self.tilt.sin, self.tilt.cos);
-        let Inertia {
-            per_transverse,
-            per_axial,
-            ..
-        } = self.inertia;
-        let axial = (sin * torque.x + cos * torque.z) * (per_axial - per_transverse);
+        let per_transverse = self.inertia.per_transverse;
+        let excess = self.inertia.per_axial - per_transverse;
+        let axial = (sin * torque.x + cos * torque.z) * excess;
         Vector3::new(
             torque.x * per_transverse + axial * sin,
             torque.y * per_transverse,
@@ -197,13 +189,9 @@ impl<'a> FreeBody<'a> {
         let omega = self.tilt.omega_lean;
         let (sin, cos) = (self.tilt.sin, self.tilt.cos);
         let axis_turns = Vector3::new(omega.y * cos, omega.z * sin - omega.x * cos, -omega.y * sin);
-        let Inertia {
-            transverse,
-            per_transverse,
-            ..
-        } = self.inertia;
-        let excess = (transverse - self.top.axial_moment) * self.tilt.axial_rate();
-        let mut turning = axis_turns * (excess * per_transverse);
+        let inertia = &self.inertia;
+        let excess = (inertia.transverse - self.top.axial_moment) * self.tilt.axial_rate();
+        let mut turning = axis_turns * (excess * inertia.per_transverse);
         if self.friction.has_losses() {
             turning += self.angular_acceleration(air);
         }
@@ -225,7 +213,11 @@ impl<'a> FreeBody<'a> {
         match phase {
             Phase::Sliding => self.sliding(slip),
             Phase::Sticking => self.holding(),
-            Phase::Flying => self.flying(),
+            Phase::Flying => Reaction {
+                normal: 0.0,
+                friction: Wrench::default(),
+                air: self.air(),
+            },
         }
     }
 
@@ -238,15 +230,6 @@ impl<'a> FreeBody<'a> {
     fn air(&self) -> Vector3<f64> {
         let axis = self.tilt.axis();
         self.friction.torque_of_air(&self.tilt.omega_lean, &axis)
-    }
-
-    #[inline(always)]
-    fn flying(&self) -> Reaction {
-        Reaction {
-            normal: 0.0,
-            friction: Wrench::default(),
-            air: self.air(),
-        }
     }
 
     /// The normal force that prevents vertical motion of the contact point, with the corresponding friction.
@@ -286,12 +269,8 @@ impl<'a> FreeBody<'a> {
     /// The forces that keep the contact point at rest.
     #[inline(always)]
     pub(super) fn holding(&self) -> Reaction {
-        let InverseMass {
-            node,
-            lean,
-            up,
-            coupling,
-        } = self.inverse_mass;
+        let inverse_mass = &self.inverse_mass;
+        let (lean, coupling) = (inverse_mass.lean, inverse_mass.coupling);
         let air = self.air();
         let couple = self
             .friction
@@ -300,11 +279,11 @@ impl<'a> FreeBody<'a> {
         let loose = self.free_acceleration(&air);
         let by_couple = self.acceleration_per_couple(&couple);
         let drive = (coupling + by_couple.x) / lean;
-        let resistance = up + by_couple.z - coupling * drive;
+        let resistance = inverse_mass.up + by_couple.z - coupling * drive;
         let normal = (coupling / lean * loose.x - loose.z) / resistance;
         let force = Vector3::new(
             -loose.x / lean - drive * normal,
-            -(loose.y + by_couple.y * normal) / node,
+            -(loose.y + by_couple.y * normal) / inverse_mass.node,
             0.0,
         );
         Reaction {

@@ -149,30 +149,16 @@ impl FrictionLaw {
 
     /// Maximum torque of the contact patch about the vertical, N m; 0 for laws without a patch.
     pub fn drilling_bound(&self, normal_force: f64) -> f64 {
-        match *self {
-            Self::Contensou { k, patch_radius } => {
-                -drilling_torque(k, patch_radius, normal_force, 0.0, 1.0)
-            }
-            Self::None
-            | Self::Coulomb { .. }
-            | Self::Regularised { .. }
-            | Self::Viscous { .. }
-            | Self::Stribeck { .. } => 0.0,
+        if let Self::Contensou { k, patch_radius } = *self {
+            -drilling_torque(k, patch_radius, normal_force, 0.0, 1.0)
+        } else {
+            0.0
         }
     }
 
     /// Whether there is no friction force at any slip.
     pub fn is_none(&self) -> bool {
-        match *self {
-            Self::None => true,
-            Self::Coulomb { k }
-            | Self::Regularised { k, .. }
-            | Self::Viscous { k, .. }
-            | Self::Contensou { k, .. } => k == 0.0,
-            Self::Stribeck {
-                k, static_k, slope, ..
-            } => k == 0.0 && static_k == 0.0 && slope == 0.0,
-        }
+        self.largest_coefficient() == 0.0
     }
 }
 

@@ -200,17 +200,13 @@ impl SignTracker {
             return;
         }
         if self.positive == Some(!positive) {
-            found.push(if positive {
-                Crossing {
-                    s: root(*from, to, 1.0, g),
-                    slope: Slope::Rising,
-                }
+            let (new_sign, slope) = if positive {
+                (1.0, Slope::Rising)
             } else {
-                Crossing {
-                    s: root(*from, to, -1.0, g),
-                    slope: Slope::Falling,
-                }
-            });
+                (-1.0, Slope::Falling)
+            };
+            let s = root(*from, to, new_sign, g);
+            found.push(Crossing { s, slope });
         }
         self.positive = Some(positive);
         *from = to;

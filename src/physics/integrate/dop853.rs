@@ -338,27 +338,34 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     #[inline]
     fn stages(&self, h: f64) -> Stages<N> {
         let mut k = [[0.0; N]; STAGES];
+        let start = (self.t(), self.y());
         k[0] = *self.dy();
-        k[1] = self.stage(h, NODES[1], &STAGE_1, &k);
-        k[2] = self.stage(h, NODES[2], &STAGE_2, &k);
-        k[3] = self.stage(h, NODES[3], &STAGE_3, &k);
-        k[4] = self.stage(h, NODES[4], &STAGE_4, &k);
-        k[5] = self.stage(h, NODES[5], &STAGE_5, &k);
-        k[6] = self.stage(h, NODES[6], &STAGE_6, &k);
-        k[7] = self.stage(h, NODES[7], &STAGE_7, &k);
-        k[8] = self.stage(h, NODES[8], &STAGE_8, &k);
-        k[9] = self.stage(h, NODES[9], &STAGE_9, &k);
-        k[10] = self.stage(h, NODES[10], &STAGE_10, &k);
-        k[11] = self.stage(h, NODES[11], &STAGE_11, &k);
+        k[1] = self.stage(start, h, NODES[1], &STAGE_1, &k);
+        k[2] = self.stage(start, h, NODES[2], &STAGE_2, &k);
+        k[3] = self.stage(start, h, NODES[3], &STAGE_3, &k);
+        k[4] = self.stage(start, h, NODES[4], &STAGE_4, &k);
+        k[5] = self.stage(start, h, NODES[5], &STAGE_5, &k);
+        k[6] = self.stage(start, h, NODES[6], &STAGE_6, &k);
+        k[7] = self.stage(start, h, NODES[7], &STAGE_7, &k);
+        k[8] = self.stage(start, h, NODES[8], &STAGE_8, &k);
+        k[9] = self.stage(start, h, NODES[9], &STAGE_9, &k);
+        k[10] = self.stage(start, h, NODES[10], &STAGE_10, &k);
+        k[11] = self.stage(start, h, NODES[11], &STAGE_11, &k);
         k
     }
 
-    /// The derivative at one stage of a step from the current state.
+    /// The derivative at one stage of a step of length `h` from the state `y` at `t`.
     #[inline(always)]
-    fn stage<const M: usize>(&self, h: f64, node: f64, row: &Row<M>, k: &Stages<N>) -> [f64; N] {
-        let y =
-            advance_controlled::<S, N>(self.y(), h, &combine_controlled::<S, N, M, STAGES>(row, k));
-        self.system.derivative(self.t() + node * h, &y)
+    fn stage<const M: usize, const K: usize>(
+        &self,
+        (t, y): (f64, &[f64; N]),
+        h: f64,
+        node: f64,
+        row: &Row<M>,
+        k: &[[f64; N]; K],
+    ) -> [f64; N] {
+        let y = advance_controlled::<S, N>(y, h, &combine_controlled::<S, N, M, K>(row, k));
+        self.system.derivative(t + node * h, &y)
     }
 
     /// The stages of a step with those that only the dense output needs.
@@ -366,25 +373,11 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         let mut k = [[0.0; N]; ALL_STAGES];
         k[..STAGES].copy_from_slice(&step.k);
         k[12] = step.end_dy;
-        k[13] = self.extra_stage(step, NODES[13], &STAGE_13, &k);
-        k[14] = self.extra_stage(step, NODES[14], &STAGE_14, &k);
-        k[15] = self.extra_stage(step, NODES[15], &STAGE_15, &k);
+        let start = (step.t, &step.y);
+        k[13] = self.stage(start, step.h, NODES[13], &STAGE_13, &k);
+        k[14] = self.stage(start, step.h, NODES[14], &STAGE_14, &k);
+        k[15] = self.stage(start, step.h, NODES[15], &STAGE_15, &k);
         k
-    }
-
-    /// The derivative at one more stage of a step.
-    #[inline(always)]
-    fn extra_stage<const M: usize>(
-        &self,
-        step: &Step<N>,
-        node: f64,
-        row: &Row<M>,
-        k: &[[f64; N]; ALL_STAGES],
-    ) -> [f64; N] {
-        let Step { t, h, y, .. } = step;
-        let y =
-            advance_controlled::<S, N>(y, *h, &combine_controlled::<S, N, M, ALL_STAGES>(row, k));
-        self.system.derivative(t + node * h, &y)
     }
 
     /// The local error of a trial step relative to the tolerances: at most 1 if acceptable, NaN if not finite. Combines

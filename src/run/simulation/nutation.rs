@@ -91,13 +91,17 @@ impl OpenCycle {
         widen(&mut least.psi, &mut greatest.psi, rates.psi);
     }
 
+    /// The frictionless nutation period, s, if the motion is periodic.
+    fn period(&self, model: &Model) -> Option<f64> {
+        model.nutation_period(&self.motion, [self.theta_min, self.theta_max])
+    }
+
     /// Whether the cycle ending at `time` has the duration of one nutation.
     fn is_nutation(&self, model: &Model, time: f64) -> bool {
-        let extremes = [self.theta_min, self.theta_max];
-        let periods = model
-            .nutation_period(&self.motion, extremes)
-            .map(|period| (time - self.start) / period);
-        periods.is_some_and(|periods| (1.0 / PERIOD_FACTOR..=PERIOD_FACTOR).contains(&periods))
+        let periods = |period| (time - self.start) / period;
+        let nutations = 1.0 / PERIOD_FACTOR..=PERIOD_FACTOR;
+        self.period(model)
+            .is_some_and(|period| nutations.contains(&periods(period)))
     }
 }
 
@@ -132,8 +136,7 @@ impl NutationTracker {
     /// longer than a nutation takes.
     pub(super) fn record_extreme(&mut self, time: f64, motion: &Motion) -> bool {
         self.widen(time, motion);
-        let extremes = [self.open.theta_min, self.open.theta_max];
-        let period = self.model.nutation_period(&self.open.motion, extremes);
+        let period = self.open.period(&self.model);
         period.is_none_or(|period| time - self.open.start <= PERIOD_FACTOR * period)
     }
 
@@ -191,11 +194,11 @@ impl NutationTracker {
             theta_min: open.theta_min,
             theta_max: open.theta_max,
             theta_mean: mean(|m| m.integrals.theta),
-            mean_rates: Euler {
-                phi: mean(|m| m.angles.phi),
-                theta: mean(|m| m.angles.theta),
-                psi: mean(|m| m.angles.psi),
-            },
+            mean_rates: Euler::new(
+                mean(|m| m.angles.phi),
+                mean(|m| m.angles.theta),
+                mean(|m| m.angles.psi),
+            ),
             least_rates: open.least_rates,
             greatest_rates: open.greatest_rates,
             mean_phi_frictional: mean(|m| m.integrals.terms.phi_frictional),

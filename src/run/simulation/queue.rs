@@ -12,8 +12,6 @@ use std::collections::VecDeque;
 /// A pending record; times in s.
 pub(super) enum Pending {
     Event(EventKind, f64, Motion),
-    /// The peg is on the table again, after this many impacts.
-    Landing(u32, f64, Motion),
     Nutation(NutationCycle),
     Impact(ImpactRecord),
 }
@@ -21,7 +19,7 @@ pub(super) enum Pending {
 impl Pending {
     fn time_ns(&self) -> u64 {
         match self {
-            Self::Event(_, time, _) | Self::Landing(_, time, _) => to_nanoseconds(*time),
+            Self::Event(_, time, _) => to_nanoseconds(*time),
             Self::Nutation(cycle) => cycle.time_ns,
             Self::Impact(landing) => landing.time_ns,
         }
@@ -38,6 +36,8 @@ pub(super) struct Queue {
     pub(super) cycles: u32,
     /// Number of emitted impacts.
     pub(super) impacts: u32,
+    /// Emitted impacts since the peg left the table.
+    bounces: u32,
     /// Time at which a tippe top inverted, s.
     pub(super) inversion: Option<f64>,
 }
@@ -71,21 +71,33 @@ impl Queue {
     pub(super) fn pop(&mut self, top: &Top) -> Option<Record> {
         Some(match self.pending.pop_front()? {
             Pending::Event(kind, time, motion) => {
-                self.event(kind, time, motion, kind.describe(top, &motion))
+                let mut description = kind.describe(top, &motion);
+                if kind == EventKind::Landing {
+                    description += &match std::mem::take(&mut self.bounces) {
+                        1 => " After 1 impact.".to_owned(),
+                        bounces => format!(" After {bounces} impacts."),
+                    };
+                }
+                let index = self.events;
+                self.events += 1;
+                Record::Event(Box::new(Event {
+                    kind,
+                    time,
+                    time_ns: to_nanoseconds(time),
+                    index,
+                    motion,
+                    description,
+                }))
             }
-            Pending::Landing(bounces, time, motion) => {
-                let described = EventKind::Landing.describe(top, &motion);
-                let counted = match bounces {
-                    1 => "1 impact".to_owned(),
-                    bounces => format!("{bounces} impacts"),
-                };
-                let sentence = format!("{described} After {counted}.");
-                self.event(EventKind::Landing, time, motion, sentence)
-            }
-            Pending::Impact(landing) => {
+            Pending::Impact(impact) => {
                 let index = self.impacts;
                 self.impacts += 1;
-                Record::Impact(Box::new(ImpactRecord { index, ..landing }))
+                self.bounces += 1;
+                Record::Impact(Box::new(ImpactRecord {
+                    index,
+                    bounce: self.bounces,
+                    ..impact
+                }))
             }
             Pending::Nutation(cycle) => {
                 self.cycles += 1;
@@ -94,38 +106,19 @@ impl Queue {
         })
     }
 
-    fn event(&mut self, kind: EventKind, time: f64, motion: Motion, sentence: String) -> Record {
-        let event = Event {
-            kind,
-            time,
-            time_ns: to_nanoseconds(time),
-            index: self.events,
-            motion,
-            description: sentence,
-        };
-        self.events += 1;
-        Record::Event(Box::new(event))
-    }
-
     /// Counts all records without emitting them. Returns the time, s, and the motion of the last event.
     pub(super) fn count_all(&mut self, tally: &mut Tally) -> Option<(f64, Motion)> {
         let mut last = None;
         for pending in self.pending.drain(..) {
-            let (kind, time, motion) = match pending {
-                Pending::Event(kind, time, motion) => (kind, time, motion),
-                Pending::Landing(_, time, motion) => (EventKind::Landing, time, motion),
-                Pending::Nutation(_) => {
-                    self.cycles += 1;
-                    continue;
+            match pending {
+                Pending::Event(kind, time, motion) => {
+                    self.events += 1;
+                    tally.count(kind, time);
+                    last = Some((time, motion));
                 }
-                Pending::Impact(_) => {
-                    self.impacts += 1;
-                    continue;
-                }
-            };
-            self.events += 1;
-            tally.count(kind, time);
-            last = Some((time, motion));
+                Pending::Nutation(_) => self.cycles += 1,
+                Pending::Impact(_) => self.impacts += 1,
+            }
         }
         last
     }

@@ -49,8 +49,6 @@ pub(super) struct Runner<F, const N: usize> {
     /// Pending events of that step.
     queue: Queue,
     next_sample: u32,
-    /// Impacts since the peg left the table.
-    bounces: u32,
     progress: Progress,
     energy_at_start: f64,
     /// The time at which the step ends early, if it does, and why.
@@ -121,7 +119,6 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             reference: scenario.angles,
             queue,
             next_sample: 0,
-            bounces: 0,
             progress: Progress::default(),
             energy_at_start,
             end,
@@ -339,16 +336,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             self.queue.push(event(EventKind::LiftOff));
         }
         if let Transition::Bounces(hit) | Transition::Lands(hit) = &entry.transition {
-            self.bounces += 1;
-            let landing = ImpactRecord {
-                bounce: self.bounces,
-                ..ImpactRecord::new(hit, &motion, time, to_nanoseconds(time))
-            };
-            self.queue.push(Pending::Impact(landing));
+            let impact = ImpactRecord::new(hit, &motion, time, to_nanoseconds(time));
+            self.queue.push(Pending::Impact(impact));
         }
         if before == Phase::Flying && after != Phase::Flying {
-            let bounces = std::mem::take(&mut self.bounces);
-            self.queue.push(Pending::Landing(bounces, time, motion));
+            self.queue.push(event(EventKind::Landing));
         }
         if before != Phase::Sticking && after == Phase::Sticking {
             self.queue.push(event(EventKind::RollBegins));

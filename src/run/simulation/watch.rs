@@ -154,9 +154,9 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
     };
     let model = formulation.model();
     let is_free = model.support.is_free();
-    let guards = formulation.guards().iter().map(|guard| Watch {
-        kind: ZeroKind::Guard(*guard),
-        tracker: guard_tracker(*guard, is_free),
+    let guards = formulation.guards().into_iter().map(|guard| Watch {
+        kind: ZeroKind::Guard(guard),
+        tracker: guard_tracker(guard, is_free),
     });
     if formulation.phase() == Phase::Sticking && !is_free {
         let mut watches = vec![watch(ZeroKind::Strength, 0.0)];

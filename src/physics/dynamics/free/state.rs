@@ -6,7 +6,6 @@
 )]
 
 use crate::physics::dynamics::accelerations::accelerations_about;
-use crate::physics::dynamics::formulation::Guard;
 use crate::physics::dynamics::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TermIntegrals};
 use crate::physics::dynamics::lean::Lean;
 use crate::physics::dynamics::model::Model;
@@ -39,7 +38,6 @@ pub struct FreeRotation {
     /// Departure from rest, if the slip has just begun.
     pub(super) departure: Option<Departure>,
     pub(super) inertia: Inertia,
-    pub(super) sliding_guards: &'static [Guard],
 }
 
 /// Beginning of the slip of a contact point that was at rest. At first the slip is too slow to define a direction.
