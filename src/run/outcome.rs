@@ -11,7 +11,8 @@ use crate::run::simulation::{
     EventKind, RunEnd, SimulationError, StopReason, Tally, run_without_samples,
 };
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::ser::{Serialize, SerializeMap as _, Serializer};
+use serde::Serialize;
+use serde::ser::{SerializeMap as _, Serializer};
 use serde_json::Map;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -152,11 +153,8 @@ impl Serialize for Outcome {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         for column in COLUMNS {
-            match column.of(self) {
-                Some(Cell::Text(text)) => map.serialize_entry(column.name, text)?,
-                Some(Cell::Integer(number)) => map.serialize_entry(column.name, &number)?,
-                Some(Cell::Number(number)) => map.serialize_entry(column.name, &number)?,
-                None => {}
+            if let Some(cell) = column.of(self) {
+                map.serialize_entry(column.name, &cell)?;
             }
         }
         map.end()
@@ -206,7 +204,8 @@ pub enum ColumnKind {
 }
 
 /// A value in a column.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Cell {
     /// A text.
     Text(&'static str),

@@ -44,14 +44,8 @@ pub struct Leaf {
     pub derivative: Option<usize>,
 }
 
-/// A member of an encoded message: a leaf, or an object of numbers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Member<'a> {
-    /// Name.
-    pub name: &'a str,
-    /// Its content.
-    pub content: Content<'a>,
-}
+/// A member of an encoded message, a leaf or an object of numbers: its name and content.
+pub type Member<'a> = (&'a str, Content<'a>);
 
 /// Content of a member of an encoded message.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,28 +63,18 @@ impl ChannelInfo {
     pub fn members(&self) -> Vec<Member<'_>> {
         let mut members: Vec<Member<'_>> = Vec::new();
         for (index, leaf) in self.texts.iter().enumerate() {
-            members.push(Member {
-                name: &leaf.path,
-                content: Content::Text(index),
-            });
+            members.push((&leaf.path, Content::Text(index)));
         }
         for (index, leaf) in self.numbers.iter().enumerate() {
             let Some((parent, name)) = leaf.path.split_once('.') else {
-                members.push(Member {
-                    name: &leaf.path,
-                    content: Content::Number(index),
-                });
+                members.push((&leaf.path, Content::Number(index)));
                 continue;
             };
             match members.last_mut() {
-                Some(Member {
-                    name: open,
-                    content: Content::Object(inner),
-                }) if *open == parent => inner.push((name, index)),
-                _ => members.push(Member {
-                    name: parent,
-                    content: Content::Object(vec![(name, index)]),
-                }),
+                Some((open, Content::Object(inner))) if *open == parent => {
+                    inner.push((name, index));
+                }
+                _ => members.push((parent, Content::Object(vec![(name, index)]))),
             }
         }
         members

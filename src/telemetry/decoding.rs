@@ -23,6 +23,14 @@ impl Row {
         self.texts.resize(channel.texts.len(), String::new());
         self.texts.iter_mut().for_each(String::clear);
     }
+
+    /// Adds a part of the timestamp, ns, if it is in range. A repeated part is added, which eventually fails.
+    #[inline]
+    pub(super) fn add_time(&mut self, part_ns: Option<u64>) -> Result<(), &'static str> {
+        let time = part_ns.and_then(|part| self.time_ns.checked_add(part));
+        self.time_ns = time.ok_or("its timestamp is out of range")?;
+        Ok(())
+    }
 }
 
 /// Error of decoding a channel or message of a file.
@@ -73,17 +81,12 @@ impl FieldDifferences {
     /// Fields that a file with the fields `present` lacks, and those that the table lacks.
     pub(super) fn between(channel: &ChannelInfo, present: &[String]) -> Self {
         let known = |path: &String| channel.leaves().any(|leaf| leaf.path == *path);
+        let paths = channel.leaves().map(|leaf| &leaf.path);
+        let missing = paths.filter(|path| !present.contains(path));
+        let unknown = present.iter().filter(|path| !known(path));
         Self {
-            missing: channel
-                .leaves()
-                .filter(|leaf| !present.contains(&leaf.path))
-                .map(|leaf| leaf.path.clone())
-                .collect(),
-            unknown: present
-                .iter()
-                .filter(|path| !known(path))
-                .cloned()
-                .collect(),
+            missing: missing.cloned().collect(),
+            unknown: unknown.cloned().collect(),
         }
     }
 

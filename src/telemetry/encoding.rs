@@ -2,9 +2,9 @@
 
 use super::channel::ChannelInfo;
 pub use super::decoding::{DecodeError, FieldDifferences, Row};
-use super::json::{JsonDecoder, JsonEncoder};
+use super::json::{self, JsonDecoder};
 use super::message::Message;
-use super::protobuf::{ProtobufDecoder, ProtobufEncoder, file_descriptor_set};
+use super::protobuf::{self, ProtobufDecoder, file_descriptor_set};
 use super::schema::json_schema;
 use super::table::channels;
 use crate::run::listed::listed;
@@ -51,29 +51,40 @@ impl Encoding {
 
 /// Encodes messages of all channels.
 #[derive(Debug)]
-pub enum Encoder {
-    /// As JSON.
-    Json(JsonEncoder),
-    /// As protobuf.
-    Protobuf(ProtobufEncoder),
+pub struct Encoder {
+    encoding: Encoding,
+    templates: Vec<Template>,
+}
+
+/// The bytes of a channel's messages without their values.
+#[derive(Debug)]
+pub(super) struct Template {
+    /// For each value, the bytes before it, and whether it is a text.
+    pub(super) slots: Vec<(Vec<u8>, bool)>,
+    /// The bytes after the last value.
+    pub(super) end: Vec<u8>,
 }
 
 impl Encoder {
     /// An encoder of this kind.
     pub fn new(encoding: Encoding) -> Self {
-        let channels = channels();
-        match encoding {
-            Encoding::Json => Self::Json(JsonEncoder::new(channels)),
-            Encoding::Protobuf => Self::Protobuf(ProtobufEncoder::new(channels)),
+        let template = match encoding {
+            Encoding::Json => json::template,
+            Encoding::Protobuf => protobuf::template,
+        };
+        Self {
+            encoding,
+            templates: channels().iter().map(template).collect(),
         }
     }
 
     /// Appends the message to `out`.
     #[inline]
     pub fn encode(&self, message: &Message<'_>, out: &mut Vec<u8>) {
-        match self {
-            Self::Json(encoder) => encoder.encode(message, out),
-            Self::Protobuf(encoder) => encoder.encode(message, out),
+        let template = &self.templates[message.channel];
+        match self.encoding {
+            Encoding::Json => json::encode(template, message, out),
+            Encoding::Protobuf => protobuf::encode(template, message, out),
         }
     }
 }

@@ -79,11 +79,7 @@ impl Topic {
     /// The handles of the numbers of a message.
     pub fn numbers(self) -> impl Iterator<Item = NumberField> {
         let leaves = self.info().numbers.iter().enumerate();
-        leaves.map(move |(index, leaf)| NumberField {
-            topic: self,
-            index,
-            plot: leaf.plot,
-        })
+        leaves.map(move |(index, leaf)| NumberField::new(self, index, leaf.plot))
     }
 }
 
@@ -146,12 +142,8 @@ impl RotationField {
 
     /// Its components x, y, z, w.
     pub const fn components(self) -> [NumberField; 4] {
-        [
-            part(self.0, 0),
-            part(self.0, 1),
-            part(self.0, 2),
-            part(self.0, 3),
-        ]
+        let first = self.0;
+        [first, part(first, 1), part(first, 2), part(first, 3)]
     }
 
     /// Its channel.
@@ -216,10 +208,9 @@ impl Plot {
     /// The plots of a channel, in table order.
     pub fn all(topic: Topic) -> Vec<Self> {
         let mut plots: Vec<Self> = Vec::new();
-        for leaf in &topic.info().numbers {
-            if plots.iter().all(|plot| plot.name != leaf.plot) {
-                let name = leaf.plot;
-                plots.push(Self { topic, name });
+        for plot in topic.numbers().map(NumberField::plot) {
+            if !plots.contains(&plot) {
+                plots.push(plot);
             }
         }
         plots
@@ -232,14 +223,8 @@ impl Plot {
 
     /// Its numbers, in table order.
     pub fn numbers(self) -> impl Iterator<Item = NumberField> {
-        let leaves = self.topic.info().numbers.iter().enumerate();
-        leaves
-            .filter(move |(_, leaf)| leaf.plot == self.name)
-            .map(move |(index, leaf)| NumberField {
-                topic: self.topic,
-                index,
-                plot: leaf.plot,
-            })
+        let numbers = self.topic.numbers();
+        numbers.filter(move |number| number.plot == self.name)
     }
 
     /// Its channel.

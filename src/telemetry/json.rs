@@ -2,6 +2,7 @@
 
 use super::channel::{ChannelInfo, Content};
 use super::decoding::{DecodeError, Object, Paths, Row, Target};
+use super::encoding::Template;
 use super::message::Message;
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
@@ -14,46 +15,22 @@ const TIMESTAMP: &str = "timestamp";
 /// The number of parts of a timestamp: seconds and nanoseconds.
 const STAMP_PARTS: usize = 2;
 
-/// Writes messages of all channels as JSON, with bit-exact numbers.
-#[derive(Debug)]
-pub struct JsonEncoder {
-    templates: Vec<Template>,
-}
-
-/// The bytes between the values of a channel's messages.
-#[derive(Debug)]
-struct Template {
-    /// For each value, the bytes before it, and whether it is a text.
-    slots: Vec<(Vec<u8>, bool)>,
-    end: Vec<u8>,
-}
-
-impl JsonEncoder {
-    /// For messages of these channels, of the table or an earlier version of it.
-    pub(super) fn new(channels: &[ChannelInfo]) -> Self {
-        Self {
-            templates: channels.iter().map(Template::new).collect(),
-        }
+/// Appends the message to `out` as JSON, with bit-exact numbers.
+pub(super) fn encode(template: &Template, message: &Message<'_>, out: &mut Vec<u8>) {
+    let (sec, nsec) = seconds_and_nanoseconds(message.time_ns);
+    // Writing to a Vec cannot fail, and every number is finite.
+    let _ = write!(out, "{{\"timestamp\":{{\"sec\":{sec},\"nsec\":{nsec}}}");
+    let mut numbers = message.numbers.iter();
+    let mut texts = message.texts.iter();
+    for (before, is_text) in &template.slots {
+        out.extend_from_slice(before);
+        let _ = if *is_text {
+            serde_json::to_writer(&mut *out, texts.next().map_or("", String::as_str))
+        } else {
+            serde_json::to_writer(&mut *out, numbers.next().unwrap_or(&0.0))
+        };
     }
-
-    /// Appends the message to `out`.
-    pub fn encode(&self, message: &Message<'_>, out: &mut Vec<u8>) {
-        let (sec, nsec) = seconds_and_nanoseconds(message.time_ns);
-        // Writing to a Vec cannot fail, and every number is finite.
-        let _ = write!(out, "{{\"timestamp\":{{\"sec\":{sec},\"nsec\":{nsec}}}");
-        let template = &self.templates[message.channel];
-        let mut numbers = message.numbers.iter();
-        let mut texts = message.texts.iter();
-        for (before, is_text) in &template.slots {
-            out.extend_from_slice(before);
-            let _ = if *is_text {
-                serde_json::to_writer(&mut *out, texts.next().map_or("", String::as_str))
-            } else {
-                serde_json::to_writer(&mut *out, numbers.next().unwrap_or(&0.0))
-            };
-        }
-        out.extend_from_slice(&template.end);
-    }
+    out.extend_from_slice(&template.end);
 }
 
 /// A time split into seconds and nanoseconds, as in timestamps.
@@ -63,31 +40,28 @@ pub fn seconds_and_nanoseconds(time_ns: u64) -> (u64, u64) {
 
 const NANOSECONDS: u64 = 1_000_000_000;
 
-impl Template {
-    fn new(channel: &ChannelInfo) -> Self {
-        let mut slots = Vec::new();
-        let mut before = String::new();
-        for member in channel.members() {
-            before.push_str(&format!(",\"{}\":", member.name));
-            match member.content {
-                Content::Text(_) => slots.push((std::mem::take(&mut before).into_bytes(), true)),
-                Content::Number(_) => slots.push((std::mem::take(&mut before).into_bytes(), false)),
-                Content::Object(members) => {
-                    for (position, (name, _)) in members.iter().enumerate() {
-                        let opening = if position == 0 { '{' } else { ',' };
-                        before.push_str(&format!("{opening}\"{name}\":"));
-                        slots.push((std::mem::take(&mut before).into_bytes(), false));
-                    }
-                    before.push('}');
+/// The template of a channel's messages.
+pub(super) fn template(channel: &ChannelInfo) -> Template {
+    let mut slots = Vec::new();
+    let mut before = String::new();
+    for (name, content) in channel.members() {
+        before.push_str(&format!(",\"{name}\":"));
+        match content {
+            Content::Text(_) => slots.push((std::mem::take(&mut before).into_bytes(), true)),
+            Content::Number(_) => slots.push((std::mem::take(&mut before).into_bytes(), false)),
+            Content::Object(members) => {
+                for (position, (name, _)) in members.iter().enumerate() {
+                    let opening = if position == 0 { '{' } else { ',' };
+                    before.push_str(&format!("{opening}\"{name}\":"));
+                    slots.push((std::mem::take(&mut before).into_bytes(), false));
                 }
+                before.push('}');
             }
         }
-        before.push('}');
-        Self {
-            slots,
-            end: before.into_bytes(),
-        }
     }
+    before.push('}');
+    let end = before.into_bytes();
+    Template { slots, end }
 }
 
 /// Reads the JSON messages of one channel.
@@ -115,8 +89,8 @@ impl JsonDecoder {
         let stamps = [("sec", Target::Seconds), ("nsec", Target::Nanoseconds)];
         let stamp = stamps.map(|(name, target)| (name.to_owned(), target));
         let mut members = vec![(TIMESTAMP.to_owned(), Target::Object(Object(stamp.into())))];
-        for member in channel.members() {
-            let target = match member.content {
+        for (name, content) in channel.members() {
+            let target = match content {
                 Content::Text(index) => Target::Text(index),
                 Content::Number(index) => Target::Number(index),
                 Content::Object(inner) => {
@@ -125,7 +99,7 @@ impl JsonDecoder {
                     Target::Object(Object(inner.collect()))
                 }
             };
-            members.push((member.name.to_owned(), target));
+            members.push((name.to_owned(), target));
         }
         let known = |path: &&String| channel.leaves().any(|leaf| leaf.path == **path);
         let matched = present.iter().filter(known).count();
@@ -221,15 +195,6 @@ struct Filling<'a> {
     tally: &'a mut Tally,
 }
 
-impl Filling<'_> {
-    /// A repeated member is added, which eventually fails.
-    fn add_time<E: de::Error>(&mut self, part_ns: u64) -> Result<(), E> {
-        let time = self.row.time_ns.checked_add(part_ns);
-        self.row.time_ns = time.ok_or_else(|| E::custom("its timestamp is out of range"))?;
-        Ok(())
-    }
-}
-
 impl<'de> DeserializeSeed<'de> for Filling<'_> {
     type Value = ();
 
@@ -245,7 +210,7 @@ impl<'de> Visitor<'de> for Filling<'_> {
         f.write_str("an object")
     }
 
-    fn visit_map<A: MapAccess<'de>>(mut self, mut map: A) -> Result<(), A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         let object = self.object;
         let mut next = 0;
         while let Some(position) = map.next_key_seed(Name { object, next })? {
@@ -260,11 +225,13 @@ impl<'de> Visitor<'de> for Filling<'_> {
                 Target::Text(at) => self.row.texts[*at] = map.next_value()?,
                 Target::Seconds => {
                     let seconds: u32 = map.next_value()?;
-                    self.add_time(u64::from(seconds) * NANOSECONDS)?;
+                    let part = Some(u64::from(seconds) * NANOSECONDS);
+                    self.row.add_time(part).map_err(de::Error::custom)?;
                 }
                 Target::Nanoseconds => {
                     let nanoseconds: u32 = map.next_value()?;
-                    self.add_time(u64::from(nanoseconds))?;
+                    let part = Some(u64::from(nanoseconds));
+                    self.row.add_time(part).map_err(de::Error::custom)?;
                 }
                 Target::Object(object) => {
                     map.next_value_seed(Filling {

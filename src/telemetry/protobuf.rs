@@ -6,6 +6,7 @@
 
 use super::channel::{ChannelInfo, Content, Member};
 use super::decoding::{DecodeError, Object, Paths, Row, Target};
+use super::encoding::Template;
 use super::message::Message;
 use super::schema::with_unit_and_frame;
 use super::wire::{Wire, take_field};
@@ -50,16 +51,16 @@ pub fn proto_file(channel: &ChannelInfo) -> String {
     }
     line("  // simulation time since the start");
     line(&format!("  {TIMESTAMP_TYPE} timestamp = 1;"));
-    for (member, number) in members.iter().zip(FIRST_FIELD..) {
-        for comment in comments(channel, member) {
+    for ((name, content), number) in members.iter().zip(FIRST_FIELD..) {
+        for comment in comments(channel, content) {
             line(&format!("  // {comment}"));
         }
-        let kind = match &member.content {
+        let kind = match content {
             Content::Text(_) => "string".to_owned(),
             Content::Number(_) => "double".to_owned(),
-            Content::Object(leaves) => nested_name(channel, member.name, leaves),
+            Content::Object(leaves) => nested_name(channel, name, leaves),
         };
-        line(&format!("  {kind} {} = {number};", member.name));
+        line(&format!("  {kind} {name} = {number};"));
     }
     line("}");
     text
@@ -71,8 +72,8 @@ pub fn proto_file_name(channel: &ChannelInfo) -> String {
 }
 
 /// Comments on a member: one line, or one for each number of a group of terms.
-fn comments(channel: &ChannelInfo, member: &Member<'_>) -> Vec<String> {
-    match &member.content {
+fn comments(channel: &ChannelInfo, content: &Content<'_>) -> Vec<String> {
+    match content {
         Content::Text(index) => vec![channel.texts[*index].meaning.to_owned()],
         Content::Number(index) => {
             let leaf = &channel.numbers[*index];
@@ -121,9 +122,9 @@ fn capitalized(word: &str) -> String {
 /// The message types nested in a channel's, each with the names of its fields.
 fn nested_types<'a>(channel: &ChannelInfo, members: &[Member<'a>]) -> Vec<(String, Vec<&'a str>)> {
     let mut types: Vec<(String, Vec<&str>)> = Vec::new();
-    for member in members {
-        if let Content::Object(leaves) = &member.content {
-            let name = nested_name(channel, member.name, leaves);
+    for (name, content) in members {
+        if let Content::Object(leaves) = content {
+            let name = nested_name(channel, name, leaves);
             if types.iter().all(|(known, _)| *known != name) {
                 types.push((name, leaves.iter().map(|(leaf, _)| *leaf).collect()));
             }
@@ -147,16 +148,14 @@ fn file_descriptor(channel: &ChannelInfo) -> FileDescriptorProto {
     });
     let stamp = format!(".{TIMESTAMP_TYPE}");
     let mut fields = vec![field("timestamp", 1, Type::Message, Some(stamp))];
-    for (member, number) in members.iter().zip(FIRST_FIELD as i32..) {
-        fields.push(match &member.content {
-            Content::Text(_) => field(member.name, number, Type::String, None),
-            Content::Number(_) => field(member.name, number, Type::Double, None),
+    for ((member, content), number) in members.iter().zip(FIRST_FIELD as i32..) {
+        fields.push(match content {
+            Content::Text(_) => field(member, number, Type::String, None),
+            Content::Number(_) => field(member, number, Type::Double, None),
             Content::Object(leaves) => {
-                let kind = format!(
-                    ".{PACKAGE}.{name}.{}",
-                    nested_name(channel, member.name, leaves)
-                );
-                field(member.name, number, Type::Message, Some(kind))
+                let nested = nested_name(channel, member, leaves);
+                let kind = format!(".{PACKAGE}.{name}.{nested}");
+                field(member, number, Type::Message, Some(kind))
             }
         });
     }
@@ -211,40 +210,20 @@ fn json_name(name: &str) -> String {
     words.fold(first, |all, word| all + &capitalized(word))
 }
 
-/// Writes messages of all channels as protobuf.
-#[derive(Debug)]
-pub struct ProtobufEncoder {
-    templates: Vec<Template>,
-}
-
-/// The bytes before each value of a channel's messages, and whether the value is a text.
-#[derive(Debug)]
-struct Template(Vec<(Vec<u8>, bool)>);
-
-impl ProtobufEncoder {
-    /// For messages of these channels, of the table or an earlier version of it.
-    pub(super) fn new(channels: &[ChannelInfo]) -> Self {
-        Self {
-            templates: channels.iter().map(Template::new).collect(),
-        }
-    }
-
-    /// Appends the message to `out`.
-    pub fn encode(&self, message: &Message<'_>, out: &mut Vec<u8>) {
-        encode_timestamp(message.time_ns, out);
-        let Template(slots) = &self.templates[message.channel];
-        let mut numbers = message.numbers.iter();
-        let mut texts = message.texts.iter();
-        for (before, is_text) in slots {
-            out.extend_from_slice(before);
-            if *is_text {
-                let text = texts.next().map_or("", String::as_str);
-                encode_varint(text.len() as u64, out);
-                out.extend_from_slice(text.as_bytes());
-            } else {
-                let number = numbers.next().copied().unwrap_or(0.0);
-                out.extend_from_slice(&number.to_le_bytes());
-            }
+/// Appends the message to `out` as protobuf.
+pub(super) fn encode(template: &Template, message: &Message<'_>, out: &mut Vec<u8>) {
+    encode_timestamp(message.time_ns, out);
+    let mut numbers = message.numbers.iter();
+    let mut texts = message.texts.iter();
+    for (before, is_text) in &template.slots {
+        out.extend_from_slice(before);
+        if *is_text {
+            let text = texts.next().map_or("", String::as_str);
+            encode_varint(text.len() as u64, out);
+            out.extend_from_slice(text.as_bytes());
+        } else {
+            let number = numbers.next().copied().unwrap_or(0.0);
+            out.extend_from_slice(&number.to_le_bytes());
         }
     }
 }
@@ -261,33 +240,33 @@ fn encode_timestamp(time_ns: u64, out: &mut Vec<u8>) {
     out.extend_from_slice(&inner);
 }
 
-impl Template {
-    fn new(channel: &ChannelInfo) -> Self {
-        let mut slots = Vec::new();
-        for (member, number) in channel.members().iter().zip(FIRST_FIELD..) {
-            let mut before = Vec::new();
-            match &member.content {
-                Content::Text(_) => {
-                    encode_key(number, WireType::LengthDelimited, &mut before);
-                    slots.push((before, true));
-                }
-                Content::Number(_) => {
-                    encode_key(number, WireType::SixtyFourBit, &mut before);
-                    slots.push((before, false));
-                }
-                Content::Object(leaves) => {
-                    encode_key(number, WireType::LengthDelimited, &mut before);
-                    // Each number has one byte for its key and eight for its value.
-                    encode_varint(leaves.len() as u64 * 9, &mut before);
-                    for (_, inner) in leaves.iter().zip(1..) {
-                        encode_key(inner, WireType::SixtyFourBit, &mut before);
-                        slots.push((std::mem::take(&mut before), false));
-                    }
+/// The template of a channel's messages.
+pub(super) fn template(channel: &ChannelInfo) -> Template {
+    let mut slots = Vec::new();
+    for ((_, content), number) in channel.members().iter().zip(FIRST_FIELD..) {
+        let mut before = Vec::new();
+        match content {
+            Content::Text(_) => {
+                encode_key(number, WireType::LengthDelimited, &mut before);
+                slots.push((before, true));
+            }
+            Content::Number(_) => {
+                encode_key(number, WireType::SixtyFourBit, &mut before);
+                slots.push((before, false));
+            }
+            Content::Object(leaves) => {
+                encode_key(number, WireType::LengthDelimited, &mut before);
+                // Each number has one byte for its key and eight for its value.
+                encode_varint(leaves.len() as u64 * 9, &mut before);
+                for (_, inner) in leaves.iter().zip(1..) {
+                    encode_key(inner, WireType::SixtyFourBit, &mut before);
+                    slots.push((std::mem::take(&mut before), false));
                 }
             }
         }
-        Self(slots)
     }
+    let end = Vec::new();
+    Template { slots, end }
 }
 
 /// Reads the protobuf messages of one channel.
@@ -382,28 +361,21 @@ impl Builder<'_> {
         }
         let number = self.channel.number_index(&path);
         let text = self.channel.texts.iter().position(|text| text.path == path);
-        Ok(match (field.r#type(), number, text) {
+        let (target, path) = match (field.r#type(), number, text) {
             (Type::Double, Some(index), _) => {
-                self.paths.leaves.push(path);
                 self.present.push(index);
-                Target::Number(index)
+                (Target::Number(index), path)
             }
-            (Type::String, _, Some(index)) => {
-                self.paths.leaves.push(path);
-                Target::Text(index)
-            }
+            (Type::String, _, Some(index)) => (Target::Text(index), path),
+            (_, None, None) => (Target::Skipped, path),
             // A field of the table with another type counts as unknown.
-            (_, None, None) => {
-                self.paths.leaves.push(path);
-                Target::Skipped
+            (kind, ..) => {
+                let path = format!("{path} (as {})", kind.as_str_name());
+                (Target::Skipped, path)
             }
-            _ => {
-                self.paths
-                    .leaves
-                    .push(format!("{path} (as {})", field.r#type().as_str_name()));
-                Target::Skipped
-            }
-        })
+        };
+        self.paths.leaves.push(path);
+        Ok(target)
     }
 }
 
@@ -441,14 +413,9 @@ impl Object<u32> {
                     row.texts[*index].push_str(text);
                 }
                 (Some(Target::Seconds), Wire::Varint(seconds)) => {
-                    let time = seconds.checked_mul(1_000_000_000);
-                    let time = time.and_then(|time| time.checked_add(row.time_ns));
-                    row.time_ns = time.ok_or("its timestamp is out of range")?;
+                    row.add_time(seconds.checked_mul(1_000_000_000))?;
                 }
-                (Some(Target::Nanoseconds), Wire::Varint(part)) => {
-                    let time = row.time_ns.checked_add(part);
-                    row.time_ns = time.ok_or("its timestamp is out of range")?;
-                }
+                (Some(Target::Nanoseconds), Wire::Varint(part)) => row.add_time(Some(part))?,
                 (None, _) => return Err(format!("field {number} is not in the schema")),
                 (Some(Target::Skipped), wire) if !matches!(wire, Wire::End) => {}
                 _ => return Err(format!("field {number} has the wrong wire type")),

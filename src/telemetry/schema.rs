@@ -1,6 +1,6 @@
 //! JSON Schemas of the messages, generated from the table.
 
-use super::channel::{ChannelInfo, Content, Leaf, Member};
+use super::channel::{ChannelInfo, Content, Leaf};
 use serde_json::{Map, Value, json};
 
 /// The JSON Schema of a channel's messages, as stored in recordings and in `schemas/`.
@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 pub fn json_schema(channel: &ChannelInfo) -> String {
     let mut properties = Map::new();
     properties.insert("timestamp".to_owned(), timestamp());
-    for Member { name, content } in channel.members() {
+    for (name, content) in channel.members() {
         let schema = match content {
             Content::Text(index) => {
                 let leaf = &channel.texts[index];

@@ -12,10 +12,7 @@ pub enum Side {
 impl Side {
     /// Index in arrays of both sides: 0 for A, 1 for B.
     pub fn index(self) -> usize {
-        match self {
-            Self::A => 0,
-            Self::B => 1,
-        }
+        self as usize
     }
 
     /// The other side.

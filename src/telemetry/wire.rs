@@ -30,11 +30,14 @@ pub(super) fn take_field<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), Str
         _ => decode_key(data).map_err(|error| error.to_string())?,
     };
     let wire = match wire {
-        WireType::Varint => varint(data)?,
-        WireType::SixtyFourBit => eight(data)?,
-        WireType::ThirtyTwoBit => four(data)?,
+        WireType::Varint => Wire::Varint(varint(data)?),
+        WireType::SixtyFourBit => Wire::Eight(u64::from_le_bytes(take_array(data)?)),
+        WireType::ThirtyTwoBit => {
+            take_array::<4>(data)?;
+            Wire::Four
+        }
         WireType::LengthDelimited => {
-            let length = decode_varint(data).map_err(|error| error.to_string())?;
+            let length = varint(data)?;
             let length = usize::try_from(length).map_err(|error| error.to_string())?;
             let (bytes, rest) = data.split_at_checked(length).ok_or(CUT)?;
             *data = rest;
@@ -51,22 +54,11 @@ pub(super) fn take_field<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), Str
 }
 
 #[inline]
-pub(super) fn varint(data: &mut &[u8]) -> Result<Wire<'static>, String> {
-    let bits = decode_varint(data).map_err(|error| error.to_string())?;
-    Ok(Wire::Varint(bits))
+fn varint(data: &mut &[u8]) -> Result<u64, String> {
+    decode_varint(data).map_err(|error| error.to_string())
 }
 
 const CUT: &str = "it ends within a field";
-
-#[inline]
-pub(super) fn eight(data: &mut &[u8]) -> Result<Wire<'static>, String> {
-    Ok(Wire::Eight(u64::from_le_bytes(take_array(data)?)))
-}
-
-#[inline]
-pub(super) fn four(data: &mut &[u8]) -> Result<Wire<'static>, String> {
-    take_array::<4>(data).map(|_| Wire::Four)
-}
 
 #[inline]
 fn take_array<const N: usize>(data: &mut &[u8]) -> Result<[u8; N], String> {

@@ -3,7 +3,7 @@
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entered, Formulation, Guard, Started};
 use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, integrals, with_integrals};
-use super::lean::Lean;
+use super::lean::{Lean, quaternion};
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
@@ -185,11 +185,6 @@ impl<const N: usize> Formulation<N> for BodyRotation {
     fn enter(&self, guard: Guard, y: &[f64; N], reference: Euler) -> Entered<Self, N> {
         fixed::enter(self, guard, y, reference)
     }
-}
-
-#[inline]
-fn quaternion<const N: usize>(y: &[f64; N]) -> Quaternion<f64> {
-    Quaternion::new(y[3], y[0], y[1], y[2])
 }
 
 #[inline]

@@ -9,11 +9,12 @@ mod state;
 mod transitions;
 
 pub use self::state::FreeRotation;
-use self::state::{CONTROLLED, put, quaternion, turning, vector};
+use self::state::{CONTROLLED, put, turning, vector};
 
 use super::fixed::NO_SLIP;
 use super::formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
 use super::integrals::{integrals, with_integrals};
+use super::lean::quaternion;
 use super::model::Model;
 use super::motion::{Dissipated, Motion, Peg, Start};
 use super::reaction::Inertia;

@@ -95,6 +95,12 @@ impl Lean {
     }
 }
 
+/// The quaternion at the start of a state: its components x, y, z, w.
+#[inline]
+pub(super) fn quaternion<const N: usize>(y: &[f64; N]) -> Quaternion<f64> {
+    Quaternion::new(y[3], y[0], y[1], y[2])
+}
+
 /// The initial tilt direction of a vertical axis that rotates about the horizontal part of a vector.
 #[cold]
 fn initial_tilt_direction(cos: f64, turning: &Vector3<f64>) -> [f64; 2] {

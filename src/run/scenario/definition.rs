@@ -352,18 +352,18 @@ impl Scenario {
             let word = self.word("friction.dissipation");
             conflict("friction.dissipation", word, reason)
         })?;
-        let is_beyond = |limit: &f64| theta <= *limit;
-        let risen = self.stop.theta_risen.filter(is_beyond);
-        let fallen = self.stop.theta_fallen.filter(|limit| theta >= *limit);
-        let risen = risen.map(|limit| ("stop.theta_risen", limit));
-        match risen.or(fallen.map(|limit| ("stop.theta_fallen", limit))) {
-            Some((key, limit)) => {
+        let (risen, fallen) = (self.stop.theta_risen, self.stop.theta_fallen);
+        for (key, limit) in [
+            ("stop.theta_risen", risen.filter(|limit| theta <= *limit)),
+            ("stop.theta_fallen", fallen.filter(|limit| theta >= *limit)),
+        ] {
+            if let Some(limit) = limit {
                 let start = short_number(theta);
                 let reason = format!("the start, initial.theta = {start}, is already beyond it");
-                Err(conflict(key, short_number(limit), reason))
+                return Err(conflict(key, short_number(limit), reason));
             }
-            None => Ok(()),
         }
+        Ok(())
     }
 
     fn check_sticking(&self) -> Result<(), ScenarioError> {

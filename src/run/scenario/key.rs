@@ -87,12 +87,8 @@ impl fmt::Display for Kind {
             Self::Choice(words) => write!(f, "one of {}", words.join(", ")),
             Self::Any => write!(f, "a finite number"),
             Self::Between(low, high) => {
-                write!(
-                    f,
-                    "a number from {} to {}",
-                    short_number(*low),
-                    short_number(*high)
-                )
+                let [low, high] = [low, high].map(|limit| short_number(*limit));
+                write!(f, "a number from {low} to {high}")
             }
             Self::Nanoseconds => write!(f, "a time in whole nanoseconds from 1e-9 to 3600"),
         }

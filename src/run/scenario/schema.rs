@@ -41,19 +41,15 @@ fn object(properties: &Map<String, Value>) -> Value {
 }
 
 fn of_key(key: &Key) -> Value {
-    let description = format!("{}{}", key.meaning, key.in_unit());
-    match key.kind {
-        Kind::Text => json!({ "type": "string", "description": description }),
-        Kind::Name => {
-            json!({ "type": "string", "pattern": "^[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}$", "description": description })
-        }
-        Kind::Choice(words) => json!({ "enum": words, "description": description }),
-        Kind::Any => json!({ "type": "number", "description": description }),
-        Kind::Between(low, high) => {
-            json!({ "type": "number", "minimum": low, "maximum": high, "description": description })
-        }
-        Kind::Nanoseconds => {
-            json!({ "type": "number", "minimum": 1e-9, "maximum": 3600, "description": description })
-        }
-    }
+    let pattern = "^[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}$";
+    let mut schema = match key.kind {
+        Kind::Text => json!({ "type": "string" }),
+        Kind::Name => json!({ "type": "string", "pattern": pattern }),
+        Kind::Choice(words) => json!({ "enum": words }),
+        Kind::Any => json!({ "type": "number" }),
+        Kind::Between(low, high) => json!({ "type": "number", "minimum": low, "maximum": high }),
+        Kind::Nanoseconds => json!({ "type": "number", "minimum": 1e-9, "maximum": 3600 }),
+    };
+    schema["description"] = json!(format!("{}{}", key.meaning, key.in_unit()));
+    schema
 }

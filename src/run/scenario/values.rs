@@ -255,30 +255,24 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
             .map_or_else(|| excerpt(&value.to_string()), short_number),
         expected: format!("{}{}", allowed(key), unit_hint(key, value)),
     };
-    if key.kind.is_text() {
-        let text = value.as_str().ok_or_else(wrong_type)?;
-        let allowed = match key.kind {
-            Kind::Choice(words) => words.contains(&text),
-            Kind::Name => is_name(text),
-            Kind::Text | Kind::Any | Kind::Between(..) | Kind::Nanoseconds => true,
-        };
-        return if allowed {
-            Ok(Value::Text(text.to_owned()))
-        } else {
-            Err(out_of_range(key, text))
-        };
-    }
-    let integer = || value.as_integer().map(|number| number as f64);
-    let number = value.as_float().or_else(integer).ok_or_else(wrong_type)?;
-    let allowed = match key.kind {
-        Kind::Between(low, high) => number >= low && number <= high,
-        Kind::Nanoseconds => nanoseconds(number).is_some(),
-        Kind::Any | Kind::Text | Kind::Name | Kind::Choice(_) => true,
-    };
-    if allowed && number.is_finite() {
-        Ok(Value::Number(number))
+    let value = if key.kind.is_text() {
+        Value::Text(value.as_str().ok_or_else(wrong_type)?.to_owned())
     } else {
-        Err(out_of_range(key, &short_number(number)))
+        let integer = || value.as_integer().map(|number| number as f64);
+        Value::Number(value.as_float().or_else(integer).ok_or_else(wrong_type)?)
+    };
+    let allowed = match (key.kind, &value) {
+        (Kind::Name, Value::Text(text)) => is_name(text),
+        (Kind::Choice(words), Value::Text(text)) => words.contains(&text.as_str()),
+        (Kind::Between(low, high), Value::Number(number)) => (low..=high).contains(number),
+        (Kind::Nanoseconds, Value::Number(number)) => nanoseconds(*number).is_some(),
+        (_, Value::Number(number)) => number.is_finite(),
+        (_, Value::Text(_)) => true,
+    };
+    if allowed {
+        Ok(value)
+    } else {
+        Err(out_of_range(key, &value.to_set_notation()))
     }
 }
 

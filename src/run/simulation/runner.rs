@@ -38,8 +38,11 @@ pub(super) enum Detail {
 /// A run in one formulation.
 pub(super) struct Runner<F, const N: usize> {
     integrator: Dop853<F, N>,
-    settings: LoopSettings,
     detail: Detail,
+    period_ns: u64,
+    stop: Stop,
+    /// The sense of the precession: +1 or −1.
+    sense: f64,
     watches: Vec<Watch>,
     nutation: NutationTracker,
     /// The current step; `None` before the first.
@@ -57,14 +60,6 @@ pub(super) struct Runner<F, const N: usize> {
     last: (f64, Motion),
     /// Set when the run has ended.
     stopped: Option<StopReason>,
-}
-
-/// Settings of the loop from a scenario.
-struct LoopSettings {
-    period_ns: u64,
-    stop: Stop,
-    /// The sense of the precession: +1 or −1.
-    sense: f64,
 }
 
 /// Reason for ending a step early.
@@ -104,16 +99,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         } else {
             1.0
         };
-        let settings = LoopSettings {
+        Ok(Self {
+            watches: watches(&scenario.stop, integrator.system()),
+            integrator,
+            detail,
             period_ns: scenario.sample_period_ns,
             stop: scenario.stop,
             sense,
-        };
-        Ok(Self {
-            watches: watches(&settings.stop, integrator.system()),
-            integrator,
-            settings,
-            detail,
             nutation: NutationTracker::new(scenario.model, 0.0, motion),
             dense: None,
             reference: scenario.angles,
@@ -167,7 +159,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// All zeros of the watched functions in a step, in time order.
     fn crossings(&mut self, dense: &Dense<N>) -> Vec<(f64, ZeroKind, Slope)> {
-        let (system, sense) = (self.integrator.system(), self.settings.sense);
+        let (system, sense) = (self.integrator.system(), self.sense);
         let motions = self.motions_at_knots(dense);
         let mut watches = std::mem::take(&mut self.watches);
         let mut found: Vec<Crossing> = Vec::new();
@@ -255,7 +247,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             }
             (ZeroKind::Fallen(_), Slope::Rising) => {
                 event(EventKind::Fallen);
-                if self.settings.stop.theta_fallen.is_some() {
+                if self.stop.theta_fallen.is_some() {
                     self.end = Some((time, EarlyEnd::Stop(StopReason::Fallen, None)));
                 }
             }
@@ -281,7 +273,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         state: &[f64; N],
         motion: Motion,
     ) -> Result<(), SimulationError> {
-        let stops_at_rest = self.settings.stop.on_stick == OnStick::Stop;
+        let stops_at_rest = self.stop.on_stick == OnStick::Stop;
         if guard == Guard::Slip && stops_at_rest {
             self.queue
                 .push(Pending::Event(EventKind::SlipStops, time, motion));
@@ -349,7 +341,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// Ends the run if `stop.duration` lies within this step.
     fn end_at_duration(&mut self, dense: &Dense<N>) {
-        let Some(duration) = self.settings.stop.duration else {
+        let Some(duration) = self.stop.duration else {
             return;
         };
         let step_end = dense.t0 + dense.h;
@@ -382,7 +374,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// The time of the next sample, if it has been integrated and is not after the end.
     fn next_sample_time(&self) -> Option<u64> {
-        let time_ns = u64::from(self.next_sample) * self.settings.period_ns;
+        let time_ns = u64::from(self.next_sample) * self.period_ns;
         let reached = match (self.end, &self.dense) {
             (Some((end, _)), _) => time_ns <= to_nanoseconds(end),
             (None, Some(dense)) => to_seconds(time_ns) <= dense.t0 + dense.h,
@@ -424,7 +416,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let quarters = 4_u32.pow((phases - 1).min(10));
         self.integrator
             .limit_next_step(entry.first_step / f64::from(quarters));
-        let before = std::mem::replace(&mut self.watches, watches(&self.settings.stop, &system));
+        let before = std::mem::replace(&mut self.watches, watches(&self.stop, &system));
         let motion = system.motion(&entry.state, self.reference);
         if self.model().support.is_free() {
             self.nutation.record_impact(time, &motion);

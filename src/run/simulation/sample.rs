@@ -137,12 +137,7 @@ impl Sample {
         motion: &Motion,
         world_from_body: UnitQuaternion<f64>,
     ) -> Self {
-        let Motion {
-            angles,
-            tilt,
-            integrals,
-            ..
-        } = *motion;
+        let (angles, tilt) = (motion.angles, motion.tilt);
         let top = &model.top;
         let contact = model.contact_in(motion);
         let friction = model.friction_torque(&contact, &tilt);
@@ -190,7 +185,7 @@ impl Sample {
                 potential: model.potential_energy(motion),
                 friction_power: model.friction_power(&contact, &tilt),
             },
-            integrals,
+            integrals: motion.integrals,
             momentum: Momenta {
                 vertical: momentum_lean.z,
                 axial: momentum_node.z,

@@ -7,7 +7,7 @@
 
 use crate::physics::dynamics::accelerations::accelerations_about;
 use crate::physics::dynamics::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TermIntegrals};
-use crate::physics::dynamics::lean::Lean;
+use crate::physics::dynamics::lean::{Lean, quaternion};
 use crate::physics::dynamics::model::Model;
 use crate::physics::dynamics::motion::{is_departing, slip_of_law};
 use crate::physics::dynamics::reaction::{ContactArm, FreeBody, Inertia, Reaction};
@@ -209,11 +209,6 @@ impl FreeRotation {
         }
         state
     }
-}
-
-#[inline]
-pub(super) fn quaternion<const N: usize>(y: &[f64; N]) -> Quaternion<f64> {
-    Quaternion::new(y[3], y[0], y[1], y[2])
 }
 
 /// Rate of change of a quaternion, 1/s, while the body turns with `omega` (rad/s, world): half their product.
