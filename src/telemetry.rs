@@ -22,6 +22,7 @@ mod quantity;
 pub mod schema;
 pub mod side;
 pub mod table;
+mod template;
 mod topic;
 pub mod views;
 mod wire;

@@ -144,7 +144,8 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
         interrupted: finished.is_interrupted,
         wall_time: began.elapsed().as_secs_f64(),
     };
-    reports::print(&report, || report.page(arguments, left))?;
+    let page = || report.page(left, arguments.dry_run, arguments.shard);
+    reports::print(&report, page)?;
     Ok(Status::of_whole(report.errors == 0 && !report.interrupted))
 }
 

@@ -78,7 +78,7 @@ fn grid_size(axes: &[Axis]) -> Result<u64, SweepError> {
         let name = axis.key.path;
         let count = axis.count().ok_or_else(|| {
             axis.wrong(&format!(
-                "a grid needs a number of values, e.g. {name}=a..b/10 (or use --sample)"
+                "a grid needs a number of values, e.g. {name} = a..b/10 (or draw a sample)"
             ))
         })?;
         size = size.saturating_mul(count);
@@ -88,7 +88,7 @@ fn grid_size(axes: &[Axis]) -> Result<u64, SweepError> {
 
 fn check_sample(axes: &[Axis]) -> Result<(), SweepError> {
     if axes.is_empty() {
-        let reason = "a sample needs at least one axis, e.g. --over friction.k=0.01..1";
+        let reason = "a sample needs at least one axis, e.g. friction.k = 0.01..1";
         return Err(SweepError::Spec(reason.to_owned()));
     }
     match axes.iter().find(|axis| axis.is_counted_range()) {

@@ -206,7 +206,10 @@ mod tests {
                 Design::Grid(vec![axis("friction.k", "0.1,1"), axis("friction_k", "1")]),
                 "twice",
             ),
-            (sample(vec![axis("friction.k", "0.1..1/5")]), "own number"),
+            (
+                sample(vec![axis("friction.k", "0.1..1/5")]),
+                "without a number",
+            ),
             (sample(vec![]), "at least one axis"),
             (
                 Design::Grid(vec![

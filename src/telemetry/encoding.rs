@@ -7,6 +7,7 @@ use super::message::Message;
 use super::protobuf::{self, ProtobufDecoder, file_descriptor_set};
 use super::schema::json_schema;
 use super::table::channels;
+use super::template::Template;
 use crate::run::listed::listed;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -54,15 +55,6 @@ impl Encoding {
 pub struct Encoder {
     encoding: Encoding,
     templates: Vec<Template>,
-}
-
-/// The bytes of a channel's messages without their values.
-#[derive(Debug)]
-pub(super) struct Template {
-    /// For each value, the bytes before it, and whether it is a text.
-    pub(super) slots: Vec<(Vec<u8>, bool)>,
-    /// The bytes after the last value.
-    pub(super) end: Vec<u8>,
 }
 
 impl Encoder {

@@ -2,8 +2,8 @@
 
 use super::channel::{ChannelInfo, Content};
 use super::decoding::{DecodeError, Object, Paths, Row, Target};
-use super::encoding::Template;
 use super::message::Message;
+use super::template::Template;
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
 use std::collections::BTreeSet;

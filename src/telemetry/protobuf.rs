@@ -6,9 +6,9 @@
 
 use super::channel::{ChannelInfo, Content, Member};
 use super::decoding::{DecodeError, Object, Paths, Row, Target};
-use super::encoding::Template;
 use super::message::Message;
 use super::schema::with_unit_and_frame;
+use super::template::Template;
 use super::wire::{Wire, take_field};
 use prost::Message as _;
 use prost::encoding::{WireType, encode_key, encode_varint};

@@ -1,6 +1,5 @@
 //! The report of `toprise sweep`.
 
-use super::SweepArguments;
 use crate::cli::numbers::{count, counted, number};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
@@ -49,7 +48,7 @@ pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
 
 impl SweepReport {
     /// The human-readable report; `left` is the number of runs that were left before.
-    pub(super) fn page(&self, asked: &SweepArguments, left: u64) -> Vec<Section> {
+    pub(super) fn page(&self, left: u64, dry_run: bool, shard: Option<Shard>) -> Vec<Section> {
         let mut facts = Vec::new();
         let outcomes = summary(&self.outcomes, self.errors);
         if !outcomes.is_empty() {
@@ -58,7 +57,7 @@ impl SweepReport {
         if let Some(error) = &self.first_error {
             facts.push(("first error", format!("run {}: {}", error.run, error.error)));
         }
-        if asked.dry_run {
+        if dry_run {
             facts.push(("left", counted(left, "run")));
         } else {
             let computed = match self.computed {
@@ -78,22 +77,25 @@ impl SweepReport {
         }
         if let Some(parts) = &self.parts {
             facts.push(("parts", parts.clone()));
-            let how = if asked.shard.is_some() && !self.interrupted {
+            let how = if shard.is_some() && !self.interrupted {
                 "when all shards are done, run without --shard to merge them"
             } else {
                 "run the same command to resume"
             };
             facts.push(("", how.to_owned()));
         }
-        vec![self.title(asked), Section::of(Table::of_facts(facts))]
+        vec![
+            self.title(dry_run, shard),
+            Section::of(Table::of_facts(facts)),
+        ]
     }
 
-    fn title(&self, asked: &SweepArguments) -> Section {
+    fn title(&self, dry_run: bool, shard: Option<Shard>) -> Section {
         let runs = counted(self.runs, "run");
-        let shard = asked.shard.filter(|_| self.table.is_none());
+        let shard = shard.filter(|_| self.table.is_none());
         if self.interrupted {
             Section::toned(Tone::Weak, format!("{runs}: interrupted"))
-        } else if asked.dry_run {
+        } else if dry_run {
             Section::new(runs)
         } else if let Some(Shard { index, count }) = shard {
             Section::toned(
