@@ -13,14 +13,15 @@ use crate::run::simulation::{Event, FreeSample, ImpactRecord, NutationCycle, Sam
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::OnceLock;
 
-/// Version of the telemetry. It is increased if channels, fields or their values change.
+/// Version of the telemetry. It is increased if channels, fields, their values or descriptions change.
 ///
 /// 1. Not stored in recordings.
 /// 2. Nutation cycles must have about the nutation period, and include ranges of the rates. New: integrals of the terms
 ///    of φ̈ and ψ̈, work per axis of the node frame, work of the friction force; views with ranges.
 /// 3. Ranges of the rates are exact at impacts. φ and the rates at an exactly vertical axis are limits of the following
 ///    motion. Drilling friction of a free peg is smoothed.
-pub const VERSION: u32 = 3;
+/// 4. Descriptions of fields, keys and presets are reworded; values are those of version 3.
+pub const VERSION: u32 = 4;
 
 /// A channel whose messages are made from values of type `S`.
 #[derive(Debug)]
@@ -243,7 +244,7 @@ channels! {
     /// The channels that have a message for each sample.
     SAMPLES: Sample {
         STATE state: channel("/top/state", "toprise.State",
-            "Euler angles (z-x-z), their rates and accelerations; where the axis is exactly vertical, φ and the rates are those with which it leaves the vertical, or else φ is kept and φ̇ is 0; φ̈ is 0 there") {
+            "Euler angles (z-x-z), their rates and accelerations; where the axis is exactly vertical, φ and the rates are those with which it leaves the vertical (φ unchanged and φ̇ = 0 if it does not), and φ̈ is 0") {
             PHI = number("phi", Angle, "precession angle φ, about the vertical, unwrapped", |s| s.angles.phi).with_derivative("phi_dot");
             THETA = number("theta", Angle, "nutation angle (inclination) θ, about the line of nodes", |s| s.angles.theta).with_derivative("theta_dot");
             PSI = number("psi", Angle, "spin angle ψ, about the symmetry axis, unwrapped", |s| s.angles.psi).with_derivative("psi_dot");
@@ -256,7 +257,7 @@ channels! {
         }
         POSE pose: channel("/top/pose", "toprise.Pose",
             "orientation, symmetry axis, angular velocity and position") {
-            ORIENTATION = rotation("orientation", "unit quaternion that turns body components into world components", |s| s.pose.world_from_body);
+            ORIENTATION = rotation("orientation", "unit quaternion that transforms body components to world components", |s| s.pose.world_from_body);
             AXIS = vector("axis", Direction, frame::WORLD, "direction of the symmetry axis", |s| s.pose.axis);
             OMEGA_BODY = vector("omega_body", Rate, frame::BODY, "angular velocity ω", |s| s.pose.omega_body);
             OMEGA_WORLD = vector("omega_world", Rate, frame::WORLD, "angular velocity ω", |s| s.pose.omega_world);
@@ -265,49 +266,49 @@ channels! {
         TORQUE torque: channel("/top/torque", "toprise.Torque",
             "torques about the centre of the peg") {
             GRAVITY_BODY = vector("gravity_body", Torque, frame::BODY, "torque of gravity", |s| s.torque.gravity.body);
-            FRICTION_BODY = vector("friction_body", Torque, frame::BODY, "torque of friction", |s| s.torque.friction.body);
+            FRICTION_BODY = vector("friction_body", Torque, frame::BODY, "friction torque", |s| s.torque.friction.body);
             TOTAL_BODY = vector("total_body", Torque, frame::BODY, "sum of the torques", |s| s.torque.total.body);
             GRAVITY_NODE = vector("gravity_node", Torque, frame::NODE, "torque of gravity", |s| s.torque.gravity.node);
-            FRICTION_NODE = vector("friction_node", Torque, frame::NODE, "torque of friction", |s| s.torque.friction.node);
+            FRICTION_NODE = vector("friction_node", Torque, frame::NODE, "friction torque", |s| s.torque.friction.node);
             TOTAL_NODE = vector("total_node", Torque, frame::NODE, "sum of the torques", |s| s.torque.total.node);
         }
         ACCELERATION acceleration: channel("/top/acceleration", "toprise.Acceleration",
-            "the terms of the equations of motion: why the top rises at this instant, and what they have added up to") {
+            "terms of the equations of motion, and their time integrals since the start") {
             THETA_DDOT_GYROSCOPIC = number("theta_ddot.gyroscopic", Acceleration, "−(I_z/I_x) φ̇ sin θ (ψ̇ + φ̇ cos θ)", |s| s.accelerations.gyroscopic.theta).in_plot("theta_ddot");
             THETA_DDOT_CENTRIFUGAL = number("theta_ddot.centrifugal", Acceleration, "φ̇² sin θ cos θ", |s| s.accelerations.inertial.theta).in_plot("theta_ddot");
             THETA_DDOT_GRAVITATIONAL = number("theta_ddot.gravitational", Acceleration, "(M g l/I_x) sin θ", |s| s.accelerations.gravitational.theta).in_plot("theta_ddot");
-            THETA_DDOT_FRICTIONAL = number("theta_ddot.frictional", Acceleration, "torque of friction about the line of nodes over I_x", |s| s.accelerations.frictional.theta).in_plot("theta_ddot");
+            THETA_DDOT_FRICTIONAL = number("theta_ddot.frictional", Acceleration, "friction torque about the line of nodes, divided by I_x", |s| s.accelerations.frictional.theta).in_plot("theta_ddot");
             PHI_DDOT_GYROSCOPIC = number("phi_ddot.gyroscopic", Acceleration, "(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ)/sin θ", |s| s.accelerations.gyroscopic.phi).in_plot("phi_ddot");
             PHI_DDOT_CORIOLIS = number("phi_ddot.coriolis", Acceleration, "−2 θ̇ φ̇ cos θ/sin θ", |s| s.accelerations.inertial.phi).in_plot("phi_ddot");
-            PHI_DDOT_FRICTIONAL = number("phi_ddot.frictional", Acceleration, "the term of friction, k M g R ψ̇ cos θ/(I_x |ω_⊥|) in the paper", |s| s.accelerations.frictional.phi).in_plot("phi_ddot");
+            PHI_DDOT_FRICTIONAL = number("phi_ddot.frictional", Acceleration, "friction term; k M g R ψ̇ cos θ/(I_x |ω_⊥|) in the paper", |s| s.accelerations.frictional.phi).in_plot("phi_ddot");
             PSI_DDOT_GYROSCOPIC = number("psi_ddot.gyroscopic", Acceleration, "−(I_z/I_x) θ̇ (ψ̇ + φ̇ cos θ) cos θ/sin θ", |s| s.accelerations.gyroscopic.psi).in_plot("psi_ddot");
             PSI_DDOT_CORIOLIS = number("psi_ddot.coriolis", Acceleration, "2 θ̇ φ̇ cos² θ/sin θ + θ̇ φ̇ sin θ", |s| s.accelerations.inertial.psi).in_plot("psi_ddot");
-            PSI_DDOT_FRICTIONAL = number("psi_ddot.frictional", Acceleration, "the term of friction, −k M g R ψ̇ (cos² θ/I_x + sin² θ/I_z)/|ω_⊥| in the paper", |s| s.accelerations.frictional.psi).in_plot("psi_ddot");
-            PHI_DOT_GYROSCOPIC = number("phi_dot.gyroscopic", Rate, "what the gyroscopic term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_gyroscopic).in_plot("phi_dot");
-            PHI_DOT_CORIOLIS = number("phi_dot.coriolis", Rate, "what the Coriolis term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_coriolis).in_plot("phi_dot");
-            PHI_DOT_FRICTIONAL = number("phi_dot.frictional", Rate, "what the frictional term of φ̈ has changed φ̇ by since the start", |s| s.integrals.terms.phi_frictional).in_plot("phi_dot");
-            PSI_DOT_FRICTIONAL = number("psi_dot.frictional", Rate, "what the frictional term of ψ̈ has changed ψ̇ by since the start", |s| s.integrals.terms.psi_frictional);
+            PSI_DDOT_FRICTIONAL = number("psi_ddot.frictional", Acceleration, "friction term; −k M g R ψ̇ (cos² θ/I_x + sin² θ/I_z)/|ω_⊥| in the paper", |s| s.accelerations.frictional.psi).in_plot("psi_ddot");
+            PHI_DOT_GYROSCOPIC = number("phi_dot.gyroscopic", Rate, "change of φ̇ since the start due to the gyroscopic term of φ̈", |s| s.integrals.terms.phi_gyroscopic).in_plot("phi_dot");
+            PHI_DOT_CORIOLIS = number("phi_dot.coriolis", Rate, "change of φ̇ since the start due to the Coriolis term of φ̈", |s| s.integrals.terms.phi_coriolis).in_plot("phi_dot");
+            PHI_DOT_FRICTIONAL = number("phi_dot.frictional", Rate, "change of φ̇ since the start due to the friction term of φ̈", |s| s.integrals.terms.phi_frictional).in_plot("phi_dot");
+            PSI_DOT_FRICTIONAL = number("psi_dot.frictional", Rate, "change of ψ̇ since the start due to the friction term of ψ̈", |s| s.integrals.terms.psi_frictional);
         }
         CONTACT contact: channel("/top/contact", "toprise.Contact",
             "slip and forces at the point of contact") {
-            SLIP_BODY = vector("slip_body", Velocity, frame::BODY, "slip velocity of the contact point over the table", |s| s.slip.body);
-            SLIP_WORLD = vector("slip_world", Velocity, frame::WORLD, "slip velocity of the contact point over the table", |s| s.slip.world);
+            SLIP_BODY = vector("slip_body", Velocity, frame::BODY, "slip velocity: velocity of the contact point relative to the table", |s| s.slip.body);
+            SLIP_WORLD = vector("slip_world", Velocity, frame::WORLD, "slip velocity: velocity of the contact point relative to the table", |s| s.slip.world);
             SLIP_SPEED = number("slip_speed", Velocity, "magnitude of the slip velocity", |s| s.contact.slip_speed);
-            FRICTION_FORCE = vector("friction_force", Force, frame::WORLD, "friction force of the law; the ablations of the equations do not follow from a force and leave it as it is", |s| s.slip.friction_force);
+            FRICTION_FORCE = vector("friction_force", Force, frame::WORLD, "friction force according to the law; values of friction.dissipation that drop a term of the equations do not change it", |s| s.slip.friction_force);
             NORMAL_FORCE = number("normal_force", Force, "normal force of the table", |s| s.contact.normal_force);
-            CONTACT_POINT = vector("contact_point", Length, frame::WORLD, "the point of contact", |s| s.slip.contact_point);
-            SLIP_PATH = number("slip_path", Length, "length of the path slipped since the start", |s| s.integrals.slip_path);
-            REGIME = number("regime", Flag, "1 slipping, 0 not slipping", Sample::regime);
-            SLIP_WORK = number("slip_work", Energy, "work of the friction force along the path slipped since the start", |s| s.integrals.slip_work);
+            CONTACT_POINT = vector("contact_point", Length, frame::WORLD, "point of contact", |s| s.slip.contact_point);
+            SLIP_PATH = number("slip_path", Length, "slip path length since the start", |s| s.integrals.slip_path);
+            REGIME = number("regime", Flag, "1 slipping, 0 sticking or rolling, 2 in the air", Sample::regime);
+            SLIP_WORK = number("slip_work", Energy, "work of the friction force along the slip path since the start", |s| s.integrals.slip_work);
         }
         ENERGY energy: channel("/top/energy", "toprise.Energy",
-            "energies and what friction takes") {
+            "energies, and the power and work of friction") {
             KINETIC = number("kinetic", Energy, "kinetic energy", |s| s.energy.kinetic).in_plot("mechanical");
             POTENTIAL = number("potential", Energy, "potential energy, zero at the height of the peg's centre", |s| s.energy.potential);
             TOTAL = number("total", Energy, "total energy", |s| s.energy.total()).in_plot("mechanical");
-            FRICTION_POWER = number("friction_power", Power, "power of the torque of friction", |s| s.energy.friction_power);
+            FRICTION_POWER = number("friction_power", Power, "power of the friction torque", |s| s.energy.friction_power);
             FRICTION_WORK = number("friction_work", Energy, "work of friction since the start", |s| s.integrals.friction_work);
-            FRICTION_WORK_NODE = vector("friction_work_node", Energy, frame::NODE, "work of friction about each axis since the start", |s| s.integrals.work_node);
+            FRICTION_WORK_NODE = vector("friction_work_node", Energy, frame::NODE, "work of the friction torque about each axis since the start", |s| s.integrals.work_node);
         }
         MOMENTUM momentum: channel("/top/momentum", "toprise.Momentum",
             "angular momentum about the centre of the peg") {
@@ -316,10 +317,10 @@ channels! {
             WORLD = vector("world", Momentum, frame::WORLD, "angular momentum", |s| s.momentum.world);
         }
         PRECESSION precession: channel("/top/precession", "toprise.Precession",
-            "regular precession at this inclination and spin rate; no message where its rates are not real").present_if(|s| s.precession.roots.is_some()) {
+            "regular precession at the current θ and ψ̇; no message where its rates are not real").present_if(|s| s.precession.roots.is_some()) {
             SLOW_ROOT = number("slow_root", ReferenceRate, "slow rate of regular precession", |s| s.precession.roots.map_or(f64::NAN, |r| r.slow));
             FAST_ROOT = number("fast_root", ReferenceRate, "fast rate of regular precession", |s| s.precession.roots.map_or(f64::NAN, |r| r.fast));
-            EXCESS = number("excess", ReferenceRate, "φ̇ less the slow rate", |s| s.precession.roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow));
+            EXCESS = number("excess", ReferenceRate, "φ̇ minus the slow rate", |s| s.precession.roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow));
             STRENGTH_RATIO = number("strength_ratio", Number, "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.precession.strength_ratio);
         }
         CENTER_OF_MASS center_of_mass: channel("/top/center_of_mass", "toprise.CenterOfMass",
@@ -327,55 +328,55 @@ channels! {
             POSITION = vector("position", Length, frame::WORLD, "position", |s| of_free(s, |f| f.center));
             VELOCITY = vector("velocity", Velocity, frame::WORLD, "velocity", |s| of_free(s, |f| f.center_velocity));
             ACCELERATION = vector("acceleration", LinearAcceleration, frame::WORLD, "acceleration", |s| of_free(s, |f| f.center_acceleration));
-            ANGULAR_MOMENTUM = vector("angular_momentum", Momentum, frame::WORLD, "angular momentum about it", |s| of_free(s, |f| f.central_momentum));
+            ANGULAR_MOMENTUM = vector("angular_momentum", Momentum, frame::WORLD, "angular momentum about the centre of mass", |s| of_free(s, |f| f.central_momentum));
         }
         FREE_PEG free_peg: channel("/top/free_peg", "toprise.FreePeg",
-            "what a free peg does on the table and above it").free_peg_only().present_if(|s| s.free.is_some()) {
+            "height, velocity, integrals and energy losses of a free peg").free_peg_only().present_if(|s| s.free.is_some()) {
             GAP = number("gap", Length, "height of the peg above the table", |s| number_of_free(s, |f| f.gap));
             VELOCITY = vector("velocity", Velocity, frame::WORLD, "velocity of the peg's centre", |s| of_free(s, |f| f.peg_velocity));
-            JELLETT = number("jellett", Jellett, "Jellett's integral l L_n + R L_z′ about the centre of mass, which no force at the point of contact changes", |s| number_of_free(s, |f| f.jellett));
+            JELLETT = number("jellett", Jellett, "Jellett's integral l L_n + R L_z′ about the centre of mass, constant under any force at the point of contact", |s| number_of_free(s, |f| f.jellett));
             ROUTH = number("routh", Momentum, "Routh's integral, constant while a peg rolls without losses", |s| number_of_free(s, |f| f.routh));
-            TRANSLATIONAL = number("translational", Energy, "kinetic energy of the centre of mass; the rest is that of the rotation about it", |s| number_of_free(s, |f| f.translational_energy));
-            LOST_SLIDING = number("lost.sliding", Energy, "energy that friction has taken along the path slipped since the start", |s| -s.integrals.slip_work).in_plot("lost");
-            LOST_LOSSES = number("lost.losses", Energy, "energy that rolling resistance, drilling and air have taken since the start", |s| number_of_free(s, |f| f.dissipated.losses)).in_plot("lost");
-            LOST_RESTITUTION = number("lost.restitution", Energy, "energy lost by compression and restitution in impacts since the start", |s| number_of_free(s, |f| f.dissipated.impact_normal)).in_plot("lost");
-            LOST_IMPACT_FRICTION = number("lost.impact_friction", Energy, "energy lost by friction in impacts since the start", |s| number_of_free(s, |f| f.dissipated.impact_friction)).in_plot("lost");
-            DRIVEN_THETA_DDOT = number("driven.theta_ddot", Acceleration, "what the acceleration of the peg adds to the terms of θ̈", |s| number_of_free(s, |f| f.driven.theta)).in_plot("driven");
-            DRIVEN_PHI_DDOT = number("driven.phi_ddot", Acceleration, "what the acceleration of the peg adds to the terms of φ̈", |s| number_of_free(s, |f| f.driven.phi)).in_plot("driven");
-            DRIVEN_PSI_DDOT = number("driven.psi_ddot", Acceleration, "what the acceleration of the peg adds to the terms of ψ̈", |s| number_of_free(s, |f| f.driven.psi)).in_plot("driven");
+            TRANSLATIONAL = number("translational", Energy, "translational kinetic energy (of the centre of mass)", |s| number_of_free(s, |f| f.translational_energy));
+            LOST_SLIDING = number("lost.sliding", Energy, "energy dissipated by sliding friction since the start", |s| -s.integrals.slip_work).in_plot("lost");
+            LOST_LOSSES = number("lost.losses", Energy, "energy dissipated by rolling resistance, drilling friction and air drag since the start", |s| number_of_free(s, |f| f.dissipated.losses)).in_plot("lost");
+            LOST_RESTITUTION = number("lost.restitution", Energy, "energy lost to compression and restitution in impacts since the start", |s| number_of_free(s, |f| f.dissipated.impact_normal)).in_plot("lost");
+            LOST_IMPACT_FRICTION = number("lost.impact_friction", Energy, "energy lost to friction in impacts since the start", |s| number_of_free(s, |f| f.dissipated.impact_friction)).in_plot("lost");
+            DRIVEN_THETA_DDOT = number("driven.theta_ddot", Acceleration, "contribution of the peg's acceleration to the terms of θ̈", |s| number_of_free(s, |f| f.driven.theta)).in_plot("driven");
+            DRIVEN_PHI_DDOT = number("driven.phi_ddot", Acceleration, "contribution of the peg's acceleration to the terms of φ̈", |s| number_of_free(s, |f| f.driven.phi)).in_plot("driven");
+            DRIVEN_PSI_DDOT = number("driven.psi_ddot", Acceleration, "contribution of the peg's acceleration to the terms of ψ̈", |s| number_of_free(s, |f| f.driven.psi)).in_plot("driven");
         }
     }
 
     /// The channel with a message for each nutation, at its end.
     CYCLES: NutationCycle {
         NUTATION nutation: channel("/top/nutation", "toprise.Nutation",
-            "each nutation, from one maximum of θ̇ to the next: the averaged motion") {
+            "averages and extremes over each nutation, from one maximum of θ̇ to the next") {
             CYCLE = number("cycle", Number, "number of the cycle, from 0", |c| f64::from(c.index));
-            START = number("start", Time, "when the cycle began", |c| c.start);
-            PERIOD = number("period", Time, "its duration", NutationCycle::period);
-            THETA_MIN = number("theta_min", Angle, "least θ in it", |c| c.theta_min).in_plot("theta_range");
-            THETA_MAX = number("theta_max", Angle, "greatest θ in it", |c| c.theta_max).in_plot("theta_range");
+            START = number("start", Time, "start of the cycle", |c| c.start);
+            PERIOD = number("period", Time, "duration of the cycle", NutationCycle::period);
+            THETA_MIN = number("theta_min", Angle, "minimum of θ", |c| c.theta_min).in_plot("theta_range");
+            THETA_MAX = number("theta_max", Angle, "maximum of θ", |c| c.theta_max).in_plot("theta_range");
             THETA_MEAN = number("theta_mean", Angle, "mean of θ", |c| c.theta_mean);
             THETA_DOT_MEAN = number("theta_dot_mean", Rate, "mean of θ̇", |c| c.mean_rates.theta);
             PHI_DOT_MEAN = number("phi_dot_mean", Rate, "mean of φ̇", |c| c.mean_rates.phi);
             PSI_DOT_MEAN = number("psi_dot_mean", Rate, "mean of ψ̇", |c| c.mean_rates.psi);
-            THETA_DOT_MIN = number("theta_dot_min", Rate, "least θ̇ in it", |c| c.least_rates.theta).in_plot("theta_dot_range");
-            THETA_DOT_MAX = number("theta_dot_max", Rate, "greatest θ̇ in it", |c| c.greatest_rates.theta).in_plot("theta_dot_range");
-            PHI_DOT_MIN = number("phi_dot_min", Rate, "least φ̇ in it", |c| c.least_rates.phi).in_plot("phi_dot_range");
-            PHI_DOT_MAX = number("phi_dot_max", Rate, "greatest φ̇ in it", |c| c.greatest_rates.phi).in_plot("phi_dot_range");
-            PSI_DOT_MIN = number("psi_dot_min", Rate, "least ψ̇ in it", |c| c.least_rates.psi).in_plot("psi_dot_range");
-            PSI_DOT_MAX = number("psi_dot_max", Rate, "greatest ψ̇ in it", |c| c.greatest_rates.psi).in_plot("psi_dot_range");
-            PHI_DDOT_FRICTIONAL_MEAN = number("phi_ddot_frictional_mean", Acceleration, "mean of the frictional term of φ̈", |c| c.mean_phi_frictional);
+            THETA_DOT_MIN = number("theta_dot_min", Rate, "minimum of θ̇", |c| c.least_rates.theta).in_plot("theta_dot_range");
+            THETA_DOT_MAX = number("theta_dot_max", Rate, "maximum of θ̇", |c| c.greatest_rates.theta).in_plot("theta_dot_range");
+            PHI_DOT_MIN = number("phi_dot_min", Rate, "minimum of φ̇", |c| c.least_rates.phi).in_plot("phi_dot_range");
+            PHI_DOT_MAX = number("phi_dot_max", Rate, "maximum of φ̇", |c| c.greatest_rates.phi).in_plot("phi_dot_range");
+            PSI_DOT_MIN = number("psi_dot_min", Rate, "minimum of ψ̇", |c| c.least_rates.psi).in_plot("psi_dot_range");
+            PSI_DOT_MAX = number("psi_dot_max", Rate, "maximum of ψ̇", |c| c.greatest_rates.psi).in_plot("psi_dot_range");
+            PHI_DDOT_FRICTIONAL_MEAN = number("phi_ddot_frictional_mean", Acceleration, "mean of the friction term of φ̈", |c| c.mean_phi_frictional);
         }
     }
 
     /// The channel with a message for each event.
     EVENT: Event {
         EVENTS events: channel("/events", "toprise.Event",
-            "what happened, and the state at that moment") {
+            "events, and the state at each") {
             NAME = text("name", "kind of event", |e| e.kind.name());
-            DESCRIPTION = text("description", "a sentence for people", |e| &e.description);
-            TIME = number("time", Time, "when, more exactly than the timestamp", |e| e.time);
+            DESCRIPTION = text("description", "human-readable description", |e| &e.description);
+            TIME = number("time", Time, "time, not rounded to nanoseconds", |e| e.time);
             PHI = number("phi", Angle, "precession angle φ", |e| e.motion.angles.phi);
             THETA = number("theta", Angle, "nutation angle (inclination) θ", |e| e.motion.angles.theta);
             PSI = number("psi", Angle, "spin angle ψ", |e| e.motion.angles.psi);
@@ -389,16 +390,16 @@ channels! {
     LANDINGS: ImpactRecord {
         IMPACTS impacts: channel("/top/impact", "toprise.Impact",
             "each impact of a free peg on the table").free_peg_only() {
-            TIME = number("time", Time, "when, more exactly than the timestamp", |i| i.time);
-            BOUNCE = number("bounce", Number, "impacts since the peg left the table, or since the start, this one counted", |i| f64::from(i.bounce));
+            TIME = number("time", Time, "time, not rounded to nanoseconds", |i| i.time);
+            BOUNCE = number("bounce", Number, "number of impacts since the peg left the table (or since the start), including this one", |i| f64::from(i.bounce));
             STAYS = number("stays", Number, "1 if the peg stays on the table, 0 if it bounces", |i| f64::from(u8::from(i.stays)));
-            POINT = vector("point", Length, frame::WORLD, "the point of contact", |i| i.point);
-            IMPULSE = vector("impulse", Impulse, frame::WORLD, "impulse of the table", |i| i.impulse);
-            BEFORE = vector("before", Velocity, frame::WORLD, "velocity of the contact point before: its horizontal part is the slip", |i| i.before);
-            AFTER = vector("after", Velocity, frame::WORLD, "velocity of the contact point after", |i| i.after);
-            RESTITUTION = number("restitution", Number, "coefficient of restitution that acted", |i| i.restitution);
-            LOST_RESTITUTION = number("lost.restitution", Energy, "energy lost by compression and restitution", |i| i.normal_loss).in_plot("lost");
-            LOST_FRICTION = number("lost.friction", Energy, "energy lost by friction", |i| i.friction_loss).in_plot("lost");
+            POINT = vector("point", Length, frame::WORLD, "point of contact", |i| i.point);
+            IMPULSE = vector("impulse", Impulse, frame::WORLD, "impulse exerted by the table", |i| i.impulse);
+            BEFORE = vector("before", Velocity, frame::WORLD, "velocity of the contact point before the impact; its horizontal part is the slip velocity", |i| i.before);
+            AFTER = vector("after", Velocity, frame::WORLD, "velocity of the contact point after the impact", |i| i.after);
+            RESTITUTION = number("restitution", Number, "effective coefficient of restitution", |i| i.restitution);
+            LOST_RESTITUTION = number("lost.restitution", Energy, "energy lost to compression and restitution", |i| i.normal_loss).in_plot("lost");
+            LOST_FRICTION = number("lost.friction", Energy, "energy lost to friction", |i| i.friction_loss).in_plot("lost");
         }
     }
 }

@@ -119,20 +119,20 @@ const VIEWS: &[ViewChannel] = &[
     view(Kind::Transforms, "/tf", TRANSFORMS, &[POSE],
         "frames `top` (body axes) and `contact` in `world`, m"),
     view(Kind::Inclination, "/view/inclination", JOINT, &[STATE, TORQUE],
-        "θ in rad and θ̇ in rad/s, each with its least and greatest value in the last nutation, \
+        "θ in rad and θ̇ in rad/s, each with its minimum and maximum in the last nutation, \
          and as effort the total torque about the line of nodes in N m"),
     view(Kind::PrecessionRate, "/view/precession_rate", NUMBERS, &[STATE],
-        "φ̇, and its least and greatest value in the last nutation, rad/s"),
+        "φ̇, and its minimum and maximum in the last nutation, rad/s"),
     view(Kind::SpinRate, "/view/spin_rate", NUMBERS, &[STATE],
-        "ψ̇, and its least and greatest value in the last nutation, rad/s"),
+        "ψ̇, and its minimum and maximum in the last nutation, rad/s"),
     view(Kind::SlipSpeed, "/view/slip_speed", NUMBERS, &[CONTACT], "slip speed, m/s"),
     view(Kind::SlipVelocity, "/view/slip_velocity", FIELD, &[CONTACT],
-        "arrow of the slip velocity in frame `contact`; the legend gives its scale"),
+        "arrow of the slip velocity in frame `contact`; its scale is in the legend"),
     view(Kind::FrictionTorque, "/view/friction_torque", FIELD, &[TORQUE],
-        "arrow of the torque of friction in frame `top`; the legend gives its scale"),
+        "arrow of the friction torque in frame `top`; its scale is in the legend"),
     free_peg_only(view(Kind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
-        "normal force of a free peg, N: 0 while it flies")),
-    view(Kind::Log, "/log", LOG, &[EVENTS], "events but for nutation extremes, as log lines"),
+        "normal force of a free peg, N; 0 in the air")),
+    view(Kind::Log, "/log", LOG, &[EVENTS], "events (without nutation extremes) as log lines"),
 ];
 
 /// All channels for viewers.
@@ -238,7 +238,7 @@ impl Views {
                 let [theta, theta_dot] = self.state;
                 let theta = envelope.around(state::THETA, theta);
                 let theta_dot = envelope.around(state::THETA_DOT, theta_dot);
-                let names = ["theta", "least in nutation", "greatest in nutation"];
+                let names = ["theta", "minimum in nutation", "maximum in nutation"];
                 cdr.header(time, "").u32(names.len() as u32);
                 for name in names {
                     cdr.string(name);

@@ -267,7 +267,7 @@ fn errors_say_what_to_do_next() {
             &[("friction.law", "stribeck")][..],
             &[
                 "friction.static_k (",
-                "friction.stribeck_speed (slip speed v_s over which static friction falls to kinetic [m/s]: a number from 1e-9",
+                "friction.stribeck_speed (slip speed v_s around which static friction drops to kinetic friction [m/s]: a number from 1e-9",
                 "typical values: k_s/k",
             ][..],
         ),

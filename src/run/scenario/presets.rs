@@ -24,7 +24,7 @@ pub struct Preset {
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "paper",
-        description: "The rise of the paper: equations (7) with k = 0.03 (figures 2 and 3)",
+        description: "The paper's rise: equations (7) with k = 0.03 (figures 2 and 3)",
         differences: &[],
     },
     Preset {
@@ -59,7 +59,7 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "nutation-free",
-        description: "The paper's rise, started so that it hardly nutates: no loops at the end",
+        description: "The paper's top, started with almost no nutation: no loops at the end",
         differences: &[
             ("initial.phi_dot", "1.7539"),
             ("initial.theta_dot", "-0.0163"),
@@ -80,7 +80,7 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "rise-by-loss-of-spin",
-        description: "An oblate top in fast precession: it rises while φ̇ and ψ̇ fall (the paper's last paragraph)",
+        description: "An oblate top in fast precession: it rises while |φ̇| and |ψ̇| decrease (the paper's last paragraph)",
         differences: &[
             ("top.transverse_moment", "1.0e-4"),
             ("top.axial_moment", "1.1e-4"),
@@ -93,7 +93,7 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "viscous",
-        description: "Viscous friction: the rise slows down as the slip dies",
+        description: "Viscous friction: the rise slows as the slip decreases",
         differences: &[
             ("friction.law", "viscous"),
             ("friction.viscous_speed", "0.5"),
@@ -103,7 +103,7 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "stribeck",
-        description: "Stribeck's law: friction grows as the slip dies down",
+        description: "Stribeck's law: friction grows as the slip decreases",
         differences: &[
             ("friction.law", "stribeck"),
             ("friction.static_k", "0.045"),
@@ -114,7 +114,7 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "contensou",
-        description: "Coulomb–Contensou friction: the drilling patch softens the slip",
+        description: "Coulomb–Contensou friction: drilling smooths the friction force at low slip",
         differences: &[
             ("friction.law", "contensou"),
             ("friction.patch_radius", "1.4e-4"),
@@ -137,7 +137,7 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "free-paper",
-        description: "The paper's top let go: it hops on its growing nutation from 3.24 s on, rolls from 7.10 s on, and rises no more",
+        description: "The paper's top with a free peg: it hops from 3.24 s on, as its nutation grows, and rolls from 7.10 s on without rising further",
         differences: &[
             ("formulation", "body"),
             ("support.kind", "free"),
@@ -160,7 +160,7 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "free-viscous",
-        description: "A free peg whose friction cannot hold it: under viscous friction the top rises after all",
+        description: "A free peg under viscous friction, which can't make it roll: the top rises",
         differences: &[
             ("formulation", "body"),
             ("support.kind", "free"),
@@ -185,12 +185,12 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "tippe-top",
-        description: "A tippe top under viscous friction: it turns over and spins on",
+        description: "A tippe top under viscous friction: it inverts and keeps spinning",
         differences: TIPPE_TOP,
     },
     Preset {
         name: "tippe-top-hangs",
-        description: "The same tippe top under Coulomb friction: it rolls after 22 ms and never turns over",
+        description: "The same tippe top under Coulomb friction: it rolls after 22 ms and never inverts",
         differences: TIPPE_TOP_HANGS,
     },
 ];

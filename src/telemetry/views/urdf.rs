@@ -43,7 +43,7 @@ pub(super) fn urdf(proportions: &Proportions, scales: &Scales, is_free: bool) ->
 }
 
 fn legend(scales: &Scales, is_free: bool) -> String {
-    let mut text = "A heavy top rising by friction\nArrows:\n".to_owned();
+    let mut text = "Heavy top with slipping friction\nArrows:\n".to_owned();
     if let Some(scale) = scales.slip {
         let _ = writeln!(
             text,
@@ -55,8 +55,8 @@ fn legend(scales: &Scales, is_free: bool) -> String {
         let _ = writeln!(text, "- friction_torque, {:.0} cm for 1 mN m", 0.1 * scale);
     }
     text.push_str(
-        "Plots, [1] and [2]: least and greatest in the last nutation\n\
-         - inclination: position = angle theta to the vertical, rad;\n  \
+        "Plots, [1] and [2]: minimum and maximum in the last nutation\n\
+         - inclination: position = inclination theta, rad;\n  \
          velocity, rad/s; effort = torque about the line of nodes, N m\n\
          - precession_rate: d phi/dt, rad/s\n\
          - slip_speed of the contact point, m/s\n\
