@@ -1,6 +1,6 @@
 //! The table of scenario keys.
 
-use super::choice::{DISSIPATIONS, FORMULATIONS, ON_STICK, SUPPORTS};
+use super::choice::DISSIPATIONS;
 use super::key::Key;
 use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Text};
 use super::key::Presence::{self, Optional, OptionalWith, Required, RequiredWith, RequiredWithKey};
@@ -45,7 +45,7 @@ pub const KEYS: &[Key] = &[
     key("format", "", Choice(&[FORMAT]), Optional, "version of this format"),
     key("name", "", Name, Required, "names the recordings"),
     key("description", "", Text, Optional, "a sentence for people"),
-    key("formulation", "", Choice(FORMULATIONS), Required,
+    key("formulation", "", Choice(&["euler", "body"]), Required,
         "variables of integration: Euler angles (singular upright), or rotation of the body"),
     key("gravity", "m/s²", SCALE, Required, "acceleration of gravity g").typically(0.5, 25.0),
     key("top.mass", "kg", INERTIA, Required, "mass M").typically(0.01, 1.0),
@@ -71,7 +71,7 @@ pub const KEYS: &[Key] = &[
     key("initial.center_y", "m", Between(-1e6, 1e6), FREE, "position of the centre of mass, instead of the peg's").typically(-0.1, 0.1),
     key("initial.center_x_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the centre of mass, instead of the peg's").typically(-1.0, 1.0),
     key("initial.center_y_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the centre of mass, instead of the peg's").typically(-1.0, 1.0),
-    key("support.kind", "", Choice(SUPPORTS), Optional,
+    key("support.kind", "", Choice(&["fixed", "free"]), Optional,
         "whether the peg's centre is fixed or the peg free to move on the table; \"fixed\" if left out"),
     key("support.restitution", "", Between(0.0, 1.0), FREE,
         "coefficient of restitution e of impacts (Stronge's); 0 if left out").typically(0.0, 1.0),
@@ -111,7 +111,7 @@ pub const KEYS: &[Key] = &[
     key("sampling.period", "s", Nanoseconds, Required, "time between samples").typically(0.0001, 0.1),
     key("stop.theta_risen", "rad", Between(1e-6, PI), Optional, "stop when θ falls to this: risen").typically(0.001, 0.4),
     key("stop.theta_fallen", "rad", Between(1e-6, PI), Optional, "stop when θ grows to this: fallen").typically(0.5, 3.1),
-    key("stop.on_stick", "", Choice(ON_STICK), Optional,
+    key("stop.on_stick", "", Choice(&["stop", "continue"]), Optional,
         "whether to stop when the contact point sticks; \"stop\" if left out"),
     key("stop.duration", "s", Between(0.0, 1e6), Optional, "stop at this time").typically(1.0, 120.0),
 ];

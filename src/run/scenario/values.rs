@@ -1,6 +1,5 @@
 //! Unvalidated keys and values.
 
-use super::choice::Choice;
 use super::error::ScenarioError;
 use super::key::{Key, Kind, Presence, Value, short_number};
 use super::keys::KEYS;
@@ -105,23 +104,6 @@ impl Values {
             Some(Value::Text(text)) => Ok(text),
             _ => Err(missing(&[path])),
         }
-    }
-
-    /// The value of a choice key.
-    pub(super) fn choice<T: Choice>(&self, path: &'static str) -> Result<T, ScenarioError> {
-        let word = self.text(path)?;
-        match T::from_name(word) {
-            Some(meaning) => Ok(meaning),
-            None => Err(out_of_range(find_key(path)?, word)),
-        }
-    }
-
-    /// The value of a choice key; `None` if it is not set.
-    pub(super) fn optional_choice<T: Choice>(
-        &self,
-        path: &'static str,
-    ) -> Result<Option<T>, ScenarioError> {
-        self.get(path).map(|_| self.choice(path)).transpose()
     }
 
     /// Checks that required keys are set and inapplicable keys are not.
