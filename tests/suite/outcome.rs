@@ -35,7 +35,7 @@ fn bits(outcome: &Outcome) -> Vec<(&'static str, Option<String>)> {
 
 #[test]
 fn outcomes_of_presets_are_those_of_whole_runs_to_the_last_bit() {
-    for preset in PRESETS {
+    for preset in PRESETS.iter() {
         let mut scenario = preset.scenario().unwrap();
         // What a free top does in all its run takes too long for a test.
         if scenario.model.support.is_free() {

@@ -31,6 +31,9 @@ const SCALE: Kind = Between(1e-15, 1e15);
 /// Range of slip speed parameters.
 const SPEED: Kind = Between(1e-9, 1e6);
 
+const FORMULATIONS: &[&str] = &["euler", "body"];
+const SUPPORTS: &[&str] = &["fixed", "free"];
+const ON_STICK: &[&str] = &["stop", "continue"];
 const SMOOTH_LAWS: &[&str] = &["coulomb-sqrt", "coulomb-tanh", "coulomb-rational"];
 
 /// Presence of keys that apply only to a free peg.
@@ -45,7 +48,7 @@ pub const KEYS: &[Key] = &[
     key("format", "", Choice(&[FORMAT]), Optional, "version of this format"),
     key("name", "", Name, Required, "names the recordings"),
     key("description", "", Text, Optional, "a sentence for people"),
-    key("formulation", "", Choice(&["euler", "body"]), Required,
+    key("formulation", "", Choice(FORMULATIONS), Required,
         "variables of integration: Euler angles (singular upright), or rotation of the body"),
     key("gravity", "m/s²", SCALE, Required, "acceleration of gravity g").typically(0.5, 25.0),
     key("top.mass", "kg", INERTIA, Required, "mass M").typically(0.01, 1.0),
@@ -71,7 +74,7 @@ pub const KEYS: &[Key] = &[
     key("initial.center_y", "m", Between(-1e6, 1e6), FREE, "position of the centre of mass, instead of the peg's").typically(-0.1, 0.1),
     key("initial.center_x_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the centre of mass, instead of the peg's").typically(-1.0, 1.0),
     key("initial.center_y_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the centre of mass, instead of the peg's").typically(-1.0, 1.0),
-    key("support.kind", "", Choice(&["fixed", "free"]), Optional,
+    key("support.kind", "", Choice(SUPPORTS), Optional,
         "whether the peg's centre is fixed or the peg free to move on the table; \"fixed\" if left out"),
     key("support.restitution", "", Between(0.0, 1.0), FREE,
         "coefficient of restitution e of impacts (Stronge's); 0 if left out").typically(0.0, 1.0),
@@ -111,7 +114,7 @@ pub const KEYS: &[Key] = &[
     key("sampling.period", "s", Nanoseconds, Required, "time between samples").typically(0.0001, 0.1),
     key("stop.theta_risen", "rad", Between(1e-6, PI), Optional, "stop when θ falls to this: risen").typically(0.001, 0.4),
     key("stop.theta_fallen", "rad", Between(1e-6, PI), Optional, "stop when θ grows to this: fallen").typically(0.5, 3.1),
-    key("stop.on_stick", "", Choice(&["stop", "continue"]), Optional,
+    key("stop.on_stick", "", Choice(ON_STICK), Optional,
         "whether to stop when the contact point sticks; \"stop\" if left out"),
     key("stop.duration", "s", Between(0.0, 1e6), Optional, "stop at this time").typically(1.0, 120.0),
 ];

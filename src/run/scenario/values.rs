@@ -23,18 +23,24 @@ impl Values {
     /// # Errors
     /// Malformed TOML, an unknown key, a value of the wrong type or out of range.
     pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
-        let table: toml::Table = text.parse().map_err(|error| syntax(text, &error))?;
+        let table = text.parse().map_err(|error| syntax(text, &error))?;
         let mut values = Self::default();
+        values.change(table)?;
+        Ok(values)
+    }
+
+    /// Sets the keys of a scenario file.
+    pub(super) fn change(&mut self, table: toml::Table) -> Result<(), ScenarioError> {
         for (name, value) in table {
             if let toml::Value::Table(section) = value {
                 for (inner, value) in section {
-                    values.set_value(&format!("{name}.{inner}"), value)?;
+                    self.set_value(&format!("{name}.{inner}"), value)?;
                 }
             } else {
-                values.set_value(&name, value)?;
+                self.set_value(&name, value)?;
             }
         }
-        Ok(values)
+        Ok(())
     }
 
     /// Sets one key from `text`, a TOML value whose quotes may be omitted. An empty text removes the key.
