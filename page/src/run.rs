@@ -132,7 +132,7 @@ impl Run {
         let end = self.simulation.end();
         let is_whole = end.stop != StopReason::Interrupted && self.columns[0].len() <= MOST_SAMPLES;
         self.end = Some(if is_whole {
-            Ok(Outcome::new(&self.scenario, &end, &self.tally))
+            Ok(Outcome::new(&self.scenario, end, self.tally.clone()))
         } else {
             Err(format!(
                 "the run is too long for the page: at t = {:.3} s it has {} steps and {} samples",

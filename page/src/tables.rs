@@ -52,7 +52,7 @@ fn preset(preset: &Preset) -> Json {
     });
     json!({
         "name": preset.name,
-        "description": preset.description(),
+        "description": preset.description,
         "values": values.collect::<serde_json::Map<_, _>>(),
     })
 }

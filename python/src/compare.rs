@@ -165,7 +165,7 @@ struct Verified {
 pub fn presets() -> Vec<(&'static str, &'static str)> {
     let presets = PRESETS.iter();
     presets
-        .map(|preset| (preset.name, preset.description()))
+        .map(|preset| (&*preset.name, &*preset.description))
         .collect()
 }
 

@@ -202,7 +202,7 @@ fn simulate(
         }
         Err(RecordError::Sink(error)) => return Err(reported(&error)),
     };
-    Ok((tables, Outcome::new(scenario, &end, &tally), losses))
+    Ok((tables, Outcome::new(scenario, end, tally), losses))
 }
 
 /// Simulates a run and records it in a new file.

@@ -134,9 +134,9 @@ pub fn end_entries(end: &RunEnd) -> Entries {
 /// Whether an end record agrees with an outcome.
 pub fn is_end_of(end: &Entries, outcome: &Outcome) -> bool {
     let is = |key: &str, value: &str| end.get(key).is_some_and(|message| message == value);
-    is(STOP_REASON, outcome.stop_reason.name())
-        && is(STOP_TIME, &format!("{:?}", outcome.stop_time))
-        && is(STEPS, &outcome.steps.to_string())
+    is(STOP_REASON, outcome.end.stop.name())
+        && is(STOP_TIME, &format!("{:?}", outcome.end.time))
+        && is(STEPS, &outcome.end.statistics.accepted.to_string())
 }
 
 fn entries<const N: usize>(entries: [(&str, String); N]) -> Entries {

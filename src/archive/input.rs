@@ -116,7 +116,9 @@ pub fn open_file(path: &Path) -> io::Result<File> {
 }
 
 fn is_preset(word: &Path) -> bool {
-    PRESETS.iter().any(|preset| word.as_os_str() == preset.name)
+    PRESETS
+        .iter()
+        .any(|preset| word.as_os_str() == &*preset.name)
 }
 
 fn has_extension(word: &Path, extension: &str) -> bool {

@@ -36,12 +36,12 @@ struct PresetReport {
 pub(super) fn presets(arguments: &PresetsArguments) -> Result<Status, Error> {
     let wanted = match &arguments.name {
         Some(name) => std::slice::from_ref(Preset::find(name)?),
-        None => PRESETS,
+        None => &PRESETS,
     };
     let presets = wanted.iter().map(|preset| {
         Ok::<_, Error>(PresetReport {
-            name: preset.name,
-            description: preset.description(),
+            name: &preset.name,
+            description: &preset.description,
             scenario: preset.scenario()?.to_toml(),
         })
     });

@@ -128,7 +128,7 @@ impl Recorder<'_> {
         #[cfg(feature = "rerun")]
         let rrd = viewer.map_or(Ok(None), |mut viewer| {
             if !matches!(end.stop, StopReason::Interrupted | StopReason::Failed) {
-                let outcome = Outcome::new(scenario, &end, &counts);
+                let outcome = Outcome::new(scenario, end, counts.clone());
                 viewer.sink.set_outcome(&outcome);
             }
             viewer.finish(arguments.adjacent_rrd(there.as_ref()))

@@ -38,6 +38,7 @@ mod tests {
     use super::*;
     use crate::run::outcome;
     use crate::run::scenario::Preset;
+    use crate::run::simulation::EventKind;
 
     #[test]
     fn every_column_that_has_a_value_becomes_a_component() {
@@ -58,6 +59,6 @@ mod tests {
         assert!(!names.contains(&"hops".to_owned()), "the peg is fixed");
         let rise = batches[names.iter().position(|name| name == "rise_time").unwrap()].clone();
         let rise: Float64Array = rise.array.to_data().into();
-        assert_eq!(Some(rise.value(0)), outcome.rise_time);
+        assert_eq!(Some(rise.value(0)), outcome.tally.first(EventKind::Risen));
     }
 }

@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn every_scale_of_a_preset_is_a_round_number() {
-        for preset in crate::run::scenario::PRESETS {
+        for preset in crate::run::scenario::PRESETS.iter() {
             let scenario = preset.scenario().unwrap();
             let scales = Scales::new(&scenario);
             let Scales {

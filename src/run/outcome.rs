@@ -5,7 +5,6 @@
 //! the values; Parquet columns, JSON members and documents are derived from it.
 
 use self::ColumnKind::{Integer, Text};
-use crate::physics::kinematics::Euler;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{
     EventKind, RunEnd, SimulationError, StopReason, Tally, run_without_samples,
@@ -17,61 +16,17 @@ use serde_json::Map;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-/// Outcome of a run. SI units and radians.
+/// Outcome of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// The reason for the run's end.
-    pub stop_reason: StopReason,
-    /// End time, s.
-    pub stop_time: f64,
-    /// Time at which θ reached `stop.theta_risen`, s; `None` if it did not.
-    pub rise_time: Option<f64>,
-    /// Time at which the top became weak, s; `None` if it did not, or was weak from the start.
-    pub weak_time: Option<f64>,
-    /// Time of the first loop (tippe top: first reversal of precession), s; `None` if there was none.
-    pub loop_time: Option<f64>,
-    /// Number of loops (tippe top: reversals of precession).
-    pub loops: u64,
-    /// Number of complete nutation cycles.
-    pub nutations: u64,
-    /// Inclination at the end, rad.
-    pub theta: f64,
-    /// Euler rates at the end, rad/s.
-    pub rates: Euler,
+    /// The end of the run.
+    pub end: RunEnd,
+    /// Number and times of its events.
+    pub tally: Tally,
     /// Turns of precession from start to end.
     pub turns: f64,
-    /// Change of the energy.
-    pub energy: EnergyChange,
-    /// Length of the slip path of the contact point, m.
-    pub slip_path: f64,
-    /// Outcome of a free peg; `None` for a fixed peg.
-    pub free: Option<FreeOutcome>,
-    /// Number of integrator steps.
-    pub steps: u64,
-}
-
-/// Change of the energy from start to end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EnergyChange {
-    /// Total energy at the start, J.
-    pub at_start: f64,
-    /// Total energy at the end, J.
-    pub at_end: f64,
-    /// Work done by friction and impacts, J; normally negative.
-    pub friction_work: f64,
-}
-
-/// Outcome of a free peg.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FreeOutcome {
-    /// Time at which the peg first began to roll, s; `None` if it did not.
-    pub roll_time: Option<f64>,
-    /// Time at which the axis of a tippe top passed the horizontal, s; otherwise `None`.
-    pub inversion_time: Option<f64>,
-    /// Number of times the peg left the table.
-    pub hops: u64,
-    /// Number of impacts on the table.
-    pub impacts: u64,
+    /// Whether the peg is free.
+    pub is_free: bool,
 }
 
 /// Runs a scenario and returns its outcome, bit-identical to [`Outcome::new`] of a complete
@@ -82,10 +37,11 @@ pub struct FreeOutcome {
 ///
 /// ```
 /// use toprise::run::scenario::Preset;
+/// use toprise::run::simulation::EventKind;
 ///
 /// let scenario = Preset::find("paper")?.scenario()?;
 /// let outcome = toprise::run::outcome(&scenario, || true)?;
-/// assert_eq!(outcome.rise_time.map(f64::round), Some(25.0));
+/// assert_eq!(outcome.tally.first(EventKind::Risen).map(f64::round), Some(25.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -96,48 +52,26 @@ pub fn outcome(
     carry_on: impl FnMut() -> bool,
 ) -> Result<Outcome, SimulationError> {
     let (end, tally) = run_without_samples(scenario, carry_on)?;
-    Ok(Outcome::new(scenario, &end, &tally))
+    Ok(Outcome::new(scenario, end, tally))
 }
 
 impl Outcome {
     /// The outcome of a run of `scenario` with this end and these event counts.
-    pub fn new(scenario: &Scenario, end: &RunEnd, tally: &Tally) -> Self {
-        let motion = &end.motion;
-        let is_free = scenario.model.support.is_free();
+    pub fn new(scenario: &Scenario, end: RunEnd, tally: Tally) -> Self {
         Self {
-            stop_reason: end.stop,
-            stop_time: end.time,
-            rise_time: tally.first(EventKind::Risen),
-            weak_time: tally.first(EventKind::WeakTop),
-            loop_time: tally.first(EventKind::LoopingBegins),
-            loops: tally.number(EventKind::LoopingBegins),
-            nutations: end.nutations,
-            theta: motion.angles.theta,
-            rates: motion.tilt.rates,
-            turns: (motion.angles.phi - scenario.angles.phi) / TAU,
-            energy: EnergyChange {
-                at_start: end.energy_at_start,
-                at_end: end.energy,
-                friction_work: motion.integrals.friction_work,
-            },
-            slip_path: motion.integrals.slip_path,
-            free: is_free.then(|| FreeOutcome {
-                roll_time: tally.first(EventKind::RollBegins),
-                inversion_time: end.inversion_time,
-                hops: tally.number(EventKind::LiftOff),
-                impacts: end.impacts,
-            }),
-            steps: end.statistics.accepted,
+            turns: (end.motion.angles.phi - scenario.angles.phi) / TAU,
+            is_free: scenario.model.support.is_free(),
+            end,
+            tally,
         }
     }
 
     /// A sentence about the end of the run and, for a tippe top, its inversion.
     pub fn sentence(&self) -> String {
-        let inversion = self.free.and_then(|free| free.inversion_time);
-        let inversion = inversion.map_or_else(String::new, |time| {
+        let inversion = self.end.inversion_time.map_or_else(String::new, |time| {
             format!("the top has inverted at t = {time:.6} s; ")
         });
-        let (end, time) = (self.stop_reason.sentence(), self.stop_time);
+        let (end, time) = (self.end.stop.sentence(), self.end.time);
         format!("{inversion}{end} at t = {time:.6} s")
     }
 
@@ -145,6 +79,11 @@ impl Outcome {
     pub fn get(&self, name: &str) -> Option<Cell> {
         let column = COLUMNS.iter().find(|column| column.name == name)?;
         column.of(self)
+    }
+
+    /// Time of the first event of a kind, s.
+    fn time_of(&self, kind: EventKind) -> Option<Cell> {
+        self.tally.first(kind).map(Cell::Number)
     }
 }
 
@@ -293,30 +232,30 @@ fn counted(count: u64) -> Option<Cell> {
 /// Columns of an outcome, in table order.
 #[rustfmt::skip]
 pub const COLUMNS: &[Column] = &[
-    other("stop_reason", Text, "reason for the end of the run", |o| Some(Cell::Text(o.stop_reason.name()))),
-    number("stop_time", "s", "end time", |o| Some(Cell::Number(o.stop_time))),
+    other("stop_reason", Text, "reason for the end of the run", |o| Some(Cell::Text(o.end.stop.name()))),
+    number("stop_time", "s", "end time", |o| Some(Cell::Number(o.end.time))),
     number("rise_time", "s", "time at which θ reached stop.theta_risen; null if it did not",
-        |o| o.rise_time.map(Cell::Number)),
+        |o| o.time_of(EventKind::Risen)),
     number("weak_time", "s", "time at which the top became weak (strength ratio below 1); null if it did not, or was weak from the start",
-        |o| o.weak_time.map(Cell::Number)),
+        |o| o.time_of(EventKind::WeakTop)),
     number("loop_time", "s", "time of the first loop (for a tippe top: of the first reversal of precession); null if there is none",
-        |o| o.loop_time.map(Cell::Number)),
-    other("loops", Integer, "number of loops (for a tippe top: of reversals of precession)", |o| counted(o.loops)),
-    other("nutations", Integer, "number of complete nutation cycles", |o| counted(o.nutations)),
-    number("theta", "rad", "inclination θ at the end", |o| Some(Cell::Number(o.theta))),
-    number("phi_dot", "rad/s", "precession rate φ̇ at the end", |o| Some(Cell::Number(o.rates.phi))),
-    number("theta_dot", "rad/s", "nutation rate θ̇ at the end", |o| Some(Cell::Number(o.rates.theta))),
-    number("psi_dot", "rad/s", "spin rate ψ̇ at the end", |o| Some(Cell::Number(o.rates.psi))),
+        |o| o.time_of(EventKind::LoopingBegins)),
+    other("loops", Integer, "number of loops (for a tippe top: of reversals of precession)", |o| counted(o.tally.number(EventKind::LoopingBegins))),
+    other("nutations", Integer, "number of complete nutation cycles", |o| counted(o.end.nutations)),
+    number("theta", "rad", "inclination θ at the end", |o| Some(Cell::Number(o.end.motion.angles.theta))),
+    number("phi_dot", "rad/s", "precession rate φ̇ at the end", |o| Some(Cell::Number(o.end.motion.tilt.rates.phi))),
+    number("theta_dot", "rad/s", "nutation rate θ̇ at the end", |o| Some(Cell::Number(o.end.motion.tilt.rates.theta))),
+    number("psi_dot", "rad/s", "spin rate ψ̇ at the end", |o| Some(Cell::Number(o.end.motion.tilt.rates.psi))),
     number("turns", "", "number of turns of precession", |o| Some(Cell::Number(o.turns))),
-    number("energy_at_start", "J", "total energy at the start", |o| Some(Cell::Number(o.energy.at_start))),
-    number("energy", "J", "total energy at the end", |o| Some(Cell::Number(o.energy.at_end))),
-    number("friction_work", "J", "work done by friction and impacts (normally negative)", |o| Some(Cell::Number(o.energy.friction_work))),
-    number("slip_path", "m", "length of the slip path of the contact point", |o| Some(Cell::Number(o.slip_path))),
+    number("energy_at_start", "J", "total energy at the start", |o| Some(Cell::Number(o.end.energy_at_start))),
+    number("energy", "J", "total energy at the end", |o| Some(Cell::Number(o.end.energy))),
+    number("friction_work", "J", "work done by friction and impacts (normally negative)", |o| Some(Cell::Number(o.end.motion.integrals.friction_work))),
+    number("slip_path", "m", "length of the slip path of the contact point", |o| Some(Cell::Number(o.end.motion.integrals.slip_path))),
     number("roll_time", "s", "time at which the peg first rolled; null if it did not, or if the peg is fixed",
-        |o| o.free?.roll_time.map(Cell::Number)),
+        |o| o.time_of(EventKind::RollBegins)),
     number("inversion_time", "s", "time at which the axis of a tippe top passed the horizontal; null otherwise",
-        |o| o.free?.inversion_time.map(Cell::Number)),
-    other("hops", Integer, "number of hops; null for a fixed peg", |o| counted(o.free?.hops)),
-    other("impacts", Integer, "number of impacts on the table; null for a fixed peg", |o| counted(o.free?.impacts)),
-    other("steps", Integer, "number of integrator steps", |o| counted(o.steps)),
+        |o| o.end.inversion_time.map(Cell::Number)),
+    other("hops", Integer, "number of hops; null for a fixed peg", |o| counted(o.is_free.then(|| o.tally.number(EventKind::LiftOff))?)),
+    other("impacts", Integer, "number of impacts on the table; null for a fixed peg", |o| counted(o.is_free.then_some(o.end.impacts)?)),
+    other("steps", Integer, "number of integrator steps", |o| counted(o.end.statistics.accepted)),
 ];

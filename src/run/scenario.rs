@@ -14,7 +14,7 @@ mod presets;
 mod schema;
 mod values;
 
-pub use choice::{FormulationKind, OnStick};
+pub use choice::FormulationKind;
 pub(crate) use definition::hex;
 pub use definition::{Scenario, Stop};
 pub use error::ScenarioError;

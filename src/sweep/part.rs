@@ -94,7 +94,7 @@ impl Sweep {
         let computed = computed?;
         let mut counts = Counts::default();
         for (run, Row { result, .. }) in rows.clone().zip(&computed) {
-            let stop = result.as_ref().map(|outcome| outcome.stop_reason.name());
+            let stop = result.as_ref().map(|outcome| outcome.end.stop.name());
             counts.count(run, stop.map_err(String::as_str));
         }
         let mut columns = self.design_columns(rows);
@@ -142,7 +142,7 @@ impl Sweep {
     fn row(&self, index: u64, watch: &Watch<'_>) -> Option<Row> {
         let scenario = self.scenario(index);
         let row = row(scenario, self.spec.most_steps, self.run, watch)?;
-        (watch.done)(row.result.as_ref().ok().map(|outcome| outcome.stop_reason));
+        (watch.done)(row.result.as_ref().ok().map(|outcome| outcome.end.stop));
         Some(row)
     }
 

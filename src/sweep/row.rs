@@ -65,7 +65,7 @@ pub(super) fn row(
     let result = match caught {
         Err(panic) => Err(format!("panic: {}", words(panic.as_ref()))),
         Ok(Err(error)) => Err(error.to_string()),
-        Ok(Ok(outcome)) if outcome.stop_reason == StopReason::Interrupted => {
+        Ok(Ok(outcome)) if outcome.end.stop == StopReason::Interrupted => {
             if !is_over_budget {
                 return None;
             }

@@ -31,9 +31,9 @@ fn numbers(sentence: &str) -> usize {
 
 #[test]
 fn every_preset_is_explained_in_few_short_sentences() {
-    for preset in PRESETS {
-        let explanation = explain(&scenario(preset.name, &[])).unwrap();
-        assert!(explanation.title.starts_with(preset.name));
+    for preset in PRESETS.iter() {
+        let explanation = explain(&scenario(&preset.name, &[])).unwrap();
+        assert!(explanation.title.starts_with(&preset.name));
         let sentences: Vec<String> = facts(&explanation).map(Fact::sentence).collect();
         assert!((4..=12).contains(&sentences.len()), "{sentences:#?}");
         for sentence in sentences {
@@ -154,8 +154,8 @@ fn assert_fact(fact: &Fact, scenario: &Scenario, run: &Run) {
 
 #[test]
 fn val_facts_are_those_of_the_simulation() {
-    for preset in PRESETS {
-        let scenario = scenario(preset.name, &[]);
+    for preset in PRESETS.iter() {
+        let scenario = scenario(&preset.name, &[]);
         let run = Run::of(&scenario);
         for fact in facts(&explain(&scenario).unwrap()) {
             assert_fact(fact, &scenario, &run);

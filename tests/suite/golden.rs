@@ -66,7 +66,7 @@ fn digest_of(preset: &Preset) -> (u64, RunEnd, String) {
 #[test]
 fn regress_content_digests() {
     let mut found = String::new();
-    for preset in PRESETS {
+    for preset in PRESETS.iter() {
         let (messages, end, digest) = digest_of(preset);
         let steps = end.statistics.accepted;
         found.push_str(&format!(

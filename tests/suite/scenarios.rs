@@ -16,7 +16,7 @@ fn error(preset: &str, overrides: &[(&str, &str)]) -> String {
 
 #[test]
 fn every_preset_comes_back_from_its_canonical_form() {
-    for preset in PRESETS {
+    for preset in PRESETS.iter() {
         let scenario = preset.scenario().unwrap();
         assert_eq!(scenario.name(), preset.name);
         assert!(!scenario.description().is_empty());

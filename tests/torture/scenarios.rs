@@ -73,7 +73,7 @@ fn random_scenario(random: &mut Random) -> Option<(Scenario, Vec<(String, String
         ("initial.peg_x_dot", 1e-3, 1.0),
         ("initial.peg_z_dot", 1e-3, 1.0),
     ];
-    let preset = random.one_of(PRESETS).name;
+    let preset = &*random.one_of(&PRESETS).name;
     let mut values = Preset::find(preset).ok()?.values().ok()?;
     let mut keys = vec![(preset.to_owned(), String::new())];
     let mut set = |key: &str, value: String| {

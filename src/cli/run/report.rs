@@ -86,7 +86,7 @@ impl RunReport {
                 .map(|(key, value)| (key.path, text(value)))
                 .collect(),
             scenario_digest: scenario.digest(),
-            outcome: Outcome::new(scenario, end, counts),
+            outcome: Outcome::new(scenario, *end, counts.clone()),
             phi: end.motion.angles.phi,
             psi: end.motion.angles.psi,
             samples: end.samples,
@@ -124,7 +124,7 @@ impl RunReport {
             facts.push(("view", format!("rerun {}", rrd.path)));
             facts.push(("", install.to_owned()));
         }
-        let tone = match self.outcome.stop_reason {
+        let tone = match self.outcome.end.stop {
             StopReason::Interrupted | StopReason::Failed => Tone::Weak,
             _ => Tone::Good,
         };
@@ -138,13 +138,13 @@ impl RunReport {
     fn angles(&self) -> String {
         format!(
             "θ = {} rad after {} turns of precession",
-            number(self.outcome.theta, 4),
+            number(self.outcome.end.motion.angles.theta, 4),
             number(self.outcome.turns, 2)
         )
     }
 
     fn rates(&self) -> String {
-        let rates = &self.outcome.rates;
+        let rates = &self.outcome.end.motion.tilt.rates;
         format!(
             "φ̇ = {}, θ̇ = {}, ψ̇ = {} rad/s",
             number(rates.phi, 4),
@@ -154,13 +154,13 @@ impl RunReport {
     }
 
     fn energy_balance(&self) -> String {
-        let energy = &self.outcome.energy;
+        let end = &self.outcome.end;
         format!(
             "{} J → {} J (change {} J, work of friction {} J)",
-            number(energy.at_start, 6),
-            number(energy.at_end, 6),
-            number(energy.at_end - energy.at_start, 6),
-            number(energy.friction_work, 6)
+            number(end.energy_at_start, 6),
+            number(end.energy, 6),
+            number(end.energy - end.energy_at_start, 6),
+            number(end.motion.integrals.friction_work, 6)
         )
     }
 
@@ -189,19 +189,19 @@ impl RunReport {
             "{} at {} Hz, {}, {}",
             counted(self.samples, "sample"),
             1.0 / self.sample_period,
-            counted(self.outcome.nutations, "nutation cycle"),
+            counted(self.outcome.end.nutations, "nutation cycle"),
             counted(self.events.iter().map(|event| event.count).sum(), "event")
         )
     }
 
     fn took(&self) -> String {
-        let share = self.wall_time / self.outcome.stop_time;
+        let share = self.wall_time / self.outcome.end.time;
         let share = if share < SLOWEST {
             format!(" ({share:.3} × simulated time)")
         } else {
             String::new()
         };
-        let steps = counted(self.outcome.steps, "integration step");
+        let steps = counted(self.outcome.end.statistics.accepted, "integration step");
         format!("{:.2} s{share}; {steps}", self.wall_time)
     }
 }

@@ -1,6 +1,6 @@
 //! A validated scenario.
 
-use super::choice::{FormulationKind, OnStick};
+use super::choice::FormulationKind;
 use super::error::ScenarioError;
 use super::key::{Key, Value, short_number};
 use super::keys::{FORMAT, KEYS};
@@ -25,8 +25,8 @@ pub struct Stop {
     pub theta_fallen: Option<f64>,
     /// Stop at this time, s (`stop.duration`).
     pub duration: Option<f64>,
-    /// Action when the contact point stops slipping (`stop.on_stick`).
-    pub on_stick: OnStick,
+    /// Whether the run continues when the contact point stops slipping, which may slip again (`stop.on_stick`).
+    pub may_stick: bool,
 }
 
 /// A validated, complete definition of a run.
@@ -58,7 +58,7 @@ impl Scenario {
         values.set_value("format", FORMAT)?;
         values.check_presence()?;
         // Equal runs must have equal digests.
-        if values.get("support.kind") == Some(&Value::Text("fixed".to_owned())) {
+        if values.text("support.kind") == Ok("fixed") {
             values.remove("support.kind");
         }
         let model = model(&values)?;
@@ -66,7 +66,10 @@ impl Scenario {
             Ok(values.number(key)?.min(model.support.max_tolerance()))
         };
         let scenario = Self {
-            formulation: values.choice("formulation")?,
+            formulation: match values.text("formulation")? {
+                "euler" => FormulationKind::Euler,
+                _ => FormulationKind::Body,
+            },
             model,
             angles: Euler {
                 phi: values.number("initial.phi")?,
@@ -88,9 +91,7 @@ impl Scenario {
                 theta_risen: values.optional_number("stop.theta_risen"),
                 theta_fallen: values.optional_number("stop.theta_fallen"),
                 duration: values.optional_number("stop.duration"),
-                on_stick: values
-                    .optional_choice("stop.on_stick")?
-                    .unwrap_or(OnStick::Stop),
+                may_stick: values.text("stop.on_stick") == Ok("continue"),
             },
             values,
         };
@@ -381,7 +382,7 @@ impl Scenario {
 
     fn check_end(&self) -> Result<(), ScenarioError> {
         let stop = &self.stop;
-        if stop.on_stick == OnStick::Continue && !self.model.support.is_free() {
+        if stop.may_stick && !self.model.support.is_free() {
             self.check_sticking()?;
         }
         let Some(duration) = stop.duration else {

@@ -1,6 +1,6 @@
 //! The table of scenario keys.
 
-use super::choice::{DISSIPATIONS, FORMULATIONS, ON_STICK, SUPPORTS};
+use super::choice::DISSIPATIONS;
 use super::key::Key;
 use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Text};
 use super::key::Presence::{self, Optional, OptionalWith, Required, RequiredWith, RequiredWithKey};
@@ -31,6 +31,9 @@ const SCALE: Kind = Between(1e-15, 1e15);
 /// Range of slip speed parameters.
 const SPEED: Kind = Between(1e-9, 1e6);
 
+const FORMULATIONS: &[&str] = &["euler", "body"];
+const SUPPORTS: &[&str] = &["fixed", "free"];
+const ON_STICK: &[&str] = &["stop", "continue"];
 const SMOOTH_LAWS: &[&str] = &["coulomb-sqrt", "coulomb-tanh", "coulomb-rational"];
 
 /// Presence of keys that apply only to a free peg.

@@ -1,6 +1,6 @@
 //! Builds the model from scenario values.
 
-use super::choice::SupportKind;
+use super::choice::dissipation;
 use super::error::ScenarioError;
 use super::key::short_number;
 use super::laws::sliding_law;
@@ -11,7 +11,7 @@ use crate::physics::top::Top;
 
 /// The model of complete values.
 pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
-    let (top, support) = (top(values)?, support(values)?);
+    let (top, support) = (top(values)?, support(values));
     Ok(Model {
         top,
         friction: friction(values, (support != Support::FixedPeg).then_some(&top))?,
@@ -19,15 +19,14 @@ pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
     })
 }
 
-fn support(values: &Values) -> Result<Support, ScenarioError> {
-    Ok(match values.optional_choice("support.kind")? {
-        None | Some(SupportKind::Fixed) => Support::FixedPeg,
-        Some(SupportKind::Free) => Support::FreePeg {
-            restitution: values
-                .optional_number("support.restitution")
-                .unwrap_or_default(),
+fn support(values: &Values) -> Support {
+    let restitution = values.optional_number("support.restitution");
+    match values.text("support.kind") {
+        Ok("free") => Support::FreePeg {
+            restitution: restitution.unwrap_or_default(),
         },
-    })
+        _ => Support::FixedPeg,
+    }
 }
 
 fn top(values: &Values) -> Result<Top, ScenarioError> {
@@ -51,11 +50,10 @@ fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioErr
             reason: "friction.law = \"contensou\" already includes a drilling torque".to_owned(),
         });
     }
+    let word = values.text("friction.dissipation").ok();
     Ok(Friction {
         law,
-        dissipation: values
-            .optional_choice("friction.dissipation")?
-            .unwrap_or(Dissipation::Full),
+        dissipation: word.and_then(dissipation).unwrap_or(Dissipation::Full),
         losses,
     })
 }

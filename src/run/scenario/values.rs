@@ -1,6 +1,5 @@
 //! Unvalidated keys and values.
 
-use super::choice::Choice;
 use super::error::ScenarioError;
 use super::key::{Key, Kind, Presence, Value, short_number};
 use super::keys::KEYS;
@@ -24,18 +23,24 @@ impl Values {
     /// # Errors
     /// Malformed TOML, an unknown key, a value of the wrong type or out of range.
     pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
-        let table: toml::Table = text.parse().map_err(|error| syntax(text, &error))?;
+        let table = text.parse().map_err(|error| syntax(text, &error))?;
         let mut values = Self::default();
+        values.change(table)?;
+        Ok(values)
+    }
+
+    /// Sets the keys of a scenario file.
+    pub(super) fn change(&mut self, table: toml::Table) -> Result<(), ScenarioError> {
         for (name, value) in table {
             if let toml::Value::Table(section) = value {
                 for (inner, value) in section {
-                    values.set_value(&format!("{name}.{inner}"), value)?;
+                    self.set_value(&format!("{name}.{inner}"), value)?;
                 }
             } else {
-                values.set_value(&name, value)?;
+                self.set_value(&name, value)?;
             }
         }
-        Ok(values)
+        Ok(())
     }
 
     /// Sets one key from `text`, a TOML value whose quotes may be omitted. An empty text removes the key.
@@ -105,23 +110,6 @@ impl Values {
             Some(Value::Text(text)) => Ok(text),
             _ => Err(missing(&[path])),
         }
-    }
-
-    /// The value of a choice key.
-    pub(super) fn choice<T: Choice>(&self, path: &'static str) -> Result<T, ScenarioError> {
-        let word = self.text(path)?;
-        match T::from_name(word) {
-            Some(meaning) => Ok(meaning),
-            None => Err(out_of_range(find_key(path)?, word)),
-        }
-    }
-
-    /// The value of a choice key; `None` if it is not set.
-    pub(super) fn optional_choice<T: Choice>(
-        &self,
-        path: &'static str,
-    ) -> Result<Option<T>, ScenarioError> {
-        self.get(path).map(|_| self.choice(path)).transpose()
     }
 
     /// Checks that required keys are set and inapplicable keys are not.

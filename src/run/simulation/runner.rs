@@ -12,7 +12,7 @@ use super::watch::{Watch, ZeroKind, accelerations, copy_signs, envelope, watches
 use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Phase, Transition};
 use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope};
 use crate::physics::kinematics::Euler;
-use crate::run::scenario::{OnStick, Scenario, Stop};
+use crate::run::scenario::{Scenario, Stop};
 
 /// A run in any formulation.
 pub(super) trait RecordStream {
@@ -73,7 +73,7 @@ enum EarlyEnd<F, const N: usize> {
 
 impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     pub(super) fn new(scenario: &Scenario, detail: Detail) -> Result<Self, SimulationError> {
-        let may_stick = scenario.stop.on_stick == OnStick::Continue;
+        let may_stick = scenario.stop.may_stick;
         let (formulation, state, transition) =
             F::start(&scenario.model, &scenario.start(), may_stick);
         let motion = formulation.motion(&state, scenario.angles);
@@ -273,7 +273,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         state: &[f64; N],
         motion: Motion,
     ) -> Result<(), SimulationError> {
-        let stops_at_rest = self.stop.on_stick == OnStick::Stop;
+        let stops_at_rest = !self.stop.may_stick;
         if guard == Guard::Slip && stops_at_rest {
             self.queue
                 .push(Pending::Event(EventKind::SlipStops, time, motion));
