@@ -121,7 +121,7 @@ impl Moments {
     }
 
     /// The RMS over `count` numbers; numbers not added count as zero.
-    pub(super) fn rms(&self, count: u64) -> f64 {
+    pub(super) fn rms(self, count: u64) -> f64 {
         (self.squares / count.max(1) as f64).sqrt().min(f64::MAX)
     }
 }

@@ -97,9 +97,13 @@ impl TopicTally {
                 [is_in_b_only, _] => alone[usize::from(is_in_b_only)].push(name),
             }
         }
-        let is_whole = alone.iter().all(Vec::is_empty);
+        let derived = if alone.iter().all(Vec::is_empty) {
+            Derived::of(topic)
+        } else {
+            Vec::new()
+        };
         Self {
-            derived: is_whole.then(|| Derived::of(topic)).unwrap_or_default(),
+            derived,
             topic,
             fields,
             alone,

@@ -257,11 +257,12 @@ fn notes(report: &Report, all: bool) -> Section {
         let more = match findings.saturating_sub(MOST_ROWS) {
             0 => String::new(),
             1 => "one more finding and ".to_owned(),
-            more => format!("{more} more findings and"),
+            more => format!("{more} more findings and "),
         };
-        let viewer = match cfg!(feature = "rerun") {
-            true => ", --spawn shows both tops in Rerun",
-            false => "",
+        let viewer = if cfg!(feature = "rerun") {
+            ", --spawn shows both tops in Rerun"
+        } else {
+            ""
         };
         section.line(format!("More: --all shows {more}every field{viewer}."));
     }

@@ -183,7 +183,7 @@ impl<const N: usize> Formulation<N> for BodyRotation {
     }
 
     fn enter(&self, guard: Guard, y: &[f64; N], reference: Euler) -> Entered<Self, N> {
-        fixed::enter(self, guard, y, reference)
+        Ok(fixed::enter(self, guard, y, reference))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Phases of a top with a fixed peg: sliding, or sticking and turning about the vertical.
 
-use super::formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
+use super::formulation::{Entry, Formulation, Guard, Started, Transition};
 use super::model::Model;
 use super::motion::{Motion, Start};
 use super::support::Phase;
@@ -66,7 +66,7 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
     guard: Guard,
     state: &[f64; N],
     reference: Euler,
-) -> Entered<F, N> {
+) -> Entry<F, N> {
     let motion: Motion = formulation.motion(state, reference);
     let (transition, phase) = match guard {
         Guard::Slip if formulation.model().grip(&motion.tilt).holds() => {
@@ -79,12 +79,12 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
         }
     };
     let formulation = formulation.with_phase(phase);
-    Ok(Entry {
+    Entry {
         formulation,
         state: formulation.at_rest(state),
         delay: 0.0,
         transition,
         motion,
         first_step: f64::INFINITY,
-    })
+    }
 }
