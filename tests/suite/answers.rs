@@ -219,6 +219,13 @@ fn every_command_answers_in_markdown() {
     }
 }
 
+#[test]
+fn a_comparison_counts_the_findings_that_it_leaves_out() {
+    let directory = TempDir::new().unwrap();
+    let text = answer(&directory, "diff free-paper drop", 1);
+    assert!(text.contains("more findings and every field"), "{text}");
+}
+
 /// Copies a recording with hostile text wherever a file can have text; with another library it is a foreign one.
 fn forge(from: &Path, to: &Path, library: &str) {
     let bytes = fs::read(from).unwrap();
