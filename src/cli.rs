@@ -166,9 +166,7 @@ enum Command {
     /// figure-2, figure-3 and figure-4 are those of the paper. The others: acceleration (terms of the equations),
     /// precession (rates of regular precession), torque, slip, energy; for free pegs also track (path of the contact
     /// point) and hops (normal force and height). Several runs are overlaid; figure-4 compares the others with the
-    /// first. With --sweep, draws a map over two keys or curves over one. Several runs are drawn over one another;
-    /// figure-4 compares the others with the first. For a sweep (--sweep FILE --x KEY), draws a map over two keys, or
-    /// curves over one.
+    /// first. For a sweep (--sweep FILE --x KEY), draws a map over two keys, or curves over one.
     #[command(
         after_help = "Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn in part (a run lacks data)."
     )]
