@@ -49,7 +49,7 @@ use std::process::ExitCode;
 /// the torques, the terms of the accelerations and the slip velocity in an MCAP file (reproducible bit for bit) and for
 /// the Rerun viewer.
 ///
-/// A run is given as a preset (see `toprise presets`), a scenario file (TOML; create one with `toprise presets paper >
+/// A run can be a preset (see `toprise presets`), a scenario file (TOML; create one with `toprise presets paper >
 /// mine.toml`) or a recording (MCAP). Units are SI and radians.
 #[derive(Debug, Parser)]
 #[command(name = "toprise", version, after_help = EXAMPLES, after_long_help = MORE)]

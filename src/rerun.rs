@@ -5,7 +5,7 @@
 //!
 //! Related numbers share an entity, `{topic}/{plot}`, with several instances and static names and colours; this is much
 //! smaller and faster than one entity per number. Rows are collected into chunks of 4096 per entity. In a paced run a
-//! flush sends the rows of the last moments to the viewer; the file gets them in full chunks all the same, so pacing
+//! flush sends the latest rows to the viewer; the file still receives them in full chunks, so pacing
 //! doesn't change it.
 
 mod blueprint;

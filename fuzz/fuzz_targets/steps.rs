@@ -1,4 +1,4 @@
-//! What is done with an input: shared by the fuzz targets and by the test that runs the corpus, so that
+//! Processing of an input, shared by the fuzz targets and by the test that runs the corpus, so that
 //! neither can drift from the other.
 
 use std::fs;

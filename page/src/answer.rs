@@ -15,7 +15,7 @@ use toprise::telemetry::encoding::Encoding;
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Question {
-    /// The program's tables, and the names of the columns.
+    /// The tables of keys and presets, and the names of the columns.
     Tables {},
     /// Starts a run; an error if the scenario is wrong.
     Start(Given),

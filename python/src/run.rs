@@ -95,7 +95,7 @@ pub fn run(
 ///
 /// `topics` selects the topics to read; by default all.
 ///
-/// Raises `FileNotFoundError` if there is no such file, and `RecordingError` if it is no recording of toprise. If
+/// Raises `FileNotFoundError` if there is no such file, and `RecordingError` if it is not a toprise recording. If
 /// the file is damaged, the readable parts are returned, with a `RecordingWarning`; `run.losses` lists the missing parts.
 #[pyfunction]
 #[pyo3(signature = (path, *, topics=None))]

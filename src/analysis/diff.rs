@@ -190,7 +190,7 @@ fn strangers(run: Subject<'_>, with_views: bool) -> BTreeSet<String> {
     channels.map(|channel| channel.topic.clone()).collect()
 }
 
-/// Compares two files, not both of which are toprise's, byte by byte.
+/// Compares two files byte by byte; at least one is not a toprise recording.
 fn compare_files(
     runs: [Subject<'_>; 2],
     options: &Options,

@@ -281,7 +281,7 @@ mod tests {
         ]
     }
 
-    /// The space that a label takes.
+    /// The bounds of a label.
     fn space(label: &Label) -> Bounds {
         let ((x, y), text) = (label.origin, &label.text);
         let [width, above, below] = [text.width, text.above, text.below].map(|em| em * FONT);

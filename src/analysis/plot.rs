@@ -223,7 +223,7 @@ mod glossary {
         }
     }
 
-    /// `TOPRISE_WRITE=1 cargo test --lib glossary` draws it anew.
+    /// `TOPRISE_WRITE=1 cargo test --lib glossary` redraws it.
     #[test]
     fn regress_the_glossary_has_the_drawing_of_a_top() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/top.svg");

@@ -20,10 +20,10 @@ pub enum RecordingError {
     /// An empty file.
     #[error("the file is empty")]
     Empty,
-    /// A file that is no MCAP file.
+    /// Not an MCAP file.
     #[error("not an MCAP file (wrong magic bytes)")]
     NotMcap,
-    /// A topic of ours has two channels.
+    /// A topic of the table has two channels.
     #[error("it has two channels {0}, which is ambiguous")]
     TwoChannels(String),
     /// A recording without a scenario.

@@ -114,7 +114,7 @@ pub fn recorded_form(run: &Entries) -> Option<(Encoding, bool, Topics)> {
     Some((Encoding::find(run.get(ENCODING)?)?, views, topics))
 }
 
-/// The entries of [`END_RECORD`], but for the content digest.
+/// The entries of [`END_RECORD`], except the content digest.
 pub fn end_entries(end: &RunEnd) -> Entries {
     let statistics = &end.statistics;
     entries([

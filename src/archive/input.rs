@@ -20,7 +20,7 @@ pub enum InputError {
     Io {
         /// The file.
         path: PathBuf,
-        /// Why, according to the system.
+        /// The system error.
         reason: io::Error,
     },
     /// The recording can't be read, or has no scenario.
@@ -31,7 +31,7 @@ pub enum InputError {
         /// The reason.
         reason: RecordingError,
     },
-    /// The file's text is no scenario.
+    /// The text of the file is not a scenario.
     #[error("{}: {reason}", path.display())]
     Scenario {
         /// The file.
@@ -95,7 +95,7 @@ fn is_mcap(path: &Path) -> bool {
 /// The text of a file.
 ///
 /// # Errors
-/// As [`open_file`], or that it is no text.
+/// As [`open_file`], or an error if the file is not UTF-8 text.
 pub fn read_file(path: &Path) -> io::Result<String> {
     io::read_to_string(open_file(path)?).map_err(|error| match error.kind() {
         io::ErrorKind::InvalidData => io::Error::new(error.kind(), "it is not UTF-8 text"),
@@ -106,7 +106,7 @@ pub fn read_file(path: &Path) -> io::Result<String> {
 /// Opens a file for reading. Pipes and devices are rejected, because opening a pipe could block.
 ///
 /// # Errors
-/// The system's, or that it is no file.
+/// The system error, or an error if the path is not a regular file.
 pub fn open_file(path: &Path) -> io::Result<File> {
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() && !metadata.is_dir() {

@@ -32,7 +32,7 @@ impl From<&Message<'_>> for Owned {
 }
 
 impl Owned {
-    /// The message as sinks take it.
+    /// The message in the form that sinks accept.
     pub fn as_message(&self) -> Message<'_> {
         Message {
             channel: self.channel,
@@ -47,7 +47,7 @@ impl Owned {
 /// All messages, and their digest.
 #[derive(Clone, Debug, Default)]
 pub struct MemorySink {
-    /// In the order in which they came.
+    /// In order of arrival.
     pub messages: Vec<Owned>,
     /// Digest of all of them.
     pub digest: ContentDigest,

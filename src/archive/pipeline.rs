@@ -26,7 +26,7 @@ pub struct Pipeline<W: Write> {
     name: PathBuf,
     encoder: RunEncoder,
     batch: Batch,
-    /// The way to the writing thread.
+    /// The channel to the writer thread.
     batches: Option<SyncSender<Batch>>,
     thread: Option<JoinHandle<McapResult<Packer<W>>>>,
 }
@@ -85,7 +85,7 @@ impl<W: Write> Pipeline<W> {
 }
 
 impl<W: Write> Drop for Pipeline<W> {
-    /// A recording that was not finished keeps what it has.
+    /// Keeps the partial file of an unfinished recording.
     fn drop(&mut self) {
         if let Ok(mut packer) = self.join() {
             let _ = packer.flush();
@@ -93,7 +93,7 @@ impl<W: Write> Drop for Pipeline<W> {
     }
 }
 
-/// The writing thread.
+/// The writer thread.
 fn work<W: Write>(mut packer: Packer<W>, batches: &Receiver<Batch>) -> McapResult<Packer<W>> {
     for batch in batches {
         packer.write(&batch)?;
@@ -135,10 +135,10 @@ pub struct Archived {
 }
 
 impl McapSink {
-    /// Starts the recording of `scenario` with the channels that `telemetry` wants.
+    /// Starts the recording of `scenario` with the channels enabled in `telemetry`.
     ///
     /// # Errors
-    /// [`SinkError`] if the file can't be made or written.
+    /// [`SinkError`] if the file can't be created or written.
     pub fn create(
         path: &Path,
         existing: Existing,
@@ -155,7 +155,7 @@ impl McapSink {
     /// can be repeated.
     ///
     /// # Errors
-    /// [`SinkError`] if the channels are more than a file may have.
+    /// [`SinkError`] if there are more channels than a file allows.
     pub fn preface(
         scenario: &Scenario,
         telemetry: &Telemetry,

@@ -108,7 +108,7 @@ impl Drop for MadeDirectories {
     }
 }
 
-/// Removes directories, the innermost first, unless there is something in them.
+/// Removes empty directories, the innermost first.
 fn remove_empty(directories: &[PathBuf]) {
     for directory in directories.iter().rev() {
         let _ = fs::remove_dir(directory);
@@ -119,7 +119,7 @@ impl Draft {
     /// Creates a draft that is deleted if not published.
     ///
     /// # Errors
-    /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be made.
+    /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be created.
     pub fn new(path: &Path, existing: Existing) -> Result<Self, SinkError> {
         Self::within(directory_of(path), path, existing)
     }
@@ -147,12 +147,12 @@ impl Draft {
     /// Creates the draft of a run, `NAME.partial`. It is kept on failure after [`Draft::keep`]. It starts with
     /// `preface`, which is replaced by the first write.
     ///
-    /// A `NAME.partial` that is there already is not touched: with [`Existing::Replace`] the next free name of
-    /// `NAME.2.partial`, `NAME.3.partial`, … is taken, otherwise the run is refused.
+    /// An existing `NAME.partial` is not touched: with [`Existing::Replace`] the next free name of
+    /// `NAME.2.partial`, `NAME.3.partial`, … is used; otherwise creation fails.
     ///
     /// # Errors
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Name`] if it is that of a draft, [`SinkError::Io`] if the
-    /// file can't be made.
+    /// file can't be created.
     pub fn of_run(path: &Path, existing: Existing, preface: &[u8]) -> Result<Self, SinkError> {
         if path.extension().is_some_and(|kind| kind == "partial") {
             let reason = "has the extension .partial, which is reserved for incomplete runs";
@@ -206,8 +206,8 @@ impl Draft {
     /// Syncs and renames the complete file. Returns its size in bytes.
     ///
     /// # Errors
-    /// [`SinkError::Exists`] if the name was taken meanwhile, [`SinkError::Io`] otherwise. What a run has
-    /// written stays under its partial name then.
+    /// [`SinkError::Exists`] if the name was taken meanwhile, [`SinkError::Io`] otherwise. The file of a run
+    /// then keeps its partial name.
     pub fn publish(mut self) -> Result<u64, SinkError> {
         let flushed = self.flush();
         flushed.map_err(|error| io_error("write", self.working_name(), error))?;

@@ -25,7 +25,7 @@ pub(super) struct DiffArguments {
     #[arg(required = true, num_args = 2, value_names = ["A", "B"])]
     runs: Vec<PathBuf>,
 
-    /// Set a key of both scenarios, as in friction.k=0.02.
+    /// Set a key of both scenarios, e.g. friction.k=0.02.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides: Vec<Override>,
 

@@ -55,11 +55,11 @@ pub(super) struct FiguresArguments {
     #[command(flatten)]
     sweep: SweepFigure,
 
-    /// Width in mm; two columns of plots from 130 mm
+    /// Width in mm; 130 or more gives two columns of plots
     #[arg(long, value_name = "MM", default_value_t = 85.0, value_parser = parse_width, help_heading = OUTPUT)]
     width: f64,
 
-    /// Replace files that exist.
+    /// Overwrite existing files.
     #[arg(long, help_heading = OUTPUT)]
     force: bool,
 }

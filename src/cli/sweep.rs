@@ -48,7 +48,7 @@ pub(super) struct SweepArguments {
     #[arg(long, value_enum, default_value_t, requires = "sample")]
     method: Method,
 
-    /// Seed of the sample [default: 0, the unscrambled Sobol sequence]
+    /// Seed of the sample; 0 is the unscrambled Sobol sequence
     #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 0, u64::MAX), allow_negative_numbers = true, default_value = "0", requires = "sample")]
     seed: u64,
 
@@ -56,7 +56,7 @@ pub(super) struct SweepArguments {
     #[arg(long, value_name = "FILE", conflicts_with = "over")]
     table: Option<PathBuf>,
 
-    /// Set a key in all bases, as in friction.k=0.02.
+    /// Set a key in all bases, e.g. friction.k=0.02.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides: Vec<Override>,
 

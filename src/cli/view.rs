@@ -39,7 +39,7 @@ pub(super) struct ViewArguments {
     #[arg(long, value_name = "PATH", help_heading = OUTPUT)]
     rrd: Option<PathBuf>,
 
-    /// Replace files that exist.
+    /// Overwrite existing files.
     #[arg(long, help_heading = OUTPUT)]
     force: bool,
 

@@ -2,9 +2,9 @@
 //!
 //! Those without a leading slash are relative to the run: see [`Look::entity`](super::look::Look::entity).
 
-/// The log of events in which repetitions are one line.
+/// The log of events with repetitions merged into one line.
 pub(super) const EVENTS: &str = "events";
-/// The log of each event but nutation extremes.
+/// The log of all events except nutation extremes.
 pub(super) const EACH_EVENT: &str = "events/each";
 
 /// The description of a run.
@@ -12,7 +12,7 @@ pub(super) const ABOUT: &str = "about";
 /// The result of a comparison, in words.
 pub(super) const SUMMARY: &str = "/summary";
 
-/// The scene; where two runs are compared, what they share of it.
+/// The scene; in a comparison, the part shared by both runs.
 pub(super) const STAGE: &str = "/scene";
 /// Target of the camera there.
 pub(super) const CAMERA_TARGET: &str = "/scene/focus/camera_target";

@@ -6,7 +6,7 @@
 use super::palette;
 use crate::telemetry::side::Side;
 
-/// Opacity of the top of run B, of 255: the one of run A shines through.
+/// Opacity (0 to 255) of the top of run B, so that the top of run A stays visible behind it.
 const GHOST: u32 = 0x88;
 
 /// Owner of an entity; determines its name and style.

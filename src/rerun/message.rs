@@ -9,7 +9,7 @@ use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimeCo
 
 use super::error::RerunError;
 
-/// The most letters of a recording's name in its application's.
+/// Maximum number of characters of a recording's name used in its application ID.
 const MOST_LETTERS: usize = 100;
 
 /// The store of a recording. To a viewer, which keeps one layout for each application, recordings of different names are

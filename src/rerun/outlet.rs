@@ -1,4 +1,4 @@
-//! The destinations of the chunks of a recording: a file, to a viewer, or to both.
+//! The destinations of the chunks of a recording: a file, a viewer, or both.
 //!
 //! They are independent. Viewer failures become warnings; a file error is returned by [`Outlet::finish`].
 

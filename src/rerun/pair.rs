@@ -9,7 +9,7 @@ use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
 use rerun::StoreId;
 
-/// The names of a recording of two runs, and what is known of each.
+/// The names of a recording of two runs, and the metadata of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairIdentity {
     /// Identifier: a viewer merges recordings that have the same.

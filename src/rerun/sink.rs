@@ -18,7 +18,7 @@ pub struct Stream<C> {
 
 /// The content of a recording.
 pub trait Content {
-    /// Adds what follows from the whole, up to the time of the last message, and sends all rows that wait.
+    /// Adds content derived from the whole run, up to the last message, and sends all pending rows.
     fn finish(&mut self, end_ns: u64, outlet: &mut Outlet);
 }
 
@@ -52,7 +52,7 @@ impl<C: Content> Stream<C> {
 
     /// Sends all that is left and completes the file with its footer.
     ///
-    /// Gives back the warnings that were not taken yet. An unresponsive viewer is disconnected after a few seconds.
+    /// Returns pending warnings. An unresponsive viewer is disconnected after a few seconds.
     ///
     /// # Errors
     /// The first [`RerunError`]; the file then holds what was written before.

@@ -28,7 +28,7 @@ struct Rows<R> {
 }
 
 impl<R: 'static> Track<R> {
-    /// A track without rows, of which `columns` makes components.
+    /// An empty track; `columns` creates its components.
     pub(super) fn new(
         entity: impl Into<EntityPath>,
         columns: impl Fn(&[R]) -> Columns + 'static,

@@ -1,4 +1,4 @@
-//! The architecture, as ARCHITECTURE.md tells it: rooms that only look down, and files that form no circles.
+//! The architecture described in ARCHITECTURE.md: modules depend only on lower modules, and files have no cycles.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use toprise::telemetry::channels;
 
-/// The rooms from the bottom up: each may use those before it. `analysis`, `sweep` and `rerun` don't know each other.
+/// The modules from the bottom up: each may use those before it. `analysis`, `sweep` and `rerun` are independent.
 const ROOMS: &[&[&str]] = &[
     &["physics"],
     &["run"],

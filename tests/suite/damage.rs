@@ -1,4 +1,4 @@
-//! Recordings that were damaged: nothing goes unnoticed, nothing panics, and the run can be run again.
+//! Damaged recordings: all damage is detected, nothing panics, and the run can be repeated.
 
 use crate::fuzz_corpus::steps::analyses;
 use crate::support::{archive, is_noticed, run_again, scenario, verified};

@@ -209,8 +209,8 @@ fn the_page_of_keys_is_that_of_the_table() {
 const KEYS_HEAD: &str = "\
 # Keys of a scenario
 
-A scenario is a TOML file: `toprise presets paper > mine.toml`. Its keys stand in sections; `friction.k` is `k` in
-`[friction]`. On the command line it is `--set friction.k=0.02`, and an empty value removes a key. Editors that know
+A scenario is a TOML file: `toprise presets paper > mine.toml`. Keys are grouped in sections: `friction.k` is `k` in
+`[friction]`. On the command line it is `--set friction.k=0.02`, and an empty value removes a key. Editors that use
 [`schemas/scenario.json`](../schemas/scenario.json) complete and check the keys: begin the file with
 `#:schema PATH/schemas/scenario.json`.
 

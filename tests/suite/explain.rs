@@ -260,7 +260,7 @@ fn a_drop_is_one_flight_with_impacts() {
     let explanation = explain(&scenario("drop", &[])).unwrap();
     let sentences: Vec<String> = facts(&explanation).map(Fact::sentence).collect();
     for sentence in [
-        "The peg leaves the table once, at 0.0000 s.",
+        "The peg is in the air once, from 0.0000 s.",
         "The peg hits the table 21 times; the impacts dissipate 0.01049 J.",
     ] {
         assert!(sentences.contains(&sentence.to_owned()), "{sentences:#?}");
@@ -273,7 +273,7 @@ fn a_drop_is_one_flight_with_impacts() {
     );
 }
 
-/// An impact behind the last sample is told, with what it took; of the energies only what samples have.
+/// An impact after the last sample is reported with its energy loss; the energies include samples only.
 #[test]
 fn what_happens_behind_the_last_sample_is_not_denied() {
     let scenario = scenario("drop", &[("stop.duration", "0.0318")]);

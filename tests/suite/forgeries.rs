@@ -1,5 +1,5 @@
-//! What a forger may try who recomputes every checksum, index, count and digest: nothing that a person or a viewer reads
-//! gets past `verify` but the name and the description of the scenario. Who packs the same content otherwise is no forger.
+//! Forgeries with recomputed checksums, indexes and digests: `verify` detects any change in what people or viewers
+//! read, except the name and description of the scenario. Repacking the same content is not a forgery.
 
 use crate::support::{archive, scenario, verified};
 use mcap::records::{Record as Parsed, op};
@@ -17,7 +17,7 @@ use toprise::telemetry::views::{ViewChannel, view_channels};
 
 type Texts = Vec<(String, String)>;
 
-/// A record of an MCAP file, with everything that a forger can choose.
+/// A record of an MCAP file, with all fields that a forgery can change.
 #[derive(Clone, Debug)]
 enum Record {
     Metadata(String, Texts),

@@ -352,7 +352,7 @@ fn compare_state(motion: &Motion, truth: &Value, model: &Model, part: f64) {
     }
 }
 
-/// Runs a scenario of the reference and compares everything that it tells of that run.
+/// Runs a scenario of the reference and compares all values listed for that run.
 fn validate(name: &str) {
     let reference = reference();
     let truth = &reference["runs"][name];
@@ -601,7 +601,7 @@ fn events_are_those_of_the_motion_where_phases_change() {
     }
 }
 
-/// Started at the slow root, a top that rolls precesses without nodding; at that of a top whose peg slides, it nods.
+/// Started at the slow root for rolling, a rolling top precesses without nutation; at the root for sliding, it nutates.
 #[test]
 fn val_a_rolling_top_precesses_regularly_at_its_root() {
     let run = |phi_dot: f64| {
@@ -747,7 +747,7 @@ fn slip_that_comes_back_to_rest_ends() {
     }
 }
 
-/// A peg at rest that friction is too weak to hold by rounding only, and can hold a moment later. It stalled.
+/// A peg at rest that only rounding prevents friction from holding, until a moment later. The run used to stall.
 #[test]
 fn a_peg_that_is_almost_held_rolls() {
     let keys = [

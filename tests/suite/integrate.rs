@@ -644,7 +644,7 @@ fn sliding_top(speed: &str) -> (EulerAngles, [f64; EulerAngles::STATE_LENGTH]) {
     (EulerAngles::new(scenario.model), state)
 }
 
-/// Ten tolerances are promised by an estimate that is at most 2.64 times smaller than the error in what is tried here.
+/// The documented bound is ten tolerances; in these cases, the estimate is at most 2.64 times smaller than the error.
 const DENSE_BOUND: f64 = 10.0 * 2.64;
 
 #[test]

@@ -23,7 +23,7 @@ use toprise::telemetry::{Message, Numbers, Topic, channels};
 
 const EPS: f64 = f64::EPSILON;
 /// The integrator takes at most this many steps per radian of the fastest rate, where friction needs no shorter ones.
-/// The end record tells how many they were.
+/// The end record contains their number.
 const STEPS_PER_RADIAN: f64 = 5.0;
 /// One component may err by this many tolerances: the error norm is the mean over at most seven components, √7 < 3.
 const PER_COMPONENT: f64 = 3.0;
@@ -362,7 +362,7 @@ fn laws(scenario: &Scenario) -> Vec<PhysicalLaw> {
     laws
 }
 
-/// Friction gives no energy. Torques that mix directions, like those of the air, do so up to rounding.
+/// Friction never adds energy, up to rounding for torques that mix directions, such as air drag.
 fn only_takes(scenario: &Scenario) -> PhysicalLaw {
     let Model { top, friction, .. } = scenario.model;
     law("friction only takes", "W", move |now, _| {
@@ -562,7 +562,7 @@ fn energies_and_momenta() -> PhysicalLaw {
     })
 }
 
-/// The slow root solves (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0. The rounding of cos θ is one of 1, not of itself.
+/// The slow root solves (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0. cos θ is rounded relative to 1.
 fn regular_precession(scenario: &Scenario) -> PhysicalLaw {
     let top = scenario.model.nutating_top();
     law("regular precession", "of the terms", move |now, _| {
@@ -589,7 +589,7 @@ fn regular_precession_of_free_peg(scenario: &Scenario) -> PhysicalLaw {
     })
 }
 
-/// What remains of ((I_x − I_z) cos θ + a) φ̇² − (I_z + b) ψ̇ φ̇ + M g l at the slow root, as a part of its terms.
+/// Residual of ((I_x − I_z) cos θ + a) φ̇² − (I_z + b) ψ̇ φ̇ + M g l at the slow root, relative to its terms.
 fn regular_excess(top: &Top, [a, b]: [f64; 2], now: &Instant<'_>) -> f64 {
     let root = precession::SLOW_ROOT.of(now);
     let cos = math::cos(state::THETA.of(now));

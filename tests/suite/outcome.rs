@@ -192,7 +192,7 @@ fn events_are_counted() {
     assert_eq!(outcome.tally.first(EventKind::WeakTop), None);
 }
 
-/// The columns are told in the document as the table has them.
+/// The documented columns match the table.
 #[test]
 fn the_columns_are_documented() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/sweep.md");

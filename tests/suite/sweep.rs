@@ -822,7 +822,7 @@ fn regress_a_damaged_table_is_not_done() {
         damaged[place] ^= 1 << (place % 8);
         fs::write(&table, &damaged).unwrap();
         assert!(go().is_err(), "a flipped bit at {place}");
-        // Only the user knows whether it was changed on purpose.
+        // It may have been changed on purpose.
         assert!(fs::read(&table).unwrap() == damaged);
     }
     let mut damaged = sound.clone();
@@ -956,7 +956,7 @@ fn what_comes_late_is_cleared_away() {
     // While its first row is done, another process does everything.
     let finished = run(&sweep, &table, &late, &watch).unwrap();
     assert!(finished.is_merged, "{finished:?}");
-    // What it computed is told, though it was not needed.
+    // The computed rows are reported, although they were not needed.
     assert_eq!(finished.computed, 1000);
     assert!(!parts_directory(&table).exists());
     // So is what a process left that was killed while it cleared.

@@ -99,10 +99,10 @@ pub const CAMPAIGNS: &[Campaign] = &[
     },
 ];
 
-/// Failures of a campaign that are told; the others are counted.
+/// Maximum number of reported failures of a campaign; the others are only counted.
 const TOLD: usize = 10;
 
-/// Runs what is asked for; tells whether everything held.
+/// Runs the requested campaigns. Returns whether all cases passed.
 pub fn run(arguments: &Arguments, campaigns: &[Campaign]) -> bool {
     let mut held = true;
     for wanted in &arguments.campaigns {
@@ -113,7 +113,7 @@ pub fn run(arguments: &Arguments, campaigns: &[Campaign]) -> bool {
         }
     }
     println!("seed {}", arguments.seed);
-    // What panics is told with its case.
+    // A panic is reported with its case.
     set_hook(Box::new(|_| {}));
     for campaign in campaigns {
         if let Some(count) = arguments.count_of(campaign) {

@@ -130,7 +130,7 @@ fn check(room: &Path, is_recorded: bool, whole: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Models that QEMU knows.
+/// Models that QEMU supports.
 const MODELS: [&str; 5] = ["max", "qemu64", "Nehalem", "Haswell", "EPYC"];
 
 /// How many processors are emulated.

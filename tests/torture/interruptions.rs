@@ -230,7 +230,7 @@ fn ask(program: &Child, random: &mut Random) -> &'static str {
     signal
 }
 
-/// Whether this process, and so what it starts, ignores Ctrl-C, as far as the system tells.
+/// Whether this process and its children ignore Ctrl-C, if the system reports it.
 fn is_ctrl_c_ignored() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

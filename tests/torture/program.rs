@@ -66,7 +66,7 @@ pub fn wait(mut child: Child, limit: Duration) -> Result<Ended, String> {
     }
 }
 
-/// The greatest memory that a process has had, where the system tells.
+/// The peak memory use of a process, if the system reports it.
 fn memory_of(child: &Child) -> u64 {
     let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

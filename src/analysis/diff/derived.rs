@@ -18,7 +18,7 @@ pub(super) struct Derived {
 /// Kinds of derived differences, with their source columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum DerivedKind {
-    /// The angle between two directions in a plane: whole turns don't count.
+    /// The angle between two directions in a plane, ignoring whole turns.
     Direction(usize),
     /// The angle between two orientations (x, y, z, w).
     Orientation([usize; 4]),

@@ -128,7 +128,7 @@ impl Residuals {
         })
     }
 
-    /// Takes in a message of A.
+    /// Adds a message of A.
     pub(super) fn take(&mut self, message: &Message<'_>) {
         let is_free = self.models[0].support.is_free();
         match message.topic() {

@@ -9,7 +9,7 @@ pub enum DiffError {
     /// An invalid tolerance.
     #[error("tolerance {text:?}: {reason}")]
     Tolerance {
-        /// The tolerance as it was written.
+        /// The tolerance argument.
         text: String,
         /// The reason.
         reason: String,
@@ -54,7 +54,7 @@ pub enum DiffError {
         /// The run, A or B.
         side: &'static str,
     },
-    /// An observer could not write what it was shown.
+    /// An observer could not write a message or difference.
     #[error(transparent)]
     Sink(#[from] SinkError),
 }

@@ -91,7 +91,7 @@ impl FieldTally {
         self.found.beyond == 0
     }
 
-    /// The differences; `floor` are the integrators' errors.
+    /// The differences; `floor` contains the integration errors.
     pub(super) fn report(&self, field: &str, unit: &str, floor: Option<f64>) -> FieldDifference {
         let found = &self.found;
         let errors = floor.map(|f| UNDERESTIMATED * f + ROUNDINGS * f64::EPSILON * found.scale);
@@ -114,7 +114,7 @@ pub(super) struct Moments {
 }
 
 impl Moments {
-    /// Takes in a finite number.
+    /// Adds a finite number.
     #[inline]
     pub(super) fn add(&mut self, number: f64) {
         self.squares += number * number;

@@ -228,7 +228,7 @@ fn event_summaries(evidence: &Evidence<'_>) -> Vec<Finding> {
     let loops = count(EventKind::LoopingBegins);
     if !is_tippe && loops != [Some(0.0); 2] {
         let first = time(EventKind::LoopingBegins);
-        found.push(Finding::new("first loops", "s", first).computed_within(errors));
+        found.push(Finding::new("first loop", "s", first).computed_within(errors));
         found.push(Finding::new("loops", "", loops));
     }
     for (kind, what) in FIRST_EVENTS {
@@ -285,7 +285,7 @@ fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
         let last = runs[0].history.cycles.last();
         let of_start = evidence.error_of(nutation::START).zip(last);
         let ahead = Finding {
-            what: format!("nutation phase lead at {}", moment(phase.at)),
+            what: format!("nutation phase lead in cycles at {}", moment(phase.at)),
             difference: Some(phase.ahead),
             ..Finding::default()
         };

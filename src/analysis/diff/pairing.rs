@@ -126,7 +126,7 @@ fn read(run: Subject<'_>, send: &dyn Fn(Parcel) -> bool) {
     }
 }
 
-/// A comparison under way.
+/// A comparison in progress.
 struct Pairing<'o> {
     observer: &'o mut dyn Observer,
     paired: Paired,
@@ -175,7 +175,7 @@ impl<'o> Pairing<'o> {
         }
     }
 
-    /// Takes everything that comes, always from the run that is behind.
+    /// Receives all messages, always from the run that is behind.
     fn take_all(&mut self, incoming: &[Receiver<Parcel>; 2]) -> Result<(), DiffError> {
         while let Some(side) = self.behind() {
             match incoming[side.index()].recv() {

@@ -40,9 +40,9 @@ pub struct Report {
     pub others: Vec<TopicBytes>,
     /// The differences of the averaged motions; absent without nutations in common.
     pub averaged: Option<Averaged>,
-    /// B's model at the states that A goes through; absent without both scenarios and `/top/state` of A.
+    /// B's model evaluated at the states of A; requires both scenarios and `/top/state` of A.
     pub discrepancy: Option<Discrepancy>,
-    /// The integrators' errors; absent if they were not asked for or can't be computed.
+    /// The integration errors; absent if not requested or not computable.
     pub floor: Option<Floor>,
     /// Notes on this comparison.
     pub notes: Vec<String>,
@@ -94,7 +94,7 @@ pub struct ComparedRun {
     pub last: f64,
     /// Parts that could not be read.
     pub losses: Vec<String>,
-    /// A summary of the run; absent for files of others.
+    /// A summary of the run; absent for foreign files.
     pub summary: Option<RunSummary>,
 }
 
@@ -158,7 +158,7 @@ impl Report {
         }
     }
 
-    /// The report of two files, not both of which are toprise's.
+    /// The report of two files, at least one of which is not a toprise recording.
     pub(super) fn of_files(
         runs: [Subject<'_>; 2],
         others: Vec<TopicBytes>,

@@ -112,7 +112,7 @@ impl Tolerances {
     /// Whether each pattern matches one of the fields or topics.
     ///
     /// # Errors
-    /// [`DiffError::UnknownField`] with the first that doesn't, and the names most like it.
+    /// [`DiffError::UnknownField`] with the first pattern that doesn't, and similar names.
     pub(super) fn match_any_of(&self, fields: &[String]) -> Result<(), DiffError> {
         let is_idle = |pattern: &&String| !fields.iter().any(|field| matches(pattern, field));
         let of_fields = self.fields.iter().map(|(pattern, _)| pattern);
@@ -178,7 +178,7 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// All topics, bit for bit, with the integrators' errors.
+    /// All topics, bit for bit, with integration errors.
     fn default() -> Self {
         Self {
             tolerances: Tolerances::default(),

@@ -127,7 +127,7 @@ impl TopicTally {
         self.found.messages[side.index()] += 1;
     }
 
-    /// Counts a message without a partner.
+    /// Counts an unmatched message.
     pub(super) fn leave_alone(
         &mut self,
         side: Side,
@@ -186,7 +186,7 @@ impl TopicTally {
         self.note_texts(a, b);
     }
 
-    /// Notes the first texts that differ.
+    /// Records the first texts that differ.
     fn note_texts(&mut self, a: &Message<'_>, b: &Message<'_>) {
         if let Some((x, y)) = a.texts.iter().zip(b.texts).find(|(x, y)| x != y) {
             self.found.first.get_or_insert_with(|| FirstDifference {
@@ -235,7 +235,7 @@ impl TopicTally {
         fields.map(|field| (field.number.to_string(), field.tally.found.largest.abs()))
     }
 
-    /// The comparison; `floor` gives the integrators' errors of fields.
+    /// The comparison; `floor` returns the integration error of a field.
     pub(super) fn report(&self, floor: &impl Fn(&str) -> Option<f64>) -> ChannelDifference {
         let own = self.fields.iter().filter(|field| !field.is_ignored);
         let own = own.map(|field| {

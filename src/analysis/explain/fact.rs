@@ -98,7 +98,7 @@ pub enum Fact {
         /// The largest difference, rad/s.
         within: f64,
     },
-    /// Averaged over nutations, φ̇ keeps to neither rate of regular precession.
+    /// Averaged over nutations, φ̇ follows neither rate of regular precession.
     FollowsNoRoot,
     /// There are no real rates of regular precession at the start.
     NoRoots,
@@ -118,7 +118,7 @@ pub enum Fact {
         /// The mean θ̇, rad/s.
         mean: f64,
     },
-    /// The model leaves out a part of friction.
+    /// The model omits a component of the friction torque.
     ModelPart {
         /// The value of `friction.dissipation`.
         dissipation: String,
@@ -213,7 +213,7 @@ impl Fact {
             }
             Self::Sticks { time } => format!("The contact point stops slipping at {}.", at(time)),
             Self::Hops { count: 1, first } => {
-                format!("The peg leaves the table once, at {}.", at(first))
+                format!("The peg is in the air once, from {}.", at(first))
             }
             Self::Hops { count, first } => {
                 format!("The peg hops {}, first at {}.", times(*count), at(first))

@@ -101,7 +101,7 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     facts
 }
 
-/// The change of energy, and how well the work of friction accounts for it.
+/// The change of energy and its agreement with the work of friction.
 pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
     let summary = &evidence.summary;
     let energies = &evidence.history.energies;

@@ -7,8 +7,8 @@ use crate::telemetry::fields::{NUTATION, NumberField, POSE, acceleration, nutati
 use crate::telemetry::{Message, Topic};
 use std::collections::VecDeque;
 
-/// The number of nutations over which means are formed where a nutation has too few samples: what the integral errs by at
-/// both ends, some hundredths of the ripple, is divided by them.
+/// Number of nutations averaged together where a nutation has too few samples. It divides the error of the integral at
+/// both ends, a few hundredths of the ripple.
 const TOGETHER: u32 = 50;
 
 /// Numbers whose integrals since the start are recorded too.
@@ -27,13 +27,13 @@ const INTEGRATED: [[NumberField; 2]; 3] = [
     ],
 ];
 
-/// Numbers of a channel over time, and the means of some of them over each nutation, formed while samples and nutations
-/// come.
+/// Numbers of a channel over time, and means of some of them over each nutation, computed as samples and nutations
+/// arrive.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Channel {
     pub(super) topic: Topic,
     fields: Vec<NumberField>,
-    /// The columns of which means are formed. Their integrals since the start stand in further columns.
+    /// Columns to average. Their integrals since the start are in further columns.
     averaged: Vec<usize>,
     pub(super) rows: Rows,
     /// Nutations that end after the last sample: from and to, s.
@@ -102,7 +102,7 @@ impl Channel {
         self.close(|end| end < time);
     }
 
-    /// Forms the means that still can be formed when no more samples come.
+    /// Computes the remaining means after the last sample.
     pub(super) fn finish(&mut self) {
         if let Some((last, _)) = self.rows.last(0) {
             self.close(|end| end <= last);
@@ -112,7 +112,7 @@ impl Channel {
         }
     }
 
-    /// Forms the means of the nutations that have ended.
+    /// Computes the means of the completed nutations.
     fn close(&mut self, has_ended: impl Fn(f64) -> bool) {
         while let Some((from, to)) = self.waiting.pop_front_if(|(_, to)| has_ended(*to)) {
             let (from, to, count) = match self.group.take() {
@@ -130,7 +130,7 @@ impl Channel {
         }
     }
 
-    /// Forms the means from one time to another.
+    /// Computes the means over a time interval.
     fn mean(&mut self, from: f64, to: f64) {
         let mean =
             |index| Some((self.integral(index, to)? - self.integral(index, from)?) / (to - from));
@@ -171,7 +171,7 @@ impl Channel {
         (!is_there).then(|| field.to_string())
     }
 
-    /// A number over time. Where samples are missing there is a point that is not a number.
+    /// A number over time. Missing samples are NaN points.
     pub(super) fn series(&self, field: NumberField) -> Vec<Point> {
         let column = self.fields.iter().position(|known| *known == field);
         column.map_or_else(Vec::new, |column| self.rows.points(column).collect())
@@ -191,7 +191,7 @@ mod tests {
 
     const FIELD: NumberField = acceleration::PHI_DDOT_CORIOLIS;
 
-    /// A channel of a number of which means are formed over some nutations.
+    /// A channel with one number, averaged over some nutations.
     fn channel(nutations: impl IntoIterator<Item = (f64, f64)>) -> Channel {
         let mut channel = Channel::new(FIELD.topic(), vec![FIELD], &[FIELD]);
         channel.waiting.extend(nutations);
@@ -267,7 +267,7 @@ mod tests {
         let mut channel = channel(nutations.map(|start| (start, start + 2.5)));
         let middle = |step: u32| 1.0 + f64::from(step / 40);
         for step in 0..=count {
-            // A wave about steps in the middle of which each nutation begins.
+            // A wave around a staircase; each nutation begins in the middle of a step.
             let wave = 1e3
                 * crate::physics::math::sin_cos(
                     0.8 * std::f64::consts::PI * f64::from(step) / 16.0,

@@ -15,7 +15,7 @@ use crate::analysis::plot::shape::{Bounds, Stroke};
 use crate::analysis::plot::style::{LINE, MARGIN, TWO_COLUMNS};
 use crate::analysis::plot::text::Text;
 
-/// The greatest height of the sphere, as a part of its width.
+/// The maximum height of the sphere, relative to its width.
 const TALLEST: f64 = 0.8;
 
 /// The distance between the parts of the figure, mm.
@@ -86,9 +86,9 @@ struct Square<'a> {
     traces: Vec<&'a Trace>,
     /// The range of x and of y.
     ranges: [(f64, f64); 2],
-    /// From when on the paths are drawn.
+    /// Time from which the paths are drawn.
     from: fn(&Trace) -> usize,
-    /// The run that is alone in it, of several.
+    /// The only run shown, if there are several runs.
     only: Option<Stroke>,
 }
 
@@ -121,7 +121,7 @@ fn squares<'a>(drawn: &[&'a Trace], traces: &'a [Trace]) -> Vec<Square<'a>> {
     std::iter::once(whole).chain(alone).collect()
 }
 
-/// The ends of several paths are magnified together if they take at most this multiple of the room of the smallest.
+/// The ends of several paths are magnified together if they need at most this multiple of the space of the smallest.
 const MAGNIFIED_TOGETHER: f64 = 4.0;
 
 /// The distance from the letter of a square to the key of its run, mm.

@@ -11,7 +11,7 @@ use crate::analysis::plot::text::Text;
 /// The colour of shaded regions.
 pub(super) const SHADE: Colour = Colour(0xf4, 0xee, 0xd6);
 
-/// The colour that stands in legends for the motions of several runs.
+/// The legend colour for the motions of several runs.
 pub(super) const PALE: Colour = Colour(0xc8, 0xc8, 0xc8);
 
 /// The colour of the unit sphere.

@@ -10,7 +10,7 @@ use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
 use crate::telemetry::{Topic, Topics};
 use std::ops::ControlFlow;
 
-/// The longest time between two nutations that is rounding, as a part of the period.
+/// Largest gap between two nutations attributed to rounding, relative to the period.
 const GAP: f64 = 0.01;
 
 /// The numbers of a run that some figures need, from a recording or a simulation.
@@ -140,7 +140,7 @@ impl Run {
         is_recorded.then_some(envelope)
     }
 
-    /// The least number of samples in a nutation, if it is too small to show the envelope.
+    /// The minimum number of samples per nutation, if too small to show the envelope.
     pub(super) fn coarseness(&self) -> Option<f64> {
         let channels = self.channels.iter();
         let sampled = channels.filter(|channel| channel.topic != NUTATION);

@@ -18,7 +18,7 @@ const SHORTENING: f64 = 8.0;
 /// A sampling period longer than any run, ns.
 const NEVER: u64 = i64::MAX.unsigned_abs();
 
-/// The run with samples that are close enough together to draw it: they are read off the dense output and don't change
+/// The run with a sampling period short enough to draw it. Samples come from the dense output and don't change
 /// the motion.
 pub(super) fn finely_sampled(scenario: &Scenario) -> Scenario {
     let period = scenario.sample_period_ns;

@@ -82,7 +82,7 @@ fn averages(panel: &mut Panel, runs: &[&Run], field: NumberField, mean: NumberFi
     curves(panel, runs, &meaning, points, stroke);
 }
 
-/// The averages of a quantity that oscillates so fast that it fills a band.
+/// The averages of a quantity whose fast oscillation fills a band.
 fn averages_of_band(run: &Run, field: NumberField) -> Option<Vec<Point>> {
     let (points, averages) = (run.series(field), run.means(field));
     let (low, high) = extremes(points.iter().map(|point| point.1));
@@ -96,7 +96,7 @@ fn climb(points: &[Point]) -> f64 {
     steps.filter(|step| step.is_finite()).sum()
 }
 
-/// Whether these points make a line.
+/// Whether these points form a line.
 fn is_line(points: &[Point]) -> bool {
     let finite = points.iter().filter(|point| point.1.is_finite());
     finite.take(2).count() == 2

@@ -13,7 +13,7 @@ use crate::telemetry::fields::contact;
 /// The greatest side of the square, mm.
 const LARGEST: f64 = 110.0;
 
-/// The air around the track, as a part of its extent.
+/// The padding around the track, relative to its extent.
 const AIR: f64 = 0.05;
 
 /// Horizontal places, as on axes.
@@ -81,7 +81,7 @@ const REGIMES: [Regime; 3] = [
     ("in the air", VERMILION),
 ];
 
-/// The parts of a track in which the peg does one thing; `None` if that is not known.
+/// The parts of a track, each with one contact regime; `None` if the regimes are unknown.
 fn regimes(track: &[(Point, f64)]) -> Vec<(Regime, Vec<Point>)> {
     let known = track.iter().filter(|(_, regime)| regime.is_finite());
     let known: Vec<_> = known.collect();
@@ -101,7 +101,7 @@ fn regimes(track: &[(Point, f64)]) -> Vec<(Regime, Vec<Point>)> {
     parts.collect()
 }
 
-/// The places of a run's contact point that are known, with its regime: not a number where it is not recorded.
+/// The recorded positions of a run's contact point, with its regime (NaN if not recorded).
 fn places(run: &Run) -> Vec<(Point, f64)> {
     let point = contact::CONTACT_POINT;
     let fields = [point.x(), point.y(), contact::REGIME];
@@ -111,7 +111,7 @@ fn places(run: &Run) -> Vec<(Point, f64)> {
     places.filter(is_known).collect()
 }
 
-/// The ranges of x and y, of one size, with some air around the tracks.
+/// The ranges of x and y, of equal size, with padding around the tracks.
 fn ranges(tracks: &[Vec<(Point, f64)>]) -> [(f64, f64); 2] {
     let places = tracks.iter().flatten().map(|(place, _)| place);
     let x = extremes(places.clone().map(|place| place.0));

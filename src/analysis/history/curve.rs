@@ -1,4 +1,4 @@
-//! Curves through points, and what is computed from them.
+//! Interpolated curves.
 
 use crate::physics::integrate::zero;
 
@@ -98,14 +98,14 @@ pub(crate) fn lagrange(points: &[f64], x: f64) -> impl Iterator<Item = f64> + '_
     (0..points.len()).map(weight)
 }
 
-/// The cubic through two points `h` apart with given slopes, at the part `s` of the way between.
+/// The cubic through two points `h` apart with given slopes, at the fraction `s` of the interval.
 pub(crate) fn hermite3([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64, s: f64) -> f64 {
     let r = 1.0 - s;
     y0 + s * s * (3.0 - 2.0 * s) * (y1 - y0) + h * s * r * (r * d0 - s * d1)
 }
 
-/// The polynomial of fifth degree through two points `h` apart with given first and second derivatives, at the part
-/// `s` of the way between.
+/// The quintic through two points `h` apart with given first and second derivatives, at the
+/// fraction `s` of the interval.
 pub(crate) fn hermite5([y0, d0, c0]: [f64; 3], [y1, d1, c1]: [f64; 3], h: f64, s: f64) -> f64 {
     let r = 1.0 - s;
     let step = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);

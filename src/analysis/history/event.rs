@@ -2,7 +2,7 @@
 
 use crate::run::simulation::EventKind;
 
-/// Something that happened.
+/// An event.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Event {
     /// Its kind; `None` for a name of another version.

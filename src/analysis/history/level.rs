@@ -13,10 +13,10 @@ use crate::telemetry::fields::{EVENTS, STATE, events, state};
 /// 1e-16 s, in which θ changes by far less than this.
 const SAME_LEVEL: f64 = 1e-9;
 
-/// The first crossing of a level.
+/// Finds the first crossing of a level.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FirstCrossing {
-    /// The level, rad; `None` if none is looked for.
+    /// The level, rad; `None` to skip the search.
     level: Option<f64>,
     time: Option<f64>,
     /// The last sample: its time (s), θ, θ̇ and θ̈.
@@ -37,7 +37,7 @@ impl FirstCrossing {
         self.time
     }
 
-    /// Takes a message: a state, or the end of the run at the level, which lies behind the last sample.
+    /// Adds a message: a state, or the end of the run at the level, after the last sample.
     pub(super) fn take(&mut self, message: &Message<'_>) {
         let Some(level) = self.level.filter(|_| self.time.is_none()) else {
             return;
@@ -69,8 +69,8 @@ impl FirstCrossing {
     }
 }
 
-/// The part of the way between two samples, `h` apart, at which a positive quantity with its first two derivatives
-/// first is 0, if it is.
+/// The fraction of the interval `h` between two samples at which a positive quantity with known first two derivatives
+/// first reaches 0, if it does.
 fn first_zero(from: [f64; 3], to: [f64; 3], h: f64) -> Option<f64> {
     if from[0] <= 0.0 {
         return None;

@@ -1,4 +1,4 @@
-//! The phases of a free peg: sliding, rolling and flight, impacts, and the energy that each took.
+//! The phases of a free peg (sliding, rolling, flight), its impacts, and the energy dissipated in each.
 
 use super::event::{Constancy, Event};
 use crate::physics::dynamics::Model;
@@ -17,7 +17,7 @@ use serde::Serialize;
 pub enum PegPhase {
     /// It slides over the table.
     Sliding,
-    /// It rolls on it: the contact point does not slip.
+    /// It rolls: the contact point does not slip.
     Rolling,
     /// It is in the air, or touches the table in impacts only.
     Flying,
@@ -62,7 +62,7 @@ pub(crate) struct PegHistory {
     jellett: Option<Constancy>,
     /// The largest sum of the magnitudes of its terms, |l L_n| + |R L_z′|, kg m³/s, which may cancel.
     jellett_terms: f64,
-    /// Energy taken by sliding, other losses, restitution and friction in impacts, J.
+    /// Energy dissipated by sliding, other losses, restitution and friction in impacts, J.
     lost: Option<[f64; 4]>,
     /// The contact point in the first sample, and the largest distance from there, m.
     travelled: Option<([f64; 2], f64)>,
@@ -214,7 +214,7 @@ impl PegHistory {
     }
 }
 
-/// A summary of what a free peg did. What follows from events is absent in recordings without them.
+/// A summary of the motion of a free peg. Values derived from events are absent in recordings without events.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PegSummary {
     /// Number of flights, from lift-off to landing; bounces in between don't count.
@@ -223,7 +223,7 @@ pub struct PegSummary {
     pub impacts: Option<u64>,
     /// The energy that these took, J.
     pub impact_loss: Option<f64>,
-    /// Time at which the peg was first in the air, s; 0 if the run begins so.
+    /// Time at which the peg was first in the air, s; 0 if the run starts in the air.
     pub first_flight: Option<f64>,
     /// Time in the air, impacts between bounces included, s.
     pub time_in_air: Option<f64>,
@@ -233,16 +233,16 @@ pub struct PegSummary {
     pub first_roll: Option<f64>,
     /// Time in which the peg rolled, s.
     pub time_rolling: Option<f64>,
-    /// From when on the peg rolled to the end of the run, s; absent if it did something else then.
+    /// Start of rolling that lasts to the end of the run, s; absent if the peg does not roll at the end.
     pub rolls_to_end_from: Option<f64>,
     /// Inclination θ at that moment, rad.
     pub rolls_to_end_at: Option<f64>,
-    /// Energy that sliding, other losses, restitution and friction in impacts took, J.
+    /// Energy dissipated by sliding, other losses, restitution and friction in impacts, J.
     pub lost: Option<[f64; 4]>,
-    /// Jellett's integral at first, kg m³/s.
+    /// Jellett's integral at the start, kg m³/s.
     pub jellett: Option<f64>,
     /// The largest deviation of Jellett's integral, relative to the sum of its terms.
     pub jellett_deviation: Option<f64>,
-    /// The largest distance of the contact point from where it began, in samples, m.
+    /// The largest distance of the contact point from its start among the samples, m.
     pub farthest: Option<f64>,
 }

@@ -41,7 +41,7 @@ where
     kept
 }
 
-/// Leaves out points that lie nearer than `distance` to the last one that is kept; the last of all stays.
+/// Omits points closer than `distance` to the last kept point; the final point is kept.
 pub(crate) fn by_distance(points: &[Point], distance: f64) -> Vec<Point> {
     let mut kept: Vec<Point> = Vec::new();
     for (index, point) in points.iter().enumerate() {

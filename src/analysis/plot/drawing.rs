@@ -11,13 +11,13 @@ pub(crate) struct Group {
     pub(crate) shapes: Vec<Shape>,
 }
 
-/// A black text of size [`FONT`] at a place of a drawing.
+/// Black text of size [`FONT`] at a position in a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Label {
     pub(crate) text: Text,
     /// The start of the baseline.
     pub(crate) origin: Point,
-    /// Whether the text runs upwards.
+    /// Whether the text is rotated to read upwards.
     pub(crate) is_upward: bool,
 }
 

@@ -16,7 +16,7 @@ const MINOR_TICK: f64 = 0.6;
 /// The distance from a frame to the numbers at its ticks, and from these to the label of the axis, mm.
 const GAP: f64 = 1.0;
 
-/// The room that a number at a tick needs along its axis, mm.
+/// The space needed along the axis by a number at a tick, mm.
 const TICK_ROOM_ACROSS: f64 = 11.0;
 const TICK_ROOM_UP: f64 = 6.5;
 
@@ -72,7 +72,7 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// The place at which a point of the data is drawn.
+    /// The position in the drawing of a data point.
     pub(crate) fn place(&self, (x, y): Point) -> Point {
         let Bounds { left, bottom, .. } = self.bounds;
         (
@@ -91,7 +91,7 @@ impl Frame {
             .collect()
     }
 
-    /// The shapes of a curve that may go anywhere.
+    /// The shapes of a curve whose points are in any order.
     pub(crate) fn path(&self, points: &[Point], stroke: Stroke) -> Vec<Shape> {
         let places: Vec<_> = points.iter().map(|point| self.place(*point)).collect();
         let places = decimate::by_distance(&places, 0.5 / RESOLUTION);
@@ -200,7 +200,7 @@ impl Frame {
         drawing.upward_label(text, left - 2.0 * GAP - width - ink, heights);
     }
 
-    /// Marks where curves go furthest beyond the upper and the lower end of the upright axis.
+    /// Marks where curves exceed the vertical axis the most, at its upper and lower end.
     pub(crate) fn draw_beyond(&self, drawing: &mut Drawing, curves: &[&[Point]]) {
         let points = curves.iter().copied().flatten();
         let finite = points.filter(|point| point.1.is_finite());
@@ -217,7 +217,7 @@ impl Frame {
         }
     }
 
-    /// Marks the upright axis as broken at its lower end.
+    /// Marks the vertical axis as broken at its lower end.
     pub(crate) fn draw_break(&self, drawing: &mut Drawing) {
         let bounds = self.bounds;
         let mark = |x: f64, y: f64| Shape::Line {
@@ -236,13 +236,13 @@ fn marks(scale: &Scale) -> impl Iterator<Item = (f64, f64)> {
     minor.chain(scale.ticks.iter().map(|tick| (tick.value, TICK)))
 }
 
-/// The room that numbers and the label of a quantity to the left of a frame take, mm.
+/// The width of numbers and axis label to the left of a frame, mm.
 pub(crate) fn room_left(scale: &Scale, quantity: &Quantity) -> f64 {
     let text = quantity.text(scale.exponent);
     2.0 * GAP + ticks_width(scale) + (text.above + text.below) * FONT
 }
 
-/// The width of the numbers at an upright axis, mm.
+/// The width of the numbers at a vertical axis, mm.
 pub(crate) fn ticks_width(scale: &Scale) -> f64 {
     let numbers = scale.ticks.iter().map(|tick| Text::plain(&tick.label));
     numbers
@@ -250,21 +250,21 @@ pub(crate) fn ticks_width(scale: &Scale) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The room that numbers and label below a frame take, mm.
+/// The height of numbers and axis label below a frame, mm.
 pub(crate) const ROOM_BELOW: f64 = GAP + 0.66 * FONT + LINE + 0.25 * FONT;
 
-/// The room to the right of a frame, where half a number may stick out, mm.
+/// The space to the right of a frame for half a number, mm.
 pub(crate) const ROOM_RIGHT: f64 = 2.2;
 
 /// The distance between the two parts of a broken axis, mm.
 pub(crate) const BREAK: f64 = 1.6;
 
-/// The most numbers that a horizontal axis of this length has.
+/// The maximum number of labelled ticks on a horizontal axis of this length.
 pub(crate) fn ticks_across(length: f64) -> usize {
     (length / TICK_ROOM_ACROSS) as usize
 }
 
-/// The most numbers that an upright axis of this length has.
+/// The maximum number of labelled ticks on a vertical axis of this length.
 pub(crate) fn ticks_up(length: f64) -> usize {
     (length / TICK_ROOM_UP) as usize
 }

@@ -1,4 +1,4 @@
-//! Legends: what the lines, areas and dots of a drawing stand for.
+//! Legends: the meanings of the lines, areas and dots of a drawing.
 
 use super::drawing::{Anchor, Drawing};
 use super::shape::{Bounds, Colour, Point, Shape, Stroke};
@@ -12,7 +12,7 @@ pub(crate) struct Entry {
     pub(crate) text: Text,
 }
 
-/// The sample that stands before the text of an entry.
+/// The symbol before the text of an entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Sample {
     Line(Stroke),
@@ -21,7 +21,7 @@ enum Sample {
     Dot(bool),
     /// The marks of curves that go beyond their axis.
     Marks,
-    /// Nothing: the text is a note.
+    /// No symbol: the text is a note.
     None,
 }
 
@@ -54,7 +54,7 @@ impl Entry {
         Self::new(Sample::Marks, Text::plain("beyond the axis"))
     }
 
-    /// A remark.
+    /// A note without a symbol.
     pub(crate) fn note(text: &str) -> Self {
         Self::new(Sample::None, Text::plain(text))
     }
@@ -69,7 +69,7 @@ impl Entry {
         self.indent() + self.text.width * FONT
     }
 
-    /// The width of what stands before the text, mm.
+    /// The width of the symbol before the text, mm.
     fn indent(&self) -> f64 {
         match self.sample {
             Sample::Line(_) | Sample::Area(_) => BROAD + Self::AFTER_SAMPLE,
@@ -138,7 +138,7 @@ pub(crate) fn lines(entries: &[Entry], width: f64) -> usize {
     wrapped(entries, width).len()
 }
 
-/// Draws a legend at the top of a drawing, and returns where the room below it begins, mm.
+/// Draws a legend at the top of a drawing and returns the position of its lower edge, mm.
 pub(crate) fn draw_at_top(drawing: &mut Drawing, entries: &[Entry]) -> f64 {
     let sides = (MARGIN, drawing.width - MARGIN);
     draw(drawing, entries, sides, MARGIN + 0.75 * FONT);

@@ -22,21 +22,21 @@ pub(crate) struct Panel {
     pub(crate) quantity: Quantity,
     /// Regions behind the curves, which may be larger than the panel.
     pub(crate) bands: Vec<Band>,
-    /// Regions in which curves move faster than can be drawn.
+    /// Regions in which curves oscillate too fast to be drawn.
     pub(crate) envelopes: Vec<Band>,
     /// The curves in the order of drawing.
     pub(crate) curves: Vec<Curve>,
     /// The legend above the panel.
     pub(crate) legend: Vec<Entry>,
-    /// The height as a part of the usual one.
+    /// The height relative to that of a normal panel.
     pub(crate) height: f64,
-    /// Whether the upright axis is broken and goes on in the next panel.
+    /// Whether the vertical axis is broken and continues in the next panel.
     pub(crate) is_broken: bool,
     /// Whether the quantity may diverge; brief spikes are clipped and marked.
     pub(crate) is_singular: bool,
-    /// The widest range for which there is room.
+    /// The widest range that the axis may show.
     pub(crate) most: (f64, f64),
-    /// The magnitude below which values are rounding, and drawn as zero is.
+    /// Values below this magnitude are rounding errors and are drawn as zero.
     pub(crate) rounding: f64,
 }
 
@@ -69,7 +69,7 @@ impl Panel {
         self.range() == range::NONE
     }
 
-    /// All lines whose values count.
+    /// All lines that determine the range.
     fn lines(&self) -> Vec<&[Point]> {
         let curves = self.curves.iter().map(|curve| &curve.points);
         let envelopes = self.envelopes.iter();
@@ -77,7 +77,7 @@ impl Panel {
         curves.chain(envelopes).map(Vec::as_slice).collect()
     }
 
-    /// The range of values for which there is room.
+    /// The range of values that the axis may show.
     pub(crate) fn range(&self) -> (f64, f64) {
         let of = |line: &[Point]| {
             if self.is_singular {
@@ -102,7 +102,7 @@ impl Panel {
         lowest < low - self.rounding || highest > high + self.rounding
     }
 
-    /// The scale of the upright axis: the range of the curves and some air.
+    /// The scale of the vertical axis: the range of the curves with padding.
     fn scale(&self, usual_height: f64) -> Scale {
         let (low, high) = self.range();
         let air = 0.06 * (high - low);
@@ -219,7 +219,7 @@ impl Page {
         lines.max().unwrap_or(0).max(letters) as f64 * LINE + 0.6
     }
 
-    /// Whether a panel goes on with the axis of the one before it.
+    /// Whether a panel continues the axis of the previous one.
     fn continues(&self, index: usize) -> bool {
         index > 0 && self.panels[index - 1].is_broken
     }
@@ -249,7 +249,7 @@ impl Page {
         legend::draw(drawing, &panel.legend, (left + INDENT, right), baseline);
     }
 
-    /// The letter of a panel; the parts of a broken axis have one together.
+    /// The letter of a panel; the parts of a broken axis share one.
     fn letter(&self, index: usize) -> Option<char> {
         let count = |until: usize| (0..until).filter(|n| !self.continues(*n)).count();
         if count(self.panels.len()) < 2 || self.continues(index) {

@@ -2,19 +2,19 @@
 
 use super::shape::Point;
 
-/// The number of parts into which the time of a curve is divided to find its spikes.
+/// Number of time intervals into which a curve is divided to find spikes.
 const PARTS: usize = 256;
 
-/// Curves that are drawn of fewer parts have no spikes: one of the parts is too large a share of them.
+/// Curves with fewer non-empty intervals have no spikes, because one interval is too large a fraction.
 const LEAST_PARTS: usize = 40;
 
-/// A spike takes at most this share of the time above a curve, and below it.
+/// Maximum fraction of the time occupied by a spike, upward or downward.
 const BRIEF: f64 = 0.1;
 
-/// A spike leaves less than this share of the axis to the rest of the curve.
+/// With a spike, the rest of the curve occupies less than this fraction of the axis.
 const FLAT: f64 = 0.1;
 
-/// Distance by which an axis exceeds the rest of the curve where it cuts off a spike, as a share of the rest.
+/// Padding of the axis where it clips a spike, relative to the range of the rest of the curve.
 const BEYOND: f64 = 0.5;
 
 /// The least and the greatest of the numbers that are finite.
@@ -24,10 +24,10 @@ pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
         .fold(NONE, |range, value| union(range, (value, value)))
 }
 
-/// The range of no values: any other contains it.
+/// The empty range, contained in any other.
 pub(crate) const NONE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
-/// The least range that contains two others.
+/// The smallest range that contains two others.
 pub(crate) fn union(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
     (one.0.min(other.0), one.1.max(other.1))
 }
@@ -37,7 +37,7 @@ pub(crate) fn overlap(one: (f64, f64), other: (f64, f64)) -> bool {
     one.0 <= other.1 && other.0 <= one.1
 }
 
-/// The range of a curve over time; where brief spikes would flatten all the rest, that of the rest and some room.
+/// The range of a curve; if brief spikes would flatten the rest, the range of the rest with padding.
 pub(crate) fn without_spikes(points: &[Point]) -> (f64, f64) {
     let all = extremes(points.iter().map(|point| point.1));
     let [mut lows, mut highs] = parts(points);

@@ -4,7 +4,7 @@ use super::decimate::envelope;
 use super::shape::Point;
 use std::iter;
 
-/// The most rows that are kept for curves over time: enough for several bins in each column of pixels.
+/// Maximum number of rows kept for curves over time: enough for several bins per pixel column.
 pub(crate) const MOST: usize = 1 << 17;
 
 /// The last part of the time that is kept finer, so that it can be drawn magnified.
@@ -16,7 +16,7 @@ const FINER: f64 = 16.0;
 /// The width of the narrowest bins, s: a nanosecond, rounded down to a power of two.
 const NARROWEST: f64 = 1.0 / (1_u64 << 30) as f64;
 
-/// The longest step between two samples that is no gap, as a multiple of the shortest step.
+/// Maximum step between two samples, as a multiple of the shortest step; a longer step is a gap.
 const LONGEST_STEP: f64 = 1.5;
 
 /// Columns of numbers with a common time.
@@ -28,7 +28,7 @@ const LONGEST_STEP: f64 = 1.5;
 pub(crate) struct Rows {
     times: Vec<f64>,
     columns: Vec<Vec<f64>>,
-    /// The most rows that are kept.
+    /// Maximum number of rows.
     most: usize,
     /// Whether the rows are equally spaced samples, so that a longer step is a gap.
     are_samples: bool,
@@ -51,7 +51,7 @@ impl Rows {
         }
     }
 
-    /// Adds a row. Times increase from row to row. Where samples are missing there is a row that is not a number.
+    /// Adds a row. Times increase from row to row. Missing samples are rows of NaN.
     pub(crate) fn push(&mut self, time: f64, values: impl IntoIterator<Item = f64>) {
         if let Some(last) = self.times.last().copied() {
             let step = time - last;
@@ -83,7 +83,7 @@ impl Rows {
         self.step
     }
 
-    /// The longest time between two rows from between which rows were left out, s.
+    /// The longest time between two rows of which intermediate rows were dropped, s.
     pub(crate) fn coarseness(&self) -> f64 {
         if self.width > NARROWEST {
             2.0 * self.width
@@ -113,7 +113,7 @@ impl Rows {
         self.point(column, self.times.len().checked_sub(1)?)
     }
 
-    /// Leaves at most half of the rows, with wider bins if they have to be.
+    /// Reduces the rows to at most half, widening the bins if necessary.
     fn thin(&mut self) {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         while self.width * (self.most as f64) < last - first {
@@ -132,7 +132,7 @@ impl Rows {
         }
     }
 
-    /// The rows that stay.
+    /// The rows to keep.
     fn kept(&self) -> Vec<usize> {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let end = last - END * (last - first);
@@ -165,7 +165,7 @@ mod tests {
     use crate::analysis::plot::decimate::by_column;
     use proptest::prelude::*;
 
-    /// A reproducible wave: a fast oscillation on a slow one, with what `seed` adds.
+    /// A reproducible wave: a fast oscillation on a slow one, varied by `seed`.
     fn wave(seed: u64, sample: usize) -> f64 {
         let noise = (sample as u64).wrapping_mul(6_364_136_223_846_793_005 + 2 * seed) >> 40;
         let slow = (sample as f64 / 3e5 - 0.5).abs();

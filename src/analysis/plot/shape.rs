@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Colour(pub(crate) u8, pub(crate) u8, pub(crate) u8);
 
-/// A place: distances to the right and downwards.
+/// A point: distances to the right and downwards.
 pub(crate) type Point = (f64, f64);
 
 /// A rectangle.
@@ -101,7 +101,7 @@ impl Bounds {
 pub(crate) struct Stroke {
     pub(crate) colour: Colour,
     pub(crate) width: f64,
-    /// Lengths of dashes and gaps by turns; empty for a solid line.
+    /// Alternating lengths of dashes and gaps; empty for a solid line.
     pub(crate) dash: &'static [f64],
     pub(crate) opacity: f64,
 }

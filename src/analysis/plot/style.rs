@@ -13,13 +13,13 @@ pub(crate) const GREEN: Colour = Colour(0x00, 0x9e, 0x73);
 const PURPLE: Colour = Colour(0xcc, 0x79, 0xa7);
 const ORANGE: Colour = Colour(0xe6, 0x9f, 0x00);
 
-/// The colours of curves, in the order in which they are taken.
+/// The colours of curves, in order of use.
 pub(crate) const COLOURS: &[Colour] = &[BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK];
 
 const SOLID: &[f64] = &[];
 pub(crate) const DASHED: &[f64] = &[1.5, 0.8];
 
-/// The dashes of curves, in the order in which they are taken: lengths of dashes and gaps by turns, mm.
+/// The dash patterns of curves, in order of use: alternating lengths of dashes and gaps, mm.
 pub(crate) const DASHES: &[&[f64]] = &[
     SOLID,
     DASHED,
@@ -40,10 +40,10 @@ pub(crate) const LINE: f64 = 1.35 * FONT;
 /// The margin around a drawing, mm.
 pub(crate) const MARGIN: f64 = 0.8;
 
-/// The least width of a page with two columns of plots, mm.
+/// The minimum width of a page with two columns of plots, mm.
 pub(crate) const TWO_COLUMNS: f64 = 130.0;
 
-/// The width of frames, ticks and lines that only guide the eye, mm.
+/// The width of frames, ticks and guide lines, mm.
 pub(crate) const HAIRLINE: f64 = 0.5 * POINT;
 
 /// The widths of curves, mm.

@@ -216,7 +216,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The places on a path, as SVG has it: a place, and steps from there.
+    /// The points of an SVG path: an absolute point, then relative steps.
     fn places(path: &str) -> Vec<(i64, i64)> {
         let spaced = path.replace('-', " -").replace('l', " ");
         let numbers: Vec<i64> = spaced[1..]

@@ -1,4 +1,4 @@
-//! Text set in the font that the program carries.
+//! Text set in the embedded font.
 //!
 //! Glyphs are drawn as outlines, so a figure looks the same wherever it is shown, and the space that a
 //! label takes is known when figures are laid out.
@@ -19,10 +19,10 @@ pub(crate) enum Style {
 const UPRIGHT: &[u8] = include_bytes!("font/STIXTwoText-Regular.ttf");
 const ITALIC: &[u8] = include_bytes!("font/STIXTwoText-Italic.ttf");
 
-/// The units of the font in an em.
+/// Font units per em.
 pub(crate) const UNITS: f64 = 1000.0;
 
-/// The sizes of letters, subscripts and superscripts, and how far they are shifted upwards, em.
+/// The sizes and upward shifts of letters, subscripts and superscripts, em.
 const LETTER: (f64, f64) = (1.0, 0.0);
 const SUBSCRIPT: (f64, f64) = (0.7, -0.18);
 const SUPERSCRIPT: (f64, f64) = (0.7, 0.34);
@@ -43,7 +43,7 @@ fn face(style: Style) -> Option<&'static Face<'static>> {
     faces[style as usize].as_ref()
 }
 
-/// The outline of a glyph, in units of the font; none of a space.
+/// The outline of a glyph, in font units; empty for a space.
 pub(crate) fn outline(style: Style, id: u16) -> Option<Path> {
     let mut outline = Outline(PathBuilder::new());
     face(style)?.outline_glyph(GlyphId(id), &mut outline);
@@ -104,7 +104,7 @@ impl Text {
         Self::default().followed_by(source)
     }
 
-    /// Sets a name, cut at its start if it is long: names of files differ at their ends.
+    /// Sets a name. A long name is truncated at its start, because file names usually differ at their ends.
     pub(crate) fn name(source: &str) -> Self {
         let mut text = Self::plain(source);
         let mut rest = source.chars();

@@ -140,7 +140,7 @@ impl Scale {
         }
     }
 
-    /// The places of some digits in every so many decades of a range of logarithms, with their numbers.
+    /// Ticks at some digits of every n-th decade of a logarithmic range, with their labels.
     #[cfg(feature = "sweep")]
     fn of_decades(&self, (digits, every): (&[u8], i32)) -> Vec<Tick> {
         let decades = self.low.floor() as i32..=self.high.floor() as i32;
@@ -169,7 +169,7 @@ impl Scale {
     }
 }
 
-/// A digit times a power of ten, as people write it.
+/// A digit times a power of ten, in human-readable form.
 #[cfg(feature = "sweep")]
 fn decimal(digit: u8, decade: i32) -> String {
     match decade {
@@ -200,7 +200,7 @@ fn easy_exponent(decade: i32) -> i32 {
     }
 }
 
-/// A range that is long enough for numbers at ticks to differ. A constant gets room on both sides so that these numbers
+/// A range long enough for tick labels to differ. A constant is padded on both sides so that the labels
 /// are short: a tenth of its value, or one around zero.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     let magnitude = low.abs().max(high.abs());

@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Whether a file has the bytes that its scenario gives; `None` if it can't be run or read. The run is broken off at the
+/// Whether a file is byte-identical to a new run; `None` if it can't be run or read. The run stops at the
 /// first byte that differs.
 pub(super) fn are_equal(
     recording: &Recording,

@@ -8,12 +8,12 @@ use crate::run::scenario::hex;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 
-/// Values by their place and field; what is described as a whole has an empty one.
+/// Values by location and field; the field is empty for a value described as a whole.
 type Facts = BTreeMap<(String, String), String>;
 
-/// The first fact in which a recording differs from its run. A part of a run may lack some of them. Of a run of another
-/// version only those entries of the end record count that this version has too, without the digest, which is one of its
-/// own fields.
+/// The first entry in which a recording differs from its run. A partial run may lack some entries. For a run of another
+/// version, only entries of the end record that this version also has are compared, except the digest, which is specific
+/// to a version.
 pub(super) fn difference(
     recording: &Recording,
     opening: &Opening,
@@ -94,7 +94,7 @@ fn simulated(opening: &Opening, end: &Entries) -> Facts {
     facts
 }
 
-/// Adds a fact. Several of one place and field are one.
+/// Adds an entry. Entries with the same location and field are merged.
 fn add(facts: &mut Facts, place: &str, field: &str, value: &str) {
     let key = (place.to_owned(), field.to_owned());
     let known = facts.entry(key);

@@ -51,7 +51,7 @@ impl From<io::Error> for Difference {
 /// State of a pass through a file.
 #[derive(Default)]
 struct Survey {
-    /// The records of the summary that the data demand and that were not met yet, as text.
+    /// Summary records that the data require and that have not been found yet, as text.
     expected: BTreeSet<String>,
     statistics: Statistics,
     /// The times of the first and the last message.
@@ -61,9 +61,9 @@ struct Survey {
     /// The current chunk with its messages that are not indexed yet.
     chunk: Option<ChunkIndex>,
     messages: BTreeMap<u16, Vec<MessageIndexEntry>>,
-    /// The beginning of the summary, once the data are over.
+    /// The start of the summary, once the data section has ended.
     summary: Option<u64>,
-    /// The groups of the summary that no offset has named yet, by opcode, and the beginning of the offsets.
+    /// Summary groups without an offset so far, by opcode, and the start of the offsets.
     groups: BTreeMap<u8, SummaryOffset>,
     offsets: u64,
 }
@@ -85,7 +85,7 @@ impl Survey {
         Err(io::Error::from(io::ErrorKind::UnexpectedEof).into())
     }
 
-    /// Takes in a record of the data.
+    /// Processes a record of the data.
     fn take(&mut self, place: &RecordSpan, record: Record<'_>, source: &Source) -> Checked {
         if place.opcode != op::MESSAGE_INDEX {
             self.close_chunk()?;
@@ -136,7 +136,7 @@ impl Survey {
         self.expected.insert(format!("{record:?}"));
     }
 
-    /// Takes in a schema or a channel in the data. A chunk holds no other records but messages.
+    /// Processes a schema or channel in the data. Apart from these, a chunk contains only messages.
     fn define(&mut self, place: &RecordSpan, record: &Record<'_>) -> Checked {
         let (id, needs) = match record {
             Record::Schema { header, .. } => (header.id, 0),
@@ -242,7 +242,7 @@ impl Survey {
         self.expect(&Record::Statistics(statistics));
     }
 
-    /// Takes in a record of the summary. Each kind is a group of its own; offsets come behind the groups that they name.
+    /// Processes a record of the summary. Each kind forms a group; offsets follow the groups that they refer to.
     fn take_summary(&mut self, place: &RecordSpan, mut record: Record<'_>) -> Checked {
         if let Record::SummaryOffset(offset) = record {
             if self.offsets == 0 {
@@ -271,7 +271,7 @@ impl Survey {
         Ok(())
     }
 
-    /// Checks that nothing is missing, and what stands at the end of the file.
+    /// Checks that nothing is missing, and checks the end of the file.
     fn finish(self, place: &RecordSpan, footer: Footer, source: &Source) -> Checked {
         equal("records of the summary", &BTreeSet::new(), &self.expected)?;
         equal("the groups of the summary", &BTreeMap::new(), &self.groups)?;

@@ -57,7 +57,7 @@ impl<'r> Comparison<'r> {
         }
     }
 
-    /// Compares until the first difference. Returns the opening and the end record that the run gives, too.
+    /// Compares until the first difference. Also returns the opening and the end record of the run.
     pub(super) fn run(mut self, progress: &dyn Fn(u64)) -> (Compared, Opening, Entries) {
         let mut reader = self.recording.reader(Selection::default()).bounded();
         while let Some(recorded) = reader.next_undecoded() {
@@ -149,7 +149,7 @@ impl<'r> Comparison<'r> {
         }
     }
 
-    /// Simulates one record more.
+    /// Simulates one more record.
     fn advance(&mut self) {
         let ahead = &mut self.ahead;
         let time = self.again.next(|expected| ahead.push_back(expected));

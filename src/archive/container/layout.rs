@@ -75,7 +75,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Whether the library field says toprise.
+    /// Whether the library field names toprise.
     pub(crate) fn is_ours(&self) -> bool {
         self.library.starts_with(LIBRARY_PREFIX)
     }
@@ -140,7 +140,7 @@ impl Layout {
         Ok(())
     }
 
-    /// Notes bytes that can't be read.
+    /// Records bytes that can't be read.
     fn lose(&mut self, bytes: std::ops::Range<u64>, reason: &str) {
         self.losses.push(Loss {
             offset: bytes.start,
@@ -168,8 +168,8 @@ impl Layout {
         }
     }
 
-    /// Finds the channels in the data: ours stand in the first chunk, others' anywhere. The summary counts only if there are
-    /// none, because its checksum may be lost or wrong.
+    /// Finds the channels in the data. toprise writes them to the first chunk, other writers anywhere. Without
+    /// any, the summary is used; its checksum may be missing or wrong.
     fn find_channels(&mut self, source: &Source) {
         let in_summary = std::mem::take(&mut self.channels);
         let mut buffers = Buffers::default();

@@ -51,23 +51,23 @@ pub(crate) fn parse(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
 
 /// A field of a record, or several.
 enum Part {
-    /// Numbers of so many bytes in all.
+    /// Numbers with this total size in bytes.
     Bytes(u64),
-    /// A text, or bytes behind their length.
+    /// Text or bytes, preceded by their length.
     Text,
-    /// Bytes behind their length, which takes eight bytes.
+    /// Bytes, preceded by their length in eight bytes.
     Data,
-    /// Pairs of texts.
+    /// Pairs of strings.
     Texts,
-    /// Pairs of a channel's id and a number of eight bytes.
+    /// Pairs of a channel id and an eight-byte number.
     Numbers,
     /// The rest.
     Rest,
 }
 
-/// The length of a record's body that its fields add up to, of which `start` has at least all lengths. A longer body holds
-/// something that is not read. None if a length is not there, or a key comes twice, of which readers see one or the
-/// other.
+/// The total length of the fields of a record's body; `start` must include all length fields. A longer body contains
+/// unread data. `None` if a length is missing or a key is repeated, because readers differ in which duplicate they
+/// use.
 pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Option<u64> {
     use Part::{Bytes, Data, Numbers, Rest, Text, Texts};
     let parts: &[Part] = match opcode {
@@ -122,7 +122,7 @@ pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Option<u64> {
     Some(at)
 }
 
-/// The position behind a text.
+/// The position after a text.
 fn behind_text(bytes: &[u8], at: u64) -> Option<u64> {
     let length = bytes_at(bytes, at, at + 4)?.try_into().ok()?;
     Some(at + 4 + u64::from(u32::from_le_bytes(length)))

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// Number of bytes read initially per record.
 const PREFIX: u64 = 256;
-/// The names of an attachment are not longer than this.
+/// Maximum length of the names of an attachment.
 const NAMES: u64 = 1 << 16;
 /// Maximum length of a record that must be read completely.
 const LONGEST: u64 = 256 << 20;
@@ -137,7 +137,7 @@ impl<'a> Scanner<'a> {
     fn search(&mut self, from: u64) -> io::Result<Option<u64>> {
         let mut window = Vec::new();
         let mut start = from;
-        // Most often the next record is near.
+        // The next record is usually near.
         let mut size = SEARCH_WINDOW >> 6;
         while start < self.source.length() {
             self.source.read(start, size + HEAD, &mut window)?;
@@ -166,7 +166,7 @@ impl<'a> Scanner<'a> {
     }
 }
 
-/// The number of bytes of a record's body that decide whether it is one.
+/// The number of bytes of a record's body needed to recognise it as a record.
 fn deciding(opcode: u8, length: u64) -> u64 {
     let most = match opcode {
         op::CHUNK | op::MESSAGE_INDEX | op::MESSAGE => PREFIX - HEAD,
@@ -180,7 +180,7 @@ fn deciding(opcode: u8, length: u64) -> u64 {
 mod tests {
     use super::*;
 
-    /// The sections found in a file whose only record is a message that claims a body so much longer than it is.
+    /// The sections found in a file whose only record is a message with a claimed length that is this much too large.
     fn found(excess: u64) -> Vec<Found> {
         const BODY: u64 = 30;
         let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();

@@ -1,4 +1,4 @@
-//! The parts of a file that hold messages: chunks, and records that stand outside of chunks.
+//! The parts of a file that hold messages: chunks, and records outside chunks.
 
 use super::record::{HEAD, RecordSpan, head, parse};
 use super::source::Source;
@@ -58,7 +58,7 @@ pub(crate) struct Buffers {
 }
 
 impl Section {
-    /// The section that a chunk is.
+    /// The section of a chunk.
     pub(crate) fn of_chunk(place: &RecordSpan, source: &Source) -> io::Result<Self> {
         let mut times = Vec::new();
         source.read(place.offset + HEAD, 16, &mut times)?;
@@ -74,7 +74,7 @@ impl Section {
         })
     }
 
-    /// Reads, decompresses and checks it.
+    /// Reads, decompresses and checks the section.
     pub(crate) fn load(&self, source: &Source, buffers: &mut Buffers) -> Result<(), SectionError> {
         if self.length > LARGEST_CHUNK {
             return Err(SectionError::TooLarge);

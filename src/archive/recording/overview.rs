@@ -81,7 +81,7 @@ pub struct EventOverview {
     pub name: String,
     /// Time, s.
     pub time: f64,
-    /// The event, in a sentence.
+    /// The recorded sentence that describes the event.
     pub description: String,
 }
 

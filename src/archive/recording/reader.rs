@@ -294,7 +294,7 @@ impl<'r> Reader<'r> {
         Some(self.undecoded(&at))
     }
 
-    /// Finds the next message that is wanted.
+    /// Finds the next selected message.
     fn advance(&mut self) -> Option<At> {
         loop {
             let Some(start) = self.starts.get(self.given) else {

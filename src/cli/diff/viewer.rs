@@ -22,7 +22,7 @@ pub(super) struct ShowArguments {
     #[command(flatten)]
     viewer: ViewerArguments,
 
-    /// Replace files that exist.
+    /// Overwrite existing files.
     #[arg(long, help_heading = OUTPUT)]
     force: bool,
 }

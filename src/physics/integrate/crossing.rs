@@ -42,7 +42,7 @@ pub struct Crossing {
 /// Tracks the sign of a function from step to step and finds its changes.
 ///
 /// Each sign change is found exactly once. A zero at the end of a step is reported in the next step if it is a
-/// crossing. Touching zero is not a crossing. A function that starts at exactly zero gets its first sign silently. NaN
+/// crossing. Touching zero is not a crossing. From exactly zero, the first sign is not a crossing. NaN
 /// has no sign.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SignTracker {
@@ -95,7 +95,7 @@ impl SignTracker {
     ///
     /// `values` are those of `g` at `knots`, which ascend from the start to the end of the step, e.g. [`KNOTS`].
     /// Several crossings between adjacent knots are found if the interpolation polynomial has the turning points
-    /// between them. A search evaluates `g` at most 100 times; there is none if `g` is far from zero.
+    /// between them. A search evaluates `g` at most 100 times and is skipped if `g` is far from zero.
     #[inline]
     pub fn scan<const K: usize>(
         &mut self,

@@ -12,7 +12,7 @@ use rerun::{AsComponents, StoreId, TimePoint, Timeline};
 use crate::rerun::error::RerunError;
 use crate::rerun::message::{Ids, opening, single_row};
 
-/// The messages of a layout, the last of which activates it.
+/// The messages of a layout; the last one activates it.
 pub(crate) type Messages = Vec<Result<LogMsg, RerunError>>;
 
 /// A view or a container: a part of a layout.

@@ -161,7 +161,7 @@ pub(super) const MOTION_CONTRASTS: [Chart; 4] = [
     PSI_DOT_CONTRAST,
 ];
 
-/// The same where a peg is free: Euler rates, which are infinite at upright, are on a page of their own.
+/// The same for free pegs: Euler rates, which are infinite at upright, have their own page.
 pub(super) const TRAVEL_CONTRASTS: [Chart; 3] = [
     THETA_CONTRAST,
     contrast(MOMENTUM_NAME, MOMENTUM, MOMENTUM),
@@ -179,7 +179,7 @@ pub(super) const FRICTION_CONTRASTS: [Chart; 3] = [
     contrast("Work of friction", WORK, &[]),
 ];
 
-/// Motion of a free peg, on a page of its own.
+/// Motion of a free peg, on its own page.
 pub(super) const TABLE_CONTRASTS: [Chart; 3] = [
     contrast("Normal force", NORMAL_FORCE, NORMAL_FORCE),
     contrast(GAP_NAME, GAP, GAP),

@@ -31,7 +31,7 @@ const KINDS: [Kind; 5] = [
 
 const FRICTION_TORQUE: VectorField = torque::FRICTION_BODY;
 
-/// The only arrow that is drawn where two runs are compared: all arrows of both would hide the tops.
+/// The only arrow drawn in a comparison: all arrows of both runs would hide the tops.
 const COMPARED: VectorField = contact::FRICTION_FORCE;
 
 /// The arrows that are drawn, with their scales, as numbers and as text. Without friction, its arrows have no length

@@ -25,7 +25,7 @@ pub(super) struct Path {
     kind: usize,
     next_point_ns: u64,
     next_piece_ns: u64,
-    /// Its name and the entity of that, until it stands at the beginning.
+    /// Its name and entity, until the name has been placed at the start of the path.
     name: Option<(&'static str, Points3D)>,
 }
 

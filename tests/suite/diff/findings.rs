@@ -214,7 +214,7 @@ fn a_shorter_run_of_the_same_motion_has_the_same_findings() {
         let differing = report.findings.iter().filter(|found| found.differs());
         let differing: Vec<_> = differing.map(|found| found.what.as_str()).collect();
         let of_ends = |what: &&str| {
-            ["ends", "θ first reaches", "first loops", "loops"]
+            ["ends", "θ first reaches", "first loop", "loops"]
                 .iter()
                 .any(|known| what.starts_with(known))
         };

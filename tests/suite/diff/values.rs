@@ -43,9 +43,9 @@ fn val_findings(report: &Report, runs: [&Value; 2], expected: &Value) {
             assert_near(what, of(what).unwrap(), rise, 1e-9);
         }
         let first = run["events"]["looping_begins"].as_f64();
-        assert_eq!(of("first loops").is_some(), first.is_some());
+        assert_eq!(of("first loop").is_some(), first.is_some());
         if let Some(first) = first {
-            assert_near("loops", of("first loops").unwrap(), first, 1e-8);
+            assert_near("loops", of("first loop").unwrap(), first, 1e-8);
         }
         let summary = [&report.a, &report.b][at].summary.as_ref().unwrap();
         assert_eq!(summary.nutations, run["nutation"]["cycles"].as_u64());

@@ -1,4 +1,4 @@
-//! The unit sphere, as far down as the axis leans, seen from above and aside.
+//! The unit sphere, drawn down to the largest inclination of the axis, seen obliquely from above.
 
 use super::trace::{Direction, Trace};
 use crate::analysis::figures::looks::SURFACE;
@@ -14,7 +14,7 @@ use crate::physics::math::{atan2, hypot, sin_cos};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// The direction from which the sphere is seen: above the horizon, and around the vertical, rad.
+/// The viewing direction: elevation and azimuth, rad.
 const ELEVATION: f64 = 0.65;
 const AZIMUTH: f64 = 0.6;
 
@@ -27,12 +27,12 @@ const SLACK: f64 = 1e-9;
 /// The number of pieces of a circle.
 const PIECES: u32 = 360;
 
-/// The length of the vertical above the pole: as a part of the cap's radius, and at most.
+/// The length of the vertical above the pole: relative to the cap's radius, and its maximum.
 const VERTICAL: (f64, f64) = (0.75, 0.36);
 
 /// The cap of the sphere around the vertical on which the axes of some runs move.
 ///
-/// Its lines are as the eye sees them: x to the right, y upwards, z towards the eye.
+/// Its lines are in view coordinates: x to the right, y upwards, z towards the viewer.
 pub(super) struct Sphere {
     /// Circles of equal θ, the outermost last.
     circles: Vec<Vec<Direction>>,
@@ -46,14 +46,14 @@ pub(super) struct Sphere {
     vertical: [Direction; 2],
 }
 
-/// A direction as the eye sees it, brought to the x axis by turns about the vertical and then down to the horizon.
+/// A direction in view coordinates, rotated about the vertical and then down to the horizon.
 fn seen(axis: &Direction) -> Direction {
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), -AZIMUTH);
     let lower = Rotation3::from_axis_angle(&Vector3::y_axis(), ELEVATION);
     (lower * (turn * axis)).yzx()
 }
 
-/// The direction at an angle from the vertical and at one around it, as the eye sees it.
+/// The direction with this polar angle and azimuth, in view coordinates.
 fn direction(theta: f64, azimuth: f64) -> Direction {
     let (sin_t, cos_t) = sin_cos(theta);
     let (sin_a, cos_a) = sin_cos(azimuth);
@@ -106,7 +106,7 @@ impl Sphere {
         }
     }
 
-    /// The ranges of what is seen, to the right and upwards.
+    /// The visible ranges, to the right and upwards.
     fn extent(&self) -> [(f64, f64); 2] {
         let lines = [&self.circles, &self.meridians, &self.outline];
         let points = lines.into_iter().flatten().flatten().chain(&self.vertical);
@@ -211,7 +211,7 @@ impl View {
         line.iter().map(|seen| self.place(seen)).collect()
     }
 
-    /// The parts of a line on the near and on the far side, and whether they are far.
+    /// Splits a line into parts on the near and the far side; the flag is true for the far side.
     fn parts(&self, line: &[Direction]) -> Vec<(bool, Vec<Point>)> {
         let parts = line.chunk_by(|a, b| (a.z >= 0.0) == (b.z >= 0.0));
         let thinned = |part| decimate::by_distance(&self.places(part), 1.0 / RESOLUTION);

@@ -21,7 +21,7 @@ pub(super) struct Along {
     is_log: bool,
     /// Each different value once, in order.
     values: Vec<f64>,
-    /// Their places in the drawing: neighbours that differ too little may be drawn at one place.
+    /// Their positions in the drawing; almost equal neighbours may share a position.
     pub(super) levels: Vec<f64>,
 }
 
@@ -38,7 +38,7 @@ impl Along {
         })
     }
 
-    /// Values as colours show them.
+    /// Values on the colour scale.
     pub(super) fn of_colours(axis: &MapAxis, values: Vec<f64>) -> Self {
         Self::of(axis, values, |values| {
             is_spread(values, LOGARITHMIC_COLOURS)
@@ -105,7 +105,7 @@ impl Along {
     }
 }
 
-/// Whether the last of ordered values is this many times the first.
+/// Whether the ratio of the last to the first of ordered values is at least this.
 fn is_spread(values: &[f64], times: f64) -> bool {
     values[0] > 0.0 && values[values.len() - 1] / values[0] >= times
 }

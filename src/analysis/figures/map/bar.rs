@@ -1,4 +1,4 @@
-//! Colours of values, and the bar that explains them.
+//! The colour map and its colour bar.
 
 use super::along::Along;
 use super::chart;
@@ -52,7 +52,7 @@ impl Bar {
         self.values.levels.is_empty()
     }
 
-    /// The room that the bar takes to the right of the frame, mm.
+    /// The width needed by the bar to the right of the frame, mm.
     pub(super) fn room(&self) -> f64 {
         if self.is_empty() {
             return frame::ROOM_RIGHT;
@@ -95,7 +95,7 @@ impl Bar {
     }
 }
 
-/// The colour of a place in a range.
+/// The colour at a position in a range.
 fn shade(place: f64, (low, high): (f64, f64)) -> Colour {
     let part = if high > low {
         ((place - low) / (high - low)).clamp(0.0, 1.0)

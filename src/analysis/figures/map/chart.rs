@@ -34,7 +34,7 @@ pub(super) fn frame(
     Frame { bounds, x, y }
 }
 
-/// A range with some air at its ends.
+/// A range with padding at both ends.
 pub(super) fn aired((low, high): (f64, f64)) -> (f64, f64) {
     let air = 0.04 * (high - low);
     (low - air, high + air)

@@ -19,7 +19,7 @@ const STRIP_GAP: f64 = 0.5;
 /// Half the width of these marks, mm.
 const HALF_MARK: f64 = 0.6;
 
-/// The most of the frame's height that these marks take.
+/// The maximum fraction of the frame's height used by these marks.
 const STRIPS: f64 = 0.25;
 
 /// Draws a curve for each scenario, and marks above the frame where runs have no value.

@@ -19,7 +19,7 @@ pub(super) struct Grid<'a> {
     edges: [Vec<f64>; 2],
 }
 
-/// A border between two cells, only one of which loops.
+/// A border between two cells of which exactly one loops.
 pub(super) struct Border {
     ends: [Point; 2],
     /// The direction of the cell that loops: to the right and upward.
@@ -27,7 +27,7 @@ pub(super) struct Border {
 }
 
 impl<'a> Grid<'a> {
-    /// The grid of the runs of a map; `None` if they make no grid.
+    /// The grid of the runs of a map; `None` if they don't form a grid.
     pub(super) fn of(map: &'a Map, y: &MapAxis, axes: [&Along; 2]) -> Result<Option<Self>, String> {
         let [columns, rows] = axes.map(|axis| axis.levels.len());
         // A grid may have holes; a sample has about as many distinct values as runs.

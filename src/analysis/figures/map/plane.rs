@@ -10,7 +10,7 @@ use crate::analysis::plot::legend::{self, Entry};
 use crate::analysis::plot::range::extremes;
 use crate::analysis::plot::style::{self, LINE, MEDIUM};
 
-/// Draws the runs of a map as cells of a grid, or as dots if they make none.
+/// Draws the runs of a map as grid cells, or as dots if they don't form a grid.
 pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String> {
     let across = Along::new(&map.x, map.values(|run| run.x));
     let upward = Along::new(y, map.values(|run| run.y));

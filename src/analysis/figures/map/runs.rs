@@ -20,9 +20,9 @@ pub struct MapAxis {
 pub struct MapRun {
     /// The x value.
     pub x: f64,
-    /// The value upward; ignored by a map without such an axis.
+    /// The y value; ignored without a y axis.
     pub y: f64,
-    /// The value that colours or curves show.
+    /// The value shown as colour or curve.
     pub color: f64,
     /// The reason why the run stopped; `None` where it has no outcome.
     pub stop: Option<String>,
@@ -35,11 +35,11 @@ pub struct MapRun {
 /// A map of a sweep: its quantities and its runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Map {
-    /// The quantity across.
+    /// The quantity on the x axis.
     pub x: MapAxis,
-    /// The quantity upward; none draws curves.
+    /// The quantity on the y axis; `None` for curves.
     pub y: Option<MapAxis>,
-    /// The quantity that colours or curves show.
+    /// The quantity shown as colours or curves.
     pub color: MapAxis,
     /// The runs.
     pub runs: Vec<MapRun>,
@@ -102,7 +102,7 @@ impl Map {
     }
 }
 
-/// The colour of runs that have this outcome and no value to show: the same in every figure, and none of the ramp.
+/// The colour of runs with this outcome and no value: the same in every figure, and outside the colour map.
 fn outcome_colour(outcome: &str) -> Colour {
     let stop = StopReason::ALL.iter().find(|stop| stop.name() == outcome);
     match stop {
