@@ -12,7 +12,7 @@ use self::files::{ExistingRecordings, RunFiles};
 use self::pace::Pace;
 pub(super) use self::report::RunReport;
 use self::report::{Finished, Recorded};
-use super::interrupt::Interrupt;
+use super::interrupt;
 use super::output;
 use super::report::{WrittenFile, print};
 use super::status::Status;
@@ -34,20 +34,18 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     let scenario = arguments.scenario(values.clone())?;
     let (form, topics) = arguments.form()?;
     let telemetry = Telemetry::with_topics(&topics);
-    let interrupt = Interrupt::watch()?;
+    interrupt::watch()?;
     #[cfg(feature = "rerun")]
     let target = arguments.viewer.target()?;
     let recorder = Recorder {
         arguments,
         scenario: &scenario,
         form,
-        interrupt: &interrupt,
         #[cfg(feature = "rerun")]
         live: target.live(),
     };
     let began = Instant::now();
-    let asked = interrupt.clone();
-    let mut simulation = Simulation::new(&scenario)?.continue_while(move || !asked.is_requested());
+    let mut simulation = Simulation::new(&scenario)?.continue_while(|| !interrupt::is_requested());
     let preface = McapSink::preface(&scenario, &telemetry, form)?;
     let (files, earlier) =
         RunFiles::start(arguments, &arguments.stem(&scenario, &values), &preface)?;
@@ -59,7 +57,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     let top = &scenario.model.top;
     print(&report, || report.page(&name, top, arguments.note_on_rrd()))?;
     #[cfg(feature = "rerun")]
-    target.serve_until(&interrupt);
+    target.serve_until_interrupted();
     Ok(match finished.end.stop {
         StopReason::Interrupted | StopReason::Failed => Status::Partial,
         _ if finished.is_rrd_lost => Status::Partial,
@@ -72,7 +70,6 @@ struct Recorder<'a> {
     arguments: &'a RunArguments,
     scenario: &'a Scenario,
     form: Form,
-    interrupt: &'a Interrupt,
     #[cfg(feature = "rerun")]
     live: Option<crate::rerun::Live>,
 }
@@ -101,7 +98,7 @@ impl Recorder<'_> {
                 .map(|viewer| &mut viewer.sink as &mut dyn Sink),
         );
 
-        let mut pace = Pace::start(arguments.realtime, self.interrupt.clone());
+        let mut pace = Pace::start(arguments.realtime);
         let mut counts = Tally::default();
         let ended = record_to_end(simulation, &mut telemetry, &mut sinks, |record, sinks| {
             if let Record::Event(event) = record {

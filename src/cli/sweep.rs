@@ -3,7 +3,7 @@
 mod report;
 
 use super::arguments::{Override, parse_override};
-use super::interrupt::Interrupt;
+use super::interrupt;
 use super::numbers::{count, counted};
 use super::output;
 use super::progress::Progress;
@@ -114,8 +114,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
         ));
     }
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
-    let interrupt = Interrupt::watch()?;
-    let carry_on = || !interrupt.is_requested();
+    interrupt::watch()?;
     let finished = quietly(|| {
         if arguments.dry_run {
             return Ok(Finished::default());
@@ -125,7 +124,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
         }
         let tally = Tally::new(left);
         let watch = Watch {
-            carry_on: &carry_on,
+            carry_on: &|| !interrupt::is_requested(),
             done: &|stop| tally.add(stop),
         };
         let finished = run(&sweep, &arguments.output, &arguments.options(), &watch);

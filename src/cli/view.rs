@@ -1,7 +1,7 @@
 //! `toprise view`.
 
 use super::arguments::OUTPUT;
-use super::interrupt::Interrupt;
+use super::interrupt;
 use super::output;
 use super::page::Section;
 use super::progress::Progress;
@@ -149,30 +149,29 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
     for rrd in names.iter().filter_map(|name| arguments.rrd_of(name)) {
         refuse_inputs(&rrd, arguments.files.iter().map(PathBuf::as_path))?;
     }
-    let interrupt = Interrupt::watch()?;
+    interrupt::watch()?;
     let target = target(arguments)?;
     let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
     let options = ReplayOptions {
         arguments,
         selection: &selection,
         target: &target,
-        interrupt: &interrupt,
         progress: &progress,
     };
     let mut shown = Vec::new();
     for (recording, name) in recordings.iter().zip(names) {
         shown.push(show(recording, &name, &options)?);
-        if interrupt.is_requested() {
+        if interrupt::is_requested() {
             break;
         }
     }
     progress.finish();
     let report = ViewReport {
         recordings: shown,
-        is_interrupted: interrupt.is_requested(),
+        is_interrupted: interrupt::is_requested(),
     };
     report::print(&report, || report.page())?;
-    target.serve_until(&interrupt);
+    target.serve_until_interrupted();
     Ok(Status::of_whole(report.is_complete()))
 }
 
@@ -211,7 +210,6 @@ struct ReplayOptions<'a> {
     arguments: &'a ViewArguments,
     selection: &'a Selection,
     target: &'a Target,
-    interrupt: &'a Interrupt,
     progress: &'a Progress,
 }
 
@@ -221,7 +219,7 @@ fn show(
     name: &str,
     options: &ReplayOptions<'_>,
 ) -> Result<ShownRecording, Error> {
-    let (arguments, interrupt) = (options.arguments, options.interrupt);
+    let arguments = options.arguments;
     let path = recording.path();
     let context = || path.display().to_string();
     let identity = Identity {
@@ -243,7 +241,7 @@ fn show(
     output::warn_all(warnings);
     let replayed = replay(recording, options.selection.clone(), &mut sink, |read| {
         options.progress.add(read);
-        if interrupt.is_requested() {
+        if interrupt::is_requested() {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
@@ -253,7 +251,7 @@ fn show(
     if let Some(outcome) = outcome_of(recording, options) {
         sink.set_outcome(&outcome);
     }
-    let interrupted = draft.take_if(|_| interrupt.is_requested());
+    let interrupted = draft.take_if(|_| interrupt::is_requested());
     let rrd = viewer::complete(sink.finish(), draft)?;
     if let Some(draft) = interrupted {
         let path = draft.path().display();
@@ -278,7 +276,7 @@ fn outcome_of(recording: &Recording, options: &ReplayOptions<'_>) -> Option<Outc
         return None;
     }
     let (scenario, end) = (recording.scenario().ok()?, recording.end()?);
-    let outcome = outcome(&scenario, || !options.interrupt.is_requested()).ok()?;
+    let outcome = outcome(&scenario, || !interrupt::is_requested()).ok()?;
     is_end_of(end, &outcome).then_some(outcome)
 }
 

@@ -1,7 +1,6 @@
 //! Selection of the Rerun viewer.
 
 use super::arguments::VIEWER;
-use super::interrupt::Interrupt;
 use super::output;
 use super::report::WrittenFile;
 use crate::archive::publish::Draft;
@@ -104,20 +103,17 @@ impl Target {
     }
 
     /// Serves until Ctrl-C.
-    #[cfg_attr(
-        not(feature = "web-viewer"),
-        allow(unused_variables, clippy::unused_self)
-    )]
-    pub(super) fn serve_until(self, interrupt: &Interrupt) {
+    #[cfg_attr(not(feature = "web-viewer"), allow(clippy::unused_self))]
+    pub(super) fn serve_until_interrupted(self) {
         #[cfg(feature = "web-viewer")]
         if let Self::Served(viewer) = self {
-            if !interrupt.is_requested() {
+            if !super::interrupt::is_requested() {
                 output::note(&format!(
                     "still serving at {}; press Ctrl-C to stop",
                     viewer.url
                 ));
             }
-            while !interrupt.is_requested() {
+            while !super::interrupt::is_requested() {
                 std::thread::sleep(std::time::Duration::from_millis(50));
             }
         }

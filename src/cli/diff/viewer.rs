@@ -4,9 +4,8 @@ use super::content;
 use crate::analysis::diff::{Report, Subject};
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::cli::arguments::OUTPUT;
-use crate::cli::interrupt::Interrupt;
 use crate::cli::viewer::{self, Target, ViewerArguments};
-use crate::cli::{output, page};
+use crate::cli::{interrupt, output, page};
 use crate::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
@@ -106,7 +105,8 @@ impl Viewer {
             output::note(&format!("wrote {}", file.line()));
         }
         if !matches!(self.target, Target::None | Target::Live(_)) {
-            self.target.serve_until(&Interrupt::watch()?);
+            interrupt::watch()?;
+            self.target.serve_until_interrupted();
         }
         Ok(())
     }
