@@ -152,15 +152,11 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
     interrupt::watch()?;
     let target = target(arguments)?;
     let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
-    let options = ReplayOptions {
-        arguments,
-        selection: &selection,
-        target: &target,
-        progress: &progress,
-    };
     let mut shown = Vec::new();
     for (recording, name) in recordings.iter().zip(names) {
-        shown.push(show(recording, &name, &options)?);
+        shown.push(show(
+            recording, &name, arguments, &selection, &target, &progress,
+        )?);
         if interrupt::is_requested() {
             break;
         }
@@ -205,21 +201,15 @@ fn viewer_is_installed() -> bool {
     env::split_paths(&path).any(|directory| directory.join(&name).is_file())
 }
 
-/// Settings of a replay.
-struct ReplayOptions<'a> {
-    arguments: &'a ViewArguments,
-    selection: &'a Selection,
-    target: &'a Target,
-    progress: &'a Progress,
-}
-
 /// Replays one recording.
 fn show(
     recording: &Recording,
     name: &str,
-    options: &ReplayOptions<'_>,
+    arguments: &ViewArguments,
+    selection: &Selection,
+    target: &Target,
+    progress: &Progress,
 ) -> Result<ShownRecording, Error> {
-    let arguments = options.arguments;
     let path = recording.path();
     let context = || path.display().to_string();
     let identity = Identity {
@@ -231,7 +221,7 @@ fn show(
     let mut draft = draft.transpose()?;
     let destinations = Destinations {
         file: draft.as_ref().map(Draft::file).transpose()?,
-        live: options.target.live(),
+        live: target.live(),
     };
     let mut sink = RerunSink::new(&identity, destinations);
     let warnings = sink.take_warnings();
@@ -239,8 +229,8 @@ fn show(
         bail!("{}", warnings.join("; "));
     }
     output::warn_all(warnings);
-    let replayed = replay(recording, options.selection.clone(), &mut sink, |read| {
-        options.progress.add(read);
+    let replayed = replay(recording, selection.clone(), &mut sink, |read| {
+        progress.add(read);
         if interrupt::is_requested() {
             ControlFlow::Break(())
         } else {
@@ -248,7 +238,7 @@ fn show(
         }
     })
     .with_context(context)?;
-    if let Some(outcome) = outcome_of(recording, options) {
+    if let Some(outcome) = outcome_of(recording, selection) {
         sink.set_outcome(&outcome);
     }
     let interrupted = draft.take_if(|_| interrupt::is_requested());
@@ -270,8 +260,8 @@ fn show(
 }
 
 /// Outcome of the run, if the complete recording is shown and the scenario's outcome agrees with the recorded end.
-fn outcome_of(recording: &Recording, options: &ReplayOptions<'_>) -> Option<Outcome> {
-    let is_span = options.selection.from_ns.is_some() || options.selection.to_ns.is_some();
+fn outcome_of(recording: &Recording, selection: &Selection) -> Option<Outcome> {
+    let is_span = selection.from_ns.is_some() || selection.to_ns.is_some();
     if is_span || recording.condition() != Condition::Whole {
         return None;
     }
