@@ -53,6 +53,7 @@ use std::process::ExitCode;
 /// mine.toml`) or a recording (MCAP). Units are SI and radians.
 #[derive(Debug, Parser)]
 #[command(name = "toprise", version, after_help = EXAMPLES, after_long_help = MORE)]
+#[command(next_help_heading = OUTPUT, next_display_order = 899)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -63,14 +64,12 @@ struct Arguments {
         global = true,
         value_enum,
         default_value_t,
-        hide_possible_values = true,
-        help_heading = OUTPUT,
-        display_order = 899
+        hide_possible_values = true
     )]
     format: Format,
 
     /// Print only errors (and the report, with --format json or markdown)
-    #[arg(short, long, global = true, help_heading = OUTPUT, display_order = 900)]
+    #[arg(short, long, global = true)]
     quiet: bool,
 
     /// Use colours: auto, always or never [auto: on a terminal, unless NO_COLOR is set]
@@ -80,9 +79,7 @@ struct Arguments {
         value_name = "WHEN",
         value_enum,
         default_value_t,
-        hide_possible_values = true,
-        help_heading = OUTPUT,
-        display_order = 901
+        hide_possible_values = true
     )]
     color: ColorChoice,
 }

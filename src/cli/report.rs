@@ -4,6 +4,7 @@ use super::arguments::Format;
 use super::numbers::bytes;
 use super::output;
 use super::page::{self, Section};
+use super::text::sanitized_json;
 use crate::archive::publish::Draft;
 use crate::archive::recording::Loss;
 use crate::archive::sink::SinkError;
@@ -22,7 +23,7 @@ pub(super) fn print(
         Format::Text if output::is_quiet() => {}
         Format::Text => output::print_styled(&page::text(&sections(), output::columns()))?,
         Format::Markdown => output::print(&page::markdown(&sections()))?,
-        Format::Json => output::print_json(&serde_json::to_string_pretty(report)?)?,
+        Format::Json => output::print(&sanitized_json(&serde_json::to_string_pretty(report)?))?,
     }
     Ok(())
 }

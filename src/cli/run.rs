@@ -8,7 +8,7 @@ mod report;
 mod viewer;
 
 pub(super) use self::arguments::RunArguments;
-use self::files::{ExistingRecordings, RunFiles};
+use self::files::{RunFiles, same_as};
 use self::pace::Pace;
 use self::report::Recorded;
 pub(super) use self::report::RunReport;
@@ -25,6 +25,7 @@ use crate::run::scenario::{Preset, Scenario};
 use crate::run::simulation::{Record, Simulation, StopReason, Tally};
 use crate::telemetry::Telemetry;
 use anyhow::Error;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Runs a scenario and records it.
@@ -77,7 +78,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
 fn record(
     arguments: &RunArguments,
     scenario: &Scenario,
-    earlier: &ExistingRecordings,
+    earlier: &[PathBuf],
     mut archive: McapSink,
     #[cfg(feature = "rerun")] mut viewer: Option<RunViewer>,
     telemetry: &mut Telemetry,
@@ -106,7 +107,7 @@ fn record(
     drop(sinks);
     let (draft, digest) = archive.complete(&end)?;
     let outcome = Outcome::new(scenario, end, counts);
-    let there = earlier.same_as(&draft);
+    let there = same_as(&draft, earlier);
     let mcap = match &there {
         Some(there) => {
             draft.discard();

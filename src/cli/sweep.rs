@@ -149,15 +149,8 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
 }
 
 impl SweepArguments {
-    /// The spec from the file or the arguments; arguments take precedence.
-    fn spec(&self) -> Result<Spec, Error> {
-        let mut spec = self.spec_of_runs()?;
-        spec.most_steps = self.max_steps.or(spec.most_steps);
-        Ok(spec)
-    }
-
     /// The spec from the file, or from the bases and axes given as arguments.
-    fn spec_of_runs(&self) -> Result<Spec, Error> {
+    fn spec(&self) -> Result<Spec, Error> {
         if let [word] = &self.bases[..]
             && let path = Path::new(word)
             && path.is_file()
@@ -179,7 +172,7 @@ impl SweepArguments {
         });
         let table = self.table.as_deref().map(Table::read).transpose()?;
         let design = Design::of(axes, sample, table)?;
-        Ok(Spec::new(bases, design, None)?)
+        Ok(Spec::new(bases, design, self.max_steps)?)
     }
 
     fn spec_of_file(&self, text: &str, path: &Path) -> Result<Spec, Error> {
@@ -187,7 +180,9 @@ impl SweepArguments {
             bail!("the spec file defines the axes: remove --over, --sample and --table");
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        Ok(Spec::from_toml(text, folder, &self.overrides)?)
+        let mut spec = Spec::from_toml(text, folder, &self.overrides)?;
+        spec.most_steps = self.max_steps.or(spec.most_steps);
+        Ok(spec)
     }
 
     fn options(&self) -> Options {
