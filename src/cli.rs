@@ -6,7 +6,6 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
-mod completions;
 mod diff;
 mod explain;
 mod figures;
@@ -38,6 +37,7 @@ use crate::analysis;
 use anyhow::Error;
 use arguments::{Format, OUTPUT};
 use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use schemars::{JsonSchema, schema_for};
 use status::Status;
 use std::ffi::OsString;
@@ -200,7 +200,10 @@ enum Command {
     /// List the channels of a recording, print the schema of one, or write all schemas.
     Schema(schema::SchemaArguments),
     /// Print a completion script for a shell.
-    Completions(completions::CompletionsArguments),
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
 }
 
 /// Runs the program with the arguments of the process.
@@ -283,8 +286,11 @@ fn dispatch(command: Command) -> Result<Status, Error> {
         Command::Presets(arguments) => presets::presets(&arguments),
         Command::Laws => laws::laws(),
         Command::Schema(arguments) => schema::schema(&arguments, schemas()),
-        Command::Completions(arguments) => {
-            completions::completions(&arguments, Arguments::command())
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "toprise", &mut script);
+            output::print(&String::from_utf8_lossy(&script))?;
+            Ok(Status::Success)
         }
     }
 }

@@ -62,9 +62,8 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
 
 impl InfoReport {
     fn page(&self) -> Vec<Section> {
-        let mut head = Section::new(&self.file);
-        head.note = bytes(self.bytes);
-        head.table(Table::of_facts(self.facts()));
+        let facts = Section::of(Table::of_facts(self.facts()));
+        let head = facts.titled(&self.file, bytes(self.bytes));
         let mut rest = Section::of(self.channel_table());
         rest.table(self.event_table());
         vec![head, rest]

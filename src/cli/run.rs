@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     #[cfg(feature = "rerun")]
     let viewer = {
         let identity = viewer::identity(arguments, files.mcap.path(), &scenario, &telemetry);
-        RunViewer::open(&identity, files.rrd, target.live())?
+        RunViewer::open(&identity, files.rrd, target.live.clone())?
     };
     let archive = McapSink::create_in(files.mcap, &scenario, &telemetry, form)?;
     let (outcome, recorded) = record(
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     let top = &scenario.model.top;
     print(&report, || report.page(&name, top, arguments.note_on_rrd()))?;
     #[cfg(feature = "rerun")]
-    target.serve_until_interrupted();
+    target.serve_until_interrupted()?;
     Ok(match report.outcome.end.stop {
         StopReason::Interrupted | StopReason::Failed => Status::Partial,
         _ if report.recorded.is_rrd_lost => Status::Partial,

@@ -167,7 +167,7 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
         is_interrupted: interrupt::is_requested(),
     };
     report::print(&report, || report.page())?;
-    target.serve_until_interrupted();
+    target.serve_until_interrupted()?;
     Ok(Status::of_whole(report.is_complete()))
 }
 
@@ -186,13 +186,13 @@ fn open(file: &Path) -> Result<Recording, Error> {
 /// The requested viewer, or a new one.
 fn target(arguments: &ViewArguments) -> Result<Target, Error> {
     let target = arguments.viewer.target()?;
-    if arguments.rrd.is_some() || !matches!(target, Target::None) {
+    if arguments.rrd.is_some() || target.live.is_some() {
         return Ok(target);
     }
     if !viewer_is_installed() {
         bail!("{MISSING_VIEWER}\nor write a file for it with --rrd FILE");
     }
-    Ok(Target::Live(Live::Spawn))
+    Ok(Target::of(Some(Live::Spawn)))
 }
 
 fn viewer_is_installed() -> bool {
@@ -221,7 +221,7 @@ fn show(
     let mut draft = draft.transpose()?;
     let destinations = Destinations {
         file: draft.as_ref().map(Draft::file).transpose()?,
-        live: target.live(),
+        live: target.live.clone(),
     };
     let mut sink = RerunSink::new(&identity, destinations);
     let warnings = sink.take_warnings();

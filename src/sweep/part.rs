@@ -15,7 +15,7 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
 use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, ParallelIterator as _};
-use serde_json::{Value as Json, json};
+use serde_json::json;
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::ops::Range;
@@ -30,8 +30,6 @@ pub(super) const COUNTS_ENTRY: &str = "toprise.counts";
 /// A sweep that can be computed row by row.
 pub struct Sweep {
     spec: Spec,
-    /// The spec as JSON, cached because it hashes all rows of an input table.
-    identity: Json,
     schema: SchemaRef,
     run: Run,
 }
@@ -41,7 +39,6 @@ impl Sweep {
     pub fn new(spec: Spec) -> Self {
         let schema = Arc::new(Schema::new(fields(&spec)));
         Self {
-            identity: spec.to_json(),
             spec,
             schema,
             run: |scenario, carry_on| outcome(scenario, carry_on),
@@ -56,11 +53,6 @@ impl Sweep {
     /// The spec.
     pub fn spec(&self) -> &Spec {
         &self.spec
-    }
-
-    /// Identification of this sweep: [`Spec::to_json`].
-    pub(super) fn identity(&self) -> &Json {
-        &self.identity
     }
 
     /// The columns of the table, with units and meanings as metadata.
