@@ -6,7 +6,6 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
-mod completions;
 mod diff;
 mod explain;
 mod figures;
@@ -38,6 +37,7 @@ use crate::analysis;
 use anyhow::Error;
 use arguments::{Format, OUTPUT};
 use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use schemars::{JsonSchema, schema_for};
 use status::Status;
 use std::ffi::OsString;
@@ -53,6 +53,7 @@ use std::process::ExitCode;
 /// mine.toml`) or a recording (MCAP). Units are SI and radians.
 #[derive(Debug, Parser)]
 #[command(name = "toprise", version, after_help = EXAMPLES, after_long_help = MORE)]
+#[command(next_help_heading = OUTPUT, next_display_order = 899)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -63,14 +64,12 @@ struct Arguments {
         global = true,
         value_enum,
         default_value_t,
-        hide_possible_values = true,
-        help_heading = OUTPUT,
-        display_order = 899
+        hide_possible_values = true
     )]
     format: Format,
 
     /// Print only errors (and the report, with --format json or markdown)
-    #[arg(short, long, global = true, help_heading = OUTPUT, display_order = 900)]
+    #[arg(short, long, global = true)]
     quiet: bool,
 
     /// Use colours: auto, always or never [auto: on a terminal, unless NO_COLOR is set]
@@ -80,9 +79,7 @@ struct Arguments {
         value_name = "WHEN",
         value_enum,
         default_value_t,
-        hide_possible_values = true,
-        help_heading = OUTPUT,
-        display_order = 901
+        hide_possible_values = true
     )]
     color: ColorChoice,
 }
@@ -201,7 +198,10 @@ enum Command {
     /// List the channels of a recording, print the schema of one, or write all schemas.
     Schema(schema::SchemaArguments),
     /// Print a completion script for a shell.
-    Completions(completions::CompletionsArguments),
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
 }
 
 /// Runs the program with the arguments of the process.
@@ -284,8 +284,11 @@ fn dispatch(command: Command) -> Result<Status, Error> {
         Command::Presets(arguments) => presets::presets(&arguments),
         Command::Laws => laws::laws(),
         Command::Schema(arguments) => schema::schema(&arguments, schemas()),
-        Command::Completions(arguments) => {
-            completions::completions(&arguments, Arguments::command())
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "toprise", &mut script);
+            output::print(&String::from_utf8_lossy(&script))?;
+            Ok(Status::Success)
         }
     }
 }

@@ -29,6 +29,6 @@ pub use self::order::Misplaced;
 pub use self::overview::{ChannelOverview, EventOverview, Overview};
 pub use self::reader::{Reader, Selection, Undecoded};
 pub use crate::archive::container::channels::{FileChannel, FileSchema};
-pub use crate::archive::container::loss::{Loss, Span};
+pub use crate::archive::container::loss::Loss;
 pub use crate::archive::error::{MessageError, NoScenario, RecordingError};
 pub use crate::archive::format::Entries;

@@ -41,51 +41,44 @@ pub(super) struct DiffArguments {
     #[arg(long)]
     all: bool,
 
-    /// Absolute tolerance, in the unit of each field.
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        default_value_t = 0.0,
-        help_heading = "Comparison"
-    )]
-    abs: f64,
-
-    /// Relative tolerance (relative to the larger magnitude)
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        default_value_t = 0.0,
-        help_heading = "Comparison"
-    )]
-    rel: f64,
-
-    /// Tolerance for some fields, e.g. '/top/state.theta=1e-9' or '/top/torque.*=rel:1e-6'
-    #[arg(long, value_name = "PATTERN=VALUE", help_heading = "Comparison")]
-    tol: Vec<String>,
-
-    /// Compare only these topics (comma-separated)
-    #[arg(
-        long,
-        value_name = "TOPICS",
-        value_delimiter = ',',
-        help_heading = "Comparison"
-    )]
-    topics: Vec<String>,
-
-    /// Ignore these topics or fields, e.g. /top/pose or '/top/state.*_ddot'
-    #[arg(long, value_name = "PATTERN", help_heading = "Comparison")]
-    ignore: Vec<String>,
-
-    /// Don't estimate integration errors (much faster)
-    #[arg(long, help_heading = "Comparison")]
-    no_floor: bool,
+    #[command(flatten)]
+    comparison: ComparisonArguments,
 
     #[cfg(feature = "rerun")]
     #[command(flatten)]
     show: viewer::ShowArguments,
 }
 
-impl DiffArguments {
+/// What counts as a difference.
+#[derive(Args, Debug, PartialEq)]
+#[command(next_help_heading = "Comparison")]
+struct ComparisonArguments {
+    /// Absolute tolerance, in the unit of each field.
+    #[arg(long, value_name = "NUMBER", default_value_t = 0.0)]
+    abs: f64,
+
+    /// Relative tolerance (relative to the larger magnitude)
+    #[arg(long, value_name = "NUMBER", default_value_t = 0.0)]
+    rel: f64,
+
+    /// Tolerance for some fields, e.g. '/top/state.theta=1e-9' or '/top/torque.*=rel:1e-6'
+    #[arg(long, value_name = "PATTERN=VALUE")]
+    tol: Vec<String>,
+
+    /// Compare only these topics (comma-separated)
+    #[arg(long, value_name = "TOPICS", value_delimiter = ',')]
+    topics: Vec<String>,
+
+    /// Ignore these topics or fields, e.g. /top/pose or '/top/state.*_ddot'
+    #[arg(long, value_name = "PATTERN")]
+    ignore: Vec<String>,
+
+    /// Don't estimate integration errors (much faster)
+    #[arg(long)]
+    no_floor: bool,
+}
+
+impl ComparisonArguments {
     fn options(&self) -> Result<Options, Error> {
         let mut tolerances = Tolerances {
             general: Tolerance {
@@ -105,7 +98,9 @@ impl DiffArguments {
             topics: self.topics.clone(),
         })
     }
+}
 
+impl DiffArguments {
     fn inputs(&self) -> Result<[Input; 2], Error> {
         let a = open(&self.runs[0], &self.overrides, &self.overrides_a)?;
         let b = open(&self.runs[1], &self.overrides, &self.overrides_b)?;
@@ -119,7 +114,7 @@ impl DiffArguments {
 
 /// Compares two runs.
 pub(super) fn diff(arguments: &DiffArguments) -> Result<Status, Error> {
-    let options = arguments.options()?;
+    let options = arguments.comparison.options()?;
     #[cfg(feature = "rerun")]
     arguments.show.check_file(&arguments.runs)?;
     let [a, b] = arguments.inputs()?;
@@ -182,15 +177,16 @@ mod tests {
     #[test]
     fn runs_and_tolerances_are_named() {
         let base = parse::<DiffArguments>("a b").unwrap();
+        let line = "a b --rel 1e-9 --tol *=rel:1e-6 --topics /events,/top/state";
+        let comparison = ComparisonArguments {
+            rel: 1e-9,
+            tol: vec!["*=rel:1e-6".to_owned()],
+            topics: vec!["/events".to_owned(), "/top/state".to_owned()],
+            ..base.comparison
+        };
         assert_eq!(
-            parse::<DiffArguments>("a b --rel 1e-9 --tol *=rel:1e-6 --topics /events,/top/state")
-                .unwrap(),
-            DiffArguments {
-                rel: 1e-9,
-                tol: vec!["*=rel:1e-6".to_owned()],
-                topics: vec!["/events".to_owned(), "/top/state".to_owned()],
-                ..base
-            }
+            parse::<DiffArguments>(line).unwrap(),
+            DiffArguments { comparison, ..base }
         );
         for line in ["a", "a b c", "a b --rel x", "a b --align time"] {
             assert!(parse::<DiffArguments>(line).is_err(), "{line}");

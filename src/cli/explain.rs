@@ -68,7 +68,6 @@ fn section(chapter: &Chapter) -> Section {
 
 /// One line for each kind of event.
 fn events(explanation: &Explanation, all: bool) -> Section {
-    let mut section = Section::new("Events");
     let row = |event: &EventSummary| {
         let again = match event.count {
             1 => String::new(),
@@ -79,13 +78,11 @@ fn events(explanation: &Explanation, all: bool) -> Section {
     };
     let most = if all { usize::MAX } else { MOST_EVENTS };
     let rows = explanation.events.iter().take(most).map(row);
-    section.table(Table::of_texts(rows.collect()));
-    section
+    Section::of(Table::of_texts(rows.collect())).titled("Events", "")
 }
 
 /// Table of the averaged motion.
 fn stages(stages: &[Stage]) -> Section {
-    let mut section = Section::new("Nutations");
     let header = [
         "time [s]",
         "nutations",
@@ -108,8 +105,8 @@ fn stages(stages: &[Stage]) -> Section {
             significant(stage.psi_dot, 5),
         ]
     };
-    section.table(Table::new(&header, stages.iter().map(row).collect(), 1));
-    section
+    let rows = stages.iter().map(row).collect();
+    Section::of(Table::new(&header, rows, 1)).titled("Nutations", "")
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::numbers::{bytes, count};
 use super::page::Section;
-use super::report::{self, LossReport};
+use super::report;
 use super::status::Status;
 use super::table::Table;
 use crate::archive::recording::{ChannelOverview, Condition, EventOverview, Overview};
@@ -38,8 +38,6 @@ pub(super) struct InfoReport {
     last_ns: u64,
     #[serde(flatten)]
     overview: Overview,
-    /// Parts that can't be read.
-    losses: Vec<LossReport>,
 }
 
 /// Lists the content of a file.
@@ -54,18 +52,18 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
         bytes: size,
         messages: overview.messages(),
         last_ns: overview.last_ns(),
-        losses: overview.losses.iter().map(LossReport::from).collect(),
         overview,
     };
     report::print(&report, || report.page())?;
-    Ok(Status::of_whole(is_whole && report.losses.is_empty()))
+    Ok(Status::of_whole(
+        is_whole && report.overview.losses.is_empty(),
+    ))
 }
 
 impl InfoReport {
     fn page(&self) -> Vec<Section> {
-        let mut head = Section::new(&self.file);
-        head.note = bytes(self.bytes);
-        head.table(Table::of_facts(self.facts()));
+        let facts = Section::of(Table::of_facts(self.facts()));
+        let head = facts.titled(&self.file, bytes(self.bytes));
         let mut rest = Section::of(self.channel_table());
         rest.table(self.event_table());
         vec![head, rest]

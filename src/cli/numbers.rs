@@ -1,5 +1,7 @@
 //! Numbers in reports.
 
+use indicatif::HumanCount;
+
 /// Formats a number with `digits` decimals and a typographic minus; huge numbers in scientific notation.
 pub(super) fn number(value: f64, digits: usize) -> String {
     let text = if value.abs() < 1e15 {
@@ -17,10 +19,7 @@ pub(super) fn number(value: f64, digits: usize) -> String {
 
 /// Formats an integer with thousands separators.
 pub(super) fn count(value: u64) -> String {
-    let digits = value.to_string();
-    let groups = digits.as_bytes().rchunks(3).rev();
-    let groups: Vec<_> = groups.map(String::from_utf8_lossy).collect();
-    groups.join(",")
+    HumanCount(value).to_string()
 }
 
 /// Formats a count with its noun: "1 sample", "2 samples".

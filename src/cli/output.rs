@@ -63,11 +63,6 @@ pub(super) fn print_styled(answer: &str) -> io::Result<()> {
     }
 }
 
-/// Prints JSON.
-pub(super) fn print_json(json: &str) -> io::Result<()> {
-    write(&mut io::stdout().lock(), &text::sanitized_json(json))
-}
-
 /// Writes an answer. The first write must be a single one: it shows whether there is a reader at all.
 fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
     let answer = answer.trim_end();

@@ -4,8 +4,8 @@ use super::arguments::Format;
 use super::numbers::bytes;
 use super::output;
 use super::page::{self, Section};
+use super::text::sanitized_json;
 use crate::archive::publish::Draft;
-use crate::archive::recording::Loss;
 use crate::archive::sink::SinkError;
 use anyhow::Error;
 use schemars::JsonSchema;
@@ -22,7 +22,7 @@ pub(super) fn print(
         Format::Text if output::is_quiet() => {}
         Format::Text => output::print_styled(&page::text(&sections(), output::columns()))?,
         Format::Markdown => output::print(&page::markdown(&sections()))?,
-        Format::Json => output::print_json(&serde_json::to_string_pretty(report)?)?,
+        Format::Json => output::print(&sanitized_json(&serde_json::to_string_pretty(report)?))?,
     }
     Ok(())
 }
@@ -67,31 +67,4 @@ impl WrittenFile {
 /// The path and the size of a file, human-readable.
 pub(super) fn file_line(path: &str, size: u64) -> String {
     format!("{path}  {}", bytes(size))
-}
-
-/// A part of a file that can't be read.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub(super) struct LossReport {
-    /// Its start in the file, bytes.
-    pub(super) offset: u64,
-    /// Length, bytes.
-    pub(super) length: u64,
-    /// Start of the time span with lost messages, ns; absent if none are lost.
-    pub(super) from_ns: Option<u64>,
-    /// End of that span, ns; absent if unknown.
-    pub(super) to_ns: Option<u64>,
-    /// The reason why it can't be read.
-    pub(super) reason: String,
-}
-
-impl From<&Loss> for LossReport {
-    fn from(loss: &Loss) -> Self {
-        Self {
-            offset: loss.offset,
-            length: loss.length,
-            from_ns: loss.span.map(|span| span.from_ns),
-            to_ns: loss.span.and_then(|span| span.to_ns),
-            reason: loss.reason.clone(),
-        }
-    }
 }

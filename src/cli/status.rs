@@ -6,13 +6,13 @@ use std::process::ExitCode;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Status {
     /// Success: exit code 0.
-    Success,
+    Success = 0,
     /// Runs differ, or verification failed: exit code 1.
-    Different,
+    Different = 1,
     /// An error that was already printed: exit code 2.
-    Failed,
+    Failed = 2,
     /// Partial result: exit code 3.
-    Partial,
+    Partial = 3,
 }
 
 impl Status {
@@ -28,11 +28,6 @@ impl Status {
 
 impl From<Status> for ExitCode {
     fn from(status: Status) -> Self {
-        Self::from(match status {
-            Status::Success => 0,
-            Status::Different => 1,
-            Status::Failed => 2,
-            Status::Partial => 3,
-        })
+        Self::from(status as u8)
     }
 }

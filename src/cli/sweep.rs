@@ -3,7 +3,7 @@
 mod report;
 
 use super::arguments::{Override, parse_override};
-use super::interrupt::Interrupt;
+use super::interrupt;
 use super::numbers::{count, counted};
 use super::output;
 use super::progress::Progress;
@@ -12,8 +12,8 @@ use super::status::Status;
 use crate::archive::input::read_file;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
-    Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, Table,
-    Watch, is_in_row, left_to_do, parts_directory, run,
+    Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, SweepError,
+    Table, Watch, is_in_row, left_to_do, parts_directory, run,
 };
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
@@ -114,24 +114,12 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
         ));
     }
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
-    let interrupt = Interrupt::watch()?;
-    let carry_on = || !interrupt.is_requested();
-    let finished = quietly(|| {
-        if arguments.dry_run {
-            return Ok(Finished::default());
-        }
-        if left > 0 {
-            output::note(&announcement(&sweep, left));
-        }
-        let tally = Tally::new(left);
-        let watch = Watch {
-            carry_on: &carry_on,
-            done: &|stop| tally.add(stop),
-        };
-        let finished = run(&sweep, &arguments.output, &arguments.options(), &watch);
-        tally.progress.finish();
-        finished
-    })?;
+    interrupt::watch()?;
+    let finished = if arguments.dry_run {
+        Finished::default()
+    } else {
+        quietly(|| compute(arguments, &sweep, left))?
+    };
     let report = SweepReport {
         runs: sweep.spec().rows(),
         computed: finished.computed,
@@ -149,16 +137,35 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
     Ok(Status::of_whole(report.errors == 0 && !report.interrupted))
 }
 
-impl SweepArguments {
-    /// The spec from the file or the arguments; arguments take precedence.
-    fn spec(&self) -> Result<Spec, Error> {
-        let mut spec = self.spec_of_runs()?;
-        spec.most_steps = self.max_steps.or(spec.most_steps);
-        Ok(spec)
+/// Computes what is left, and shows the progress with counts of outcomes.
+fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finished, SweepError> {
+    if left > 0 {
+        output::note(&announcement(sweep, left));
     }
+    let progress = Progress::of_runs(left);
+    let counts = Mutex::new((Counts::default(), Instant::now()));
+    let done = |stop: Option<StopReason>| {
+        progress.add(1);
+        let mut guard = counts.lock().unwrap_or_else(PoisonError::into_inner);
+        let (counts, shown) = &mut *guard;
+        counts.count(0, stop.map(StopReason::name).ok_or(""));
+        if shown.elapsed() > Duration::from_millis(100) {
+            *shown = Instant::now();
+            progress.set_text(summary(&counts.stops, counts.errors));
+        }
+    };
+    let watch = Watch {
+        carry_on: &|| !interrupt::is_requested(),
+        done: &done,
+    };
+    let finished = run(sweep, &arguments.output, &arguments.options(), &watch);
+    progress.finish();
+    finished
+}
 
+impl SweepArguments {
     /// The spec from the file, or from the bases and axes given as arguments.
-    fn spec_of_runs(&self) -> Result<Spec, Error> {
+    fn spec(&self) -> Result<Spec, Error> {
         if let [word] = &self.bases[..]
             && let path = Path::new(word)
             && path.is_file()
@@ -180,7 +187,7 @@ impl SweepArguments {
         });
         let table = self.table.as_deref().map(Table::read).transpose()?;
         let design = Design::of(axes, sample, table)?;
-        Ok(Spec::new(bases, design, None)?)
+        Ok(Spec::new(bases, design, self.max_steps)?)
     }
 
     fn spec_of_file(&self, text: &str, path: &Path) -> Result<Spec, Error> {
@@ -188,7 +195,9 @@ impl SweepArguments {
             bail!("the spec file defines the axes: remove --over, --sample and --table");
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        Ok(Spec::from_toml(text, folder, &self.overrides)?)
+        let mut spec = Spec::from_toml(text, folder, &self.overrides)?;
+        spec.most_steps = self.max_steps.or(spec.most_steps);
+        Ok(spec)
     }
 
     fn options(&self) -> Options {
@@ -226,33 +235,6 @@ fn announcement(sweep: &Sweep, left: u64) -> String {
         format!(", {} of them left", count(left))
     };
     format!("{runs}{left}")
-}
-
-/// Progress display with counts of outcomes.
-struct Tally {
-    progress: Progress,
-    counts: Mutex<(Counts, Instant)>,
-}
-
-impl Tally {
-    fn new(rows: u64) -> Self {
-        Self {
-            progress: Progress::of_runs(rows),
-            counts: Mutex::new((Counts::default(), Instant::now())),
-        }
-    }
-
-    fn add(&self, stop: Option<StopReason>) {
-        self.progress.add(1);
-        let mut guard = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
-        let (counts, shown) = &mut *guard;
-        counts.count(0, stop.map(StopReason::name).ok_or(""));
-        if shown.elapsed() > Duration::from_millis(100) {
-            *shown = Instant::now();
-            self.progress
-                .set_text(summary(&counts.stops, counts.errors));
-        }
-    }
 }
 
 #[cfg(test)]

@@ -87,9 +87,24 @@ impl VerifyReport {
     }
 }
 
+const OTHER_VERSION: &str = "recorded by another version; all common values match";
+const INCOMPLETE: &str = "all readable messages match, but some are missing";
+
 fn section(file: &str, report: &Report) -> Section {
-    let (tone, conclusion) = conclusion(report);
-    let mut section = Section::toned(tone, format!("{file}: {conclusion}"));
+    let (tone, conclusion) = match report.verdict {
+        Verdict::Verified => (Tone::Good, "verified (byte-identical to a new run)"),
+        Verdict::PackedOtherwise => (Tone::Good, "verified (same content, repacked)"),
+        Verdict::OtherVersion => (Tone::Weak, OTHER_VERSION),
+        Verdict::Incomplete => (Tone::Weak, INCOMPLETE),
+        Verdict::Different => (Tone::Bad, "DIFFERENT from a new run of its scenario"),
+    };
+    let state = match (report.verdict, report.state) {
+        // A complete file can contain an incomplete run.
+        (Verdict::Incomplete, Condition::Whole) => "incomplete run: ".to_owned(),
+        (Verdict::Incomplete, state) => format!("{}: ", state.name()),
+        _ => String::new(),
+    };
+    let mut section = Section::toned(tone, format!("{file}: {state}{conclusion}"));
     let mut facts = Vec::new();
     if let Some(difference) = &report.difference {
         facts.push(("difference", difference.to_string()));
@@ -109,33 +124,6 @@ fn section(file: &str, report: &Report) -> Section {
     }
     section.table(Table::of_facts(facts));
     section
-}
-
-fn conclusion(report: &Report) -> (Tone, String) {
-    match report.verdict {
-        Verdict::Verified => (
-            Tone::Good,
-            "verified (byte-identical to a new run)".to_owned(),
-        ),
-        Verdict::PackedOtherwise => (Tone::Good, "verified (same content, repacked)".to_owned()),
-        Verdict::OtherVersion => (
-            Tone::Weak,
-            "recorded by another version; all common values match".to_owned(),
-        ),
-        Verdict::Incomplete => {
-            // A complete file can contain an incomplete run.
-            let state = match report.state {
-                Condition::Whole => "incomplete run",
-                state => state.name(),
-            };
-            let conclusion = format!("{state}: all readable messages match, but some are missing");
-            (Tone::Weak, conclusion)
-        }
-        Verdict::Different => (
-            Tone::Bad,
-            "DIFFERENT from a new run of its scenario".to_owned(),
-        ),
-    }
 }
 
 #[cfg(test)]

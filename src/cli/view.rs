@@ -1,7 +1,7 @@
 //! `toprise view`.
 
 use super::arguments::OUTPUT;
-use super::interrupt::Interrupt;
+use super::interrupt;
 use super::output;
 use super::page::Section;
 use super::progress::Progress;
@@ -149,30 +149,25 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
     for rrd in names.iter().filter_map(|name| arguments.rrd_of(name)) {
         refuse_inputs(&rrd, arguments.files.iter().map(PathBuf::as_path))?;
     }
-    let interrupt = Interrupt::watch()?;
+    interrupt::watch()?;
     let target = target(arguments)?;
     let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
-    let options = ReplayOptions {
-        arguments,
-        selection: &selection,
-        target: &target,
-        interrupt: &interrupt,
-        progress: &progress,
-    };
     let mut shown = Vec::new();
     for (recording, name) in recordings.iter().zip(names) {
-        shown.push(show(recording, &name, &options)?);
-        if interrupt.is_requested() {
+        shown.push(show(
+            recording, &name, arguments, &selection, &target, &progress,
+        )?);
+        if interrupt::is_requested() {
             break;
         }
     }
     progress.finish();
     let report = ViewReport {
         recordings: shown,
-        is_interrupted: interrupt.is_requested(),
+        is_interrupted: interrupt::is_requested(),
     };
     report::print(&report, || report.page())?;
-    target.serve_until(&interrupt);
+    target.serve_until_interrupted()?;
     Ok(Status::of_whole(report.is_complete()))
 }
 
@@ -191,13 +186,13 @@ fn open(file: &Path) -> Result<Recording, Error> {
 /// The requested viewer, or a new one.
 fn target(arguments: &ViewArguments) -> Result<Target, Error> {
     let target = arguments.viewer.target()?;
-    if arguments.rrd.is_some() || !matches!(target, Target::None) {
+    if arguments.rrd.is_some() || target.live.is_some() {
         return Ok(target);
     }
     if !viewer_is_installed() {
         bail!("{MISSING_VIEWER}\nor write a file for it with --rrd FILE");
     }
-    Ok(Target::Live(Live::Spawn))
+    Ok(Target::of(Some(Live::Spawn)))
 }
 
 fn viewer_is_installed() -> bool {
@@ -206,22 +201,15 @@ fn viewer_is_installed() -> bool {
     env::split_paths(&path).any(|directory| directory.join(&name).is_file())
 }
 
-/// Settings of a replay.
-struct ReplayOptions<'a> {
-    arguments: &'a ViewArguments,
-    selection: &'a Selection,
-    target: &'a Target,
-    interrupt: &'a Interrupt,
-    progress: &'a Progress,
-}
-
 /// Replays one recording.
 fn show(
     recording: &Recording,
     name: &str,
-    options: &ReplayOptions<'_>,
+    arguments: &ViewArguments,
+    selection: &Selection,
+    target: &Target,
+    progress: &Progress,
 ) -> Result<ShownRecording, Error> {
-    let (arguments, interrupt) = (options.arguments, options.interrupt);
     let path = recording.path();
     let context = || path.display().to_string();
     let identity = Identity {
@@ -233,7 +221,7 @@ fn show(
     let mut draft = draft.transpose()?;
     let destinations = Destinations {
         file: draft.as_ref().map(Draft::file).transpose()?,
-        live: options.target.live(),
+        live: target.live.clone(),
     };
     let mut sink = RerunSink::new(&identity, destinations);
     let warnings = sink.take_warnings();
@@ -241,19 +229,19 @@ fn show(
         bail!("{}", warnings.join("; "));
     }
     output::warn_all(warnings);
-    let replayed = replay(recording, options.selection.clone(), &mut sink, |read| {
-        options.progress.add(read);
-        if interrupt.is_requested() {
+    let replayed = replay(recording, selection.clone(), &mut sink, |read| {
+        progress.add(read);
+        if interrupt::is_requested() {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
         }
     })
     .with_context(context)?;
-    if let Some(outcome) = outcome_of(recording, options) {
+    if let Some(outcome) = outcome_of(recording, selection) {
         sink.set_outcome(&outcome);
     }
-    let interrupted = draft.take_if(|_| interrupt.is_requested());
+    let interrupted = draft.take_if(|_| interrupt::is_requested());
     let rrd = viewer::complete(sink.finish(), draft)?;
     if let Some(draft) = interrupted {
         let path = draft.path().display();
@@ -272,13 +260,13 @@ fn show(
 }
 
 /// Outcome of the run, if the complete recording is shown and the scenario's outcome agrees with the recorded end.
-fn outcome_of(recording: &Recording, options: &ReplayOptions<'_>) -> Option<Outcome> {
-    let is_span = options.selection.from_ns.is_some() || options.selection.to_ns.is_some();
+fn outcome_of(recording: &Recording, selection: &Selection) -> Option<Outcome> {
+    let is_span = selection.from_ns.is_some() || selection.to_ns.is_some();
     if is_span || recording.condition() != Condition::Whole {
         return None;
     }
     let (scenario, end) = (recording.scenario().ok()?, recording.end()?);
-    let outcome = outcome(&scenario, || !options.interrupt.is_requested()).ok()?;
+    let outcome = outcome(&scenario, || !interrupt::is_requested()).ok()?;
     is_end_of(end, &outcome).then_some(outcome)
 }
 

@@ -1,7 +1,6 @@
 //! Selection of the Rerun viewer.
 
 use super::arguments::VIEWER;
-use super::interrupt::Interrupt;
 use super::output;
 use super::report::WrittenFile;
 use crate::archive::publish::Draft;
@@ -30,15 +29,14 @@ pub(super) struct ViewerArguments {
     serve: Option<SocketAddr>,
 }
 
-/// A viewer to show something in.
-pub(super) enum Target {
-    /// No viewer was asked for.
-    None,
+/// A viewer to show something in, if one was asked for.
+#[derive(Default)]
+pub(super) struct Target {
     /// A running viewer, or one to start.
-    Live(Live),
-    /// A web viewer served by this process.
+    pub(super) live: Option<Live>,
+    /// The web viewer behind it, if this process serves it.
     #[cfg(feature = "web-viewer")]
-    Served(crate::rerun::WebViewer),
+    served: Option<crate::rerun::WebViewer>,
 }
 
 impl ViewerArguments {
@@ -47,11 +45,8 @@ impl ViewerArguments {
         if let Some(address) = self.serve {
             return serve(address);
         }
-        Ok(match &self.connect {
-            Some(url) => Target::Live(Live::Connect(url.clone())),
-            None if self.spawn => Target::Live(Live::Spawn),
-            None => Target::None,
-        })
+        let connect = self.connect.clone().map(Live::Connect);
+        Ok(Target::of(connect.or(self.spawn.then_some(Live::Spawn))))
     }
 }
 
@@ -62,7 +57,10 @@ fn serve(address: SocketAddr) -> Result<Target, Error> {
     if !address.ip().is_loopback() {
         output::note("from another machine, replace the host name in both parts of the URL");
     }
-    Ok(Target::Served(viewer))
+    Ok(Target {
+        live: Some(Live::Connect(viewer.address.clone())),
+        served: Some(viewer),
+    })
 }
 
 #[cfg(not(feature = "web-viewer"))]
@@ -93,33 +91,33 @@ pub(super) fn complete(
 }
 
 impl Target {
-    /// The viewer to connect to.
-    pub(super) fn live(&self) -> Option<Live> {
-        match self {
-            Self::None => None,
-            Self::Live(live) => Some(live.clone()),
-            #[cfg(feature = "web-viewer")]
-            Self::Served(viewer) => Some(Live::Connect(viewer.address.clone())),
+    /// A viewer that this process doesn't serve.
+    pub(super) fn of(live: Option<Live>) -> Self {
+        Self {
+            live,
+            ..Self::default()
         }
     }
 
-    /// Serves until Ctrl-C.
+    /// Serves the web viewer, if it was asked for, until Ctrl-C.
     #[cfg_attr(
         not(feature = "web-viewer"),
-        allow(unused_variables, clippy::unused_self)
+        allow(clippy::unused_self, clippy::unnecessary_wraps)
     )]
-    pub(super) fn serve_until(self, interrupt: &Interrupt) {
+    pub(super) fn serve_until_interrupted(&self) -> Result<(), Error> {
         #[cfg(feature = "web-viewer")]
-        if let Self::Served(viewer) = self {
-            if !interrupt.is_requested() {
+        if let Some(viewer) = &self.served {
+            super::interrupt::watch()?;
+            if !super::interrupt::is_requested() {
                 output::note(&format!(
                     "still serving at {}; press Ctrl-C to stop",
                     viewer.url
                 ));
             }
-            while !interrupt.is_requested() {
+            while !super::interrupt::is_requested() {
                 std::thread::sleep(std::time::Duration::from_millis(50));
             }
         }
+        Ok(())
     }
 }

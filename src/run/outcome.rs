@@ -4,7 +4,7 @@
 //! [`Simulation`](crate::run::simulation::Simulation). [`COLUMNS`] defines the names, units, types and descriptions of
 //! the values; Parquet columns, JSON members and documents are derived from it.
 
-use self::ColumnKind::{Integer, Text};
+use self::Read::{Integer, Number, Text};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{
     EventKind, RunEnd, SimulationError, StopReason, Tally, run_without_samples,
@@ -80,11 +80,6 @@ impl Outcome {
         let column = COLUMNS.iter().find(|column| column.name == name)?;
         column.of(self)
     }
-
-    /// Time of the first event of a kind, s.
-    fn time_of(&self, kind: EventKind) -> Option<Cell> {
-        self.tally.first(kind).map(Cell::Number)
-    }
 }
 
 /// Serializes as an object with a member for each column that has a value.
@@ -110,10 +105,10 @@ impl JsonSchema for Outcome {
         let mut properties = Map::new();
         let mut required = Vec::new();
         for column in COLUMNS {
-            let schema = match column.kind {
-                ColumnKind::Text => generator.subschema_for::<StopReason>(),
-                ColumnKind::Integer => generator.subschema_for::<i64>(),
-                ColumnKind::Number => generator.subschema_for::<f64>(),
+            let schema = match column.read {
+                Text(_) => generator.subschema_for::<StopReason>(),
+                Integer(_) => generator.subschema_for::<i64>(),
+                Number(_) => generator.subschema_for::<f64>(),
             };
             let mut property = schema.to_value();
             property["description"] = column.described("absent").into();
@@ -131,15 +126,15 @@ impl JsonSchema for Outcome {
     }
 }
 
-/// Type of a column's values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ColumnKind {
+/// Reads the values of a column, which all have one type, or nothing.
+#[derive(Clone, Copy, Debug)]
+pub enum Read {
     /// Text: Utf8.
-    Text,
+    Text(fn(&Outcome) -> Option<&'static str>),
     /// Integers: Int64.
-    Integer,
+    Integer(fn(&Outcome) -> Option<i64>),
     /// Real numbers: Float64.
-    Number,
+    Number(fn(&Outcome) -> Option<f64>),
 }
 
 /// A value in a column.
@@ -161,17 +156,20 @@ pub struct Column {
     pub name: &'static str,
     /// The unit; may be empty.
     pub unit: &'static str,
-    /// Type of its values.
-    pub kind: ColumnKind,
     /// Its description, and the condition under which it is null.
     pub meaning: &'static str,
-    read: fn(&Outcome) -> Option<Cell>,
+    /// Its values and their type.
+    pub read: Read,
 }
 
 impl Column {
     /// Its value in an outcome, if it has one.
     pub fn of(&self, outcome: &Outcome) -> Option<Cell> {
-        (self.read)(outcome)
+        match self.read {
+            Text(read) => read(outcome).map(Cell::Text),
+            Integer(read) => read(outcome).map(Cell::Integer),
+            Number(read) => read(outcome).map(Cell::Number),
+        }
     }
 
     /// Whether it can be null.
@@ -195,67 +193,51 @@ impl Column {
     }
 }
 
-/// A column of real numbers.
-const fn number(
+const fn column(
     name: &'static str,
     unit: &'static str,
     meaning: &'static str,
-    read: fn(&Outcome) -> Option<Cell>,
+    read: Read,
 ) -> Column {
-    let kind = ColumnKind::Number;
     Column {
         name,
         unit,
-        kind,
         meaning,
         read,
     }
 }
 
-/// A column of something without a unit.
-const fn other(
-    name: &'static str,
-    kind: ColumnKind,
-    meaning: &'static str,
-    read: fn(&Outcome) -> Option<Cell>,
-) -> Column {
-    Column {
-        kind,
-        ..number(name, "", meaning, read)
-    }
-}
-
-fn counted(count: u64) -> Option<Cell> {
-    i64::try_from(count).ok().map(Cell::Integer)
+fn counted(count: u64) -> Option<i64> {
+    i64::try_from(count).ok()
 }
 
 /// Columns of an outcome, in table order.
 #[rustfmt::skip]
 pub const COLUMNS: &[Column] = &[
-    other("stop_reason", Text, "reason for the end of the run", |o| Some(Cell::Text(o.end.stop.name()))),
-    number("stop_time", "s", "end time", |o| Some(Cell::Number(o.end.time))),
-    number("rise_time", "s", "time at which θ reached stop.theta_risen; null if it did not",
-        |o| o.time_of(EventKind::Risen)),
-    number("weak_time", "s", "time at which the top became weak (strength ratio below 1); null if it did not, or was weak from the start",
-        |o| o.time_of(EventKind::WeakTop)),
-    number("loop_time", "s", "time of the first loop (for a tippe top: of the first reversal of precession); null if there is none",
-        |o| o.time_of(EventKind::LoopingBegins)),
-    other("loops", Integer, "number of loops (for a tippe top: of reversals of precession)", |o| counted(o.tally.number(EventKind::LoopingBegins))),
-    other("nutations", Integer, "number of complete nutation cycles", |o| counted(o.end.nutations)),
-    number("theta", "rad", "inclination θ at the end", |o| Some(Cell::Number(o.end.motion.angles.theta))),
-    number("phi_dot", "rad/s", "precession rate φ̇ at the end", |o| Some(Cell::Number(o.end.motion.tilt.rates.phi))),
-    number("theta_dot", "rad/s", "nutation rate θ̇ at the end", |o| Some(Cell::Number(o.end.motion.tilt.rates.theta))),
-    number("psi_dot", "rad/s", "spin rate ψ̇ at the end", |o| Some(Cell::Number(o.end.motion.tilt.rates.psi))),
-    number("turns", "", "number of turns of precession", |o| Some(Cell::Number(o.turns))),
-    number("energy_at_start", "J", "total energy at the start", |o| Some(Cell::Number(o.end.energy_at_start))),
-    number("energy", "J", "total energy at the end", |o| Some(Cell::Number(o.end.energy))),
-    number("friction_work", "J", "work done by friction and impacts (normally negative)", |o| Some(Cell::Number(o.end.motion.integrals.friction_work))),
-    number("slip_path", "m", "length of the slip path of the contact point", |o| Some(Cell::Number(o.end.motion.integrals.slip_path))),
-    number("roll_time", "s", "time at which the peg first rolled; null if it did not, or if the peg is fixed",
-        |o| o.time_of(EventKind::RollBegins)),
-    number("inversion_time", "s", "time at which the axis of a tippe top passed the horizontal; null otherwise",
-        |o| o.end.inversion_time.map(Cell::Number)),
-    other("hops", Integer, "number of hops; null for a fixed peg", |o| counted(o.is_free.then(|| o.tally.number(EventKind::LiftOff))?)),
-    other("impacts", Integer, "number of impacts on the table; null for a fixed peg", |o| counted(o.is_free.then_some(o.end.impacts)?)),
-    other("steps", Integer, "number of integrator steps", |o| counted(o.end.statistics.accepted)),
+    column("stop_reason", "", "reason for the end of the run", Text(|o| Some(o.end.stop.name()))),
+    column("stop_time", "s", "end time", Number(|o| Some(o.end.time))),
+    column("rise_time", "s", "time at which θ reached stop.theta_risen; null if it did not",
+        Number(|o| o.tally.first(EventKind::Risen))),
+    column("weak_time", "s", "time at which the top became weak (strength ratio below 1); null if it did not, or was weak from the start",
+        Number(|o| o.tally.first(EventKind::WeakTop))),
+    column("loop_time", "s", "time of the first loop (for a tippe top: of the first reversal of precession); null if there is none",
+        Number(|o| o.tally.first(EventKind::LoopingBegins))),
+    column("loops", "", "number of loops (for a tippe top: of reversals of precession)", Integer(|o| counted(o.tally.number(EventKind::LoopingBegins)))),
+    column("nutations", "", "number of complete nutation cycles", Integer(|o| counted(o.end.nutations))),
+    column("theta", "rad", "inclination θ at the end", Number(|o| Some(o.end.motion.angles.theta))),
+    column("phi_dot", "rad/s", "precession rate φ̇ at the end", Number(|o| Some(o.end.motion.tilt.rates.phi))),
+    column("theta_dot", "rad/s", "nutation rate θ̇ at the end", Number(|o| Some(o.end.motion.tilt.rates.theta))),
+    column("psi_dot", "rad/s", "spin rate ψ̇ at the end", Number(|o| Some(o.end.motion.tilt.rates.psi))),
+    column("turns", "", "number of turns of precession", Number(|o| Some(o.turns))),
+    column("energy_at_start", "J", "total energy at the start", Number(|o| Some(o.end.energy_at_start))),
+    column("energy", "J", "total energy at the end", Number(|o| Some(o.end.energy))),
+    column("friction_work", "J", "work done by friction and impacts (normally negative)", Number(|o| Some(o.end.motion.integrals.friction_work))),
+    column("slip_path", "m", "length of the slip path of the contact point", Number(|o| Some(o.end.motion.integrals.slip_path))),
+    column("roll_time", "s", "time at which the peg first rolled; null if it did not, or if the peg is fixed",
+        Number(|o| o.tally.first(EventKind::RollBegins))),
+    column("inversion_time", "s", "time at which the axis of a tippe top passed the horizontal; null otherwise",
+        Number(|o| o.end.inversion_time)),
+    column("hops", "", "number of hops; null for a fixed peg", Integer(|o| counted(o.is_free.then(|| o.tally.number(EventKind::LiftOff))?))),
+    column("impacts", "", "number of impacts on the table; null for a fixed peg", Integer(|o| counted(o.is_free.then_some(o.end.impacts)?))),
+    column("steps", "", "number of integrator steps", Integer(|o| counted(o.end.statistics.accepted))),
 ];

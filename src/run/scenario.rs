@@ -24,3 +24,5 @@ pub use laws::{LAWS, Law};
 pub use presets::{PRESETS, Preset};
 pub use schema::{SCHEMA_FILE, schema};
 pub use values::Values;
+#[cfg(feature = "sweep")]
+pub(crate) use values::find_key;

@@ -2,7 +2,7 @@
 
 use super::error::SweepError;
 use crate::physics::math::{exp, ln};
-use crate::run::scenario::{KEYS, Key, Value, Values};
+use crate::run::scenario::{self, KEYS, Key, Value};
 
 /// Maximum number of values of an axis.
 const MOST_VALUES: u32 = 10_000_000;
@@ -37,14 +37,10 @@ enum Points {
 /// # Errors
 /// [`SweepError::Scenario`] if there is none.
 pub fn find_key(name: &str) -> Result<&'static Key, SweepError> {
-    let mut keys = KEYS.iter();
-    let found = keys.find(|key| key.path == name || column_name(key) == name);
-    // The error suggests similar keys.
-    let unknown = || match Values::default().set_value(name, 0.0) {
-        Err(error) => error.into(),
-        Ok(()) => SweepError::Scenario(format!("unknown key {name}")),
-    };
-    found.ok_or_else(unknown)
+    match KEYS.iter().find(|key| column_name(key) == name) {
+        Some(key) => Ok(key),
+        None => Ok(scenario::find_key(name)?),
+    }
 }
 
 /// The name of a key's column: its path with `_` for the dots, which Spark and Rerun don't allow.

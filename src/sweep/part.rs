@@ -5,7 +5,7 @@ use super::checksum;
 use super::counts::Counts;
 use super::row::{Row, Run, Watch, row};
 use super::spec::Spec;
-use crate::run::outcome::{COLUMNS, Cell, Column, ColumnKind, outcome};
+use crate::run::outcome::{COLUMNS, Column, Outcome, Read, outcome};
 use crate::run::scenario::{Key, Scenario, ScenarioError, Value};
 use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
@@ -15,7 +15,7 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
 use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, ParallelIterator as _};
-use serde_json::{Value as Json, json};
+use serde_json::json;
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::ops::Range;
@@ -30,8 +30,6 @@ pub(super) const COUNTS_ENTRY: &str = "toprise.counts";
 /// A sweep that can be computed row by row.
 pub struct Sweep {
     spec: Spec,
-    /// The spec as JSON, cached because it hashes all rows of an input table.
-    identity: Json,
     schema: SchemaRef,
     run: Run,
 }
@@ -41,7 +39,6 @@ impl Sweep {
     pub fn new(spec: Spec) -> Self {
         let schema = Arc::new(Schema::new(fields(&spec)));
         Self {
-            identity: spec.to_json(),
             spec,
             schema,
             run: |scenario, carry_on| outcome(scenario, carry_on),
@@ -56,11 +53,6 @@ impl Sweep {
     /// The spec.
     pub fn spec(&self) -> &Spec {
         &self.spec
-    }
-
-    /// Identification of this sweep: [`Spec::to_json`].
-    pub(super) fn identity(&self) -> &Json {
-        &self.identity
     }
 
     /// The columns of the table, with units and meanings as metadata.
@@ -99,10 +91,8 @@ impl Sweep {
         }
         let mut columns = self.design_columns(rows);
         let results = || computed.iter().map(|row| row.result.as_ref());
-        columns.extend(COLUMNS.iter().map(|column| {
-            let cells = results().map(|outcome| column.of(outcome.ok()?));
-            outcome_column(column, cells)
-        }));
+        let outcomes = || results().map(Result::ok);
+        columns.extend(COLUMNS.iter().map(|c| outcome_column(c, outcomes())));
         let digests = computed.iter().map(|row| row.digest.as_ref());
         let errors = results().map(Result::err);
         columns.push(Arc::new(digests.collect::<StringArray>()));
@@ -160,49 +150,57 @@ impl Sweep {
     }
 }
 
-/// The column of all cells, each of this kind or empty.
-macro_rules! column {
-    ($cells:expr, $kind:path, $column:ty) => {
-        Arc::new(<$column>::from_iter($cells.map(|cell| match cell {
-            Some($kind(value)) => Some(value),
-            _ => None,
-        })))
-    };
-}
-
 /// The values of a key.
 fn key_column(key: &Key, cells: impl Iterator<Item = Option<Value>>) -> ArrayRef {
     if key.kind.is_text() {
-        column!(cells, Value::Text, StringArray)
+        let text = |cell| match cell {
+            Some(Value::Text(text)) => Some(text),
+            _ => None,
+        };
+        Arc::new(cells.map(text).collect::<StringArray>())
     } else {
-        column!(cells, Value::Number, Float64Array)
+        let number = |cell| match cell {
+            Some(Value::Number(number)) => Some(number),
+            _ => None,
+        };
+        Arc::new(cells.map(number).collect::<Float64Array>())
     }
 }
 
 /// The values of a column of the outcome.
-fn outcome_column(column: &Column, cells: impl Iterator<Item = Option<Cell>>) -> ArrayRef {
-    match column.kind {
-        ColumnKind::Text => column!(cells, Cell::Text, StringArray),
-        ColumnKind::Integer => column!(cells, Cell::Integer, Int64Array),
-        ColumnKind::Number => column!(cells, Cell::Number, Float64Array),
+fn outcome_column<'a>(
+    column: &Column,
+    outcomes: impl Iterator<Item = Option<&'a Outcome>>,
+) -> ArrayRef {
+    match column.read {
+        Read::Text(read) => Arc::new(StringArray::from_iter(outcomes.map(|o| read(o?)))),
+        Read::Integer(read) => Arc::new(Int64Array::from_iter(outcomes.map(|o| read(o?)))),
+        Read::Number(read) => Arc::new(Float64Array::from_iter(outcomes.map(|o| read(o?)))),
     }
 }
 
 /// The columns: number and base of a run, what it changes, its outcome, its digest or error.
 fn fields(spec: &Spec) -> Vec<Field> {
-    let text = |name, meaning| field(name, ColumnKind::Text, "", meaning);
-    let run = field("run", ColumnKind::Integer, "", "number of the row");
+    let text = |name, meaning| field(name, DataType::Utf8, "", meaning);
+    let run = field("run", DataType::Int64, "", "number of the row");
     let scenario = text("scenario", "name of the scenario that the run starts from");
     let mut fields = vec![run.with_nullable(false), scenario.with_nullable(false)];
     fields.extend(spec.keys().iter().map(|key| {
         let kind = if key.kind.is_text() {
-            ColumnKind::Text
+            DataType::Utf8
         } else {
-            ColumnKind::Number
+            DataType::Float64
         };
         field(&column_name(key), kind, key.unit, key.meaning)
     }));
-    let outcome = |column: &Column| field(column.name, column.kind, column.unit, column.meaning);
+    let outcome = |column: &Column| {
+        let kind = match column.read {
+            Read::Text(_) => DataType::Utf8,
+            Read::Integer(_) => DataType::Int64,
+            Read::Number(_) => DataType::Float64,
+        };
+        field(column.name, kind, column.unit, column.meaning)
+    };
     fields.extend(COLUMNS.iter().map(outcome));
     let digest = "SHA-256 of the scenario; null if there is none";
     let error = "why there is no outcome; null if there is one";
@@ -210,12 +208,7 @@ fn fields(spec: &Spec) -> Vec<Field> {
     fields
 }
 
-fn field(name: &str, kind: ColumnKind, unit: &str, meaning: &str) -> Field {
-    let kind = match kind {
-        ColumnKind::Text => DataType::Utf8,
-        ColumnKind::Integer => DataType::Int64,
-        ColumnKind::Number => DataType::Float64,
-    };
+fn field(name: &str, kind: DataType, unit: &str, meaning: &str) -> Field {
     let mut metadata = HashMap::from([("meaning".to_owned(), meaning.to_owned())]);
     if !unit.is_empty() {
         metadata.insert("unit".to_owned(), unit.to_owned());

@@ -38,7 +38,9 @@ pub fn parts_directory(table: &Path) -> PathBuf {
 /// Paths of a sweep's files.
 pub(super) struct Store<'a> {
     sweep: &'a Sweep,
-    /// The SHA-256 of its spec.
+    /// The spec as JSON, which identifies the sweep.
+    identity: Json,
+    /// Its SHA-256.
     digest: String,
     table: &'a Path,
     parts: PathBuf,
@@ -58,9 +60,11 @@ impl<'a> Store<'a> {
     /// [`SweepError::Sink`] if the table's name is invalid, or an input file would be overwritten.
     pub(super) fn new(sweep: &'a Sweep, table: &'a Path) -> Result<Self, SweepError> {
         publish::check_name(table)?;
+        let identity = sweep.spec().to_json();
         let store = Self {
             sweep,
-            digest: hex(&Sha256::digest(sweep.identity().to_string())),
+            digest: hex(&Sha256::digest(identity.to_string())),
+            identity,
             table,
             parts: parts_directory(table),
         };
@@ -92,7 +96,7 @@ impl<'a> Store<'a> {
         let file = open_file(table).map_err(SweepError::io("read", table))?;
         let metadata = metadata(&file).map_err(|_| exists())?;
         let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(exists)?;
-        refuse_other(table, spec, self.sweep.identity())?;
+        refuse_other(table, spec, &self.identity)?;
         if !checksum::is_right(&file).map_err(SweepError::io("read", table))? {
             let reason = "is damaged or was modified: choose another name, or delete it and run the sweep again";
             return Err(unusable(reason));
@@ -105,7 +109,7 @@ impl<'a> Store<'a> {
     /// # Errors
     /// [`SweepError::File`] if the directory belongs to another sweep, [`SweepError::Sink`] if a file can't be made.
     pub(super) fn open(&self) -> Result<(), SweepError> {
-        let text = format!("{:#}\n", self.sweep.identity());
+        let text = format!("{:#}\n", self.identity);
         match publish::write(&self.spec_file(), Existing::Keep, text.as_bytes()) {
             Ok(()) | Err(SinkError::Exists { .. }) => {}
             Err(error) => return Err(error.into()),
@@ -122,7 +126,7 @@ impl<'a> Store<'a> {
     pub(super) fn check_parts(&self) -> Result<(), SweepError> {
         let path = self.spec_file();
         match read_file(&path) {
-            Ok(text) => refuse_other(&self.parts, &text, self.sweep.identity()),
+            Ok(text) => refuse_other(&self.parts, &text, &self.identity),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
             Err(error) => Err(SweepError::io("read", &path)(error)),
         }
@@ -231,7 +235,7 @@ impl<'a> Store<'a> {
         let is_general =
             |entry: &&KeyValue| ![COUNTS_ENTRY, PART_ENTRY].contains(&entry.key.as_str());
         let mut entries: Vec<_> = entries.filter(is_general).cloned().collect();
-        let spec = self.sweep.identity().to_string();
+        let spec = self.identity.to_string();
         entries.push(KeyValue::new(SPEC_ENTRY.to_owned(), spec));
         let schema = first.schema_descr().root_schema_ptr();
         let output = BufWriter::new(&mut *draft);

@@ -1,7 +1,7 @@
 //! The layout of a file.
 
 use super::channels::Channels;
-use super::loss::{Loss, Span};
+use super::loss::Loss;
 use super::record::{HEAD, RecordSpan, parse};
 use super::scan::{Found, Scanner};
 use super::section::{Buffers, Section, record_at};
@@ -145,9 +145,8 @@ impl Layout {
         self.losses.push(Loss {
             offset: bytes.start,
             length: bytes.end - bytes.start,
-            span: None,
-            is_unread: false,
             reason: reason.to_owned(),
+            ..Loss::default()
         });
     }
 
@@ -160,10 +159,8 @@ impl Layout {
             let behind = behind.first().and_then(|section| section.span);
             let is_in_data = self.data_end.is_none_or(|end| loss.offset < end);
             if is_in_data && (before.is_some() || behind.is_some()) {
-                loss.span = Some(Span {
-                    from_ns: before.map_or(0, |(_, end)| end),
-                    to_ns: behind.map(|(start, _)| start),
-                });
+                loss.from_ns = Some(before.map_or(0, |(_, end)| end));
+                loss.to_ns = behind.map(|(start, _)| start);
             }
         }
     }

@@ -33,7 +33,6 @@ pub struct Overview {
     /// The events.
     pub events: Vec<EventOverview>,
     /// Parts that can't be read.
-    #[serde(skip)]
     pub losses: Vec<Loss>,
 }
 

@@ -3,7 +3,7 @@
 use super::file::Recording;
 use super::order::{Misplaced, Order};
 use crate::archive::container::channels::FileChannel;
-use crate::archive::container::loss::{Loss, Span};
+use crate::archive::container::loss::Loss;
 use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at, times};
 use crate::archive::error::MessageError;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
@@ -347,11 +347,11 @@ impl<'r> Reader<'r> {
                 self.losses.push(Loss {
                     offset: section.offset,
                     length: recording.size() - section.offset,
-                    span: None,
                     is_unread: true,
                     reason: format!(
                         "the content before it already exceeds {LARGEST_GROWTH} times the file size"
                     ),
+                    ..Loss::default()
                 });
                 self.read = self.batches.len();
                 return None;
@@ -423,10 +423,8 @@ impl<'r> Reader<'r> {
         self.losses.push(Loss {
             offset: section.offset,
             length: section.length,
-            span: section.span.map(|(from_ns, to_ns)| Span {
-                from_ns,
-                to_ns: Some(to_ns),
-            }),
+            from_ns: section.span.map(|(from, _)| from),
+            to_ns: section.span.map(|(_, to)| to),
             is_unread: false,
             reason,
         });

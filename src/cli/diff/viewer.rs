@@ -4,7 +4,6 @@ use super::content;
 use crate::analysis::diff::{Report, Subject};
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::cli::arguments::OUTPUT;
-use crate::cli::interrupt::Interrupt;
 use crate::cli::viewer::{self, Target, ViewerArguments};
 use crate::cli::{output, page};
 use crate::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
@@ -38,7 +37,7 @@ impl ShowArguments {
     /// Opens the requested outputs; `None` if there are none.
     pub(super) fn open(&self, subjects: [Subject<'_>; 2]) -> Result<Option<Viewer>, Error> {
         let target = self.viewer.target()?;
-        if self.rrd.is_none() && matches!(target, Target::None) {
+        if self.rrd.is_none() && target.live.is_none() {
             return Ok(None);
         }
         if !subjects.iter().all(|subject| subject.is_ours()) {
@@ -50,7 +49,7 @@ impl ShowArguments {
         let draft = draft.transpose()?;
         let destinations = Destinations {
             file: draft.as_ref().map(Draft::file).transpose()?,
-            live: target.live(),
+            live: target.live.clone(),
         };
         let mut sink = PairSink::new(&identity, destinations);
         output::warn_all(sink.take_warnings());
@@ -105,9 +104,6 @@ impl Viewer {
         if let Some(file) = viewer::complete(self.sink.finish(), self.draft)? {
             output::note(&format!("wrote {}", file.line()));
         }
-        if !matches!(self.target, Target::None | Target::Live(_)) {
-            self.target.serve_until(&Interrupt::watch()?);
-        }
-        Ok(())
+        self.target.serve_until_interrupted()
     }
 }

@@ -118,12 +118,11 @@ fn existing_values(mut cells: Vec<String>, value: &str) -> String {
     const SHOWN: usize = 4;
     cells.sort_unstable();
     cells.dedup();
-    let number = |text: &str| text.parse::<f64>().ok().filter(|number| number.is_finite());
-    let distance = |cell: &String| Some((number(cell)? - number(value)?).abs());
-    let is_near = cells.len() > SHOWN && cells.iter().all(|cell| distance(cell).is_some());
+    let number = |text: &str| text.parse().unwrap_or(f64::INFINITY);
+    let distance = |cell: &String| (number(cell) - number(value)).abs();
+    let is_near = cells.len() > SHOWN && cells.iter().all(|cell| distance(cell).is_finite());
     if is_near {
-        let far = |cell: &String| distance(cell).unwrap_or(f64::INFINITY);
-        cells.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        cells.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
     }
     let rest = if cells.len() > SHOWN { ", …" } else { "" };
     cells.truncate(SHOWN);

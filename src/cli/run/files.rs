@@ -18,22 +18,20 @@ pub(super) struct RunFiles {
     pub(super) rrd: Option<Draft>,
 }
 
-/// Existing recordings with the names that were tried first.
-pub(super) struct ExistingRecordings(Vec<PathBuf>);
-
 impl RunFiles {
-    /// Chooses the file names (`stem`, unless set by arguments) and creates the files, which start with a preface.
+    /// Chooses the file names (`stem`, unless set by arguments) and creates the files, which start with a preface. Also
+    /// returns the existing recordings with the names that were tried first.
     pub(super) fn start(
         arguments: &RunArguments,
         stem: &str,
         preface: &[u8],
-    ) -> Result<(Self, ExistingRecordings), SinkError> {
+    ) -> Result<(Self, Vec<PathBuf>), SinkError> {
         let Some(mcap) = &arguments.output else {
             return Self::free(arguments, stem, preface);
         };
         let mcap = start(arguments, mcap, preface)?;
         let files = Self::with(mcap, arguments, None)?;
-        Ok((files, ExistingRecordings(Vec::new())))
+        Ok((files, Vec::new()))
     }
 
     /// Creates the files under the first free name of `NAME`, `NAME-2`, `NAME-3`, … (or `NAME` itself with --force).
@@ -42,7 +40,7 @@ impl RunFiles {
         arguments: &RunArguments,
         name: &str,
         preface: &[u8],
-    ) -> Result<(Self, ExistingRecordings), SinkError> {
+    ) -> Result<(Self, Vec<PathBuf>), SinkError> {
         let mut earlier = Vec::new();
         let mut stem = name.to_owned();
         loop {
@@ -55,7 +53,7 @@ impl RunFiles {
                     Err(SinkError::Exists { .. }) if !arguments.force => {}
                     mcap => {
                         let files = Self::with(mcap?, arguments, Some(&rrd))?;
-                        return Ok((files, ExistingRecordings(earlier)));
+                        return Ok((files, earlier));
                     }
                 }
             }
@@ -92,13 +90,11 @@ fn start(arguments: &RunArguments, path: &Path, preface: &[u8]) -> Result<Draft,
     Draft::of_run(path, arguments.existing(), preface)
 }
 
-impl ExistingRecordings {
-    /// The recording with the bytes of this draft.
-    pub(super) fn same_as(&self, draft: &Draft) -> Option<WrittenFile> {
-        let is_same = |path: &&PathBuf| are_equal(path, draft.working_name()).unwrap_or(false);
-        let path = self.0.iter().find(is_same)?;
-        Some(WrittenFile::new(path, path.metadata().ok()?.len()))
-    }
+/// The existing recording with the bytes of this draft.
+pub(super) fn same_as(draft: &Draft, earlier: &[PathBuf]) -> Option<WrittenFile> {
+    let is_same = |path: &&PathBuf| are_equal(path, draft.working_name()).unwrap_or(false);
+    let path = earlier.iter().find(is_same)?;
+    Some(WrittenFile::new(path, path.metadata().ok()?.len()))
 }
 
 /// Whether two files have the same bytes.

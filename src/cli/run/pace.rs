@@ -1,7 +1,7 @@
 //! Work done between records: real-time pacing, flushing, progress, cancellation.
 
 use crate::archive::sink::{Sink, SinkError};
-use crate::cli::interrupt::Interrupt;
+use crate::cli::interrupt;
 use crate::cli::progress::Progress;
 use crate::run::simulation::Record;
 use std::ops::ControlFlow;
@@ -20,19 +20,17 @@ pub(super) struct Pace {
     speed: Option<f64>,
     began: Instant,
     flushed: Instant,
-    interrupt: Interrupt,
     progress: Progress,
 }
 
 impl Pace {
     /// Starts the clock. `speed` is simulated time per real time; `None` for as fast as possible.
-    pub(super) fn start(speed: Option<f64>, interrupt: Interrupt) -> Self {
+    pub(super) fn start(speed: Option<f64>) -> Self {
         let now = Instant::now();
         Self {
             speed,
             began: now,
             flushed: now,
-            interrupt,
             progress: Progress::of_state(),
         }
     }
@@ -53,7 +51,7 @@ impl Pace {
             }
             self.wait_for(sample.time_ns, sinks)?;
         }
-        Ok(if self.interrupt.is_requested() {
+        Ok(if interrupt::is_requested() {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
@@ -79,7 +77,7 @@ impl Pace {
                 self.flushed = Instant::now();
             }
             let early = due.saturating_sub(self.began.elapsed());
-            if early.is_zero() || self.interrupt.is_requested() {
+            if early.is_zero() || interrupt::is_requested() {
                 return Ok(());
             }
             thread::sleep(early.min(MAX_SLEEP));

@@ -7,7 +7,7 @@ use crate::cli::table::Table;
 use crate::physics::top::Top;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, Value, Values};
-use crate::run::simulation::{EventCount, RunEnd, StopReason, Tally};
+use crate::run::simulation::{EventCount, StopReason};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -15,15 +15,6 @@ use std::time::Duration;
 
 /// Wall-to-simulated time ratios above this are not shown (the simulated time is almost zero).
 const SLOWEST: f64 = 1e4;
-
-/// A recorded run.
-pub(super) struct Finished {
-    pub(super) end: RunEnd,
-    pub(super) counts: Tally,
-    pub(super) recorded: Recorded,
-    /// Whether writing the Rerun recording failed.
-    pub(super) is_rrd_lost: bool,
-}
 
 /// The recordings of a run.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -34,6 +25,9 @@ pub(super) struct Recorded {
     pub(super) is_new: bool,
     /// The Rerun recording; absent if there is none.
     pub(super) rrd: Option<WrittenFile>,
+    /// Whether writing it failed.
+    #[serde(skip)]
+    pub(super) is_rrd_lost: bool,
     /// SHA-256 of the recording's content.
     pub(super) content_digest: String,
 }
@@ -49,7 +43,7 @@ pub(crate) struct RunReport {
     /// SHA-256 of the scenario.
     scenario_digest: String,
     /// Outcome of the run.
-    outcome: Outcome,
+    pub(super) outcome: Outcome,
     /// Angle of precession at the end, rad.
     phi: f64,
     /// Angle of spin at the end, rad.
@@ -67,17 +61,18 @@ pub(crate) struct RunReport {
     /// Wall time, s.
     wall_time: f64,
     #[serde(flatten)]
-    recorded: Recorded,
+    pub(super) recorded: Recorded,
 }
 
 impl RunReport {
     pub(super) fn of(
         scenario: &Scenario,
         base: &Values,
-        finished: &Finished,
+        outcome: Outcome,
+        recorded: Recorded,
         wall: Duration,
     ) -> Self {
-        let (end, counts) = (&finished.end, &finished.counts);
+        let end = &outcome.end;
         let text = |value: Option<&Value>| value.map_or_else(String::new, Value::to_set_notation);
         let changes = scenario.changes(base);
         Self {
@@ -86,16 +81,16 @@ impl RunReport {
                 .map(|(key, value)| (key.path, text(value)))
                 .collect(),
             scenario_digest: scenario.digest(),
-            outcome: Outcome::new(scenario, *end, counts.clone()),
             phi: end.motion.angles.phi,
             psi: end.motion.angles.psi,
             samples: end.samples,
             sample_period: scenario.sample_period_ns as f64 / 1e9,
-            events: counts.counts().to_vec(),
+            events: outcome.tally.counts().to_vec(),
             steps_rejected: end.statistics.rejected,
             evaluations: end.statistics.evaluations,
             wall_time: wall.as_secs_f64(),
-            recorded: finished.recorded.clone(),
+            outcome,
+            recorded,
         }
     }
 

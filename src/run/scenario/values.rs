@@ -184,7 +184,8 @@ fn missing(paths: &[&'static str]) -> ScenarioError {
     }
 }
 
-fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
+/// The key with this path.
+pub(crate) fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
     KEYS.iter().find(|key| key.path == path).ok_or_else(|| {
         let section = path.rsplit_once('.').map(|(section, _)| section);
         let in_section = |key: &&Key| {
