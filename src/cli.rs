@@ -72,7 +72,7 @@ struct Arguments {
     #[arg(short, long, global = true)]
     quiet: bool,
 
-    /// Use colours: auto, always or never [auto: on a terminal, unless NO_COLOR is set]
+    /// Use colours: auto (on a terminal, unless NO_COLOR is set), always or never
     #[arg(
         long,
         global = true,
@@ -155,7 +155,7 @@ enum Command {
     /// Each run is a recording, a preset or a scenario file. MCAP files of other software are compared by topic, time
     /// and bytes.
     #[command(
-        after_help = "Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 the common part is equal (a run is damaged, interrupted or has more samples)."
+        after_help = "Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 the common part is equal (a run is damaged, interrupted or sampled more finely)."
     )]
     Diff(diff::DiffArguments),
     /// Draw the paper's figures and others, as SVG and PNG.
@@ -253,7 +253,7 @@ fn option_or_default<V: ValueEnum + Default>(words: &[OsString], option: &str) -
 /// Prints the help, the version or a usage error.
 fn print_usage(answer: &clap::Error) -> ExitCode {
     if answer.use_stderr() {
-        // Without standard error there is no place for it.
+        // If standard error can't be written to, the message is lost.
         let _ = answer.print();
         let text = answer.render().to_string();
         report::print_error(text.trim_start_matches("error: ").trim_end());

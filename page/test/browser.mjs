@@ -28,7 +28,7 @@ const shot = (tab, name) => tab.screenshot({ path: join(directory, `${name}.png`
 
 const tests = {
   async "a slider changes the run, its curves and the top"(tab) {
-    assert.match(await summary(tab), /^paper: the top has risen at t = 24\.719386 s$/);
+    assert.match(await summary(tab), /^paper: risen at t = 24\.719386 s$/);
     const before = [await picture(tab, "curves"), await picture(tab, "top")];
     await tab.locator('[data-path="friction.k"] input[type=range]').fill("600");
     await becomes(tab, "paper, friction.k = 0.0631");

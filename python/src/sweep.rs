@@ -43,7 +43,7 @@ pub fn outcomes(
     refuse_two_bases(&given)?;
     refuse_missing(&keep, &given)?;
     let name = |column: &usize| given.schema_ref().field(*column).name();
-    // A key that is to be kept is there anyway, beside the outcomes.
+    // A kept key is in the result anyway, next to the outcomes.
     let is_kept =
         |name: &String| name == RUN || (keep.contains(name) && sweeps::find_key(name).is_err());
     let (kept, keys): (Vec<usize>, Vec<usize>) = (0..given.num_columns())
@@ -283,7 +283,7 @@ pub fn sweep(
     let answer = json!({
         "runs": runs,
         "computed": finished.computed,
-        // A share does not count the runs of the other shares.
+        // A shard does not count the runs of the other shards.
         "kept": shard.is_none().then(|| runs.saturating_sub(left)),
         "is_merged": finished.is_merged,
         "stops": finished.counts.stops,

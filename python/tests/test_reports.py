@@ -65,7 +65,7 @@ def test_any_mcap_files_can_be_compared():
 
 def test_a_run_is_explained(paper):
     explanation = toprise.explain(paper)
-    assert explanation["title"] == "paper: the top has risen at t = 24.7194 s"
+    assert explanation["title"] == "paper: risen at t = 24.7194 s"
     lines = explanation.summary.splitlines()
     facts = [fact for chapter in explanation["chapters"] for fact in chapter["facts"]]
     assert lines[0] == f"{explanation['title']}." and len(lines) == 1 + len(facts)

@@ -1,7 +1,7 @@
 //! Comparison of two runs: scenarios, events, averaged motion, messages.
 //!
 //! [`compare`] reads two runs in parallel, in one pass and constant memory. The nutations of two similar models lose
-//! phase, after which differences at equal times are meaningless. The [`Report`] therefore contains averages over the
+//! phase; then differences at equal times are meaningless. The [`Report`] therefore contains averages over the
 //! nutation, compares the models at equal states, and estimates the integration errors.
 //!
 //! Messages of files not written by toprise are compared byte by byte.
@@ -64,7 +64,7 @@ use std::collections::BTreeSet;
 /// Compares two runs.
 ///
 /// # Errors
-/// [`DiffError`] if there is nothing to compare, or the options don't fit the runs.
+/// [`DiffError`] if there is nothing to compare, or the options don't apply to the runs.
 pub fn compare<'a>(
     a: impl Into<Subject<'a>>,
     b: impl Into<Subject<'a>>,

@@ -43,7 +43,7 @@ const NEEDED: [Topic; 4] = [STATE, ACCELERATION, ENERGY, EVENTS];
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ExplainError {
     /// Not a toprise recording.
-    #[error("not a recording of toprise")]
+    #[error("not a toprise recording")]
     Foreign,
     /// The recording has no scenario that can be used.
     #[error("{0}")]

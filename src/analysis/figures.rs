@@ -41,7 +41,7 @@ use crate::telemetry::fields::{
     state, torque,
 };
 
-/// A figure that can be drawn of runs.
+/// A figure of one or several runs.
 #[derive(Debug)]
 pub struct Figure {
     /// The name, which is also that of its files.
@@ -199,7 +199,7 @@ pub const FIGURES: &[Figure] = &[
 ];
 
 impl Run {
-    /// Reads what some figures need of a recording or a simulation.
+    /// Reads the data that some figures need from a recording or a simulation.
     ///
     /// `progress` receives the number of further bytes that have been read.
     pub fn read<'a>(
@@ -253,7 +253,7 @@ impl Figure {
     }
 }
 
-/// Nothing in a figure overlaps or sticks out, whatever it shows.
+/// Elements of a figure never overlap and never extend beyond its edges.
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -262,7 +262,7 @@ mod tests {
     use crate::analysis::plot::style::FONT;
     use crate::run::scenario::{Preset, Scenario};
 
-    /// A run that is drawn quickly, and differs from others.
+    /// A run that is quick to draw and differs from others.
     fn run(preset: &str, name: &str, duration: &str) -> Run {
         let mut values = Preset::find(preset).unwrap().values().unwrap();
         values.set("stop.duration", duration).unwrap();

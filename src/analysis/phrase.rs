@@ -58,7 +58,7 @@ pub(crate) fn duration(seconds: f64) -> String {
     )
 }
 
-/// A time with its sign, in the unit that fits.
+/// A signed time, in a suitable unit.
 pub(crate) fn signed_duration(seconds: f64) -> String {
     match seconds {
         0.0 => "0".to_owned(),

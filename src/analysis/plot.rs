@@ -1,6 +1,6 @@
 //! Drawings for print: axes, curves, legends and text, as SVG and PNG with the same bytes on every machine.
 //!
-//! A [`page::Page`] lays out panels of curves, with room measured from the labels; a [`frame::Frame`] is a plot with
+//! A [`page::Page`] lays out panels of curves, with space measured from the labels; a [`frame::Frame`] is a plot with
 //! its axes; a [`drawing::Drawing`] is shapes and labels in mm, which [`svg`] and [`png`] write. Independent of what
 //! the curves represent.
 
@@ -37,7 +37,7 @@ mod glossary {
     const CENTRE_OF_MASS: Point = (0.0, 22.0);
     const INCLINATION: f64 = FRAC_PI_6;
 
-    /// A place on the body: distances from the symmetry axis, and along it from the centre of the peg, mm.
+    /// A point on the body: distances from the symmetry axis, and along it from the centre of the peg, mm.
     fn on_body((across, along): Point) -> Point {
         let (s, c) = (sin(INCLINATION), cos(INCLINATION));
         (
@@ -46,7 +46,7 @@ mod glossary {
         )
     }
 
-    /// A place in the plane of the drawing: distances from the vertical, and above the centre of the peg, mm.
+    /// A point in the plane of the drawing: distances from the vertical, and above the centre of the peg, mm.
     fn above((across, up): Point) -> Point {
         (PEG.0 + across, PEG.1 - up)
     }

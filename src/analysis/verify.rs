@@ -47,14 +47,14 @@ pub struct Report {
     /// The first difference; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub difference: Option<Difference>,
-    /// Number of messages that are equal; absent if all bytes are.
+    /// Number of equal messages; absent if the files are byte-identical.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub equal: Option<u64>,
     /// Number of missing messages; for an interrupted run, only gaps.
     pub missing: u64,
     /// Topics that were not recorded.
     pub without: Vec<String>,
-    /// The version of toprise that recorded it, if it is another.
+    /// The version of toprise that recorded it, if different from this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_by: Option<String>,
 }

@@ -24,7 +24,7 @@ pub enum RecordingError {
     #[error("not an MCAP file (wrong magic bytes)")]
     NotMcap,
     /// A topic of the table has two channels.
-    #[error("it has two channels {0}, which is ambiguous")]
+    #[error("it has two channels named {0}, which is ambiguous")]
     TwoChannels(String),
     /// A recording without a scenario.
     #[error(transparent)]

@@ -126,7 +126,7 @@ impl<W: Write + Send + 'static> Sink for Pipeline<W> {
 /// A finished file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Archived {
-    /// Its place.
+    /// Its path.
     pub path: PathBuf,
     /// Its size.
     pub bytes: u64,

@@ -6,9 +6,9 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Something that takes messages in the order of their times.
+/// A destination for messages in time order.
 pub trait Sink {
-    /// Takes a message. It may still be buffered when this returns.
+    /// Accepts a message. It may still be buffered when this returns.
     ///
     /// # Errors
     /// [`SinkError`] if this message or an earlier one could not be stored.
@@ -46,12 +46,12 @@ pub enum SinkError {
         /// The file.
         path: PathBuf,
     },
-    /// The file system refused.
+    /// A file operation failed.
     #[error("cannot {action} {}: {reason}", path.display())]
     Io {
         /// The attempted operation.
         action: &'static str,
-        /// On which file.
+        /// The file.
         path: PathBuf,
         /// The system error.
         reason: std::io::Error,
@@ -61,13 +61,13 @@ pub enum SinkError {
     Mcap {
         /// The file.
         path: PathBuf,
-        /// Why, according to the writer.
+        /// The reason reported by the writer.
         reason: ::mcap::McapError,
     },
     /// The failed viewer or file.
     #[error(transparent)]
     Viewer(Box<dyn std::error::Error + Send + Sync>),
-    /// A thread that writes died.
+    /// A writer thread panicked.
     #[error("the writer thread of {} panicked", path.display())]
     WriterDied {
         /// The file.

@@ -64,7 +64,7 @@ pub(crate) struct Declared {
 }
 
 impl Opening {
-    /// For the run of `scenario` with the topics that `telemetry` wants.
+    /// For the run of `scenario` with the topics enabled in `telemetry`.
     pub(crate) fn new(scenario: &Scenario, telemetry: &Telemetry, form: Form) -> Self {
         let support = scenario.model.support;
         let is_enabled = |topic| telemetry.is_enabled(topic);
@@ -186,7 +186,7 @@ impl RunEncoder {
     }
 }
 
-/// Encoded messages on their way into a file.
+/// Encoded messages to be written to a file.
 #[derive(Debug, Default)]
 pub(crate) struct Batch {
     /// Their concatenated encoded bytes.
@@ -259,7 +259,7 @@ pub(crate) struct Packer<W: Write> {
 }
 
 impl<W: Write> Packer<W> {
-    /// Writes the opening into `target`; returns also the channel ids.
+    /// Writes the opening into `target`; also returns the channel ids.
     pub(crate) fn open(target: W, opening: &Opening) -> McapResult<(Self, Vec<u16>)> {
         let mut packer = Self {
             writer: Some(options().create(NoSeek::new(target))?),
@@ -322,7 +322,7 @@ impl<W: Write> fmt::Debug for Packer<W> {
     }
 }
 
-/// Writes a run into anything that takes bytes, on the caller's thread.
+/// Writes a run to any `Write`, on the caller's thread.
 #[derive(Debug)]
 pub struct McapWriter<W: Write> {
     encoder: RunEncoder,
@@ -331,7 +331,7 @@ pub struct McapWriter<W: Write> {
 }
 
 impl<W: Write> McapWriter<W> {
-    /// Starts the recording of `scenario` with the topics that `telemetry` wants.
+    /// Starts the recording of `scenario` with the topics enabled in `telemetry`.
     ///
     /// # Errors
     /// [`McapError`] if `target` fails.

@@ -55,7 +55,7 @@ pub(super) struct FiguresArguments {
     #[command(flatten)]
     sweep: SweepFigure,
 
-    /// Width in mm; 130 or more gives two columns of plots
+    /// Width from 80 to 400 mm; 130 or more gives two columns of plots
     #[arg(long, value_name = "MM", default_value_t = 85.0, value_parser = parse_width, help_heading = OUTPUT)]
     width: f64,
 
@@ -125,7 +125,7 @@ impl FiguresArguments {
         let has_runs = |figure: &&Figure| figure.least_runs <= runs;
         if let Some(figure) = FIGURES.iter().filter(is_asked).find(|f| !has_runs(f)) {
             let (name, least) = (figure.name, figure.least_runs);
-            bail!("{name} compares runs: give at least {least} runs, or none for the paper's");
+            bail!("{name} compares runs: name at least {least}, or none to draw the paper's runs");
         }
         let is_wanted = |figure: &&Figure| self.only.is_empty() || is_asked(figure);
         Ok(FIGURES.iter().filter(has_runs).filter(is_wanted).collect())
@@ -265,7 +265,7 @@ fn page(report: &FiguresReport) -> Vec<Section> {
     vec![section]
 }
 
-/// Reads or simulates the runs, all at once.
+/// Reads or simulates the runs in parallel.
 fn runs(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<Run>, Error> {
     let inputs = inputs(arguments, figures)?;
     let bytes = inputs.iter().map(|(_, input)| input.bytes()).sum();

@@ -15,14 +15,14 @@ static IS_REQUESTED: AtomicBool = AtomicBool::new(false);
 /// From now on the first Ctrl-C or SIGTERM requests a graceful shutdown; the second exits immediately.
 pub(super) fn watch() -> Result<(), Error> {
     IS_GRACEFUL.store(true, SeqCst);
-    // It may be watched for already.
+    // The handler may already be installed.
     match ctrlc::set_handler(on_signal) {
         Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
         Err(error) => Err(error).context("cannot watch for Ctrl-C"),
     }
 }
 
-/// Whether the user has asked for an end.
+/// Whether the user has requested termination.
 pub(super) fn is_requested() -> bool {
     IS_REQUESTED.load(SeqCst)
 }

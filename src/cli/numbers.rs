@@ -10,7 +10,7 @@ pub(super) fn number(value: f64, digits: usize) -> String {
         format!("{value:.digits$e}")
     };
     match text.strip_prefix('-') {
-        // What rounds to zero has no sign.
+        // A value that rounds to zero is printed without a sign.
         Some(zero) if zero.chars().all(|digit| matches!(digit, '0' | '.')) => zero.to_owned(),
         Some(magnitude) => format!("−{magnitude}"),
         None => text,

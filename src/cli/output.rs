@@ -63,7 +63,7 @@ pub(super) fn print_styled(answer: &str) -> io::Result<()> {
     }
 }
 
-/// Writes an answer. The first write must be a single one: it shows whether there is a reader at all.
+/// Writes a report. The first write must be a single one: it shows whether there is a reader at all.
 fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
     let answer = answer.trim_end();
     if answer.is_empty() {
@@ -74,7 +74,7 @@ fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
     let rest = |written: usize| {
         let written = stream.write_all(&answer.as_bytes()[written..]);
         match written.and_then(|()| stream.flush()) {
-            // A reader that stops early, as `head`, is not an error.
+            // A reader that stops early, such as `head`, is not an error.
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             result => result,
         }
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
     use anyhow::anyhow;
 
-    /// Takes some bytes, and then fails.
+    /// Accepts some bytes and then fails.
     struct Broken(usize, io::ErrorKind);
 
     impl Write for Broken {

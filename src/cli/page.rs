@@ -12,14 +12,14 @@ const MAX_WIDTH: usize = 100;
 /// Colour of a heading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Tone {
-    /// Neither good nor bad.
+    /// Neutral.
     #[default]
     Neutral,
-    /// As it should be.
+    /// Success.
     Good,
     /// A warning.
     Weak,
-    /// Wrong.
+    /// An error or a difference.
     Bad,
 }
 

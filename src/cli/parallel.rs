@@ -4,7 +4,7 @@ use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-/// Does a task for each item, as many at once as there are processors. Returns the results in the order of the items.
+/// Runs a task for each item, at most one per processor at a time. Returns the results in the order of the items.
 pub(super) fn map<T: Sync, R: Send>(items: &[T], task: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let work = || {

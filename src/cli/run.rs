@@ -126,7 +126,7 @@ fn record(
     let rrd: Result<_, Error> = Ok(None);
     // The MCAP file is complete without it.
     if let Err(error) = &rrd {
-        output::warn(&output::with_causes(error));
+        output::error(&output::with_causes(error));
     }
     let recorded = Recorded {
         mcap,

@@ -80,7 +80,7 @@ pub(super) struct SweepArguments {
     #[arg(long)]
     fail_fast: bool,
 
-    /// Print the number of runs that are left, and write nothing.
+    /// Print the number of runs still to be computed, and write nothing.
     #[arg(long)]
     dry_run: bool,
 }
@@ -139,8 +139,13 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
 
 /// Computes what is left, and shows the progress with counts of outcomes.
 fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finished, SweepError> {
-    if left > 0 {
-        output::note(&announcement(sweep, left));
+    let rows = sweep.spec().rows();
+    if left > 0 && left < rows {
+        let left = count(left);
+        output::note(&format!(
+            "{}, {left} still to be computed",
+            counted(rows, "run")
+        ));
     }
     let progress = Progress::of_runs(left);
     let counts = Mutex::new((Counts::default(), Instant::now()));
@@ -225,16 +230,6 @@ fn quietly<T>(task: impl FnOnce() -> T) -> T {
     let result = task();
     panic::set_hook(before);
     result
-}
-
-fn announcement(sweep: &Sweep, left: u64) -> String {
-    let runs = counted(sweep.spec().rows(), "run");
-    let left = if left == sweep.spec().rows() {
-        String::new()
-    } else {
-        format!(", {} of them left", count(left))
-    };
-    format!("{runs}{left}")
 }
 
 #[cfg(test)]

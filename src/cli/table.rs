@@ -28,7 +28,7 @@ impl Table {
         Self { header, rows, left }
     }
 
-    /// A table of texts without a header.
+    /// A table of text without a header.
     pub(super) fn of_texts(rows: Vec<Vec<String>>) -> Self {
         Self::new(&[], rows, usize::MAX)
     }
@@ -144,7 +144,7 @@ mod tests {
         };
         let narrow = plain(&table, Some(20));
         assert_eq!(narrow, "  one two   12345678\n  three\n");
-        // Programs and files get each row as one line.
+        // In a pipe or a file, each row is one line.
         assert_eq!(plain(&table, None), "  one two three  12345678\n");
     }
 

@@ -8,6 +8,7 @@ use super::table::Table;
 use super::{output, parallel, report};
 use crate::analysis::verify::{Report, Verdict, verify as check};
 use crate::archive::recording::{Condition, Recording};
+use crate::telemetry::table;
 use anyhow::Error;
 use clap::Args;
 use schemars::JsonSchema;
@@ -88,7 +89,7 @@ impl VerifyReport {
 }
 
 const OTHER_VERSION: &str = "recorded by another version; all common values match";
-const INCOMPLETE: &str = "all readable messages match, but some are missing";
+const INCOMPLETE: &str = "all readable messages match, but the run does not reach its end";
 
 fn section(file: &str, report: &Report) -> Section {
     let (tone, conclusion) = match report.verdict {
@@ -110,8 +111,12 @@ fn section(file: &str, report: &Report) -> Section {
         facts.push(("difference", difference.to_string()));
     }
     if let Some(version) = &report.recorded_by {
-        let this = env!("CARGO_PKG_VERSION");
-        facts.push(("recorded by", format!("toprise {version} (this is {this})")));
+        let this = format!(
+            "{} (telemetry {})",
+            env!("CARGO_PKG_VERSION"),
+            table::VERSION
+        );
+        facts.push(("recorded by", format!("toprise {version}; this is {this}")));
     }
     if let Some(equal) = report.equal {
         facts.push(("equal", format!("{} messages", count(equal))));

@@ -35,7 +35,7 @@ pub struct Comparison {
 }
 
 impl Stream<Comparison> {
-    /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
+    /// Opens the destinations and sends static content: layout, names, the scene's bodies.
     pub fn new(identity: &PairIdentity, destinations: Destinations) -> Self {
         Self::open(identity.store(), &identity.name, destinations, |outlet| {
             outlet.send_layout(To::Both, blueprint::pair::messages(identity, None));

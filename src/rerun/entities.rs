@@ -29,7 +29,7 @@ pub struct Entities {
 }
 
 impl Stream<Entities> {
-    /// Opens the destinations and sends what doesn't change: layout, names, the scene's bodies.
+    /// Opens the destinations and sends static content: layout, names, the scene's bodies.
     pub fn new(identity: &Identity, destinations: Destinations) -> Self {
         Self::open(identity.store(), &identity.name, destinations, |outlet| {
             // The file is opened when the run is complete.
@@ -93,7 +93,7 @@ impl Entities {
         }
     }
 
-    /// Adds what follows from all events.
+    /// Adds content derived from all events.
     pub(super) fn summarize_events(&mut self, outlet: &mut Outlet) {
         if let Some(events) = &mut self.events {
             events.summarize(outlet);

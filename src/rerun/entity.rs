@@ -14,7 +14,7 @@ pub(super) const SUMMARY: &str = "/summary";
 
 /// The scene; in a comparison, the part shared by both runs.
 pub(super) const STAGE: &str = "/scene";
-/// Target of the camera there.
+/// Target of the camera in the scene.
 pub(super) const CAMERA_TARGET: &str = "/scene/focus/camera_target";
 /// The path of the symmetry axis on a sphere around the peg.
 pub(super) const TRAIL_ABOVE: &str = "scene/trail/above";

@@ -7,7 +7,7 @@ use rerun::log::ChunkError;
 /// The reason why a Rerun recording can't be written.
 #[derive(Debug, thiserror::Error)]
 pub enum RerunError {
-    /// The system refused to write the file or to start a thread.
+    /// The file can't be written, or a thread can't be started.
     #[error("cannot write the Rerun recording: {0}")]
     Io(#[from] std::io::Error),
     /// The encoder failed.
@@ -23,6 +23,6 @@ pub enum RerunError {
     #[error("cannot serialize for the Rerun recording: {0}")]
     Serialization(#[from] SerializationError),
     /// The encoder's thread panicked.
-    #[error("the thread that writes the Rerun recording has died")]
+    #[error("the thread that writes the Rerun recording panicked")]
     Worker,
 }

@@ -51,7 +51,7 @@ impl Events {
         }
     }
 
-    /// Takes the event from a message, if it is one.
+    /// Adds the event of a message, if it is one.
     pub(super) fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
         if message.topic() != EVENTS {
             return;

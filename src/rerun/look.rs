@@ -57,7 +57,7 @@ impl Look {
         }
     }
 
-    /// The colour of the `place`th number of a plot, or of an arrow, whose colour in a recording of one run is
+    /// The colour of the number with index `place` in a plot, or of an arrow, whose colour in a recording of one run is
     /// `own`.
     pub(super) fn color(&self, own: u32, place: usize) -> u32 {
         let color = match self {
@@ -70,7 +70,7 @@ impl Look {
     }
 
     /// The width of a line that is `own` points wide in a recording of one run. Lines of run B lie on those of run A
-    /// and leave them visible at both sides.
+    /// and leave them visible on both sides.
     pub(super) fn width(&self, own: f32) -> f32 {
         match self {
             // Translucent bands and dots keep their width.

@@ -1,4 +1,4 @@
-//! Messages that a recording consists of, as the SDK sends them, and their identifiers.
+//! Messages of a recording, as the SDK sends them, and their identifiers.
 
 use rerun::external::re_log_types::{
     ApplicationId, LogMsg, SetStoreInfo, StoreInfo, StoreKind, StoreSource,
@@ -38,7 +38,7 @@ impl Ids {
     pub(super) const RECORDING: Self = Self(0);
     /// For the chunks of the blueprint.
     pub(super) const BLUEPRINT: Self = Self(1 << 61);
-    /// For what is changed in the blueprint when the length of the run is known.
+    /// For changes to the blueprint made when the length of the run is known.
     pub(super) const BLUEPRINT_AT_END: Self = Self(3 << 60);
     /// For the chunks of a paced run that are cut for the viewer only.
     pub(super) const LIVE: Self = Self(1 << 62);

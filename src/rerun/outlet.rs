@@ -19,7 +19,7 @@ use super::viewer::{Live, LiveDestination};
 pub struct Destinations {
     /// An empty file, opened for writing, for an `.rrd` recording.
     pub file: Option<File>,
-    /// A viewer to feed.
+    /// A viewer to send to.
     pub live: Option<Live>,
 }
 
@@ -54,7 +54,7 @@ pub struct Outlet {
     /// The first error.
     failure: Option<RerunError>,
     live: Option<LiveDestination>,
-    /// Warnings about the viewer that were not taken yet.
+    /// Warnings about the viewer that have not been taken yet.
     pub(super) warnings: Vec<String>,
     waiting: Vec<Rc<RefCell<dyn Waiting>>>,
 }
@@ -87,7 +87,7 @@ impl Outlet {
         outlet
     }
 
-    /// Takes in rows that will wait.
+    /// Registers rows that are sent later.
     pub(super) fn register(&mut self, rows: Rc<RefCell<dyn Waiting>>) {
         self.waiting.push(rows);
     }
@@ -106,12 +106,12 @@ impl Outlet {
         }
     }
 
-    /// Whether a viewer is being fed, as far as is known.
+    /// Whether data is being sent to a viewer, as far as is known.
     pub(super) fn is_live(&self) -> bool {
         self.live.is_some()
     }
 
-    /// Sends components that hold for the whole recording.
+    /// Sends static components.
     pub(super) fn send_static(
         &mut self,
         entity: impl Into<EntityPath>,

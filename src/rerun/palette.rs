@@ -4,7 +4,7 @@
 
 pub(super) const ORANGE: u32 = 0xE69F_00FF;
 pub(super) const SKY: u32 = 0x56B4_E9FF;
-/// The colour of fast ripple: other curves shine through.
+/// The colour of fast ripple; translucent, so that other curves stay visible.
 pub(super) const PALE: u32 = 0x56B4_E990;
 pub(super) const GREEN: u32 = 0x00B0_80FF;
 pub(super) const YELLOW: u32 = 0xF0E4_42FF;

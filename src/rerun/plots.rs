@@ -24,7 +24,7 @@ struct PlotTrack {
 }
 
 impl Plots {
-    /// Opens the plots that are `wanted`, and sends their names and colours.
+    /// Opens the `wanted` plots, and sends their names and colours.
     pub(super) fn new(wanted: impl Fn(Plot) -> bool, look: &Look, outlet: &mut Outlet) -> Self {
         let mut open = |plot: Plot| {
             let entity = look.entity(&plot.to_string());

@@ -7,7 +7,7 @@ use rerun::{ComponentDescriptor, EntityPath, SerializedComponentBatch};
 
 use crate::run::outcome::{COLUMNS, Cell, Outcome};
 
-/// The name of the property that outcomes are. A catalog calls their members `property:outcome:rise_time` and so on.
+/// The name of the property for outcomes. In a catalog, its members are `property:outcome:rise_time` and so on.
 const OUTCOME: &str = "outcome";
 
 /// The entity of the outcome.

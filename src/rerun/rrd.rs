@@ -36,7 +36,7 @@ impl RrdFile {
         Ok(Self { queue, worker })
     }
 
-    /// Passes a message on, if the file still takes any. [`Self::finish`] returns the reason why it doesn't.
+    /// Passes a message on, unless writing has failed; [`Self::finish`] returns the reason.
     pub(super) fn send(&self, message: LogMsg) -> bool {
         self.queue.send(message).is_ok()
     }

@@ -1,4 +1,4 @@
-//! Scales of the arrows: round numbers, which follow from the weight and the size of the top.
+//! Scales of the arrows: round numbers, derived from the weight and the size of the top.
 
 use nalgebra::Vector3;
 

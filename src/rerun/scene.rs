@@ -34,7 +34,7 @@ pub(super) struct Scene {
     /// The path of the symmetry axis on a sphere around the peg, of this radius, m.
     trail: Path,
     trail_radius: f64,
-    /// Its projection onto the table, if the peg is fixed: below a top that travels, that would cross the path of the
+    /// Its projection onto the table, if the peg is fixed; below a travelling top it would cross the path of the
     /// contact point.
     below: Option<Path>,
     /// The path of the contact point of a free peg: where it slides, where it rolls or sticks, and below the peg where it

@@ -23,7 +23,7 @@ impl WebViewer {
     /// Serves the page at an address and the stream at the next port.
     ///
     /// # Errors
-    /// A description of what went wrong.
+    /// A description of the error.
     pub fn start(address: SocketAddr) -> Result<Self, String> {
         let (bind, port) = (address.ip(), address.port());
         let stream_port = port

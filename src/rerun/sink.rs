@@ -7,8 +7,8 @@ use super::outlet::{Destinations, Outlet};
 
 /// A Rerun recording that is being written: its content, and where it goes.
 ///
-/// Writing never fails, so other sinks are not affected. [`Self::take_warnings`] returns what happened to the
-/// viewer, [`Self::finish`] what happened to the file.
+/// Writing never fails, so other sinks are not affected. [`Self::take_warnings`] returns problems with the
+/// viewer, [`Self::finish`] errors of the file.
 pub struct Stream<C> {
     pub(super) content: C,
     pub(super) outlet: Outlet,
@@ -23,7 +23,7 @@ pub trait Content {
 }
 
 impl<C: Content> Stream<C> {
-    /// Opens the destinations, and sends the name and the content that doesn't change.
+    /// Opens the destinations, and sends the name and the static content.
     pub(super) fn open(
         store: StoreId,
         name: &str,
@@ -40,7 +40,7 @@ impl<C: Content> Stream<C> {
         }
     }
 
-    /// Whether a viewer is being fed, as far as is known.
+    /// Whether data is being sent to a viewer, as far as is known.
     pub fn is_live(&self) -> bool {
         self.outlet.is_live()
     }
@@ -50,7 +50,7 @@ impl<C: Content> Stream<C> {
         std::mem::take(&mut self.outlet.warnings)
     }
 
-    /// Sends all that is left and completes the file with its footer.
+    /// Sends all remaining data and completes the file with its footer.
     ///
     /// Returns pending warnings. An unresponsive viewer is disconnected after a few seconds.
     ///

@@ -84,7 +84,7 @@ pub(super) fn of(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> 
     }
 }
 
-/// Name, colour and width of a number, which stands at a place in its plot.
+/// Name, colour and width of a number, given its position in the plot.
 fn one(number: NumberField, place: usize, look: &Look) -> (String, u32, f32) {
     let known = NAMED_STYLES.iter().find(|(known, ..)| *known == number);
     let (name, color, width) = if let Some(&(_, name, color, width)) = known {

@@ -13,7 +13,7 @@ const CHUNK_ROWS: usize = 4096;
 /// The rows of one entity, which the outlet flushes.
 pub(super) struct Track<R>(Rc<RefCell<Rows<R>>>);
 
-/// Makes components of the values of some rows.
+/// Converts the values of some rows to components.
 type Serialize<R> = dyn Fn(&[R]) -> Columns;
 
 /// The rows of an entity that are not yet in the file.

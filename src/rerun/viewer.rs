@@ -21,7 +21,7 @@ const STALL: Duration = Duration::from_secs(3);
 /// Timeout for sending the last messages.
 const FINISH: Duration = Duration::from_secs(5);
 
-/// The viewer to feed.
+/// The viewer to send to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Live {
     /// The viewer at this address: `rerun+http://HOST:PORT/proxy`, or `HOST:PORT` for short.
@@ -30,7 +30,7 @@ pub enum Live {
     Spawn,
 }
 
-/// A viewer, and the thread that feeds it.
+/// A viewer, and the thread that sends data to it.
 ///
 /// The SDK client blocks if the viewer stops reading, so it runs on its own thread that can be abandoned.
 pub(super) struct LiveDestination {
@@ -53,7 +53,7 @@ impl LiveDestination {
         thread::Builder::new()
             .name("rerun feeder".to_owned())
             .spawn(move || {
-                // The receiver is gone if the viewer was given up.
+                // The receiver is gone if the viewer was abandoned.
                 let _ = report.send(feed(uri, &messages));
             })
             .map_err(|error| format!("cannot start a thread for the Rerun viewer: {error}"))?;
@@ -89,13 +89,13 @@ impl LiveDestination {
         }
     }
 
-    /// Waits until the viewer has everything, for a few seconds at most.
+    /// Waits until the viewer has received everything, for a few seconds at most.
     pub(super) fn finish(self) -> Result<(), String> {
         drop(self.queue);
         match self.end.recv_timeout(FINISH) {
             Ok(end) => end.map_err(|reason| lost(&self.address, &reason)),
             Err(_) => Err(format!(
-                "the Rerun viewer at {} did not take the end of the recording within {} s",
+                "the Rerun viewer at {} did not accept the end of the recording within {} s",
                 self.address,
                 FINISH.as_secs()
             )),
@@ -109,7 +109,7 @@ fn lost(address: &str, reason: &str) -> String {
     )
 }
 
-/// Feeds a viewer until there are no more messages, and waits until it has taken them all.
+/// Sends messages to a viewer until there are no more, and waits until it has received them all.
 fn feed(uri: ProxyUri, messages: &Receiver<LogMsg>) -> Result<(), String> {
     let sink = GrpcSink::new(uri);
     for message in messages {
@@ -174,7 +174,7 @@ fn spawn_viewer() -> Result<ProxyUri, String> {
     parse_address(&options.connect_addr().to_string())
 }
 
-/// Advice for when there is no viewer to start.
+/// Advice if no viewer is installed.
 pub const MISSING_VIEWER: &str = "\
 no executable `rerun` in PATH. Install the viewer with
     pip install rerun-sdk==0.36.3

@@ -69,7 +69,7 @@ impl Outcome {
     /// A sentence about the end of the run and, for a tippe top, its inversion.
     pub fn sentence(&self) -> String {
         let inversion = self.end.inversion_time.map_or_else(String::new, |time| {
-            format!("the top has inverted at t = {time:.6} s; ")
+            format!("the top inverted at t = {time:.6} s; ")
         });
         let (end, time) = (self.end.stop.sentence(), self.end.time);
         format!("{inversion}{end} at t = {time:.6} s")

@@ -1,4 +1,4 @@
-//! An axis of a sweep: a key of a scenario and the values that it takes.
+//! An axis of a sweep: a scenario key and its values.
 
 use super::error::SweepError;
 use crate::physics::math::{exp, ln};
@@ -49,7 +49,7 @@ pub fn column_name(key: &Key) -> String {
 }
 
 impl Axis {
-    /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas. Texts can be
+    /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas. Strings can be
     /// quoted, and must be if they contain a comma.
     ///
     /// # Errors
@@ -74,13 +74,13 @@ impl Axis {
         Ok(axis)
     }
 
-    /// The error for values that make no sense.
+    /// The error for invalid values.
     pub(super) fn wrong(&self, reason: &str) -> SweepError {
         let Self { key, text, .. } = self;
         SweepError::Spec(format!("{}={text}: {reason}", key.path))
     }
 
-    /// Takes a list of values, each as it would stand on the command line by itself.
+    /// Reads a list of values, each written as on the command line.
     ///
     /// # Errors
     /// As [`Axis::parse`].
@@ -151,12 +151,12 @@ impl Axis {
     }
 }
 
-/// Whether a text of a list needs no quotes.
+/// Whether a string in a list needs no quotes.
 fn is_plain(text: &str) -> bool {
     !text.is_empty() && text.trim() == text && !text.starts_with(['"', '\'']) && !text.contains(',')
 }
 
-/// Comma-separated texts, optionally in double quotes (with JSON escapes) or single quotes.
+/// Comma-separated strings, optionally in double quotes (with JSON escapes) or single quotes.
 fn words(text: &str) -> Result<Vec<Value>, String> {
     let mut words = Vec::new();
     let mut rest = text;
@@ -172,7 +172,7 @@ fn words(text: &str) -> Result<Vec<Value>, String> {
     }
 }
 
-/// The first of several texts, and what comes after it.
+/// The first of several strings, and the rest.
 fn first_word(text: &str) -> Result<(String, &str), String> {
     let open = || format!("{text}: the closing quote is missing");
     if text.starts_with('"') {

@@ -21,7 +21,7 @@ pub struct Base {
 }
 
 impl Base {
-    /// A scenario as it is.
+    /// An unchanged scenario.
     pub fn new(name: String, values: Values) -> Self {
         Self {
             name,

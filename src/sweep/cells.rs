@@ -39,7 +39,7 @@ pub(super) fn values_of(kind: &DataType) -> &DataType {
     }
 }
 
-/// The column as another type. A value that has none there is an error, not an empty cell.
+/// The column as another type. A value that can't be converted is an error, not an empty cell.
 fn cast(column: &dyn Array, kind: &DataType) -> Result<ArrayRef, ArrowError> {
     let options = CastOptions {
         safe: false,
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn decimals_are_the_doubles_next_to_them() {
-        // A quotient of rounded numbers would be 0.30000000000000004 or the like for some of these.
+        // For some of these, a quotient of rounded numbers would be e.g. 0.30000000000000004.
         let digits = vec![Some(3), None, Some(-1), Some(12345678901234567890123)];
         let column = Decimal128Array::from(digits);
         let column = column.with_precision_and_scale(38, 1).unwrap();

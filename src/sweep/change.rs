@@ -27,7 +27,9 @@ fn changed(path: &str, before: &Json, now: &Json) -> Option<String> {
         }
         (Json::Array(old), Json::Array(new)) => {
             let (there, here) = (old.len(), new.len());
-            Some(format!("{path} had {there} entries there, and {here} here"))
+            Some(format!(
+                "{path} has {there} entries in the file, {here} here"
+            ))
         }
         (old, new) if old == new => None,
         (Json::Null, new) => Some(format!("{path} = {new} is not in the file")),

@@ -34,7 +34,7 @@ pub(super) fn is_right(mut file: impl Read + Seek) -> io::Result<bool> {
     Ok(hash.finalize()[..] == checksum)
 }
 
-/// The beginning of the footer of a Parquet file. Its length, in four bytes, and four letters end the file.
+/// The beginning of the footer of a Parquet file. The file ends with its length (four bytes) and four letters.
 fn footer(file: &mut (impl Read + Seek)) -> io::Result<u64> {
     let end = file.seek(SeekFrom::End(-8))?;
     let mut length = [0; 4];

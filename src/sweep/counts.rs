@@ -26,7 +26,7 @@ pub struct RowError {
 }
 
 impl Counts {
-    /// Counts a row: why its run stopped, or why it has no outcome.
+    /// Counts a row by its stop reason, or its error.
     pub fn count(&mut self, run: u64, result: Result<&str, &str>) {
         match result {
             Ok(stop) => *self.stops.entry(stop.to_owned()).or_default() += 1,

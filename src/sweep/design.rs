@@ -21,7 +21,7 @@ pub enum Design {
 }
 
 impl Design {
-    /// The design that axes, a sample or a table make.
+    /// The design defined by axes, a sample or a table.
     ///
     /// # Errors
     /// [`SweepError::Spec`] if they exclude each other.
@@ -51,7 +51,7 @@ impl Design {
     /// The number of rows of each base.
     ///
     /// # Errors
-    /// [`SweepError::Spec`] for axes that make no grid or sample.
+    /// [`SweepError::Spec`] for axes that don't form a grid or a sample.
     pub(super) fn rows(&self) -> Result<u64, SweepError> {
         match self {
             Self::Grid(axes) => grid_size(axes),

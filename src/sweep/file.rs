@@ -14,7 +14,7 @@ use std::path::Path;
 /// Top-level keys of a spec.
 const SECTIONS: [&str; 6] = ["bases", "set", "over", "sample", "table", "max_steps"];
 
-/// A spec as a file has it.
+/// A spec as written in a file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -34,7 +34,7 @@ impl Spec {
     /// Reads a spec from TOML. Files that it names are looked for in `folder`; keys are set in all its bases.
     ///
     /// # Errors
-    /// As [`Spec::new`], [`Axis::parse`] and [`Base::open`]; [`SweepError::Spec`] for a text that is no spec.
+    /// As [`Spec::new`], [`Axis::parse`] and [`Base::open`]; [`SweepError::Spec`] if the text is not a spec.
     pub fn from_toml(
         text: &str,
         folder: &Path,
@@ -93,7 +93,7 @@ fn check_quotes(section: &str, entries: &toml::Table) -> Result<(), SweepError> 
     }
 }
 
-/// A value as it would stand on the command line.
+/// A value in command-line notation.
 fn plain(value: &toml::Value) -> String {
     match value {
         toml::Value::String(text) => text.clone(),
@@ -148,18 +148,18 @@ mod tests {
     #[test]
     fn what_is_wrong_in_a_file_is_told_in_plain_words() {
         for (text, part) in [
-            ("max_steps = 0", "must be a whole number from 1 on"),
-            ("max_steps = 1e3", "must be a whole number from 1 on"),
-            ("max_steps = -1", "must be a whole number from 1 on"),
+            ("max_steps = 0", "must be a whole number of at least 1"),
+            ("max_steps = 1e3", "must be a whole number of at least 1"),
+            ("max_steps = -1", "must be a whole number of at least 1"),
             ("bases = [1]", "must be a list of strings"),
             ("bases = \"paper\"", "must be a list of strings"),
             ("set = 1", "must be a section"),
             ("over = []", "must be a section"),
             ("sample = 10", "expected a section with count"),
-            ("sample.count = 0", "must be a whole number from 1 on"),
+            ("sample.count = 0", "must be a whole number of at least 1"),
             (
                 "sample = { count = 9, seed = -1 }",
-                "must be a whole number from 0 on",
+                "must be a whole number of at least 0",
             ),
             (
                 "sample = { count = 9, method = \"x\" }",

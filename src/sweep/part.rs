@@ -100,7 +100,7 @@ impl Sweep {
         Some((self.batch_of(columns), counts))
     }
 
-    /// Some rows of the design: their numbers, bases and what they change, without outcomes.
+    /// Some rows of the design: their numbers, bases and changed keys, without outcomes.
     ///
     /// # Panics
     /// Never: the columns are made for the schema.
@@ -179,7 +179,7 @@ fn outcome_column<'a>(
     }
 }
 
-/// The columns: number and base of a run, what it changes, its outcome, its digest or error.
+/// The columns: number and base of a run, its changed keys, its outcome, its digest or error.
 fn fields(spec: &Spec) -> Vec<Field> {
     let text = |name, meaning| field(name, DataType::Utf8, "", meaning);
     let run = field("run", DataType::Int64, "", "number of the row");
@@ -203,7 +203,7 @@ fn fields(spec: &Spec) -> Vec<Field> {
     };
     fields.extend(COLUMNS.iter().map(outcome));
     let digest = "SHA-256 of the scenario; null if there is none";
-    let error = "why there is no outcome; null if there is one";
+    let error = "error message of a run that failed; null if it has an outcome";
     fields.extend([text("scenario_digest", digest), text("error", error)]);
     fields
 }

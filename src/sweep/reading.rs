@@ -60,7 +60,7 @@ impl Columns {
     /// The numbers of a column; NaN where there is none.
     ///
     /// # Errors
-    /// [`SweepError::File`] if they are no numbers.
+    /// [`SweepError::File`] if they are not numbers.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, SweepError> {
         let number = |cell: Option<Value>| match cell {
             Some(Value::Number(number)) => Ok(number),
@@ -70,7 +70,7 @@ impl Columns {
         self.cells(name)?.into_iter().map(number).collect()
     }
 
-    /// The cells of a column as texts; `None` for nulls.
+    /// The cells of a column as strings; `None` for nulls.
     ///
     /// # Errors
     /// [`SweepError::File`] if they are neither numbers nor words.
@@ -157,7 +157,7 @@ fn read_row(table: &Path, row: u64, opened: Opened) -> Result<Values, SweepError
     Ok(values)
 }
 
-/// The name of a column, for a key's path too.
+/// The name of a column, given that name or a key's path.
 fn plain(name: &str) -> String {
     name.replace('.', "_")
 }

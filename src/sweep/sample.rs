@@ -17,7 +17,7 @@ pub enum Method {
     Random,
 }
 
-/// Points that are chosen among the values of some axes.
+/// Sampled points of some axes.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(
     deny_unknown_fields,
@@ -96,7 +96,7 @@ mod tests {
         Points::new(&sample, dimensions)
     }
 
-    /// The first numbers of SplitMix64 from the state 0: its state is the golden number added up.
+    /// The first numbers of SplitMix64 from the state 0: its state is a multiple of the golden ratio constant.
     #[test]
     fn val_mixing_is_splitmix64() {
         assert_eq!(mixed(&[0]), 0xe220_a839_7b1d_cdaf);

@@ -26,7 +26,7 @@ impl Spec {
     /// A sweep over these bases, the outermost axis.
     ///
     /// # Errors
-    /// [`SweepError::Spec`] if bases, axes and sample don't fit together.
+    /// [`SweepError::Spec`] if bases, axes and sample are incompatible.
     pub fn new(
         bases: Vec<Base>,
         design: Design,
@@ -150,7 +150,7 @@ impl Spec {
     }
 }
 
-/// The first name that is there a second time.
+/// The first duplicate name.
 fn repeated<'a>(mut names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let mut seen = HashSet::new();
     names.find(|name| !seen.insert(*name))
@@ -242,7 +242,7 @@ mod tests {
                 "{message}"
             );
         }
-        // A key that is removed is set to nothing.
+        // A removed key is set to null.
         let removed = [("friction.k".to_owned(), String::new())];
         let base = Base::open("paper", Path::new("."), &removed).unwrap();
         assert!(Spec::new(vec![base], Design::Grid(axes()), None).is_ok());

@@ -54,7 +54,7 @@ struct Part {
 }
 
 impl<'a> Store<'a> {
-    /// The places next to a table.
+    /// The paths next to a table.
     ///
     /// # Errors
     /// [`SweepError::Sink`] if the table's name is invalid, or an input file would be overwritten.
@@ -107,7 +107,7 @@ impl<'a> Store<'a> {
     /// Creates the parts directory or checks that it belongs to this sweep, and rejects invalid table names early.
     ///
     /// # Errors
-    /// [`SweepError::File`] if the directory belongs to another sweep, [`SweepError::Sink`] if a file can't be made.
+    /// [`SweepError::File`] if the directory belongs to another sweep, [`SweepError::Sink`] if a file can't be created.
     pub(super) fn open(&self) -> Result<(), SweepError> {
         let text = format!("{:#}\n", self.identity);
         match publish::write(&self.spec_file(), Existing::Keep, text.as_bytes()) {
@@ -157,7 +157,7 @@ impl<'a> Store<'a> {
     /// Writes a part atomically, replacing a damaged part or an identical one of another process.
     ///
     /// # Errors
-    /// [`SweepError::Sink`] if the disk is full, or the like.
+    /// [`SweepError::Sink`] if the file can't be written, e.g. if the disk is full.
     pub(super) fn write(
         &self,
         part: u64,
@@ -169,7 +169,7 @@ impl<'a> Store<'a> {
         Ok(publish::write(&self.path(part), Existing::Replace, &bytes)?)
     }
 
-    /// A name that no part of another sweep has.
+    /// A name that is unique to this sweep.
     fn name(&self, part: u64) -> String {
         format!("{} {part}", self.digest)
     }
@@ -177,7 +177,7 @@ impl<'a> Store<'a> {
     /// Merges all parts into the table and removes them.
     ///
     /// # Errors
-    /// [`SweepError::File`] for a part that is not what it must be.
+    /// [`SweepError::File`] for a missing or damaged part.
     pub(super) fn merge(&self) -> Result<(), SweepError> {
         let merge = |mut draft: Draft| -> Result<(), SweepError> {
             self.copy(&mut draft)

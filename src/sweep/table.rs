@@ -51,11 +51,11 @@ impl Table {
         Ok(table)
     }
 
-    /// Takes the columns of Arrow's batches, which all have this schema. A pandas index is ignored unless it has the
+    /// Reads the columns of Arrow batches, which all have this schema. A pandas index is ignored unless it has the
     /// name of a key.
     ///
     /// # Errors
-    /// A column that is no key, or has values that are no numbers or words.
+    /// A column that is not a key, or has values that are neither numbers nor words.
     pub fn from_batches(schema: &Schema, batches: &[RecordBatch]) -> Result<Self, String> {
         let rows = batches.iter().map(|batch| batch.num_rows() as u64).sum();
         let mut table = Self::of_schema(schema, rows)?;
@@ -127,7 +127,7 @@ impl Table {
         self.columns.iter().map(cells).collect()
     }
 
-    /// SHA-256 of keys and cells, whatever kind of file they come from.
+    /// SHA-256 of keys and cells, independent of the file type.
     pub(super) fn digest(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(self.rows.to_le_bytes());
@@ -180,7 +180,7 @@ fn from_parquet(opened: Opened) -> Result<Table, String> {
     Ok(table)
 }
 
-/// The columns that pandas has made of the index of its rows.
+/// The columns in which pandas has stored its row index.
 fn pandas_indices(schema: &Schema) -> Vec<String> {
     let about = schema.metadata().get("pandas");
     let about: Option<Json> = about.and_then(|text| serde_json::from_str(text).ok());
@@ -199,7 +199,7 @@ fn is_nameless_index(name: &str) -> bool {
     level.is_some_and(|level| level.parse::<u32>().is_ok())
 }
 
-/// Reads a table with commas between its cells, each of which is in one line.
+/// Reads a comma-separated table; no cell contains a line break.
 fn from_csv(text: &str) -> Result<Table, String> {
     let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
     let is_blank = |(line, _): &(&str, u64)| line.trim().is_empty();
@@ -212,7 +212,7 @@ fn from_csv(text: &str) -> Result<Table, String> {
         let reason = "unclosed quote";
         return Err(format!("line {line}: {reason}"));
     }
-    // A reader passes over an empty line, which is an empty cell where there is one column.
+    // Readers skip empty lines, but in a table with one column an empty line is an empty cell.
     let has_one_column = lines.first().is_some_and(|first| !first.0.contains(','));
     lines.retain(|line| has_one_column || !is_blank(line));
     let filled = lines
@@ -307,7 +307,7 @@ mod tests {
         let table = read(",friction_k,initial.phi\n0,0.1,1\n1,0.2,\n").unwrap();
         assert_eq!(table.rows(), 2);
         assert_eq!(table.digest(), plain.digest());
-        // What counts nothing could be meant as values.
+        // An unnamed column that does not count the rows could be meant as values.
         for text in [
             ",friction_k\n0,0.1\n2,0.2\n",
             ",friction_k\n0,0.1\n,0.2\n",

@@ -13,17 +13,17 @@ fn read<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
 
 /// A positive integer.
 pub(super) fn count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
-    read(deserializer, "a whole number from 1 on").map(NonZeroU64::get)
+    read(deserializer, "a whole number of at least 1").map(NonZeroU64::get)
 }
 
-/// As [`count`], where it may be left out.
+/// As [`count`], but optional.
 pub(super) fn some_count<'de, D: Deserializer<'de>>(source: D) -> Result<Option<u64>, D::Error> {
     count(source).map(Some)
 }
 
-/// A number from 0 on.
+/// A non-negative number.
 pub(super) fn seed<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
-    read(deserializer, "a whole number from 0 on")
+    read(deserializer, "a whole number of at least 0")
 }
 
 /// Method by which the points of a sample are chosen.
@@ -33,7 +33,7 @@ pub(super) fn method<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     read(deserializer, "\"sobol\" or \"random\"")
 }
 
-/// A list of texts.
+/// A list of strings.
 pub(super) fn texts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
     read(deserializer, "a list of strings, e.g. [\"…\", \"…\"]")
 }

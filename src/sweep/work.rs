@@ -18,7 +18,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Whether a part is in this share.
+    /// Whether a part is in this shard.
     pub(super) fn has(self, part: u64) -> bool {
         part % self.count == self.index
     }
@@ -27,15 +27,15 @@ impl Shard {
 /// Options of a computation. They don't affect the bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
-    /// Number of threads, as [`threads`] takes it.
+    /// Number of threads; see [`threads`].
     pub threads: usize,
-    /// Computes the parts of this share alone, and doesn't merge.
+    /// Compute only the parts of this shard, and don't merge.
     pub shard: Option<Shard>,
     /// Stop at the first failed row, including rows computed before.
     pub fail_fast: bool,
 }
 
-/// The number of threads for some runs: as many as are wanted (0: all), but no more than there are processors and runs.
+/// The number of threads for some runs: the requested number (0: all), but no more than there are processors and runs.
 pub fn threads(wanted: usize, runs: u64) -> usize {
     let processors = thread::available_parallelism().map_or(1, usize::from);
     let wanted = if wanted == 0 { processors } else { wanted };
@@ -50,9 +50,9 @@ pub struct Finished {
     pub is_merged: bool,
     /// Whether the sweep was interrupted.
     pub is_interrupted: bool,
-    /// Number of rows that were computed now; the others were there.
+    /// Number of rows computed now; the others already existed.
     pub computed: u64,
-    /// Counts of their results: all rows of the table, or those computed now if it is not there.
+    /// Counts of their results: all rows of the table, or those computed now if the table is incomplete.
     pub counts: Counts,
 }
 
@@ -61,7 +61,7 @@ pub struct Finished {
 ///
 /// # Errors
 /// [`SweepError`] if existing files belong to another sweep, a file can't be written, or a row fails with [`Options::fail_fast`].
-/// Parts that are complete stay.
+/// Complete parts are kept.
 pub fn run(
     sweep: &Sweep,
     table: &Path,
@@ -153,7 +153,7 @@ fn rows_in(sweep: &Sweep, parts: &[u64]) -> u64 {
     rows.map(|rows| rows.end - rows.start).sum()
 }
 
-/// The parts of a share, or of all, that are missing, in order. With `fail_fast` it ends at the first part with a failed
+/// The missing parts of a shard, or of all, in order. With `fail_fast` it ends at the first part with a failed
 /// row, whose error it returns.
 ///
 /// # Errors

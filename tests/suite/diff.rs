@@ -361,7 +361,7 @@ fn swapping_the_runs_mirrors_the_report() {
         let back = compare(&b, &a, &quick()).unwrap();
         assert_eq!(there.findings.len(), back.findings.len());
         // The torques are compared at A's states: they depend on which run is A.
-        let of_both = |f: &&Finding| f.what != "max. friction torque difference";
+        let of_both = |f: &&Finding| f.what != "max. friction torque difference at A's states";
         let relative = |f: &Finding| f.what.contains("relative");
         for x in there.findings.iter().filter(of_both) {
             let y = back.findings.iter().find(|y| y.what == x.what);

@@ -43,7 +43,7 @@ pub struct Deviation {
     pub unit: String,
     /// The difference with the largest magnitude.
     pub largest: f64,
-    /// Time of that, s.
+    /// Time of that difference, s.
     pub at: f64,
     /// A's and B's values then.
     pub values: [f64; 2],

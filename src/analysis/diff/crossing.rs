@@ -208,7 +208,7 @@ mod tests {
             let theta = |x: f64| ratio * cos(x) - x;
             let (mut lowest, mut earliest, mut last) = (f64::INFINITY, 0.0_f64, -1.0_f64);
             for i in 0..400_000_u32 {
-                // Long enough to forget the start.
+                // Long enough for the start to have no effect.
                 let x = f64::from(i) * 1e-4 * (1.0 + ratio);
                 let y = theta(x);
                 if y < lowest {

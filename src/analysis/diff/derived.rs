@@ -75,7 +75,7 @@ impl Derived {
         kinds.into_iter().map(derived).collect()
     }
 
-    /// Takes the numbers of a pair.
+    /// Adds the numbers of a pair.
     pub(super) fn add(&mut self, time_ns: u64, a: &[f64], b: &[f64]) {
         let difference = if a == b {
             0.0

@@ -47,9 +47,9 @@ pub struct Residual {
     pub largest: f64,
     /// Time of the largest, s.
     pub at: f64,
-    /// Root of the mean square of the difference.
+    /// Root mean square of the difference.
     pub rms: f64,
-    /// Root of the mean square of the quantity itself, by A's model.
+    /// Root mean square of the quantity itself, by A's model.
     pub rms_a: f64,
 }
 
@@ -109,7 +109,7 @@ fn motion(message: &Message<'_>, radius: f64) -> Option<Motion> {
     })
 }
 
-/// The quantities of an action, or of the difference of two: the magnitude of the torque comes first.
+/// The quantities of a model's output, or of the difference of two: the magnitude of the torque comes first.
 fn quantities(action: [f64; QUANTITIES.len() - 1]) -> [f64; QUANTITIES.len()] {
     let magnitude = Vector3::new(action[0], action[1], action[2]).norm();
     std::array::from_fn(|i| i.checked_sub(1).map_or(magnitude, |i| action[i]))

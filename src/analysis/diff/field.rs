@@ -17,9 +17,9 @@ pub struct FieldDifference {
     pub count: u64,
     /// The difference with the largest magnitude.
     pub largest: f64,
-    /// Time of that, s.
+    /// Time of that difference, s.
     pub at: f64,
-    /// Root of the mean square of the differences.
+    /// Root mean square of the differences.
     pub rms: f64,
     /// The largest magnitude of the field in either run.
     pub scale: f64,
@@ -59,7 +59,7 @@ impl FieldTally {
         }
     }
 
-    /// Takes a number of A and one of B.
+    /// Adds a number of A and one of B.
     #[inline]
     pub(super) fn add(&mut self, time_ns: u64, a: f64, b: f64) {
         self.found.count += 1;

@@ -244,7 +244,7 @@ fn peg(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Vec<Finding> {
         return Vec::new();
     }
     let of = |get: fn(&PegSummary) -> Option<f64>| pegs.map(|peg| peg.and_then(get));
-    let hops = of(|peg| peg.hops.map(|count| count as f64));
+    let flights = of(|peg| peg.hops.map(|count| count as f64));
     let first_roll = of(|peg| peg.first_roll);
     let rolls_at = of(|peg| peg.rolls_to_end_at);
     let mut found = vec![
@@ -252,8 +252,8 @@ fn peg(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Vec<Finding> {
         Finding::new("θ at start of final rolling", "rad", rolls_at)
             .computed_within(evidence.error_of(state::THETA)),
     ];
-    if hops.iter().flatten().any(|count| *count > 0.0) {
-        found.insert(0, Finding::new("hops", "", hops));
+    if flights.iter().flatten().any(|count| *count > 0.0) {
+        found.insert(0, Finding::new("flights", "", flights));
     }
     found
 }
@@ -328,7 +328,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Finding {
 fn torque(evidence: &Evidence<'_>) -> Option<Finding> {
     let torque = evidence.discrepancy?.quantities.first()?;
     Some(Finding {
-        what: "max. friction torque difference".to_owned(),
+        what: "max. friction torque difference at A's states".to_owned(),
         unit: torque.unit.clone(),
         difference: Some(torque.largest),
         ..Finding::default()

@@ -1,4 +1,4 @@
-//! Watching a comparison.
+//! Observers of a comparison.
 
 use crate::archive::sink::SinkError;
 use crate::telemetry::Message;
@@ -6,7 +6,7 @@ use crate::telemetry::side::Side;
 
 /// Receives the messages and differences during a comparison.
 ///
-/// Only messages of the telemetry table are shown.
+/// Only messages of the telemetry table are passed.
 pub trait Observer {
     /// Called for each message of a run.
     ///

@@ -36,7 +36,7 @@ pub struct KeyDifference {
 }
 
 impl KeyDifference {
-    /// Whether the key affects the simulation (all but name and description).
+    /// Whether the key affects the simulation (all except name and description).
     pub fn changes_the_run(&self) -> bool {
         !["name", "description"].contains(&self.key.as_str())
     }

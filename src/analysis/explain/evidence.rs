@@ -7,7 +7,7 @@ use crate::run::scenario::Scenario;
 /// Steps that the integrator takes per nutation, if the end record doesn't state them.
 const STEPS_PER_NUTATION: f64 = 30.0;
 
-/// Everything that an explanation is made from.
+/// The data of an explanation.
 pub(super) struct Evidence {
     pub(super) scenario: Scenario,
     pub(super) history: RunHistory,
@@ -24,7 +24,7 @@ impl Evidence {
         let nutations = self.history.cycles.len() as f64;
         let steps: f64 = steps.unwrap_or(STEPS_PER_NUTATION * (nutations + 1.0));
         let tolerances = &self.scenario.tolerances;
-        // A run of a few steps is still rounded.
+        // Even a run of a few steps has rounding errors.
         steps.max(10.0) * (tolerances.absolute + tolerances.relative * size.abs())
     }
 }

@@ -258,7 +258,7 @@ impl Fact {
                 dissipation,
                 drops_term: true,
             } => format!(
-                "The model omits one friction term of the equations (friction.dissipation = {dissipation}); this does not correspond to a torque."
+                "The model omits friction terms of the equations (friction.dissipation = {dissipation}); this does not correspond to a torque."
             ),
             Self::ModelPart {
                 dissipation,

@@ -11,9 +11,11 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = vec![held::start(evidence)];
     facts.extend(held::mean_theta(evidence));
     if history.is_of_tippe_top() {
-        facts.push(match history.inverted {
-            Some(time) => Fact::Inverted { time },
-            None => Fact::NotInverted { time: end },
+        let starts_inverted = evidence.scenario.angles.theta >= FRAC_PI_2;
+        facts.extend(match history.inverted {
+            Some(time) => Some(Fact::Inverted { time }),
+            None if starts_inverted => None,
+            None => Some(Fact::NotInverted { time: end }),
         });
     } else {
         facts.extend(held::loops(evidence));

@@ -41,7 +41,10 @@ pub(super) fn start(evidence: &Evidence) -> Fact {
 /// The inclination in the first and the last nutation.
 pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
     let cycles = &evidence.history.cycles;
-    let (first, last) = (cycles.first()?.means[0], cycles.last()?.means[0]);
+    let [first, .., last] = &cycles[..] else {
+        return None;
+    };
+    let (first, last) = (first.means[0], last.means[0]);
     let is_constant = (last - first).abs() <= evidence.floor(first.abs().max(last.abs()));
     Some(if is_constant {
         Fact::ThetaConstant { theta: last }

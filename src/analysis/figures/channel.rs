@@ -53,7 +53,7 @@ impl Channel {
         fields.dedup();
         let is_averaged = |column: &usize| averaged.contains(&fields[*column]);
         let averaged: Vec<_> = (0..fields.len()).filter(is_averaged).collect();
-        // A locus needs enough points to look round.
+        // A locus needs enough points to look smooth.
         let most = if topic == POSE { 2 * MOST } else { MOST };
         let columns = fields.len() + averaged.len();
         Self {
@@ -67,7 +67,7 @@ impl Channel {
         }
     }
 
-    /// Takes a message of any channel.
+    /// Adds a message of any channel.
     pub(super) fn take(&mut self, message: &Message<'_>) {
         if message.topic() == self.topic {
             let values = self.fields.iter().map(|field| field.of(message));
@@ -250,7 +250,7 @@ mod tests {
     #[test]
     fn recorded_integrals_are_taken_for_those_of_the_samples() {
         let mut channel = channel([]);
-        // The integral of sin t from 0 on is 1 − cos t, whatever the samples miss.
+        // The integral of sin t from 0 is 1 − cos t, regardless of missing samples.
         for time in (0..8).map(f64::from) {
             let (sin, cos) = crate::physics::math::sin_cos(time);
             channel.push(time, vec![sin], |_| 1.0 - cos);

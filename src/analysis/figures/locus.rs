@@ -21,7 +21,7 @@ const TALLEST: f64 = 0.8;
 /// The distance between the parts of the figure, mm.
 const GAP: f64 = 3.0;
 
-/// The horizontal components of the axis, as on axes.
+/// The horizontal components of the axis, as axis labels.
 const X: Quantity = Quantity::new("*n*_{*x*}", "");
 const Y: Quantity = Quantity::new("*n*_{*y*}", "");
 
@@ -46,7 +46,7 @@ pub(super) fn locus(runs: &[&Run], width: f64) -> Drawing {
     let squares = squares(&drawn, &traces);
     let (columns, skipped) = if width < TWO_COLUMNS { (2, 0) } else { (3, 1) };
     let column = (usable - (columns - 1) as f64 * GAP) / columns as f64;
-    // The room that the numbers to the left of a square need hardly depends on its size.
+    // The space for the numbers to the left of a square hardly depends on its size.
     let bounds = Bounds::new((0.0, 0.0), 0.7 * column, 0.7 * column);
     let frames = squares.iter().map(|square| square.frame(bounds));
     let rooms = frames.map(|frame| frame::room_left(&frame.y, &Y));

@@ -89,7 +89,7 @@ impl Looks {
         }
     }
 
-    /// The stroke of a quantity in a legend, where it stands for all runs.
+    /// The stroke of a quantity in a legend, where it represents all runs.
     pub(super) fn term_in_legend(self, term: usize) -> Stroke {
         let mut stroke = self.term(0, term);
         if self.runs > 1 {

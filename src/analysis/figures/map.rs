@@ -37,7 +37,7 @@ impl Map {
         Ok(drawing)
     }
 
-    /// Refuses numbers that no axis can show.
+    /// Rejects numbers that no axis can show.
     fn check_magnitudes(&self) -> Result<(), String> {
         for run in &self.runs {
             let axes = [(&self.x, run.x), (&self.color, run.color)];

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Figures that were drawn of some runs, and those that were not.
+/// Figures of some runs: those that were drawn, and those that were not.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct FiguresReport {
     /// The files that were written.
@@ -23,7 +23,7 @@ pub struct FigureFile {
     pub figure: &'static str,
     /// Content of the figure.
     pub title: &'static str,
-    /// Names of the runs that it is drawn of.
+    /// Names of the runs that it shows.
     pub runs: Vec<String>,
     /// Path of the file.
     pub path: String,
@@ -53,7 +53,7 @@ pub struct LeftOut {
     pub because: &'static str,
 }
 
-/// Something of a run that could not be read.
+/// A part of a run that could not be read.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RunLoss {
     /// Name of the run.

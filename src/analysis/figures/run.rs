@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 /// Largest gap between two nutations attributed to rounding, relative to the period.
 const GAP: f64 = 0.01;
 
-/// The numbers of a run that some figures need, from a recording or a simulation.
+/// The data of a run for some figures, from a recording or a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// The name in legends.

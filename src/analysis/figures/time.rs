@@ -14,7 +14,7 @@ use crate::telemetry::fields::{
     precession as rates, state, torque as torques,
 };
 
-/// Time, as on axes.
+/// Time, as an axis label.
 const TIME: Quantity = Quantity::new("*t*", "s");
 
 /// The paper's figure 2: the inclination and the rates with their averages over nutations.

@@ -10,13 +10,13 @@ use crate::analysis::plot::shape::{Bounds, Colour, Point};
 use crate::analysis::plot::style::{self, BLUE, GREEN, LINE, MARGIN, MEDIUM, VERMILION};
 use crate::telemetry::fields::contact;
 
-/// The greatest side of the square, mm.
+/// The maximum side of the square, mm.
 const LARGEST: f64 = 110.0;
 
 /// The padding around the track, relative to its extent.
 const AIR: f64 = 0.05;
 
-/// Horizontal places, as on axes.
+/// Horizontal positions, as axis labels.
 const X: Quantity = Quantity::new("*x*", "m");
 const Y: Quantity = Quantity::new("*y*", "m");
 

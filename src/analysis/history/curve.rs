@@ -114,7 +114,7 @@ pub(crate) fn hermite5([y0, d0, c0]: [f64; 3], [y1, d1, c1]: [f64; 3], h: f64, s
         + 0.5 * h * h * s * s * r * r * (r * c0 + s * c1)
 }
 
-/// The extreme value of the cubic through two points `h` apart with given slopes, if it turns between them.
+/// The extreme value of the cubic through two points `h` apart with given slopes, if it lies between them.
 pub(crate) fn extreme([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64) -> Option<f64> {
     let changes_sign = d0 * d1 < 0.0;
     if !changes_sign {

@@ -1,4 +1,4 @@
-//! Events, and what should stay constant between them.
+//! Events, and quantities that should be constant between them.
 
 use crate::run::simulation::EventKind;
 
@@ -11,7 +11,7 @@ pub(crate) struct Event {
     pub(crate) time: f64,
     /// Inclination θ then, rad.
     pub(crate) theta: f64,
-    /// The sentence that was recorded with it.
+    /// Its recorded description.
     pub(crate) description: String,
 }
 

@@ -107,7 +107,7 @@ mod tests {
         assert!((found - 0.3).abs() < 1e-12, "{found}");
         let found = first_zero(of(0.0), of(0.45), 0.45).unwrap();
         assert!((0.45 * found - 0.3).abs() < 1e-12, "{found}");
-        // What was below has been there before, and what only comes near is not there.
+        // A value below the level has crossed it before; a value that only comes close has not crossed it.
         assert_eq!(first_zero(of(0.35), of(1.0), 0.65), None);
         let above = |t: f64| [of(t)[0] + 0.02, of(t)[1], of(t)[2]];
         assert_eq!(first_zero(above(0.0), above(1.0), 1.0), None);

@@ -127,7 +127,7 @@ impl PegHistory {
     }
 
     fn contact(&mut self, message: &Message<'_>) {
-        // A peg that is thrown up begins at the table, but in the air.
+        // A peg that is thrown up starts at the height of the table, but in flight.
         self.flies_at_first |= self.travelled.is_none() && contact::REGIME.of(message) == FLYING;
         let point = contact::CONTACT_POINT.of(message);
         let (first, farthest) = self.travelled.get_or_insert(([point.x, point.y], 0.0));
@@ -166,7 +166,7 @@ impl PegHistory {
         let mut intervals: Vec<Interval> = Vec::new();
         for (at, (phase, from, theta)) in starts.iter().copied().enumerate() {
             let to = starts.get(at + 1).map_or(end, |next| next.1);
-            // What begins and ends at one moment was a name for it only.
+            // A phase that begins and ends at the same time is not a real phase.
             if to <= from {
                 continue;
             }

@@ -1,10 +1,10 @@
-//! Leaves out points of lines that can't be distinguished in print.
+//! Removes points of lines that can't be distinguished in print.
 
 use super::shape::Point;
 use std::ops::Range;
 
 /// Keeps the first, the lowest, the highest and the last point of each column of this width, so that the envelope of what
-/// oscillates within a column stays.
+/// oscillates within a column is kept.
 ///
 /// The points must be in the order of their columns. A point that is not finite divides the line.
 pub(crate) fn by_column(points: impl IntoIterator<Item = Point>, width: f64) -> Vec<Vec<Point>> {

@@ -57,7 +57,7 @@ impl Drawing {
         }
     }
 
-    /// Adds a text on a baseline.
+    /// Adds text on a baseline.
     pub(crate) fn label(&mut self, text: Text, (x, y): Point, anchor: Anchor) {
         let width = text.width * FONT;
         let x = match anchor {
@@ -72,7 +72,7 @@ impl Drawing {
         });
     }
 
-    /// Adds a text that runs upwards in the middle of two heights, with its ink right of `left`.
+    /// Adds text that runs upwards, midway between two heights, with its ink to the right of `left`.
     pub(crate) fn upward_label(&mut self, text: Text, left: f64, (top, bottom): (f64, f64)) {
         let y = f64::midpoint(top, bottom) + text.width * FONT / 2.0;
         self.labels.push(Label {

@@ -177,7 +177,7 @@ impl Frame {
             let x = self.place((tick.value, self.y.low)).0;
             let number = Text::plain(&tick.label);
             let half = 0.5 * number.width * FONT;
-            // Numbers with many digits would run into one another, or out of the frame.
+            // Numbers with many digits would overlap or extend beyond the frame.
             if x - half >= from && x + half <= right + ROOM_RIGHT {
                 drawing.label(number, (x, baseline), Anchor::Middle);
                 from = x + half + GAP;
@@ -269,7 +269,7 @@ pub(crate) fn ticks_up(length: f64) -> usize {
     (length / TICK_ROOM_UP) as usize
 }
 
-/// The distance from a frame up to the baseline of what stands above it, mm.
+/// The distance from a frame up to the baseline of the text above it, mm.
 pub(crate) const ABOVE: f64 = 1.1;
 
 /// Draws the letter of a panel.

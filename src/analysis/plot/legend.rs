@@ -111,7 +111,7 @@ const BROAD: f64 = 6.5;
 /// Half the width of a mark, and its height, mm.
 const MARK: f64 = 0.9;
 
-/// A triangle with its tip at a place, which points upwards for 1 and downwards for −1.
+/// A triangle with its tip at a point; it points upwards for 1 and downwards for −1.
 pub(crate) fn mark((x, y): Point, upward: f64) -> Shape {
     let base = y + upward * 2.0 * MARK;
     Shape::Area {
@@ -133,7 +133,7 @@ pub(crate) fn dot(centre: Point, is_filled: bool, colour: Colour) -> Shape {
     }
 }
 
-/// The number of lines that a legend takes.
+/// The number of lines of a legend.
 pub(crate) fn lines(entries: &[Entry], width: f64) -> usize {
     wrapped(entries, width).len()
 }

@@ -122,7 +122,7 @@ pub(crate) struct Page {
     pub(crate) shares_x: bool,
 }
 
-/// The height of a panel as a part of its width.
+/// The height of a panel relative to its width.
 const PROPORTION: f64 = 0.46;
 
 /// The greatest height of a panel, mm.
@@ -182,7 +182,7 @@ impl Page {
             let has_axis = has_x_axis(frames.len() - 1);
             top = bottom + if has_axis { frame::ROOM_BELOW } else { 0.0 };
         }
-        // The labels of upright axes one below the other stand in one line.
+        // The labels of vertical axes in one column are aligned.
         for column in 0..columns {
             let widths = of_column(column).map(|index| frame::ticks_width(&scales[index]));
             let width = widths.fold(0.0, f64::max);
@@ -207,7 +207,7 @@ impl Page {
         (if is_from_zero { 0.0 } else { first }, last)
     }
 
-    /// The room above a row: for letters and legends.
+    /// The space above a row, for letters and legends.
     fn room_above(&self, first: usize, sides: &[(f64, f64)]) -> f64 {
         if self.continues(first) {
             return frame::BREAK;
@@ -259,5 +259,5 @@ impl Page {
     }
 }
 
-/// Room for the letter of a panel before its legend, mm.
+/// Space for the letter of a panel in front of its legend, mm.
 const INDENT: f64 = 6.5;

@@ -1,4 +1,4 @@
-//! The look of drawings: colours that the colour-blind can distinguish (Okabe and Ito), dashes that need no
+//! The style of drawings: colours that the colour-blind can distinguish (Okabe and Ito), dashes that need no
 //! colour, and sizes for print.
 
 use super::shape::{Colour, Stroke};

@@ -74,7 +74,7 @@ fn decimal(value: f64) -> String {
 fn escaped(text: &str) -> String {
     let text = text.replace('&', "&amp;").replace('"', "&quot;");
     let text = text.replace('<', "&lt;").replace('>', "&gt;");
-    // XML has no way to write these.
+    // XML can't represent these characters.
     text.replace(char::is_control, "\u{fffd}")
 }
 

@@ -31,7 +31,7 @@ const SUPERSCRIPT: (f64, f64) = (0.7, 0.34);
 const ACCENT_GAP: f64 = 0.07;
 const ACCENT_STEP: f64 = 0.2;
 
-/// The width to which names are cut, em.
+/// The maximum width of names, em; longer ones are truncated.
 const LONGEST_NAME: f64 = 14.0;
 
 /// Slant of italic letters, relative to their height.
@@ -75,7 +75,7 @@ impl OutlineBuilder for Outline {
     }
 }
 
-/// A glyph of a text. Lengths are in em.
+/// A glyph. Lengths are in em.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Glyph {
     pub(crate) style: Style,
@@ -86,7 +86,7 @@ pub(crate) struct Glyph {
     pub(crate) scale: f64,
 }
 
-/// A text that has been set. Lengths are in em.
+/// Typeset text. Lengths are in em.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Text {
     pub(crate) glyphs: Vec<Glyph>,
@@ -99,7 +99,7 @@ pub(crate) struct Text {
 }
 
 impl Text {
-    /// Sets a text as it is, without markup.
+    /// Typesets text without markup.
     pub(crate) fn plain(source: &str) -> Self {
         Self::default().followed_by(source)
     }
@@ -142,7 +142,7 @@ impl Text {
         text
     }
 
-    /// Adds words to the text.
+    /// Appends words to the text.
     pub(crate) fn followed_by(mut self, words: &str) -> Self {
         for letter in words.chars() {
             self.push(letter, Style::Upright, LETTER);
@@ -155,7 +155,7 @@ impl Text {
         let Some(face) = face(style) else {
             return;
         };
-        // The font has a box for letters that it lacks.
+        // The font shows a box for missing letters.
         let id = face.glyph_index(letter).unwrap_or(GlyphId(0));
         let advance = f64::from(face.glyph_hor_advance(id).unwrap_or(0)) / UNITS;
         self.add(Glyph {
@@ -195,7 +195,7 @@ impl Text {
         };
         let lean = match letter.style {
             Style::Upright => 0.0,
-            // The middle of the ink leans with half the height, the dots with more than the whole.
+            // The slant shifts the middle of the ink by half its height, and the dots by more than the full height.
             Style::Italic => SLANT * (under.top - under.bottom + ACCENT_GAP) / 2.0,
         };
         let middle = f64::midpoint(under.left, under.right) + lean;

@@ -64,7 +64,7 @@ fn scaled(number: f64, exponent: i32) -> f64 {
 
 /// The multiples of a step in a range.
 fn multiples(step: f64, low: f64, high: f64) -> RangeInclusive<i64> {
-    // The end of a range that is meant to lie on a tick does so but for rounding.
+    // The end of a range that should coincide with a tick does so up to rounding.
     let slack = 1e-9;
     (low / step - slack).ceil() as i64..=(high / step + slack).floor() as i64
 }
@@ -72,7 +72,7 @@ fn multiples(step: f64, low: f64, high: f64) -> RangeInclusive<i64> {
 impl Scale {
     /// A scale from `low` to `high` with at most `most` numbers, but with three if they fit the range.
     ///
-    /// A range without length is widened; if the ends are not finite it becomes 0 to 1.
+    /// An empty range is widened; if the ends are not finite, it becomes 0 to 1.
     pub(crate) fn new(low: f64, high: f64, most: usize) -> Self {
         let (low, high) = widened(low, high);
         let mut step = Step {
@@ -155,7 +155,7 @@ impl Scale {
         ticks.filter(|tick| range.contains(&tick.value)).collect()
     }
 
-    /// The place of a value in the range, from 0 to 1.
+    /// The position of a value in the range, from 0 to 1.
     pub(crate) fn place(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }

@@ -64,7 +64,7 @@ impl Again {
             batch.clear();
             encoder.encode(message, batch);
             digest.update(message);
-            // The views come behind the message.
+            // The views follow the message.
             let mut values = Some((message.numbers.to_vec(), message.texts.to_vec()));
             for (header, data) in batch.messages() {
                 take(Expected {

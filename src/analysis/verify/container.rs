@@ -24,7 +24,7 @@ pub(super) fn difference(
     let [mut recorded, mut simulated] = [recorded(recording), simulated(opening, end)];
     let is_of_end = |key: &(String, String)| key.0 == END_RECORD && !key.1.is_empty();
     if recording.is_interrupted() {
-        // The run goes on where the recording ends.
+        // The run continues after the end of the recording.
         recorded.retain(|key, _| !is_of_end(key));
         simulated.retain(|key, _| !is_of_end(key));
     }

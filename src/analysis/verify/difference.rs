@@ -15,7 +15,7 @@ pub struct Difference {
     /// Field or property; absent if all of it differs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub field: Option<String>,
-    /// The value in the file; absent if it isn't there.
+    /// The value in the file; absent if the file has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded: Option<String>,
     /// The value of the new run; absent if there is none.

@@ -132,8 +132,9 @@ impl Survey {
         Ok(())
     }
 
-    fn expect(&mut self, record: &Record<'_>) {
-        self.expected.insert(format!("{record:?}"));
+    /// Expects a record in the summary. Returns whether it was not expected before.
+    fn expect(&mut self, record: &Record<'_>) -> bool {
+        self.expected.insert(format!("{record:?}"))
     }
 
     /// Processes a schema or channel in the data. Apart from these, a chunk contains only messages.
@@ -145,12 +146,17 @@ impl Survey {
         };
         let is_schema = record.opcode() == op::SCHEMA;
         let has_schema = needs == 0 || self.defined.contains(&(op::SCHEMA, needs));
-        // Zero stands for no schema.
+        // Zero means no schema.
         if !has_schema || (is_schema && id == 0) {
             return Err(fault(place, "a channel without its schema"));
         }
-        self.defined.insert((record.opcode(), id));
-        self.expect(record);
+        let is_new = self.defined.insert((record.opcode(), id));
+        if self.expect(record) && !is_new {
+            return Err(fault(
+                place,
+                "a second definition that differs from the first",
+            ));
+        }
         Ok(())
     }
 
@@ -228,7 +234,7 @@ impl Survey {
         Ok(())
     }
 
-    /// The statistics are known now.
+    /// Expects the statistics of the data, which are complete now.
     fn end_data(&mut self) {
         let mut statistics = mem::take(&mut self.statistics);
         let is_schema = |(opcode, _): &&(u8, u16)| *opcode == op::SCHEMA;
@@ -257,7 +263,7 @@ impl Survey {
             counts.retain(|_, count| *count > 0);
         }
         if !self.expected.remove(&format!("{record:?}")) {
-            return Err(fault(place, "a record that doesn't follow from the data"));
+            return Err(fault(place, "a record that doesn't match the data"));
         }
         let group = self.groups.entry(place.opcode).or_insert(SummaryOffset {
             group_opcode: place.opcode,
@@ -273,12 +279,16 @@ impl Survey {
 
     /// Checks that nothing is missing, and checks the end of the file.
     fn finish(self, place: &RecordSpan, footer: Footer, source: &Source) -> Checked {
-        equal("records of the summary", &BTreeSet::new(), &self.expected)?;
+        if let Some(missing) = self.expected.first() {
+            let kind = missing.split('(').next().unwrap_or_default();
+            let simulated = Some(format!("a {kind} record"));
+            return Err(Difference::of("the summary", "", None, simulated));
+        }
         equal("the groups of the summary", &BTreeMap::new(), &self.groups)?;
         let expected = Footer {
             summary_start: self.summary.unwrap_or_default(),
             summary_offset_start: self.offsets,
-            // Opcode, length, and the two offsets belong to what is summed.
+            // The checksum includes opcode, length and the two offsets.
             summary_crc: source.checksum(footer.summary_start, place.offset + HEAD + 16)?,
         };
         equal("the footer", &footer, &expected)?;

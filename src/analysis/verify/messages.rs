@@ -36,6 +36,8 @@ pub(super) struct Comparison<'r> {
     ahead: VecDeque<Expected>,
     /// The time up to which everything has been simulated, ns.
     reached_ns: Option<u64>,
+    /// Whether the run has been simulated to its end.
+    is_over: bool,
     compared: Compared,
 }
 
@@ -53,6 +55,7 @@ impl<'r> Comparison<'r> {
             places,
             ahead: VecDeque::new(),
             reached_ns: None,
+            is_over: false,
             compared: Compared::default(),
         }
     }
@@ -142,7 +145,7 @@ impl<'r> Comparison<'r> {
             let is_past = self
                 .reached_ns
                 .is_some_and(|reached| reached > recorded.log_time);
-            if found.is_some() || is_past {
+            if found.is_some() || is_past || self.is_over {
                 return found;
             }
             self.advance();
@@ -153,7 +156,8 @@ impl<'r> Comparison<'r> {
     fn advance(&mut self) {
         let ahead = &mut self.ahead;
         let time = self.again.next(|expected| ahead.push_back(expected));
-        self.reached_ns = Some(time.unwrap_or(u64::MAX));
+        self.is_over = time.is_none();
+        self.reached_ns = time.or(self.reached_ns);
     }
 
     /// Counts expected messages before `time_ns` as missing.
@@ -174,7 +178,7 @@ impl<'r> Comparison<'r> {
     /// Simulates to the end and counts missing messages.
     fn finish_run(&mut self) {
         loop {
-            let is_over = self.reached_ns == Some(u64::MAX);
+            let is_over = self.is_over;
             while let Some(left) = self.ahead.pop_front() {
                 self.compared.missing += u64::from(self.counts(&left));
             }

@@ -64,7 +64,7 @@ impl FileChannel {
 }
 
 /// All channels of a file, in the order of their first definitions.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Channels {
     schemas: BTreeMap<u16, Arc<FileSchema>>,
     list: Vec<FileChannel>,

@@ -165,8 +165,9 @@ impl Layout {
         }
     }
 
-    /// Finds the channels in the data. toprise writes them to the first chunk, other writers anywhere. Without
-    /// any, the summary is used; its checksum may be missing or wrong.
+    /// Finds the channels in the data. toprise writes them to the first chunk, so the other chunks are not searched if
+    /// the summary has the same channels. Without any, those of the summary are used; its checksum may be missing or
+    /// wrong.
     fn find_channels(&mut self, source: &Source) {
         let in_summary = std::mem::take(&mut self.channels);
         let mut buffers = Buffers::default();
@@ -183,7 +184,7 @@ impl Layout {
                     self.channels.define(record);
                 }
             }
-            if self.is_ours() && section.is_chunk && !self.channels.is_empty() {
+            if self.is_ours() && section.is_chunk && self.channels == in_summary {
                 return;
             }
         }

@@ -34,13 +34,13 @@ pub(crate) enum Found {
     Cut(Range<u64>),
 }
 
-/// The end of the scan can be asked for once.
+/// A scan in progress; its end is returned only once.
 #[derive(Debug)]
 pub(crate) struct Scanner<'a> {
     source: &'a Source,
     position: u64,
     prefix: Vec<u8>,
-    /// Bytes that searching has read so far.
+    /// Bytes read by searches so far.
     searched: u64,
     done: bool,
 }

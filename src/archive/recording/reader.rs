@@ -288,7 +288,7 @@ impl<'r> Reader<'r> {
         more
     }
 
-    /// The next message as it stands in the file, whatever its channel.
+    /// The next message as stored in the file, from any channel.
     pub fn next_undecoded(&mut self) -> Option<Undecoded<'_>> {
         let at = self.advance()?;
         Some(self.undecoded(&at))
@@ -326,7 +326,7 @@ impl<'r> Reader<'r> {
         })
     }
 
-    /// Loads the next batch that may have wanted messages.
+    /// Loads the next batch that may have selected messages.
     fn load_next(&mut self) -> Option<()> {
         let batch = std::mem::take(self.batches.get_mut(self.read)?);
         self.records.clear();
@@ -380,7 +380,7 @@ impl<'r> Reader<'r> {
         Some(())
     }
 
-    /// Adds the records of a section that has been loaded, and finds the wanted messages in them.
+    /// Adds the records of a section that has been loaded, and finds the selected messages in them.
     fn take_section(&mut self, section: &Section) {
         let mut position = self.records.len();
         if position == 0 {

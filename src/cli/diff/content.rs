@@ -111,7 +111,7 @@ fn findings(report: &Report, all: bool) -> Section {
         .map(|f| f.cells().to_vec())
         .collect();
     if rows.is_empty() && report.floor.is_some() && report.is_of_other_scenarios() {
-        section.line("No average, event or energy differs by more than the integration error.");
+        section.line("No finding exceeds the integration error.");
     }
     section.table(Table::new(&["", "A", "B", "B − A"], rows, 1));
     section
@@ -144,7 +144,7 @@ fn others(topics: &[TopicBytes]) -> Section {
     let row = |topic: &TopicBytes| {
         let first = topic.first.map(|time| format!("{time} s"));
         let is_other = topic.is_described_differently;
-        let described = is_other.then_some("other schema or encoding");
+        let described = is_other.then_some("different schema or encoding");
         vec![
             topic.topic.clone(),
             described.unwrap_or_default().to_owned(),

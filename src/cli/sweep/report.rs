@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 pub(crate) struct SweepReport {
     /// Number of runs of the whole sweep.
     pub(super) runs: u64,
-    /// Number of runs computed by this command; the others existed already or are left.
+    /// Number of runs computed by this command; the others already existed or remain.
     pub(super) computed: u64,
     /// The table; absent if it is not complete.
     pub(super) table: Option<WrittenFile>,
@@ -47,7 +47,7 @@ pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
 }
 
 impl SweepReport {
-    /// The human-readable report; `left` is the number of runs that were left before.
+    /// The human-readable report; `left` is the number of runs that remained before this command.
     pub(super) fn page(&self, left: u64, dry_run: bool, shard: Option<Shard>) -> Vec<Section> {
         let mut facts = Vec::new();
         let outcomes = summary(&self.outcomes, self.errors);

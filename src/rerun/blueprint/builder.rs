@@ -148,13 +148,13 @@ impl Layout {
     }
 }
 
-/// A row with these shares of its width; equal ones if there are none.
+/// A row with these shares of its width; equal shares if none are specified.
 pub(super) fn row(shares: &[f32]) -> parts::ContainerBlueprint {
     let row = parts::ContainerBlueprint::new(ContainerKind::Horizontal);
     row.with_col_shares(shares.iter().copied())
 }
 
-/// A column with these shares of its height; equal ones if there are none.
+/// A column with these shares of its height; equal shares if none are specified.
 pub(super) fn column(shares: &[f32]) -> parts::ContainerBlueprint {
     let column = parts::ContainerBlueprint::new(ContainerKind::Vertical);
     column.with_row_shares(shares.iter().copied())

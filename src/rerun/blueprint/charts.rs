@@ -7,7 +7,7 @@ use crate::telemetry::fields::{
     state, torque,
 };
 
-/// A chart of a run, or a quantity of two runs, which is a row of charts: both curves, and their difference.
+/// A chart of a run, or a row of charts for a quantity of two runs: both curves, and their difference.
 pub(super) struct Chart {
     pub(super) name: &'static str,
     /// The plots that are shown of each run.
@@ -107,7 +107,7 @@ pub(super) const RISE: [Chart; 8] = [
     ENERGIES,
 ];
 
-/// The travel of a top with a free peg, or the inversion of a tippe top. Euler rates, which are infinite at upright, stand on a page of
+/// The travel of a top with a free peg, or the inversion of a tippe top. Euler rates, infinite when upright, are on a page of
 /// their own.
 pub(super) const TRAVEL: [Chart; 8] = [
     INCLINATION,
@@ -168,7 +168,7 @@ pub(super) const TRAVEL_CONTRASTS: [Chart; 3] = [
     contrast("Centre of mass", CENTER, CENTER),
 ];
 
-/// Euler rates where a peg is free.
+/// Euler rates of a free peg.
 pub(super) const RATE_CONTRASTS: [Chart; 3] =
     [THETA_DOT_CONTRAST, PHI_DOT_CONTRAST, PSI_DOT_CONTRAST];
 

@@ -90,7 +90,7 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
     layout.contain(column(&shares), &rows)
 }
 
-/// The looks and geometries of those runs that have a topic.
+/// The looks and geometries of the runs that have a topic.
 fn looks(identity: &PairIdentity, topic: Topic) -> Vec<(Look, &Geometry)> {
     let sides = [Side::A, Side::B].into_iter();
     let sides = sides.filter(|side| identity.run(*side).has(topic));
@@ -203,7 +203,7 @@ impl Charts<'_> {
     }
 }
 
-/// The entities of those plots that are there.
+/// The entities of the existing plots.
 fn entities(plots: &[Plot], is_there: impl Fn(Plot) -> bool, look: &Look) -> Vec<String> {
     let plots = plots.iter().filter(|plot| is_there(**plot));
     plots.map(|plot| look.entity(&plot.to_string())).collect()
@@ -212,10 +212,10 @@ fn entities(plots: &[Plot], is_there: impl Fn(Plot) -> bool, look: &Look) -> Vec
 /// Maximum number of labelled ticks of a small chart.
 const MOST_TICKS: f64 = 7.0;
 
-/// Ranges below this fraction of the values are rounding.
+/// Ranges below this fraction of the values are rounding errors.
 const SMALLEST_SPAN: f64 = 1e-12;
 
-/// A range with these values in it, and at least three ticks with a name; `None` if the values are equal.
+/// A range that contains these values and at least three labelled ticks; `None` if the values are equal.
 fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
     let size = high - low;
     let is_rounding = size <= SMALLEST_SPAN * low.abs().max(high.abs());

@@ -89,8 +89,8 @@ fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
             let name = titled(chart.name, unit);
             let link = LinkAxis::Independent;
             let view = time_series(layout, &name, &contents, chart.legend, link);
-            // A tippe top passes through upright, where its Euler rates are infinite: the largest magnitude that is no
-            // peak of singular angles.
+            // A tippe top passes through upright, where its Euler rates are infinite: the largest magnitude outside the
+            // peaks caused by this singularity.
             let spin = identity.geometry.spin;
             let greatest = match unit {
                 "rad/s" if is_tippe_top => Some(2.0 * spin),

@@ -1,4 +1,4 @@
-//! Views and panels that both layouts are made of.
+//! Views and panels used by both layouts.
 
 use rerun::blueprint::components::{
     BackgroundKind, Corner2D, Eye3DKind, LinkAxis, LoopMode, PanelState, PlayState, TextLogColumn,
@@ -30,7 +30,7 @@ pub(super) struct Stage<'a> {
     pub(super) runs: &'a [(Look, &'a Geometry)],
     /// The top whose height is the unit of the camera position. The camera goes along with a free one.
     pub(super) geometry: &'a Geometry,
-    /// Distance of the camera, in usual distances.
+    /// Distance of the camera, relative to the usual distance.
     pub(super) distance: f64,
 }
 
@@ -73,7 +73,7 @@ pub(super) fn scene(layout: &mut Layout, stage: &Stage<'_>) -> Child {
     view
 }
 
-/// The time from the beginning to an end.
+/// The time range from the start to this time.
 fn until(end: TimeRangeBoundary) -> parts::VisibleTimeRanges {
     let start = TimeRangeBoundary::Infinite;
     parts::VisibleTimeRanges::new([VisibleTimeRange(datatypes::VisibleTimeRange {
@@ -106,7 +106,7 @@ pub(super) fn events(
     view
 }
 
-/// The title of a chart: what it shows, and the unit if that has one.
+/// The title of a chart: its quantity, with the unit if there is one.
 pub(super) fn titled(name: &str, unit: &str) -> String {
     match unit {
         "" => name.to_owned(),
@@ -139,7 +139,7 @@ pub(super) fn time_series(
     view
 }
 
-/// Bounds the values that a chart shows at first.
+/// Sets the initial value range of a chart.
 pub(super) fn bound(layout: &mut Layout, view: &Child, range: [f64; 2]) {
     let axis = parts::ScalarAxis::new().with_range(range);
     layout.property(view, "ScalarAxis", &axis);
@@ -172,7 +172,7 @@ pub(super) fn window(
     layout.finish()
 }
 
-/// The panel of time, at which a viewer begins to play at a speed.
+/// The time panel, with the playback speed.
 pub(super) fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlueprint {
     parts::TimePanelBlueprint::new()
         .with_state(PanelState::Collapsed)

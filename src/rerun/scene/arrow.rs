@@ -68,7 +68,7 @@ pub(super) struct Arrow {
     vector: VectorField,
     /// Quantity per metre.
     scale: f64,
-    /// Length of the shortest arrow that has a name, m.
+    /// Length of the shortest arrow with a label, m.
     shortest: f64,
     /// Distance by which the name is moved up from the tip, m.
     lift: f64,
@@ -78,7 +78,7 @@ pub(super) struct Arrow {
 }
 
 impl Arrow {
-    /// The arrows for which there is anything to draw; sends colours, thickness and names.
+    /// The arrows with data to draw; sends colours, thickness and names.
     pub(super) fn all(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Vec<Self> {
         let size = Proportions::new(&identity.geometry.top).size();
         let mut arrows = Vec::new();
@@ -98,7 +98,7 @@ impl Arrow {
                 .with_show_labels(true);
             outlet.send_static(entity.as_str(), &arrow);
             outlet.send_static(label.as_str(), &named);
-            // Names at the peg and on the table don't meet.
+            // Labels at the peg and on the table don't overlap.
             let lift = if is_at_contact(vector) { 0.0 } else { 0.13 };
             arrows.push(Self {
                 vector,

@@ -1,4 +1,4 @@
-//! The vertical through a peg, and what the camera follows.
+//! The vertical through a peg, and the target of the camera.
 
 use nalgebra::Vector3;
 use rerun::archetypes::Transform3D;
@@ -14,7 +14,7 @@ use crate::telemetry::proportions::Proportions;
 const CAMERA_HEIGHT: f64 = 0.55;
 const CAMERA_DISTANCE: f64 = 4.0;
 
-/// Time between two places, in ns.
+/// Time between two positions, in ns.
 const STEP_NS: u64 = 10_000_000;
 
 /// Sends the vertical line through the centre of the table, up to half a height above the top.
@@ -41,7 +41,7 @@ pub(crate) struct Focus {
 }
 
 impl Focus {
-    /// Sends what the camera looks at.
+    /// Sends the target of the camera.
     pub(crate) fn new(geometry: &Geometry, outlet: &mut Outlet) -> Self {
         outlet.send_static(CAMERA_TARGET, &camera_target(geometry));
         Self {

@@ -15,7 +15,7 @@ const POINT_NS: u64 = 1_000_000;
 
 /// A path in one or several colours.
 ///
-/// Each row is one short piece, and the layout shows all pieces up to the time cursor. So the size of a recording grows
+/// Each row is one short piece, and the layout shows all pieces up to the time cursor. The size of a recording grows
 /// linearly with its length, and the cursor moves along the whole path.
 pub(super) struct Path {
     /// One for each colour.

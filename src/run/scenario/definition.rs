@@ -25,7 +25,7 @@ pub struct Stop {
     pub theta_fallen: Option<f64>,
     /// Stop at this time, s (`stop.duration`).
     pub duration: Option<f64>,
-    /// Whether the run continues when the contact point stops slipping, which may slip again (`stop.on_stick`).
+    /// Whether the run continues when the contact point stops slipping; it may slip again (`stop.on_stick`).
     pub may_stick: bool,
 }
 

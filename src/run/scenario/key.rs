@@ -59,7 +59,7 @@ pub enum Kind {
     Text,
     /// A portable file name.
     Name,
-    /// One of these texts.
+    /// One of these strings.
     Choice(&'static [&'static str]),
     /// Any finite number.
     Any,
@@ -70,7 +70,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Whether the values are texts rather than numbers.
+    /// Whether the values are text rather than numbers.
     pub fn is_text(self) -> bool {
         matches!(self, Self::Text | Self::Name | Self::Choice(_))
     }

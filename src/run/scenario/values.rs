@@ -70,7 +70,7 @@ impl Values {
         self.set_value(path, value)
     }
 
-    /// Sets one key to a number or a text.
+    /// Sets one key to a number or a string.
     ///
     /// # Errors
     /// An unknown key, a value of the wrong type or out of range.
@@ -302,7 +302,7 @@ fn out_of_range(key: &Key, value: &str) -> ScenarioError {
     }
 }
 
-/// Whether a text is a portable file name that is not hidden.
+/// Whether a string is a portable file name that is not hidden.
 fn is_name(text: &str) -> bool {
     let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
     !text.is_empty() && text.len() <= 100 && !text.starts_with('.') && text.chars().all(allowed)

@@ -222,8 +222,8 @@ impl StopReason {
     /// The reason for the run's end, as a sentence.
     pub fn sentence(self) -> &'static str {
         match self {
-            Self::Risen => "the top has risen",
-            Self::Fallen => "the top has fallen",
+            Self::Risen => "risen",
+            Self::Fallen => "fallen",
             Self::Duration => "the run reached its duration",
             Self::SlipStopped => {
                 "the contact point stopped slipping (to continue, set stop.on_stick = \"continue\")"

@@ -62,7 +62,7 @@ fn what_only_one_run_did_is_absent_in_the_other() {
     let report = compare(&paper, &free, &quick()).unwrap();
     for what in [
         "first lifts off",
-        "hops",
+        "flights",
         "first rolls",
         "θ at start of final rolling",
     ] {
@@ -81,7 +81,7 @@ fn what_only_one_run_did_is_absent_in_the_other() {
     assert_eq!(words, ["3.2410", "–"], "{page}");
     let row = page
         .lines()
-        .find(|line| line.trim_start().starts_with("hops"));
+        .find(|line| line.trim_start().starts_with("flights"));
     assert!(row.unwrap().ends_with("  50"), "{page}");
 }
 

@@ -12,7 +12,7 @@ const LOGARITHMIC: f64 = 30.0;
 /// Range ratio from which the colour scale is logarithmic.
 const LOGARITHMIC_COLOURS: f64 = 10.0;
 
-/// Spacings that differ by less than this part are equal.
+/// Spacings that differ by less than this fraction are equal.
 const EVEN: f64 = 1e-6;
 
 /// Values along an axis, as they are drawn: logarithms if `is_log`.
@@ -64,7 +64,7 @@ impl Along {
         if self.is_log { log10(value) } else { value }
     }
 
-    /// The range of what is drawn.
+    /// The drawn range.
     pub(super) fn range(&self) -> (f64, f64) {
         extremes(self.levels.iter().copied())
     }
@@ -130,7 +130,7 @@ mod tests {
             ]
             .map(|along| along.is_log)
         };
-        // From thirtyfold on along axes, from tenfold on in colours, and never with zeros or negative numbers.
+        // From a ratio of 30 along axes and of 10 in colours; never with zeros or negative numbers.
         for (values, expected) in [
             (vec![1.0, 4.0, 9.0], [false, false]),
             (vec![1.0, 4.0, f64::NAN, 10.0], [false, true]),

@@ -5,7 +5,7 @@ use crate::analysis::plot::frame::{self, Frame};
 use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape};
 use crate::analysis::plot::style::{self, MARGIN};
 
-/// The proportion of the frame.
+/// The aspect ratio of the frame.
 const HEIGHT: f64 = 0.72;
 /// The greatest height of the frame, mm.
 const TALLEST: f64 = 90.0;

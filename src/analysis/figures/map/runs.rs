@@ -116,7 +116,7 @@ fn outcome_colour(outcome: &str) -> Colour {
         Some(StopReason::Pivot) => Colour(0xff, 0xb6, 0xc1),
         Some(StopReason::Interrupted | StopReason::Failed) => Colour(0x30, 0x30, 0x30),
         None if outcome == NO_OUTCOME => Colour(0x30, 0x30, 0x30),
-        // A reason to stop of a newer version.
+        // A stop reason of a newer version.
         None => Colour(0xf0, 0xc8, 0xa0),
     }
 }
