@@ -1,7 +1,7 @@
 //! The files that a run writes.
 
 use super::arguments::RunArguments;
-use crate::archive::publish::{Draft, partial_name, refuse_inputs};
+use crate::archive::publish::{Draft, Existing, partial_name, refuse_inputs};
 use crate::archive::sink::SinkError;
 use crate::cli::report::WrittenFile;
 use std::fs::File;
@@ -46,7 +46,7 @@ pub(super) fn create(
     preface: &[u8],
 ) -> Result<Draft, SinkError> {
     refuse_inputs(path, [arguments.scenario.as_path()])?;
-    Draft::of_run(path, arguments.existing(), preface)
+    Draft::of_run(path, Existing::forced(arguments.force), preface)
 }
 
 /// The existing recording with the bytes of this draft.
