@@ -115,15 +115,13 @@ impl DiffArguments {
 /// Compares two runs.
 pub(super) fn diff(arguments: &DiffArguments) -> Result<Status, Error> {
     let options = arguments.comparison.options()?;
-    #[cfg(feature = "rerun")]
-    arguments.show.check_file(&arguments.runs)?;
     let [a, b] = arguments.inputs()?;
     let subjects = [&a, &b].map(Input::subject);
     let progress = Progress::of_bytes("comparing", a.bytes() + b.bytes());
     let mut watching = Observers {
         progress: &progress,
         #[cfg(feature = "rerun")]
-        viewer: arguments.show.open(subjects)?,
+        viewer: arguments.show.open(subjects, &arguments.runs)?,
     };
     let compared = compare_observed(subjects[0], subjects[1], &options, &mut watching);
     progress.finish();

@@ -2,7 +2,7 @@
 
 use super::arguments::{Override, parse_override};
 use super::input::open;
-use super::page::{Part, Section};
+use super::page::Section;
 use super::report;
 use super::status::Status;
 use super::table::Table;
@@ -43,27 +43,19 @@ pub(super) fn explain(arguments: &ExplainArguments) -> Result<Status, Error> {
 }
 
 fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
-    let chapters = explanation.chapters.iter();
-    let mut sections: Vec<Section> = chapters.map(section).collect();
+    let chapter = |chapter: &Chapter| {
+        Section::of_lines(chapter.heading, chapter.facts.iter().map(Fact::sentence))
+    };
+    let mut sections: Vec<Section> = explanation.chapters.iter().map(chapter).collect();
     sections.push(events(explanation, all));
     if all {
         sections.push(stages(&explanation.stages));
     }
-    let mut losses = Section::new("Missing");
-    losses
-        .parts
-        .extend(explanation.losses.iter().cloned().map(Part::Line));
-    sections.push(losses);
+    let losses = explanation.losses.iter().cloned();
+    sections.push(Section::of_lines("Missing", losses));
     sections.retain(|section| !section.parts.is_empty());
     sections.insert(0, Section::new(&explanation.title));
     sections
-}
-
-fn section(chapter: &Chapter) -> Section {
-    let mut section = Section::new(chapter.heading);
-    let sentences = chapter.facts.iter().map(Fact::sentence);
-    section.parts.extend(sentences.map(Part::Line));
-    section
 }
 
 /// One line for each kind of event.

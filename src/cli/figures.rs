@@ -143,24 +143,18 @@ impl FiguresArguments {
 
     /// Checks the output files before computing anything.
     fn check_files(&self, figures: &[&str]) -> Result<(), SinkError> {
-        let all = figures
-            .iter()
-            .flat_map(|figure| self.kinds().map(|kind| self.path(figure, kind)));
-        let all: Vec<_> = all.collect();
         let inputs = self.runs.iter();
         #[cfg(feature = "sweep")]
         let inputs = inputs.chain(self.sweep.table());
-        for path in &all {
-            publish::refuse_inputs(path, inputs.clone().map(PathBuf::as_path))?;
+        let paths = |&figure| self.kinds().map(move |kind| self.path(figure, kind));
+        for path in figures.iter().flat_map(paths) {
+            publish::refuse_inputs(&path, inputs.clone().map(PathBuf::as_path))?;
+            if !self.force && path.symlink_metadata().is_ok() {
+                let advice = "choose another directory, or replace it with --force".to_owned();
+                return Err(SinkError::Exists { path, advice });
+            }
         }
-        let taken = all.into_iter().find(|path| path.symlink_metadata().is_ok());
-        match taken {
-            Some(path) if !self.force => Err(SinkError::Exists {
-                path,
-                advice: "choose another directory, or replace it with --force".to_owned(),
-            }),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     /// Number of runs in a figure: one of the paper's runs, unless the figure compares runs.

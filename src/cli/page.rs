@@ -82,6 +82,13 @@ impl Section {
         section
     }
 
+    /// Paragraphs under a heading.
+    pub(super) fn of_lines(title: impl Into<String>, lines: impl Iterator<Item = String>) -> Self {
+        let mut section = Self::new(title);
+        section.parts.extend(lines.map(Part::Line));
+        section
+    }
+
     /// With a heading and a note next to it.
     pub(super) fn titled(self, title: impl Into<String>, note: impl Into<String>) -> Self {
         Self {

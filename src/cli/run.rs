@@ -8,7 +8,7 @@ mod report;
 mod viewer;
 
 pub(super) use self::arguments::RunArguments;
-use self::files::{RunFiles, same_as};
+use self::files::same_as;
 use self::pace::Pace;
 use self::report::Recorded;
 pub(super) use self::report::RunReport;
@@ -41,14 +41,14 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     let began = Instant::now();
     let mut simulation = Simulation::new(&scenario)?.continue_while(|| !interrupt::is_requested());
     let preface = McapSink::preface(&scenario, &telemetry, form)?;
-    let (files, earlier) =
-        RunFiles::start(arguments, &arguments.stem(&scenario, &values), &preface)?;
+    let stem = arguments.stem(&scenario, &values);
+    let (mcap, earlier) = files::start(arguments, &stem, &preface)?;
     #[cfg(feature = "rerun")]
     let viewer = {
-        let identity = viewer::identity(arguments, files.mcap.path(), &scenario, &telemetry);
-        RunViewer::open(&identity, files.rrd, target.live.clone())?
+        let identity = viewer::identity(arguments, mcap.path(), &scenario, &telemetry);
+        RunViewer::open(arguments, mcap.path(), &identity, target.live.clone())?
     };
-    let archive = McapSink::create_in(files.mcap, &scenario, &telemetry, form)?;
+    let archive = McapSink::create_in(mcap, &scenario, &telemetry, form)?;
     let (outcome, recorded) = record(
         arguments,
         &scenario,

@@ -13,11 +13,18 @@ fn is_control(character: char) -> bool {
 
 /// A sanitised single line, with � for control characters and limited length (wrapping very long words is slow).
 pub(super) fn sanitized(text: &str) -> Cow<'_, str> {
-    let end = text.char_indices().nth(LONGEST).map(|(end, _)| end);
-    match end {
-        Some(end) => Cow::Owned(text[..end].replace(is_control, "\u{fffd}") + "…"),
-        None if text.contains(is_control) => Cow::Owned(text.replace(is_control, "\u{fffd}")),
-        None => Cow::Borrowed(text),
+    let text = shortened(text);
+    if text.contains(is_control) {
+        return Cow::Owned(text.replace(is_control, "\u{fffd}"));
+    }
+    text
+}
+
+/// A line, without what is too long.
+fn shortened(line: &str) -> Cow<'_, str> {
+    match line.char_indices().nth(LONGEST) {
+        Some((end, _)) => Cow::Owned(format!("{}…", &line[..end])),
+        None => Cow::Borrowed(line),
     }
 }
 
@@ -30,11 +37,7 @@ pub(super) fn sanitized_lines(text: &str) -> String {
 /// truncated.
 pub(super) fn message(text: &str) -> String {
     let text = sanitized_lines(text.trim_end());
-    let line = |line: &str| match line.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", &line[..end]),
-        None => line.to_owned(),
-    };
-    let lines: Vec<String> = text.split('\n').map(line).collect();
+    let lines: Vec<_> = text.split('\n').map(shortened).collect();
     lines.join("\n  ")
 }
 

@@ -212,9 +212,14 @@ fn show(
 ) -> Result<ShownRecording, Error> {
     let path = recording.path();
     let context = || path.display().to_string();
+    let scenario = recording
+        .scenario()
+        .context("the scene can't be drawn without the scenario")
+        .with_context(context)?;
+    let topics = recording.topics();
     let identity = Identity {
         is_alone: arguments.files.len() == 1 || arguments.rrd.is_some(),
-        ..identity(recording, name).with_context(context)?
+        ..Identity::of(name, &scenario, topics, Playback::FromStart)
     };
     let existing = Existing::forced(arguments.force);
     let draft = arguments.rrd_of(name).map(|rrd| Draft::new(&rrd, existing));
@@ -268,14 +273,6 @@ fn outcome_of(recording: &Recording, selection: &Selection) -> Option<Outcome> {
     let (scenario, end) = (recording.scenario().ok()?, recording.end()?);
     let outcome = outcome(&scenario, || !interrupt::is_requested()).ok()?;
     is_end_of(end, &outcome).then_some(outcome)
-}
-
-fn identity(recording: &Recording, name: &str) -> Result<Identity, Error> {
-    let scenario = recording
-        .scenario()
-        .context("the scene can't be drawn without the scenario")?;
-    let topics = recording.topics();
-    Ok(Identity::of(name, &scenario, topics, Playback::FromStart))
 }
 
 /// Warns about parts that could not be shown.

@@ -34,8 +34,15 @@ pub(super) struct Viewer {
 }
 
 impl ShowArguments {
-    /// Opens the requested outputs; `None` if there are none.
-    pub(super) fn open(&self, subjects: [Subject<'_>; 2]) -> Result<Option<Viewer>, Error> {
+    /// Opens the requested outputs; `None` if there are none. Refuses to overwrite an input.
+    pub(super) fn open(
+        &self,
+        subjects: [Subject<'_>; 2],
+        runs: &[PathBuf],
+    ) -> Result<Option<Viewer>, Error> {
+        if let Some(rrd) = &self.rrd {
+            refuse_inputs(rrd, runs.iter().map(PathBuf::as_path))?;
+        }
         let target = self.viewer.target()?;
         if self.rrd.is_none() && target.live.is_none() {
             return Ok(None);
@@ -58,14 +65,6 @@ impl ShowArguments {
             draft,
             target,
         }))
-    }
-
-    /// Refuses to overwrite an input.
-    pub(super) fn check_file(&self, runs: &[PathBuf]) -> Result<(), Error> {
-        if let Some(rrd) = &self.rrd {
-            refuse_inputs(rrd, runs.iter().map(PathBuf::as_path))?;
-        }
-        Ok(())
     }
 }
 

@@ -1,7 +1,6 @@
 //! The arguments of `toprise run`.
 
 use crate::archive::input::{self, is_recording};
-use crate::archive::publish::Existing;
 use crate::archive::writer::Form;
 use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override};
 use crate::cli::input::checked;
@@ -159,11 +158,6 @@ impl RunArguments {
         let path = Path::new(&mcap.path).with_extension("rrd");
         let bytes = path.metadata().ok()?.len();
         Some(WrittenFile::new(&path, bytes))
-    }
-
-    /// Whether existing files are overwritten.
-    pub(super) fn existing(&self) -> Existing {
-        Existing::forced(self.force)
     }
 
     /// Format and topics of the MCAP file: from the repeated recording, unless set by arguments.

@@ -1,7 +1,8 @@
 //! The Rerun side of a run: a file, a live viewer, or both.
 
 use super::arguments::RunArguments;
-use crate::archive::publish::Draft;
+use super::files::create;
+use crate::archive::publish::{Draft, refuse_inputs};
 use crate::cli::output;
 use crate::cli::report::WrittenFile;
 use crate::cli::viewer;
@@ -18,12 +19,24 @@ pub(super) struct RunViewer {
 }
 
 impl RunViewer {
-    /// Opens the requested outputs; `None` if there are none. An unreachable viewer is only a warning.
+    /// Opens the requested outputs; `None` if there are none. Without arguments that say otherwise, the Rerun recording
+    /// is next to the MCAP file. An unreachable viewer is only a warning.
     pub(super) fn open(
+        arguments: &RunArguments,
+        mcap: &Path,
         identity: &Identity,
-        mut draft: Option<Draft>,
         live: Option<Live>,
     ) -> Result<Option<Self>, Error> {
+        let adjacent = arguments
+            .output
+            .is_none()
+            .then(|| mcap.with_extension("rrd"));
+        let rrd = arguments.rrd.clone().or(adjacent);
+        let mut draft = None;
+        if let Some(rrd) = rrd.filter(|_| !arguments.no_rrd) {
+            refuse_inputs(&rrd, [mcap])?;
+            draft = Some(create(arguments, &rrd, &[])?);
+        }
         let file = draft.as_ref().map(Draft::file).transpose()?;
         if file.is_none() && live.is_none() {
             return Ok(None);
