@@ -3,6 +3,7 @@
 use super::evidence::Evidence;
 use super::fact::Fact;
 use super::held;
+use std::f64::consts::FRAC_PI_2;
 
 /// Facts of the summary.
 pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
