@@ -21,8 +21,8 @@
 //!
 //! Eight modules: [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
 //! [`archive`] (recordings), [`analysis`] (verify, diff, explain, figures), `sweep` (tables of runs; feature `sweep`),
-//! `rerun` (Rerun viewer; feature `rerun`), [`cli`] (the program). Each uses only those before it, except that
-//! `analysis::figures` reads the tables of `sweep`.
+//! `rerun` (Rerun viewer; feature `rerun`), [`cli`] (the program). Each uses only those before it;
+//! `analysis`, `sweep` and `rerun` don't use each other.
 //!
 //! On WebAssembly there is no [`cli`] and no file access: [`archive::writer`] writes to memory.
 

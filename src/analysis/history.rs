@@ -18,7 +18,7 @@ pub use self::summary::RunSummary;
 use self::curve::Curve;
 use self::energy::Energies;
 use self::level::FirstCrossing;
-use crate::archive::format::{Entries, STOP_REASON, STOP_TIME};
+use crate::archive::format::{Entries, INVERSION_TIME, STOP_REASON, STOP_TIME};
 use crate::physics::dynamics::Model;
 use crate::physics::kinematics::Euler;
 use crate::run::simulation::{EventKind, StopReason};
@@ -58,7 +58,7 @@ pub(crate) struct RunHistory {
     pub(crate) energies: Energies,
     /// The angular momentum about the vertical, kg m²/s.
     pub(crate) vertical_momentum: Option<Constancy>,
-    /// Time of inversion (θ = π/2), s, interpolated between samples.
+    /// Time of inversion (θ = π/2), s: from the end record, otherwise interpolated between samples.
     pub(crate) inverted: Option<f64>,
     /// Length of the path slipped, m.
     pub(crate) slip_path: Option<f64>,
@@ -166,6 +166,10 @@ impl RunHistory {
     /// Sets the end of the run.
     pub(crate) fn finish(&mut self, end: Option<Entries>) {
         self.end = end;
+        let inverted = self
+            .end_entry(INVERSION_TIME)
+            .and_then(|time| time.parse().ok());
+        self.inverted = inverted.or(self.inverted);
         if self.peg.is_none() {
             self.end_with_nutation();
         }

@@ -46,6 +46,8 @@ pub const SAMPLE_PERIOD: &str = "sample_period_ns";
 pub const STOP_REASON: &str = "stop_reason";
 /// Key of [`END_RECORD`]: when the run ended, s.
 pub const STOP_TIME: &str = "stop_time";
+/// Key of [`END_RECORD`]: the time at which the axis of a tippe top passed the horizontal, s; absent if it did not.
+pub const INVERSION_TIME: &str = "inversion_time";
 /// Key of [`END_RECORD`]: how many steps the integrator took.
 pub const STEPS: &str = "steps_accepted";
 /// Key of [`END_RECORD`]: the digest of all messages of the table's channels.
@@ -117,7 +119,7 @@ pub fn recorded_form(run: &Entries) -> Option<(Encoding, bool, Topics)> {
 /// The entries of [`END_RECORD`], except the content digest.
 pub fn end_entries(end: &RunEnd) -> Entries {
     let statistics = &end.statistics;
-    entries([
+    let mut all = entries([
         (STOP_REASON, end.stop.name().to_owned()),
         (STOP_TIME, format!("{:?}", end.time)),
         ("samples", end.samples.to_string()),
@@ -128,7 +130,10 @@ pub fn end_entries(end: &RunEnd) -> Entries {
         ("evaluations", statistics.evaluations.to_string()),
         ("smallest_step", format!("{:?}", statistics.smallest_step)),
         ("largest_step", format!("{:?}", statistics.largest_step)),
-    ])
+    ]);
+    let inversion = end.inversion_time.map(|time| format!("{time:?}"));
+    all.extend(inversion.map(|time| (INVERSION_TIME.to_owned(), time)));
+    all
 }
 
 /// Whether an end record agrees with an outcome.

@@ -1,10 +1,11 @@
 //! `toprise info`.
 
-use super::numbers::{bytes, count};
+use super::numbers::{bytes, count, number};
 use super::page::Section;
 use super::report;
 use super::status::Status;
 use super::table::Table;
+use crate::archive::format::{STOP_REASON, STOP_TIME};
 use crate::archive::recording::{ChannelOverview, Condition, EventOverview, Overview};
 use crate::run::simulation::EventKind;
 use anyhow::{Context as _, Error};
@@ -157,10 +158,11 @@ fn run_line(run: &BTreeMap<String, String>) -> String {
 }
 
 fn end_line(end: &BTreeMap<String, String>) -> String {
+    let time = entry(end, STOP_TIME).parse().unwrap_or(f64::NAN);
     format!(
-        "{} at {:.6} s, {} samples, {} nutations, {} steps",
-        entry(end, "stop_reason"),
-        entry(end, "stop_time"),
+        "{} at {} s, {} samples, {} nutations, {} steps",
+        entry(end, STOP_REASON),
+        number(time, 6),
         entry(end, "samples"),
         entry(end, "nutations"),
         entry(end, "steps_accepted")

@@ -413,7 +413,7 @@ fn quiet_leaves_notes_out_and_color_is_chosen() {
     let directory = recorded();
     #[cfg(feature = "sweep")]
     {
-        let sweep = "sweep paper --set stop.duration=0.01 --over initial.theta=0.5";
+        let sweep = "sweep paper paper --set stop.duration=0.01 --over initial.theta=0.5";
         let noted = toprise(&directory, &format!("{sweep} -o a.parquet"));
         assert!(!noted.stderr.is_empty());
         let quiet = toprise(&directory, &format!("-q {sweep} -o b.parquet"));

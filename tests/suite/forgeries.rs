@@ -1118,6 +1118,43 @@ fn channels_and_schemas_are_those_of_toprise() {
             ("an encoding that is none", Caught, |f| {
                 f.set("toprise.run", "encoding", "by hand");
             }),
+            ("a channel added to the last chunk", Caught, |f| {
+                let mut added = f.definition("/top/energy");
+                if let Record::Channel(channel) = &mut added {
+                    (channel.id, channel.topic) = (99, "/more".to_owned());
+                }
+                f.last_chunk().push(added);
+            }),
+            ("another definition in the last chunk", Caught, |f| {
+                let mut other = f.definition("/top/energy");
+                if let Record::Channel(channel) = &mut other {
+                    "/more".clone_into(&mut channel.topic);
+                }
+                f.last_chunk().push(other);
+            }),
+            (
+                "a definition just before its first message",
+                Repacked,
+                |f| {
+                    let definition = f.definition("/top/nutation");
+                    let (id, _) = f.id("/top/nutation");
+                    f.drop(|r| matches!(r, Record::Channel(channel) if channel.id == id));
+                    let is_of =
+                        |r: &Record| matches!(r, Record::Message(message) if message.channel == id);
+                    let found = f.records.iter_mut().find_map(|record| match record {
+                        Record::Chunk(chunk) if chunk.iter().any(is_of) => Some(chunk),
+                        _ => None,
+                    });
+                    found.unwrap().insert(0, definition);
+                },
+            ),
+            ("a message at the last possible time", Caught, |f| {
+                f.messages("/top/energy", |message| {
+                    if message.sequence == 50 {
+                        message.log_time = u64::MAX;
+                    }
+                });
+            }),
             ("a channel whose messages were dropped", Caught, |f| {
                 let (id, _) = f.id("/top/energy");
                 f.drop(|r| matches!(r, Record::Message(message) if message.channel == id));

@@ -201,6 +201,11 @@ impl Fact {
             Self::NotInverted { time } => {
                 format!("The top does not invert before the end at {}.", at(time))
             }
+            Self::MeanTheta { first, last } if angle(first) == angle(last) => format!(
+                "The mean θ stays at {} (change {}).",
+                angle(first),
+                quantity(last - first, 2, "rad")
+            ),
             Self::MeanTheta { first, last } => format!(
                 "The mean θ changes from {} (first nutation) to {} (last nutation).",
                 angle(first),
@@ -214,6 +219,12 @@ impl Fact {
             Self::Sticks { time } => format!("The contact point stops slipping at {}.", at(time)),
             Self::Hops { count: 1, first } => {
                 format!("The peg is in the air once, from {}.", at(first))
+            }
+            Self::Hops { count, first } if *first <= 0.0 => {
+                format!(
+                    "The peg is in the air {}, first at the start.",
+                    times(*count)
+                )
             }
             Self::Hops { count, first } => {
                 format!("The peg hops {}, first at {}.", times(*count), at(first))
@@ -287,12 +298,15 @@ impl Fact {
                 quantity(*within, 2, "J")
             ),
             Self::Sliding { sliding, losses } if *losses > 0.0 => format!(
-                "Until then, sliding dissipates {}; rolling resistance, drilling and air dissipate {}.",
+                "In all samples together, sliding dissipates {}; rolling resistance, drilling and air dissipate {}.",
                 joule(sliding),
                 joule(losses)
             ),
             Self::Sliding { sliding, .. } => {
-                format!("Until then, sliding dissipates {}.", joule(sliding))
+                format!(
+                    "In all samples together, sliding dissipates {}.",
+                    joule(sliding)
+                )
             }
             Self::SlipPath { length } => format!(
                 "Until the last sample, the contact point slips {}.",

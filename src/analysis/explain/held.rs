@@ -114,14 +114,15 @@ pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
     };
     let within = summary.energy_imbalance.unwrap_or(0.0);
     let change = (last - first).abs();
-    if evidence.scenario.is_frictionless() || change <= evidence.floor(first) {
+    let impacts = summary.peg.as_ref().and_then(|peg| peg.impacts);
+    let has_impacts = impacts.is_some_and(|count| count > 0);
+    let conserves = evidence.scenario.is_frictionless() && !has_impacts;
+    if conserves || change <= evidence.floor(first) {
         return vec![Fact::EnergyConstant {
             energy: first,
             deviation: change.max(within),
         }];
     }
-    let impacts = summary.peg.as_ref().and_then(|peg| peg.impacts);
-    let has_impacts = impacts.is_some_and(|count| count > 0);
     let balance = Fact::Balance {
         within,
         has_impacts,

@@ -102,22 +102,20 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
         let is_weak = spin * spin < 4.0 * quadratic * top.gravity_moment();
         return (cycles.is_empty() && is_weak).then_some(Fact::NoRoots);
     }
+    let near = |at: usize, (rate, roots): &(f64, [f64; 2])| {
+        let difference = (rate - roots[at]).abs();
+        (difference <= NEAR * roots[at].abs()).then_some(difference)
+    };
     let follows = |at: usize| {
-        let near = |(rate, roots): &(f64, [f64; 2])| {
-            let difference = (rate - roots[at]).abs();
-            (difference <= NEAR * roots[at].abs()).then_some(difference)
-        };
-        let differences: Option<Vec<f64>> = known.iter().map(near).collect();
+        let differences: Option<Vec<f64>> = known.iter().map(|cycle| near(at, cycle)).collect();
         differences.map(|all| all.into_iter().fold(0.0, f64::max))
     };
     let mut roots = ["slow", "fast"].into_iter().enumerate();
-    let followed = roots.find_map(|(at, root)| Some((root, follows(at)?)));
-    Some(
-        followed.map_or(Fact::FollowsNoRoot, |(root, within)| Fact::FollowsRoot {
-            root,
-            within,
-        }),
-    )
+    if let Some((root, within)) = roots.find_map(|(at, root)| Some((root, follows(at)?))) {
+        return Some(Fact::FollowsRoot { root, within });
+    }
+    let is_near = |cycle| near(0, cycle).or(near(1, cycle)).is_some();
+    (!known.iter().any(is_near)).then_some(Fact::FollowsNoRoot)
 }
 
 /// Friction's part in the change of φ̇ between the first and the last sample; `None` where that isn't known.
