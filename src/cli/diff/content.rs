@@ -259,9 +259,10 @@ fn notes(report: &Report, all: bool) -> Section {
             1 => "one more finding and ".to_owned(),
             more => format!("{more} more findings and"),
         };
-        let viewer = match cfg!(feature = "rerun") {
-            true => ", --spawn shows both tops in Rerun",
-            false => "",
+        let viewer = if cfg!(feature = "rerun") {
+            ", --spawn shows both tops in Rerun"
+        } else {
+            ""
         };
         section.line(format!("More: --all shows {more}every field{viewer}."));
     }
