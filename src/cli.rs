@@ -1,7 +1,7 @@
 //! The command-line program.
 //!
-//! Each command is a file with its arguments, its report and its function. `input` opens the runs named on the command
-//! line; `report` prints a report as JSON or as a `page`; all output goes through `output`.
+//! Each command with a report is a file with its arguments, its report and its function. `input` opens the runs named
+//! on the command line; `report` prints a report as JSON or as a `page`; all output goes through `output`.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

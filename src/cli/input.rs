@@ -38,7 +38,7 @@ impl Input {
 /// `common` overrides are ignored for recordings; `own` overrides are an error for them.
 pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result<Input, Error> {
     if !is_recording(word) {
-        let scenario = scenario(word, &[common, own].concat())?;
+        let scenario = checked(word, values(word)?, &[common, own].concat())?;
         return Ok(Input::Scenario(Box::new(scenario)));
     }
     let name = || word.display().to_string();
@@ -50,11 +50,6 @@ pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result
     }
     let recording = Recording::open(word).with_context(name)?;
     Ok(Input::Recording(Box::new(recording)))
-}
-
-/// Reads a scenario from a preset, a file or a recording, and applies overrides.
-pub(super) fn scenario(word: &Path, overrides: &[Override]) -> Result<Scenario, Error> {
-    checked(word, values(word)?, overrides)
 }
 
 /// The validated scenario with these values and overrides; `word` is named in errors.

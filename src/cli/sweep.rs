@@ -163,7 +163,12 @@ fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finis
         carry_on: &|| !interrupt::is_requested(),
         done: &done,
     };
-    let finished = run(sweep, &arguments.output, &arguments.options(), &watch);
+    let options = Options {
+        threads: arguments.jobs.map_or(0, |jobs| jobs as usize),
+        shard: arguments.shard,
+        fail_fast: arguments.fail_fast,
+    };
+    let finished = run(sweep, &arguments.output, &options, &watch);
     progress.finish();
     finished
 }
@@ -205,14 +210,6 @@ impl SweepArguments {
         Ok(spec)
     }
 
-    fn options(&self) -> Options {
-        Options {
-            threads: self.jobs.map_or(0, |jobs| jobs as usize),
-            shard: self.shard,
-            fail_fast: self.fail_fast,
-        }
-    }
-
     fn table_file(&self) -> Option<WrittenFile> {
         let bytes = self.output.metadata().ok()?.len();
         Some(WrittenFile::new(&self.output, bytes))
@@ -245,7 +242,7 @@ mod tests {
         .unwrap();
         assert_eq!(arguments.spec().unwrap().rows(), 8);
         let shard = Shard { index: 1, count: 3 };
-        assert_eq!(arguments.options().shard, Some(shard));
+        assert_eq!(arguments.shard, Some(shard));
         for line in [
             "--shard 3/3",
             "--shard 1",

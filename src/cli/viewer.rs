@@ -30,7 +30,6 @@ pub(super) struct ViewerArguments {
 }
 
 /// A viewer to show something in, if one was asked for.
-#[derive(Default)]
 pub(super) struct Target {
     /// A running viewer, or one to start.
     pub(super) live: Option<Live>,
@@ -95,7 +94,8 @@ impl Target {
     pub(super) fn of(live: Option<Live>) -> Self {
         Self {
             live,
-            ..Self::default()
+            #[cfg(feature = "web-viewer")]
+            served: None,
         }
     }
 

@@ -22,14 +22,17 @@ enum Points {
     /// These values.
     List(Vec<Value>),
     /// From one number to another.
-    Range {
-        from: f64,
-        to: f64,
-        /// Number of values; `None` for samples.
-        count: Option<u32>,
-        /// Whether logarithms are evenly spaced rather than numbers.
-        is_log: bool,
-    },
+    Range(Range),
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Range {
+    from: f64,
+    to: f64,
+    /// Number of values; `None` for samples.
+    count: Option<u32>,
+    /// Whether logarithms are evenly spaced rather than numbers.
+    is_log: bool,
 }
 
 /// The key with this name: its path, or its name in tables.
@@ -59,7 +62,7 @@ impl Axis {
         let points = if key.kind.is_text() {
             words(text).map(Points::List)
         } else if text.contains("..") {
-            range(text)
+            range(text).map(Points::Range)
         } else {
             let items = text.split(',').map(number);
             let values = items.map(|number| Ok(Value::Number(number?)));
@@ -101,7 +104,7 @@ impl Axis {
     pub fn count(&self) -> Option<u64> {
         match &self.points {
             Points::List(values) => Some(values.len() as u64),
-            Points::Range { count, .. } => count.map(u64::from),
+            Points::Range(range) => range.count.map(u64::from),
         }
     }
 
@@ -109,9 +112,9 @@ impl Axis {
     pub fn at(&self, index: u64) -> Value {
         match &self.points {
             Points::List(values) => values[index.min(values.len() as u64 - 1) as usize].clone(),
-            Points::Range { count, .. } => {
-                let last = count.map_or(1, |count| u64::from(count) - 1);
-                self.between(index.min(last) as f64 / last as f64)
+            Points::Range(range) => {
+                let last = range.count.map_or(1, |count| u64::from(count) - 1);
+                range.at(index.min(last) as f64 / last as f64)
             }
         }
     }
@@ -120,28 +123,25 @@ impl Axis {
     pub fn sampled(&self, fraction: f64) -> Value {
         match &self.points {
             Points::List(values) => self.at((fraction * values.len() as f64) as u64),
-            Points::Range { .. } => self.between(fraction),
+            Points::Range(range) => range.at(fraction),
         }
     }
 
     /// Whether this is a range with a number of values, which a sample doesn't need.
     pub fn is_counted_range(&self) -> bool {
-        matches!(self.points, Points::Range { count: Some(_), .. })
+        matches!(&self.points, Points::Range(range) if range.count.is_some())
     }
+}
 
-    /// The number at a fraction of a range; both ends exactly.
-    fn between(&self, fraction: f64) -> Value {
-        let Points::Range {
-            from, to, is_log, ..
-        } = self.points
-        else {
-            return self.at(0);
-        };
+impl Range {
+    /// The number at a fraction of the range; both ends exactly.
+    fn at(self, fraction: f64) -> Value {
+        let Self { from, to, .. } = self;
         Value::Number(if fraction <= 0.0 {
             from
         } else if fraction >= 1.0 {
             to
-        } else if is_log {
+        } else if self.is_log {
             exp(ln(from) + fraction * (ln(to) - ln(from)))
         } else if (to - from).is_finite() {
             from + fraction * (to - from)
@@ -213,7 +213,7 @@ fn number(text: &str) -> Result<f64, String> {
 }
 
 /// Reads a range.
-fn range(text: &str) -> Result<Points, String> {
+fn range(text: &str) -> Result<Range, String> {
     let (ends, steps) = match text.split_once('/') {
         Some((_, steps)) if steps.trim().is_empty() => {
             return Err("the number of values is missing".to_owned());
@@ -238,7 +238,7 @@ fn range(text: &str) -> Result<Points, String> {
     if is_log && !(from > 0.0 && to > 0.0) {
         return Err("a logarithmic range needs positive ends".to_owned());
     }
-    Ok(Points::Range {
+    Ok(Range {
         from,
         to,
         count,

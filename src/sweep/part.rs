@@ -173,9 +173,9 @@ fn outcome_column<'a>(
     outcomes: impl Iterator<Item = Option<&'a Outcome>>,
 ) -> ArrayRef {
     match column.read {
-        Read::Text(read) => Arc::new(StringArray::from_iter(outcomes.map(|o| read(o?)))),
-        Read::Integer(read) => Arc::new(Int64Array::from_iter(outcomes.map(|o| read(o?)))),
-        Read::Number(read) => Arc::new(Float64Array::from_iter(outcomes.map(|o| read(o?)))),
+        Read::Text(read) => Arc::new(outcomes.map(|o| read(o?)).collect::<StringArray>()),
+        Read::Integer(read) => Arc::new(outcomes.map(|o| read(o?)).collect::<Int64Array>()),
+        Read::Number(read) => Arc::new(outcomes.map(|o| read(o?)).collect::<Float64Array>()),
     }
 }
 

@@ -230,14 +230,15 @@ fn from_csv(text: &str) -> Result<Table, String> {
         .map(|record| record.map_err(|error| error.to_string()));
     let header = records.next().transpose()?.unwrap_or_default();
     // A column without a name is an index that pandas has written.
-    let mut columns = Vec::new();
-    for name in &header {
-        let key = match name {
-            "" => None,
-            name => Some(find_key(name).map_err(|error| error.to_string())?),
-        };
-        columns.push((key, Vec::new()));
-    }
+    let all = header.iter().enumerate();
+    let (indices, named): (Vec<_>, Vec<_>) = all.partition(|(_, name)| name.is_empty());
+    let column = |(_, name): &(usize, &str)| {
+        let (name, cells) = ((*name).to_owned(), Vec::new());
+        let key = find_key(&name).map_err(|error| error.to_string())?;
+        Ok(Column { name, key, cells })
+    };
+    let columns: Result<Vec<_>, String> = named.iter().map(column).collect();
+    let mut columns = columns?;
     let mut rows: u64 = 0;
     for (record, (_, line)) in records.zip(lines.into_iter().skip(1)) {
         let record = record?;
@@ -248,29 +249,21 @@ fn from_csv(text: &str) -> Result<Table, String> {
                 "line {line} has {count} {cells}, the header has {expected}"
             ));
         }
-        for ((key, cells), cell) in columns.iter_mut().zip(&record) {
-            let read = match key {
-                Some(key) => csv_cell(key, cell),
-                None if cell.parse() == Ok(rows) => Ok(None),
-                None => Err(format!(
-                    "{cell:?} is in an unnamed column, which must be a row index (0, 1, 2, …): name the column or remove it"
-                )),
-            };
-            cells.push(read.map_err(|reason| format!("line {line}: {reason}"))?);
+        let mut cells = indices.iter().map(|(at, _)| &record[*at]);
+        if let Some(cell) = cells.find(|cell| cell.parse() != Ok(rows)) {
+            return Err(format!(
+                "line {line}: {cell:?} is in an unnamed column, which must be a row index (0, 1, 2, …): name the column or remove it"
+            ));
+        }
+        for (Column { key, cells, .. }, (at, _)) in columns.iter_mut().zip(&named) {
+            let cell = csv_cell(key, &record[*at]);
+            cells.push(cell.map_err(|reason| format!("line {line}: {reason}"))?);
         }
         rows += 1;
     }
     check_rows(rows)?;
-    let column = |((key, cells), name): ((Option<&'static Key>, Cells), &str)| {
-        let name = name.to_owned();
-        key.map(|key| Column { name, key, cells })
-    };
     Ok(Table {
-        columns: columns
-            .into_iter()
-            .zip(&header)
-            .filter_map(column)
-            .collect(),
+        columns,
         rows,
         file: None,
     })
