@@ -115,6 +115,6 @@ def test_wrong_bases_say_what_is_wrong(tmp_path):
 
 def test_presets_are_scenarios():
     presets = toprise.presets()
-    assert presets["paper"].startswith("The rise of the paper")
+    assert presets["paper"].startswith("The paper's rise")
     for name in presets:
         assert toprise.Scenario(name).name == name

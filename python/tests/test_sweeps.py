@@ -241,7 +241,7 @@ def test_a_design_is_the_rows_of_a_sweep(tmp_path):
         toprise.design({"over": {"friction.kk": [1]}})
     with pytest.raises(toprise.ScenarioError, match="unknown preset"):
         toprise.design({"bases": ["papr"]})
-    with pytest.raises(toprise.SweepError, match="friction.k is set and varies too"):
+    with pytest.raises(toprise.SweepError, match="friction.k is both set and varied"):
         toprise.design({"set": {"friction.k": 0.1}, "over": {"friction.k": [1]}})
     with pytest.raises(toprise.SweepError, match="ovr"):
         toprise.design({"ovr": {}})
@@ -268,7 +268,7 @@ def test_a_sweep_is_written_once_whatever_computes_it(tmp_path):
     # All is there already.
     again = toprise.sweep(SPEC, whole)
     assert (answer["kept"], again) == (0, answer | {"computed": 0, "kept": 2400})
-    with pytest.raises(toprise.SweepError, match="is of another sweep"):
+    with pytest.raises(toprise.SweepError, match="belongs to another sweep"):
         toprise.sweep(SPEC | {"set": {"stop.duration": 0.01}}, whole)
     with pytest.raises(ValueError, match="shard"):
         toprise.sweep(SPEC, parts, shard=(3, 3))
@@ -283,7 +283,7 @@ def test_a_row_is_run_again(tmp_path):
     assert run.scenario.digest == row["scenario_digest"]
     assert run.outcome["theta"] == row["theta"]
     assert toprise.run(table, {"sampling.period": 0.0005}, row=1).scenario["sampling.period"] == 0.0005
-    with pytest.raises(toprise.SweepError, match="there is no row 3"):
+    with pytest.raises(toprise.SweepError, match="no row 3"):
         toprise.run(table, row=3)
     with pytest.raises(TypeError, match="name the file"):
         toprise.run(run.scenario, row=1)
