@@ -14,7 +14,7 @@ impl Topic {
         Self(index)
     }
 
-    /// The channel's index in [`channels`], equal to [`Message::channel`](super::Message::channel).
+    /// The channel's index in [`channels`](super::channels), equal to [`Message::channel`](super::Message::channel).
     pub const fn index(self) -> usize {
         self.0
     }
