@@ -175,6 +175,19 @@ mod tests {
     use crate::cli::arguments::parse;
 
     #[test]
+    fn the_end_is_rounded_not_truncated() {
+        let end = |time: &str| BTreeMap::from([(STOP_TIME.to_owned(), time.to_owned())]);
+        for (time, shown) in [
+            ("1.2299986164036739e-5", " at 0.000012 s"),
+            ("24.730941", " at 24.730941 s"),
+            ("78.4096899", " at 78.409690 s"),
+        ] {
+            let line = end_line(&end(time));
+            assert!(line.starts_with(shown), "{line}");
+        }
+    }
+
+    #[test]
     fn one_file_is_named() {
         let expected = InfoArguments {
             file: "a.mcap".into(),

@@ -38,6 +38,17 @@ fn val_means_cross_levels_that_both_runs_cross() {
     }
 }
 
+/// The time of inversion is exact, not interpolated between samples.
+#[test]
+fn an_inversion_does_not_depend_on_the_sampling() {
+    let runs =
+        ["0.001", "0.02"].map(|period| scenario("tippe-top", &[("sampling.period", period)]));
+    let report = compare(&runs[0], &runs[1], &quick()).unwrap();
+    let [a, b] = values(&report, "inverts");
+    assert!(a.is_some());
+    assert_eq!(a, b);
+}
+
 /// Both tippe tops invert, the faster one first; near the vertical nothing is found of φ̇ and ψ̇ alone.
 #[test]
 fn val_tippe_tops_invert_when_the_axis_passes_the_horizontal() {
