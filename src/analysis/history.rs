@@ -166,10 +166,7 @@ impl RunHistory {
     /// Sets the end of the run.
     pub(crate) fn finish(&mut self, end: Option<Entries>) {
         self.end = end;
-        let inverted = self
-            .end_entry(INVERSION_TIME)
-            .and_then(|time| time.parse().ok());
-        self.inverted = inverted.or(self.inverted);
+        self.inverted = self.end_number(INVERSION_TIME).or(self.inverted);
         if self.peg.is_none() {
             self.end_with_nutation();
         }
@@ -194,9 +191,20 @@ impl RunHistory {
         self.end.as_ref()?.get(key).map(String::as_str)
     }
 
+    /// A number of the end record.
+    fn end_number(&self, key: &str) -> Option<f64> {
+        let number = self.end_entry(key)?.parse().ok();
+        number.filter(|number: &f64| number.is_finite())
+    }
+
+    /// Whether the time of inversion is that of the end record.
+    pub(crate) fn has_exact_inversion(&self) -> bool {
+        self.end_number(INVERSION_TIME).is_some()
+    }
+
     /// Time at which the run ended, s: from the end record, or the last message.
     pub(crate) fn stop_time(&self) -> Option<f64> {
-        let known = self.end_entry(STOP_TIME).and_then(|time| time.parse().ok());
+        let known = self.end_number(STOP_TIME);
         known.or_else(|| Some(self.last_ns? as f64 / 1e9))
     }
 
@@ -250,7 +258,7 @@ impl RunHistory {
 
     /// A summary.
     pub(crate) fn summary(&self) -> RunSummary {
-        let end_time = self.end_entry(STOP_TIME).and_then(|time| time.parse().ok());
+        let end_time = self.end_number(STOP_TIME);
         let reason = self.end_entry(STOP_REASON).map(str::to_owned);
         let is_rise = reason.as_deref() == Some(StopReason::Risen.name());
         let risen = self.first(EventKind::Risen).map(|event| event.time);

@@ -89,14 +89,13 @@ impl VerifyReport {
 }
 
 const OTHER_VERSION: &str = "recorded by another version; all common values match";
-const INCOMPLETE: &str = "all readable messages match, but the run does not reach its end";
 
 fn section(file: &str, report: &Report) -> Section {
     let (tone, conclusion) = match report.verdict {
         Verdict::Verified => (Tone::Good, "verified (byte-identical to a new run)"),
         Verdict::PackedOtherwise => (Tone::Good, "verified (same content, repacked)"),
         Verdict::OtherVersion => (Tone::Weak, OTHER_VERSION),
-        Verdict::Incomplete => (Tone::Weak, INCOMPLETE),
+        Verdict::Incomplete => (Tone::Weak, "all readable messages match"),
         Verdict::Different => (Tone::Bad, "DIFFERENT from a new run of its scenario"),
     };
     let state = match (report.verdict, report.state) {

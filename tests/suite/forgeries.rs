@@ -1125,6 +1125,16 @@ fn channels_and_schemas_are_those_of_toprise() {
                 }
                 f.last_chunk().push(added);
             }),
+            ("an added channel that the summary lacks", Caught, |f| {
+                let mut added = f.definition("/top/energy");
+                if let Record::Channel(channel) = &mut added {
+                    (channel.id, channel.topic) = (99, "/more".to_owned());
+                }
+                f.last_chunk().push(added);
+                f.summary = |summary| {
+                    summary.retain(|(opcode, body)| *opcode != op::CHANNEL || body[..2] != [99, 0]);
+                };
+            }),
             ("another definition in the last chunk", Caught, |f| {
                 let mut other = f.definition("/top/energy");
                 if let Record::Channel(channel) = &mut other {

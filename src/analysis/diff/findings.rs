@@ -5,7 +5,7 @@ use super::crossing::{LevelCrossing, ripple};
 use super::discrepancy::Discrepancy;
 use super::floor::Floor;
 use super::pairing::Paired;
-use crate::analysis::history::{PegSummary, RunSummary};
+use crate::analysis::history::{PegSummary, RunHistory, RunSummary};
 use crate::analysis::phrase::{duration, moment, signed_duration, significant};
 use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::fields::{NumberField, energy, nutation, state};
@@ -222,10 +222,10 @@ fn event_summaries(evidence: &Evidence<'_>) -> Vec<Finding> {
     let mut found = Vec::new();
     if is_tippe {
         let inverted = histories.map(|run| run.inverted);
-        // That of an interrupted recording is interpolated between samples.
-        let is_exact = histories.iter().all(|run| run.end.is_some());
-        let errors = errors.filter(|_| is_exact);
-        found.push(Finding::new("inverts", "s", inverted).computed_within(errors));
+        let is_exact = |run: &RunHistory| run.inverted.is_none() || run.has_exact_inversion();
+        if histories.into_iter().all(is_exact) {
+            found.push(Finding::new("inverts", "s", inverted).computed_within(errors));
+        }
     }
     // A tippe top can precess backward without loops.
     let loops = count(EventKind::LoopingBegins);

@@ -298,13 +298,13 @@ impl Fact {
                 quantity(*within, 2, "J")
             ),
             Self::Sliding { sliding, losses } if *losses > 0.0 => format!(
-                "In all samples together, sliding dissipates {}; rolling resistance, drilling and air dissipate {}.",
+                "Until the last sample, sliding dissipates {}; rolling resistance, drilling and air dissipate {}.",
                 joule(sliding),
                 joule(losses)
             ),
             Self::Sliding { sliding, .. } => {
                 format!(
-                    "In all samples together, sliding dissipates {}.",
+                    "Until the last sample, sliding dissipates {}.",
                     joule(sliding)
                 )
             }

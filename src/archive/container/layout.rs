@@ -184,7 +184,7 @@ impl Layout {
                     self.channels.define(record);
                 }
             }
-            if self.is_ours() && section.is_chunk && self.channels == in_summary {
+            if self.is_ours() && !self.channels.is_empty() && self.channels == in_summary {
                 return;
             }
         }
