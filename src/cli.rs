@@ -16,7 +16,6 @@ mod laws;
 mod numbers;
 mod output;
 mod page;
-mod parallel;
 mod presets;
 mod progress;
 mod report;

@@ -70,35 +70,30 @@ fn events(explanation: &Explanation, all: bool) -> Section {
     };
     let most = if all { usize::MAX } else { MOST_EVENTS };
     let rows = explanation.events.iter().take(most).map(row);
-    Section::of(Table::of_texts(rows.collect())).titled("Events", "")
+    Section::of(Table::of_texts(rows)).titled("Events", "")
 }
 
 /// Table of the averaged motion.
 fn stages(stages: &[Stage]) -> Section {
-    let header = [
-        "time [s]",
-        "nutations",
-        "θ [rad]",
-        "θ̇ [rad/s]",
-        "φ̇ [rad/s]",
-        "slow root",
-        "ψ̇ [rad/s]",
-    ];
-    let row = |stage: &Stage| {
-        vec![
-            format!("{:.2} to {:.2}", stage.from, stage.to),
-            stage.nutations.to_string(),
-            significant(stage.theta, 4),
-            significant(stage.theta_dot, 3),
-            significant(stage.phi_dot, 5),
-            stage
-                .slow_root
-                .map_or("–".to_owned(), |root| significant(root, 5)),
-            significant(stage.psi_dot, 5),
-        ]
-    };
-    let rows = stages.iter().map(row).collect();
-    Section::of(Table::new(&header, rows, 1)).titled("Nutations", "")
+    let table = Table::of(
+        stages,
+        1,
+        &[
+            ("time [s]", |stage| {
+                format!("{:.2} to {:.2}", stage.from, stage.to)
+            }),
+            ("nutations", |stage| stage.nutations.to_string()),
+            ("θ [rad]", |stage| significant(stage.theta, 4)),
+            ("θ̇ [rad/s]", |stage| significant(stage.theta_dot, 3)),
+            ("φ̇ [rad/s]", |stage| significant(stage.phi_dot, 5)),
+            ("slow root", |stage| match stage.slow_root {
+                Some(root) => significant(root, 5),
+                None => "–".to_owned(),
+            }),
+            ("ψ̇ [rad/s]", |stage| significant(stage.psi_dot, 5)),
+        ],
+    );
+    Section::of(table).titled("Nutations", "")
 }
 
 #[cfg(test)]

@@ -9,7 +9,6 @@ use super::arguments::OUTPUT;
 use super::input::{Input, open};
 use super::output;
 use super::page::Section;
-use super::parallel;
 use super::progress::Progress;
 use super::report;
 use super::status::Status;
@@ -19,10 +18,10 @@ use crate::analysis::figures::{
 };
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
-use crate::run::scenario::Preset;
 use crate::run::suggestion::suggestion;
 use anyhow::{Context as _, Error, bail};
 use clap::{Args, ValueEnum};
+use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
 #[cfg(feature = "sweep")]
 use std::path::Path;
 use std::path::PathBuf;
@@ -107,21 +106,25 @@ fn parse_width(text: &str) -> Result<f64, String> {
 }
 
 /// The runs of the paper's figures: the first of all, the others only of figure 4.
-const PAPER: &[&str] = &[
+const PAPER: [&str; 3] = [
     "paper",
     "paper-precession-term-only",
     "paper-spin-term-only",
 ];
 
 impl FiguresArguments {
+    /// The runs on the command line, or those of the paper.
+    fn words(&self) -> Vec<PathBuf> {
+        if self.runs.is_empty() {
+            return PAPER.map(PathBuf::from).to_vec();
+        }
+        self.runs.clone()
+    }
+
     /// The figures to draw, limited to those that apply to this number of runs.
     fn figures(&self) -> Result<Vec<&'static Figure>, Error> {
         let is_asked = |figure: &&Figure| self.only.iter().any(|name| name == figure.name);
-        let runs = if self.runs.is_empty() {
-            PAPER.len()
-        } else {
-            self.runs.len()
-        };
+        let runs = self.words().len();
         let has_runs = |figure: &&Figure| figure.least_runs <= runs;
         if let Some(figure) = FIGURES.iter().filter(is_asked).find(|f| !has_runs(f)) {
             let (name, least) = (figure.name, figure.least_runs);
@@ -251,7 +254,7 @@ fn warn(report: &FiguresReport) {
 fn page(report: &FiguresReport) -> Vec<Section> {
     let wrote = |file: &FigureFile| ("wrote", report::file_line(&file.path, file.bytes));
     let mut section = Section::default();
-    section.table(Table::of_facts(report.files.iter().map(wrote).collect()));
+    section.table(Table::of_facts(report.files.iter().map(wrote)));
     for left in &report.left_out {
         let (figure, run, because) = (left.figure, &left.run, left.because);
         section.line(format!("skipped: {figure} of {run}; {because}"));
@@ -264,35 +267,30 @@ fn runs(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<Run>, E
     let inputs = inputs(arguments, figures)?;
     let bytes = inputs.iter().map(|(_, input)| input.bytes()).sum();
     let progress = Progress::of_bytes("reading", bytes);
-    let runs = parallel::map(&inputs, |(name, input)| {
+    let read = |(name, input): &(String, Input)| {
         Run::read(input.subject(), name, figures, &|bytes| progress.add(bytes))
-    });
+    };
+    let runs = inputs.par_iter().map(read).collect();
     progress.finish();
     Ok(runs)
 }
 
-/// The runs on the command line with their names in legends.
+/// The runs with their names in legends.
 fn inputs(
     arguments: &FiguresArguments,
     figures: &[&Figure],
 ) -> Result<Vec<(String, Input)>, Error> {
-    if arguments.runs.is_empty() {
-        let most = figures
-            .iter()
-            .map(|figure| arguments.count(figure, PAPER.len()));
-        let presets = PAPER.iter().take(most.max().unwrap_or(0));
-        return presets
-            .map(|name| {
-                let scenario = Preset::find(name)?.scenario()?;
-                Ok(((*name).to_owned(), Input::Scenario(Box::new(scenario))))
-            })
-            .collect();
-    }
+    let mut words = arguments.words();
+    let counts = figures
+        .iter()
+        .map(|figure| arguments.count(figure, words.len()));
+    words.truncate(counts.max().unwrap_or(0));
     let stem = |word: &PathBuf| word.file_stem().unwrap_or(word.as_os_str()).to_owned();
-    let stems: Vec<_> = arguments.runs.iter().map(stem).collect();
+    let stems: Vec<_> = words.iter().map(stem).collect();
     let is_unique = |stem| stems.iter().filter(|other| *other == stem).count() == 1;
-    let words = arguments.runs.iter().zip(&stems);
     words
+        .iter()
+        .zip(&stems)
         .map(|(word, stem)| {
             let name = if is_unique(stem) {
                 stem

@@ -4,7 +4,7 @@ use super::numbers::{bytes, count, number};
 use super::page::Section;
 use super::report;
 use super::status::Status;
-use super::table::Table;
+use super::table::{Column, Table};
 use crate::archive::format::{STOP_REASON, STOP_TIME};
 use crate::archive::recording::{ChannelOverview, Condition, EventOverview, Overview};
 use crate::run::simulation::EventKind;
@@ -108,20 +108,18 @@ impl InfoReport {
     }
 
     fn channel_table(&self) -> Table {
-        let header = ["topic", "type", "encoding", "messages", "rate", "bytes"];
-        let row = |channel: &ChannelOverview| {
-            let rate = channel.rate_hz.map(|rate| format!("{rate:.1} Hz"));
-            vec![
-                channel.topic.clone(),
-                channel.schema.clone(),
-                channel.encoding.clone(),
-                count(channel.messages),
-                rate.unwrap_or_default(),
-                bytes(channel.bytes),
-            ]
-        };
-        let rows = self.overview.channels.iter().map(row);
-        Table::new(&header, rows.collect(), 3)
+        let columns: [Column<&ChannelOverview>; 6] = [
+            ("topic", |channel| channel.topic.clone()),
+            ("type", |channel| channel.schema.clone()),
+            ("encoding", |channel| channel.encoding.clone()),
+            ("messages", |channel| count(channel.messages)),
+            ("rate", |channel| match channel.rate_hz {
+                Some(rate) => format!("{rate:.1} Hz"),
+                None => String::new(),
+            }),
+            ("bytes", |channel| bytes(channel.bytes)),
+        ];
+        Table::of(&self.overview.channels, 3, &columns)
     }
 
     fn event_table(&self) -> Table {
@@ -138,7 +136,7 @@ impl InfoReport {
                 event.description.clone(),
             ]
         };
-        Table::of_texts(rare.map(row).collect())
+        Table::of_texts(rare.map(row))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::archive::publish::abandon_drafts;
 use anyhow::{Context as _, Error};
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 
 /// Exit code on immediate termination: 128 + SIGINT, as in shells.
@@ -25,6 +26,15 @@ pub(super) fn watch() -> Result<(), Error> {
 /// Whether the user has requested termination.
 pub(super) fn is_requested() -> bool {
     IS_REQUESTED.load(SeqCst)
+}
+
+/// Whether to go on.
+pub(super) fn flow() -> ControlFlow<()> {
+    if is_requested() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
 }
 
 /// Installs the signal handler. By default a signal exits immediately and removes draft files; commands can opt into a

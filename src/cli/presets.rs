@@ -59,7 +59,7 @@ impl PresetsReport {
             section.parts.extend(self.0.iter().map(code));
         } else {
             let fact = |preset: &PresetReport| (preset.name, preset.description.to_owned());
-            section.table(Table::of_facts(self.0.iter().map(fact).collect()));
+            section.table(Table::of_facts(self.0.iter().map(fact)));
         }
         vec![section]
     }

@@ -104,10 +104,10 @@ impl SchemaReport {
                     .map(str::to_owned)
                     .to_vec()
             };
-            section.table(Table::of_texts(self.channels.iter().map(row).collect()));
+            section.table(Table::of_texts(self.channels.iter().map(row)));
         }
         let written = self.written.iter().map(|file| ("wrote", file.line()));
-        section.table(Table::of_facts(written.collect()));
+        section.table(Table::of_facts(written));
         vec![section]
     }
 }

@@ -35,7 +35,7 @@ pub(super) struct SweepArguments {
     #[arg(value_name = "BASE", default_value = "paper")]
     bases: Vec<String>,
 
-    /// Vary a key: KEY=a..b/N (N values), KEY=a..b/Nlog (log-spaced), KEY=x,y,z (these values; quote text with commas).
+    /// Vary a key: KEY=a..b/N (N values), KEY=a..b/Nlog (log-spaced), KEY=x,y,z (these values).
     /// With --sample: KEY=a..b or KEY=a..b/log. The last --over varies fastest.
     #[arg(long, value_name = "KEY=VALUES", value_parser = parse_override)]
     over: Vec<Override>,

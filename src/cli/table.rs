@@ -10,10 +10,13 @@ const FAINT: Style = Style::new().effects(Effects::DIMMED);
 /// Marks the end of the header; can't occur in sanitised cells.
 const RULE: char = '\u{1}';
 
+/// A column of a table: its name, and its cell in the row of an item.
+pub(super) type Column<T> = (&'static str, fn(&T) -> String);
+
 /// A table. The first `left` columns contain text and may be wrapped; the others contain right-aligned numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Table {
-    /// Names of the columns; `None` for a table without.
+    /// Names of the columns; empty for a table without.
     pub(super) header: Vec<String>,
     /// The cells.
     pub(super) rows: Vec<Vec<String>>,
@@ -22,21 +25,33 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// A table with a header, whose first `left` columns hold text.
-    pub(super) fn new(header: &[&str], rows: Vec<Vec<String>>, left: usize) -> Self {
-        let header = header.iter().map(|name| (*name).to_owned()).collect();
-        Self { header, rows, left }
+    /// A row for each item; the first `left` columns hold text.
+    pub(super) fn of<T>(
+        items: impl IntoIterator<Item = T>,
+        left: usize,
+        columns: &[Column<T>],
+    ) -> Self {
+        let row = |item| columns.iter().map(|(_, cell)| cell(&item)).collect();
+        Self {
+            header: columns.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            rows: items.into_iter().map(row).collect(),
+            left,
+        }
     }
 
     /// A table of text without a header.
-    pub(super) fn of_texts(rows: Vec<Vec<String>>) -> Self {
-        Self::new(&[], rows, usize::MAX)
+    pub(super) fn of_texts(rows: impl IntoIterator<Item = Vec<String>>) -> Self {
+        Self {
+            header: Vec::new(),
+            rows: rows.into_iter().collect(),
+            left: usize::MAX,
+        }
     }
 
     /// A list of facts, each with a label.
-    pub(super) fn of_facts(facts: Vec<(&str, String)>) -> Self {
+    pub(super) fn of_facts<'a>(facts: impl IntoIterator<Item = (&'a str, String)>) -> Self {
         let row = |(label, fact): (&str, String)| vec![label.to_owned(), fact];
-        Self::of_texts(facts.into_iter().map(row).collect())
+        Self::of_texts(facts.into_iter().map(row))
     }
 
     fn columns(&self) -> usize {

@@ -5,12 +5,13 @@ use super::page::{Section, Tone};
 use super::progress::Progress;
 use super::status::Status;
 use super::table::Table;
-use super::{output, parallel, report};
+use super::{output, report};
 use crate::analysis::verify::{Report, Verdict, verify as check};
 use crate::archive::recording::{Condition, Recording};
 use crate::telemetry::table;
 use anyhow::Error;
 use clap::Args;
+use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -56,7 +57,7 @@ pub(super) fn verify(arguments: &VerifyArguments) -> Result<Status, Error> {
 fn check_all(files: &[PathBuf]) -> Vec<VerifiedFile> {
     let size = |file: &PathBuf| file.metadata().map_or(0, |metadata| metadata.len());
     let progress = Progress::of_bytes("verifying", files.iter().map(size).sum());
-    let verified = parallel::map(files, |path| {
+    let verify = |path: &PathBuf| {
         let recording = Recording::open(path);
         let answer = recording.map(|recording| check(&recording, &|bytes| progress.add(bytes)));
         VerifiedFile {
@@ -64,7 +65,8 @@ fn check_all(files: &[PathBuf]) -> Vec<VerifiedFile> {
             error: answer.as_ref().err().map(ToString::to_string),
             report: answer.ok(),
         }
-    });
+    };
+    let verified = files.par_iter().map(verify).collect();
     progress.finish();
     verified
 }

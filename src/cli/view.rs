@@ -22,7 +22,6 @@ use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::env;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `toprise view`.
@@ -84,7 +83,7 @@ impl ViewReport {
     fn page(&self) -> Vec<Section> {
         let files = self.recordings.iter().flat_map(|shown| &shown.rrd);
         let wrote = files.map(|file| ("wrote", file.line()));
-        vec![Section::of(Table::of_facts(wrote.collect()))]
+        vec![Section::of(Table::of_facts(wrote))]
     }
 
     /// Whether everything was shown.
@@ -236,11 +235,7 @@ fn show(
     output::warn_all(warnings);
     let replayed = replay(recording, selection.clone(), &mut sink, |read| {
         progress.add(read);
-        if interrupt::is_requested() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        interrupt::flow()
     })
     .with_context(context)?;
     if let Some(outcome) = outcome_of(recording, selection) {

@@ -52,21 +52,22 @@ pub fn column_name(key: &Key) -> String {
 }
 
 impl Axis {
-    /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas. Strings can be
-    /// quoted, and must be if they contain a comma.
+    /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas.
     ///
     /// # Errors
     /// [`SweepError::Scenario`] for an unknown key, [`SweepError::Spec`] for invalid values.
     pub fn parse(name: &str, text: &str) -> Result<Self, SweepError> {
         let key = find_key(name)?;
-        let points = if key.kind.is_text() {
-            words(text).map(Points::List)
-        } else if text.contains("..") {
+        let points = if !key.kind.is_text() && text.contains("..") {
             range(text).map(Points::Range)
         } else {
-            let items = text.split(',').map(number);
-            let values = items.map(|number| Ok(Value::Number(number?)));
-            values.collect::<Result<_, _>>().map(Points::List)
+            let value = |item: &str| match item.trim() {
+                "" => Err(EMPTY.to_owned()),
+                word if key.kind.is_text() => Ok(Value::Text(word.to_owned())),
+                item => number(item).map(Value::Number),
+            };
+            let values = text.split(',').map(value).collect();
+            Result::map(values, Points::List)
         };
         let mut axis = Self {
             key,
@@ -81,23 +82,6 @@ impl Axis {
     pub(super) fn wrong(&self, reason: &str) -> SweepError {
         let Self { key, text, .. } = self;
         SweepError::Spec(format!("{}={text}: {reason}", key.path))
-    }
-
-    /// Reads a list of values, each written as on the command line.
-    ///
-    /// # Errors
-    /// As [`Axis::parse`].
-    pub(super) fn of_list(name: &str, values: &[String]) -> Result<Self, SweepError> {
-        let is_text = find_key(name)?.kind.is_text();
-        let item = |value: &String| {
-            if is_text && !is_plain(value) {
-                serde_json::Value::from(value.as_str()).to_string()
-            } else {
-                value.clone()
-            }
-        };
-        let items: Vec<String> = values.iter().map(item).collect();
-        Self::parse(name, &items.join(","))
     }
 
     /// Number of values that a grid has along this axis; `None` if only a sample can choose them.
@@ -148,54 +132,6 @@ impl Range {
         } else {
             (1.0 - fraction) * from + fraction * to
         })
-    }
-}
-
-/// Whether a string in a list needs no quotes.
-fn is_plain(text: &str) -> bool {
-    !text.is_empty() && text.trim() == text && !text.starts_with(['"', '\'']) && !text.contains(',')
-}
-
-/// Comma-separated strings, optionally in double quotes (with JSON escapes) or single quotes.
-fn words(text: &str) -> Result<Vec<Value>, String> {
-    let mut words = Vec::new();
-    let mut rest = text;
-    loop {
-        let (word, after) = first_word(rest.trim_start())?;
-        words.push(Value::Text(word));
-        let after = after.trim_start();
-        if after.is_empty() {
-            return Ok(words);
-        }
-        let next = after.strip_prefix(',');
-        rest = next.ok_or_else(|| format!("expected a comma before {after}"))?;
-    }
-}
-
-/// The first of several strings, and the rest.
-fn first_word(text: &str) -> Result<(String, &str), String> {
-    let open = || format!("{text}: the closing quote is missing");
-    if text.starts_with('"') {
-        let mut quoted = serde_json::Deserializer::from_str(text).into_iter();
-        let word: Option<Result<String, _>> = quoted.next();
-        let word = word.unwrap_or_else(|| Ok(String::new()));
-        let word = word.map_err(|error| {
-            if error.is_eof() {
-                open()
-            } else {
-                format!("{text}: invalid escape; double-quoted text uses JSON escapes such as \\\" and \\n")
-            }
-        })?;
-        return Ok((word, &text[quoted.byte_offset()..]));
-    }
-    if let Some(quoted) = text.strip_prefix('\'') {
-        let (word, after) = quoted.split_once('\'').ok_or_else(open)?;
-        return Ok((word.to_owned(), after));
-    }
-    let (word, after) = text.split_at(text.find(',').unwrap_or(text.len()));
-    match word.trim_end() {
-        "" => Err(EMPTY.to_owned()),
-        word => Ok((word.to_owned(), after)),
     }
 }
 
@@ -282,54 +218,10 @@ mod tests {
     }
 
     #[test]
-    fn commas_in_quotes_belong_to_a_text() {
-        let of = |axis: &Axis| (0..axis.count().unwrap()).map(|i| axis.at(i)).collect();
-        let texts = |texts: &[&str]| -> Vec<Value> {
-            let values = texts.iter().map(|text| Value::Text((*text).to_owned()));
-            values.collect()
-        };
-        for (list, expected) in [
-            ("\"a,b\",\"c\"", &["a,b", "c"][..]),
-            (
-                " 'a,b' , c d ,\"\\u03b8, \\\"e\\\"\"",
-                &["a,b", "c d", "θ, \"e\""],
-            ),
-            ("it's,5\" long", &["it's", "5\" long"]),
-            ("''", &[""]),
-        ] {
-            let values: Vec<Value> = of(&Axis::parse("description", list).unwrap());
-            assert_eq!(values, texts(expected), "{list}");
-        }
-        // Each entry of a list is one value, and lists that need no quotes are written as on the command line.
-        for (list, expected) in [
-            (&["a,b", "c"][..], "\"a,b\",c"),
-            (
-                &["", " a", "'b'", "\"c\"", "d\ne", "f g"],
-                "\"\",\" a\",\"'b'\",\"\\\"c\\\"\",d\ne,f g",
-            ),
-        ] {
-            let list: Vec<String> = list.iter().map(|text| (*text).to_owned()).collect();
-            let axis = Axis::of_list("description", &list).unwrap();
-            assert_eq!(axis.text, expected);
-            let values: Vec<Value> = of(&axis);
-            let list: Vec<&str> = list.iter().map(String::as_str).collect();
-            assert_eq!(values, texts(&list));
-        }
-        let numbers = ["0.1".to_owned(), "0.2".to_owned()];
-        assert_eq!(
-            Axis::of_list("friction.k", &numbers).unwrap().text,
-            "0.1,0.2"
-        );
-        for (list, part) in [
-            ("\"a,b", "\"a,b: the closing quote is missing"),
-            ("'a", "'a: the closing quote is missing"),
-            ("\"a\\q\"", "invalid escape"),
-            ("\"a\" b", "expected a comma before b"),
-            ("a,,b", "empty"),
-            ("a,", "empty"),
-        ] {
+    fn values_in_a_list_are_never_empty() {
+        for list in ["a,,b", "a,", ""] {
             let message = Axis::parse("description", list).unwrap_err().to_string();
-            assert!(message.contains(part), "{list}: {message}");
+            assert!(message.contains("a value is empty"), "{list}: {message}");
         }
     }
 

@@ -1,5 +1,6 @@
 //! Errors of a sweep as a whole. Errors of rows are in the table.
 
+use super::counts::RowError;
 use crate::archive::input::InputError;
 use crate::archive::sink::SinkError;
 use crate::run::scenario::ScenarioError;
@@ -23,13 +24,8 @@ pub enum SweepError {
     #[error("{0}")]
     File(String),
     /// A row failed (with `fail_fast`).
-    #[error("run {run}: {error}")]
-    Row {
-        /// The number of the row.
-        run: u64,
-        /// The reason for the failure.
-        error: String,
-    },
+    #[error("run {}: {}", .0.run, .0.error)]
+    Row(RowError),
     /// The Parquet writer failed.
     #[error("cannot write Parquet: {0}")]
     Parquet(#[from] parquet::errors::ParquetError),

@@ -62,7 +62,12 @@ impl Spec {
         let axes = file.over.iter().map(|(key, value)| match value {
             toml::Value::Array(values) => {
                 let values: Vec<String> = values.iter().map(plain).collect();
-                Axis::of_list(key, &values)
+                let axis = Axis::parse(key, &values.join(","))?;
+                if axis.count() == Some(values.len() as u64) {
+                    Ok(axis)
+                } else {
+                    Err(axis.wrong("a value in a list can't contain a comma"))
+                }
             }
             value => Axis::parse(key, &plain(value)),
         });
@@ -160,6 +165,10 @@ mod tests {
             (
                 "sample = { count = 9, seed = -1 }",
                 "must be a whole number of at least 0",
+            ),
+            (
+                "[over]\ndescription = [\"a, b\"]",
+                "description=a, b: a value in a list can't contain a comma",
             ),
             (
                 "sample = { count = 9, method = \"x\" }",

@@ -76,7 +76,7 @@ pub fn run(
         // Another process may have completed the table meanwhile.
         merged = store.finished().ok().flatten();
         match completed {
-            Err(error @ SweepError::Row { .. }) => return Err(error),
+            Err(error @ SweepError::Row(_)) => return Err(error),
             Err(error) if merged.is_none() => return Err(error),
             _ => {}
         }
@@ -94,10 +94,9 @@ pub fn run(
 
 /// Ends a sweep with the error of a row, if there is one.
 fn refuse(error: Option<&RowError>) -> Result<(), SweepError> {
-    match error.cloned() {
-        Some(RowError { run, error }) => Err(SweepError::Row { run, error }),
-        None => Ok(()),
-    }
+    error
+        .cloned()
+        .map_or(Ok(()), |error| Err(SweepError::Row(error)))
 }
 
 /// Computes missing parts and merges unless sharded. Returns the counts even on failure.

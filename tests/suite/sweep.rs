@@ -25,8 +25,9 @@ use toprise::run::outcome;
 use toprise::run::outcome::Cell;
 use toprise::run::scenario::{Scenario, Value};
 use toprise::sweep::{
-    Axis, Base, Columns, Design, Finished, Method, Options, RunResult, Sample, Shard, Spec, Sweep,
-    SweepError, Table, Watch, parts_directory, run, threads as threads_for, values_of_row,
+    Axis, Base, Columns, Design, Finished, Method, Options, RowError, RunResult, Sample, Shard,
+    Spec, Sweep, SweepError, Table, Watch, parts_directory, run, threads as threads_for,
+    values_of_row,
 };
 
 /// Runs that end at once, over a grid of 2,400: three parts.
@@ -333,7 +334,7 @@ fn regress_a_first_error_may_be_in_a_part_or_table_that_is_there() {
         compute(&sweep, &table, &options)
     };
     let told = |result: Result<Finished, SweepError>| match result {
-        Err(SweepError::Row { run, .. }) => Some(run),
+        Err(SweepError::Row(row)) => Some(row.run),
         Ok(_) => None,
         Err(other) => panic!("{other}"),
     };
@@ -364,7 +365,10 @@ fn regress_the_first_error_is_the_first_whatever_its_kind() {
         ..Options::default()
     };
     let error = compute(&Sweep::new(spec), &table, &options).unwrap_err();
-    assert!(matches!(error, SweepError::Row { run: 1, .. }), "{error}");
+    assert!(
+        matches!(error, SweepError::Row(RowError { run: 1, .. })),
+        "{error}"
+    );
 }
 
 #[test]
@@ -1385,37 +1389,5 @@ fn scenarios_of_one_name_are_warned_of() {
     assert!(
         told.contains("several scenarios have the name one"),
         "{told}"
-    );
-}
-
-#[test]
-fn texts_with_commas_are_whole_values() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let text = "set = { \"stop.duration\" = 0.001 }\nover = { description = [\"a, b\", \"c\"] }\n";
-    fs::write(folder.join("spec.toml"), text).unwrap();
-    let (code, _, told) = toprise(folder, "sweep spec.toml -o a.parquet");
-    assert_eq!(code, 0, "{told}");
-    let table = read(&folder.join("a.parquet"));
-    let texts = table
-        .column_by_name("description")
-        .unwrap()
-        .as_string::<i32>();
-    assert_eq!(texts.iter().flatten().collect::<Vec<_>>(), ["a, b", "c"]);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_toprise"));
-    let line = [
-        "sweep",
-        "paper",
-        "--set",
-        "stop.duration=0.001",
-        "-o",
-        "b.parquet",
-        "--over",
-    ];
-    let command = command.current_dir(folder).args(line);
-    command.arg("description=\"a, b\",c").assert().success();
-    assert_eq!(
-        digest(&folder.join("a.parquet")),
-        digest(&folder.join("b.parquet"))
     );
 }

@@ -1,13 +1,13 @@
 //! The human-readable report of a comparison.
 
 use crate::analysis::diff::{
-    Averaged, ChannelDifference, ComparedRun, Discrepancy, FieldDifference, Floor, KeyDifference,
-    Report, TopicBytes, Verdict,
+    Averaged, ChannelDifference, ComparedRun, Deviation, Discrepancy, FieldDifference, Finding,
+    FirstDifference, Floor, IntegratorError, KeyDifference, Report, Residual, TopicBytes, Verdict,
 };
 use crate::analysis::phrase::significant;
 use crate::cli::numbers::count;
 use crate::cli::page::{Section, Tone};
-use crate::cli::table::Table;
+use crate::cli::table::{Column, Table};
 
 /// Maximum number of table rows without --all.
 const MOST_ROWS: usize = 12;
@@ -44,8 +44,9 @@ fn subjects(report: &Report) -> Section {
             format!("{} messages", count(run.messages)),
         ]
     };
-    let rows = [("A", &report.a), ("B", &report.b)].map(row);
-    Section::of(Table::of_texts(rows.to_vec()))
+    Section::of(Table::of_texts(
+        [("A", &report.a), ("B", &report.b)].map(row),
+    ))
 }
 
 fn verdict(report: &Report) -> Section {
@@ -69,8 +70,13 @@ fn setup(report: &Report, all: bool) -> Section {
     } else {
         keys
     };
-    let rows = shown.iter().take(most_rows(all)).map(|key| key_row(key));
-    section.table(Table::new(&["", "A", "B"], rows.collect(), 3));
+    let columns: [Column<&KeyDifference>; 3] = [
+        ("", |key| key.key.clone()),
+        ("A", |key| key_value(key, key.a.as_deref())),
+        ("B", |key| key_value(key, key.b.as_deref())),
+    ];
+    let shown = shown.into_iter().take(most_rows(all));
+    section.table(Table::of(shown, 3, &columns));
     for (what, [a, b]) in [
         ("only in", &setup.topics_only_in),
         ("fields only in", &setup.fields_only_in),
@@ -89,31 +95,32 @@ fn most_rows(all: bool) -> usize {
     if all { usize::MAX } else { MOST_ROWS }
 }
 
-fn key_row(key: &KeyDifference) -> Vec<String> {
+/// A value, not longer than a line allows, with its unit.
+fn key_value(key: &KeyDifference, value: Option<&str>) -> String {
     const LONGEST: usize = 40;
-    let value = |value: &Option<String>| {
-        let text = value.clone().unwrap_or_else(|| "–".to_owned());
-        let short: String = text.chars().take(LONGEST).collect();
-        match short.len() < text.len() {
-            true => format!("{short}…"),
-            false if key.unit.is_empty() || text == "–" => text,
-            false => format!("{text} {}", key.unit),
-        }
+    let Some(text) = value else {
+        return "–".to_owned();
     };
-    vec![key.key.clone(), value(&key.a), value(&key.b)]
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => format!("{text} {}", key.unit).trim_end().to_owned(),
+    }
 }
 
 fn findings(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     let shown = report.findings.iter().filter(|f| all || f.differs());
-    let rows: Vec<_> = shown
-        .take(most_rows(all))
-        .map(|f| f.cells().to_vec())
-        .collect();
-    if rows.is_empty() && report.floor.is_some() && report.is_of_other_scenarios() {
+    let shown: Vec<_> = shown.take(most_rows(all)).map(Finding::cells).collect();
+    if shown.is_empty() && report.floor.is_some() && report.is_of_other_scenarios() {
         section.line("No finding exceeds the integration error.");
     }
-    section.table(Table::new(&["", "A", "B", "B − A"], rows, 1));
+    let columns: [Column<[String; 4]>; 4] = [
+        ("", |cells| cells[0].clone()),
+        ("A", |cells| cells[1].clone()),
+        ("B", |cells| cells[2].clone()),
+        ("B − A", |cells| cells[3].clone()),
+    ];
+    section.table(Table::of(shown, 1, &columns));
     section
 }
 
@@ -122,49 +129,42 @@ fn topics(report: &Report) -> Section {
     let differing = report.channels.iter().filter(|channel| {
         channel.identical < channel.pairs || channel.unmatched != [0; 2] || channel.beyond != [0; 2]
     });
-    let row = |channel: &ChannelDifference| {
-        let first = channel.first.as_ref().map(|first| {
-            let (field, time) = (&first.field, first.time);
-            format!("{field} at {time} s: {}, {}", first.a, first.b)
-        });
-        let alone: u64 = channel.unmatched.iter().chain(&channel.beyond).sum();
-        vec![
-            channel.topic.clone(),
-            first.unwrap_or_default(),
-            count(channel.pairs - channel.identical),
-            count(alone),
-        ]
-    };
-    let rows: Vec<_> = differing.map(row).collect();
-    let header = ["topic", "first difference: A, B", "different", "unmatched"];
-    Section::of(Table::new(&header, rows, 2))
+    let columns: [Column<&ChannelDifference>; 4] = [
+        ("topic", |channel| channel.topic.clone()),
+        ("first difference: A, B", |channel| {
+            let first = channel.first.as_ref();
+            first.map_or_else(String::new, |FirstDifference { field, time, a, b }| {
+                format!("{field} at {time} s: {a}, {b}")
+            })
+        }),
+        ("different", |channel| {
+            count(channel.pairs - channel.identical)
+        }),
+        ("unmatched", |channel| {
+            count(channel.unmatched.iter().chain(&channel.beyond).sum())
+        }),
+    ];
+    Section::of(Table::of(differing, 2, &columns))
 }
 
 fn others(topics: &[TopicBytes]) -> Section {
-    let row = |topic: &TopicBytes| {
-        let first = topic.first.map(|time| format!("{time} s"));
-        let is_other = topic.is_described_differently;
-        let described = is_other.then_some("different schema or encoding");
-        vec![
-            topic.topic.clone(),
-            described.unwrap_or_default().to_owned(),
-            count(topic.equal),
-            count(topic.different),
-            count(topic.unmatched[0]),
-            count(topic.unmatched[1]),
-            first.unwrap_or_default(),
-        ]
-    };
-    let header = [
-        "topic",
-        "",
-        "equal",
-        "different",
-        "only A",
-        "only B",
-        "first",
+    let columns: [Column<&TopicBytes>; 7] = [
+        ("topic", |topic| topic.topic.clone()),
+        ("", |topic| {
+            let is_other = topic.is_described_differently;
+            let described = is_other.then_some("different schema or encoding");
+            described.unwrap_or_default().to_owned()
+        }),
+        ("equal", |topic| count(topic.equal)),
+        ("different", |topic| count(topic.different)),
+        ("only A", |topic| count(topic.unmatched[0])),
+        ("only B", |topic| count(topic.unmatched[1])),
+        ("first", |topic| match topic.first {
+            Some(time) => format!("{time} s"),
+            None => String::new(),
+        }),
     ];
-    Section::of(Table::new(&header, topics.iter().map(row).collect(), 2))
+    Section::of(Table::of(topics, 2, &columns))
 }
 
 /// The fields of a topic that differ.
@@ -173,51 +173,47 @@ fn fields(channel: &ChannelDifference) -> Section {
         .fields
         .iter()
         .filter(|field| field.first_different.is_some() && field.largest != 0.0);
-    let row = |field: &FieldDifference| {
-        let mark = if field.is_below_floor { "≈ " } else { "" };
-        let relative = Some(field.largest.abs() / field.scale).filter(|share| share.is_finite());
-        vec![
-            format!("{} [{}]", field.field, field.unit).replace(" []", ""),
-            format!("{mark}{}", significant(field.largest, 3)),
-            format!("{} s", field.at),
-            significant(field.rms, 2),
-            relative.map_or_else(String::new, |share| significant(share, 2)),
-        ]
-    };
-    let header = ["field", "largest B − A", "at", "RMS", "relative"];
-    Section::of(Table::new(&header, differing.map(row).collect(), 1))
+    let columns: [Column<&FieldDifference>; 5] = [
+        ("field", |field| with_unit(&field.field, &field.unit)),
+        ("largest B − A", |field| {
+            let mark = if field.is_below_floor { "≈ " } else { "" };
+            format!("{mark}{}", significant(field.largest, 3))
+        }),
+        ("at", |field| format!("{} s", field.at)),
+        ("RMS", |field| significant(field.rms, 2)),
+        ("relative", |field| {
+            let relative = field.largest.abs() / field.scale;
+            let shown = relative.is_finite().then(|| significant(relative, 2));
+            shown.unwrap_or_default()
+        }),
+    ];
+    Section::of(Table::of(differing, 1, &columns))
         .titled(&channel.topic, format!("{} pairs", count(channel.pairs)))
 }
 
 fn averages(averaged: &Averaged) -> Section {
-    let rows = averaged.deviations.iter().map(|deviation| {
-        vec![
-            format!("{} [{}]", deviation.quantity, deviation.unit),
-            significant(deviation.values[0], 5),
-            significant(deviation.values[1], 5),
-            significant(deviation.largest, 3),
-            format!("{:.3} s", deviation.at),
-        ]
-    });
-    let header = ["", "A", "B", "largest B − A", "at"];
-    Section::of(Table::new(&header, rows.collect(), 1)).titled(
+    let columns: [Column<&Deviation>; 5] = [
+        ("", |mean| with_unit(&mean.quantity, &mean.unit)),
+        ("A", |mean| significant(mean.values[0], 5)),
+        ("B", |mean| significant(mean.values[1], 5)),
+        ("largest B − A", |mean| significant(mean.largest, 3)),
+        ("at", |mean| format!("{:.3} s", mean.at)),
+    ];
+    Section::of(Table::of(&averaged.deviations, 1, &columns)).titled(
         "Averaged motion",
         format!("{:.3} s to {:.3} s", averaged.from, averaged.to),
     )
 }
 
 fn models(discrepancy: &Discrepancy) -> Section {
-    let rows = discrepancy.quantities.iter().map(|residual| {
-        vec![
-            format!("{} [{}]", residual.quantity, residual.unit),
-            significant(residual.largest, 3),
-            format!("{} s", residual.at),
-            significant(residual.rms, 3),
-            significant(residual.rms_a, 3),
-        ]
-    });
-    let header = ["", "largest", "at", "RMS", "RMS of A"];
-    Section::of(Table::new(&header, rows.collect(), 1)).titled(
+    let columns: [Column<&Residual>; 5] = [
+        ("", |residual| with_unit(&residual.quantity, &residual.unit)),
+        ("largest", |residual| significant(residual.largest, 3)),
+        ("at", |residual| format!("{} s", residual.at)),
+        ("RMS", |residual| significant(residual.rms, 3)),
+        ("RMS of A", |residual| significant(residual.rms_a, 3)),
+    ];
+    Section::of(Table::of(&discrepancy.quantities, 1, &columns)).titled(
         "Models",
         format!(
             "B − A, evaluated at {} states of A",
@@ -227,16 +223,16 @@ fn models(discrepancy: &Discrepancy) -> Section {
 }
 
 fn integrators(floor: &Floor) -> Section {
-    let rows = [("A", &floor.a), ("B", &floor.b)].map(|(letter, error)| {
-        vec![
-            letter.to_owned(),
-            format!("{:e} → {:e}", error.relative_tolerance, error.compared_with),
-            significant(error.theta_mean, 2),
-            significant(error.event_time, 2),
-        ]
-    });
-    let header = ["", "tolerance", "mean θ [rad]", "events [s]"];
-    Section::of(Table::new(&header, rows.to_vec(), 2)).titled(
+    let columns: [Column<(&str, &IntegratorError)>; 4] = [
+        ("", |(letter, _)| (*letter).to_owned()),
+        ("tolerance", |(_, run)| {
+            format!("{:e} → {:e}", run.relative_tolerance, run.compared_with)
+        }),
+        ("mean θ [rad]", |(_, run)| significant(run.theta_mean, 2)),
+        ("events [s]", |(_, run)| significant(run.event_time, 2)),
+    ];
+    let runs = [("A", &floor.a), ("B", &floor.b)];
+    Section::of(Table::of(runs, 2, &columns)).titled(
         "Integrator errors",
         "estimated with tighter tolerances; ≈ marks differences below the integration error",
     )
@@ -267,6 +263,14 @@ fn notes(report: &Report, all: bool) -> Section {
         section.line(format!("More: --all shows {more}every field{viewer}."));
     }
     section
+}
+
+/// The name of a quantity with its unit, if it has one.
+fn with_unit(quantity: &str, unit: &str) -> String {
+    match unit {
+        "" => quantity.to_owned(),
+        unit => format!("{quantity} [{unit}]"),
+    }
 }
 
 /// A list, truncated.

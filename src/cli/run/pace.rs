@@ -51,11 +51,7 @@ impl Pace {
             }
             self.wait_for(sample.time_ns, sinks)?;
         }
-        Ok(if interrupt::is_requested() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        })
+        Ok(interrupt::flow())
     }
 
     /// Removes the line that shows the progress.
