@@ -3,6 +3,7 @@
 use crate::telemetry::encoding::Encoding;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
+use std::str::FromStr;
 
 /// Heading in the help of the options that choose what is written.
 pub(super) const OUTPUT: &str = "Output";
@@ -34,6 +35,16 @@ impl ValueEnum for Encoding {
 
 /// A key of a scenario and the value that it is set to.
 pub(super) type Override = (String, String);
+
+/// Reads a number that an option allows.
+pub(super) fn parse_number<N: FromStr>(
+    text: &str,
+    is_allowed: impl FnOnce(&N) -> bool,
+    reason: &str,
+) -> Result<N, String> {
+    let number = text.parse().ok().filter(is_allowed);
+    number.ok_or_else(|| reason.to_owned())
+}
 
 /// Reads the value of `--set`.
 pub(super) fn parse_override(text: &str) -> Result<Override, String> {

@@ -5,7 +5,7 @@ mod sweep;
 
 #[cfg(feature = "sweep")]
 use self::sweep::SweepFigure;
-use super::arguments::OUTPUT;
+use super::arguments::{OUTPUT, parse_number};
 use super::input::{Input, open};
 use super::output;
 use super::page::Section;
@@ -18,8 +18,8 @@ use crate::analysis::figures::{
 };
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
-use crate::run::suggestion::suggestion;
 use anyhow::{Context as _, Error, bail};
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
 #[cfg(feature = "sweep")]
@@ -38,7 +38,7 @@ pub(super) struct FiguresArguments {
     output: PathBuf,
 
     /// Draw only these figures (comma-separated)
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = parse_name)]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = names(), hide_possible_values = true)]
     only: Vec<String>,
 
     /// File types (comma-separated)
@@ -88,21 +88,13 @@ impl Kind {
     }
 }
 
-fn parse_name(text: &str) -> Result<String, String> {
-    let names = || FIGURES.iter().map(|figure| figure.name);
-    if names().any(|name| name == text) {
-        return Ok(text.to_owned());
-    }
-    let all: Vec<_> = names().collect();
-    let hint = suggestion(text, names());
-    Err(format!("no such figure{hint}; figures: {}", all.join(", ")))
+fn names() -> PossibleValuesParser {
+    FIGURES.iter().map(|figure| figure.name).into()
 }
 
 fn parse_width(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|width| (80.0..=400.0).contains(width))
-        .ok_or_else(|| "must be from 80 to 400 (mm)".to_owned())
+    let is_width = |width: &f64| (80.0..=400.0).contains(width);
+    parse_number(text, is_width, "must be from 80 to 400 (mm)")
 }
 
 /// The runs of the paper's figures: the first of all, the others only of figure 4.

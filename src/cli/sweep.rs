@@ -2,7 +2,7 @@
 
 mod report;
 
-use super::arguments::{Override, parse_override};
+use super::arguments::{Override, parse_number, parse_override};
 use super::interrupt;
 use super::numbers::{count, counted};
 use super::output;
@@ -86,10 +86,8 @@ pub(super) struct SweepArguments {
 }
 
 fn whole(text: &str, least: u64, most: u64) -> Result<u64, String> {
-    let number = text.parse().ok();
-    number
-        .filter(|number| (least..=most).contains(number))
-        .ok_or_else(|| format!("must be a whole number from {least} to {most}"))
+    let reason = format!("must be a whole number from {least} to {most}");
+    parse_number(text, |number| (least..=most).contains(number), &reason)
 }
 
 fn parse_shard(text: &str) -> Result<Shard, String> {

@@ -1,6 +1,6 @@
 //! `toprise view`.
 
-use super::arguments::OUTPUT;
+use super::arguments::{OUTPUT, parse_number};
 use super::interrupt;
 use super::output;
 use super::page::Section;
@@ -13,7 +13,7 @@ use crate::archive::format::is_end_of;
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
-use crate::rerun::{Destinations, Identity, Live, MISSING_VIEWER, Playback, RerunSink};
+use crate::rerun::{Destinations, Identity, Live, Playback, RerunSink};
 use crate::run::outcome;
 use crate::run::outcome::Outcome;
 use crate::telemetry::Topics;
@@ -21,7 +21,6 @@ use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::env;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `toprise view`.
@@ -93,12 +92,9 @@ impl ViewReport {
     }
 }
 
-/// Reads a time in seconds that is not negative.
 fn parse_seconds(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|time: &f64| (0.0..=1e9).contains(time))
-        .ok_or_else(|| "must be a non-negative time in seconds, e.g. 12.5".to_owned())
+    let reason = "must be a non-negative time in seconds, e.g. 12.5";
+    parse_number(text, |time| (0.0..=1e9).contains(time), reason)
 }
 
 impl ViewArguments {
@@ -188,16 +184,7 @@ fn target(arguments: &ViewArguments) -> Result<Target, Error> {
     if arguments.rrd.is_some() || target.live.is_some() {
         return Ok(target);
     }
-    if !viewer_is_installed() {
-        bail!("{MISSING_VIEWER}\nor write a file for it with --rrd FILE");
-    }
     Ok(Target::of(Some(Live::Spawn)))
-}
-
-fn viewer_is_installed() -> bool {
-    let name = format!("rerun{}", env::consts::EXE_SUFFIX);
-    let path = env::var_os("PATH").unwrap_or_default();
-    env::split_paths(&path).any(|directory| directory.join(&name).is_file())
 }
 
 /// Replays one recording.

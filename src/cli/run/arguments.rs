@@ -2,7 +2,7 @@
 
 use crate::archive::input::{self, is_recording};
 use crate::archive::writer::Form;
-use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override};
+use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_number, parse_override};
 use crate::cli::input::checked;
 #[cfg(feature = "rerun")]
 use crate::cli::report::WrittenFile;
@@ -174,10 +174,8 @@ impl RunArguments {
 }
 
 fn parse_speed(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|speed: &f64| speed.is_finite() && *speed > 0.0)
-        .ok_or_else(|| "must be a positive number, e.g. 0.5".to_owned())
+    let is_speed = |speed: &f64| speed.is_finite() && *speed > 0.0;
+    parse_number(text, is_speed, "must be a positive number, e.g. 0.5")
 }
 
 #[cfg(test)]
