@@ -16,7 +16,7 @@ use toprise::archive::recording::{Recording, Selection};
 use toprise::archive::sink::{Sink, record};
 use toprise::archive::writer::Form;
 use toprise::physics::dynamics::EulerAngles;
-use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};
+use toprise::physics::integrate::{Dop853, System, Tolerances};
 use toprise::run::outcome;
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::Simulation;
@@ -72,8 +72,7 @@ fn ours() -> f64 {
         relative: 1e-12,
         absolute: 1e-12,
     };
-    let mut integrator = Dop853::new(Paper, 0.0, START, tolerances, Direction::Forward)
-        .expect("the start is regular");
+    let mut integrator = Dop853::new(Paper, 0.0, START, tolerances).expect("the start is regular");
     let (mut next, mut sum) = (0, 0.0);
     while next <= SAMPLES {
         integrator.step().expect("the motion is regular");
@@ -231,8 +230,8 @@ fn integrated(densely: bool) -> f64 {
     let state: [f64; EulerAngles::STATE_LENGTH] =
         EulerAngles::state(paper.angles, paper.rates, &paper.model);
     let system = EulerAngles::new(paper.model);
-    let mut integrator = Dop853::new(system, 0.0, state, paper.tolerances, Direction::Forward)
-        .expect("the start is regular");
+    let mut integrator =
+        Dop853::new(system, 0.0, state, paper.tolerances).expect("the start is regular");
     while integrator.t() < 24.719 {
         if densely {
             integrator.step_densely().expect("the motion is regular");

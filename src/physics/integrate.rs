@@ -23,4 +23,4 @@ mod problem;
 pub use crossing::{Crossing, KNOTS, SignTracker, Slope, zero};
 pub use dense::Dense;
 pub use dop853::Dop853;
-pub use problem::{Direction, IntegrateError, Statistics, System, Tolerances};
+pub use problem::{IntegrateError, Statistics, System, Tolerances};

@@ -9,7 +9,9 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 use toprise::physics::dynamics::Model;
-use toprise::physics::friction::{Air, Dissipation, Friction};
+use toprise::physics::friction::{
+    Air, Dissipation, Drilling, Friction, FrictionLaw, drilling_torque,
+};
 use toprise::physics::integrate::Tolerances;
 use toprise::physics::kinematics::{Euler, Tilt};
 use toprise::physics::math;
@@ -495,7 +497,14 @@ fn size_of_torques(top: &Top, friction: &Friction, now: &Instant<'_>) -> f64 {
     } = losses.air;
     // The disc's drag grows with the power 3/2 of the rate, and so does its rounding.
     let drag = (2.0 * transverse + axial + 1.5 * disc * omega.sqrt()) * omega;
-    of_force + drag + losses.max_contact_torque(normal) + friction.law.drilling_bound(normal)
+    let Drilling {
+        k, patch_radius, ..
+    } = losses.drilling;
+    let mut of_patch = drilling_torque(k, patch_radius, normal, 0.0, -1.0);
+    if let FrictionLaw::Contensou { k, patch_radius } = friction.law {
+        of_patch += drilling_torque(k, patch_radius, normal, 0.0, -1.0);
+    }
+    of_force + drag + losses.rolling_arm * normal + of_patch
 }
 
 /// The components of a torque of sliding that act, in the world.

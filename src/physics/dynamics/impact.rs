@@ -9,8 +9,7 @@
 use super::reaction::FreeBody;
 use crate::physics::friction::Wrench;
 use crate::physics::integrate::{
-    Crossing, Dense, Direction, Dop853, IntegrateError, KNOTS, SignTracker, Slope, System,
-    Tolerances,
+    Crossing, Dense, Dop853, IntegrateError, KNOTS, SignTracker, Slope, System, Tolerances,
 };
 use crate::physics::math::hypot;
 use nalgebra::Vector3;
@@ -25,14 +24,8 @@ const MAX_MIN_BOUNCE_SPEED: f64 = 1e-4;
 
 /// Minimum approach speed of a bounce for this coefficient of restitution, m/s.
 fn min_bounce_speed(restitution: f64) -> f64 {
-    let loss = 1.0 - restitution;
-    if loss >= MIN_LOSS {
-        MIN_BOUNCE_SPEED
-    } else if loss * MAX_MIN_BOUNCE_SPEED > MIN_LOSS * MIN_BOUNCE_SPEED {
-        MIN_BOUNCE_SPEED * MIN_LOSS / loss
-    } else {
-        MAX_MIN_BOUNCE_SPEED
-    }
+    let speed = MIN_BOUNCE_SPEED * MIN_LOSS / (1.0 - restitution);
+    speed.clamp(MIN_BOUNCE_SPEED, MAX_MIN_BOUNCE_SPEED)
 }
 
 /// Rolling resistance is made proportional to the rolling rate below the rate that it would stop in this fraction of an
@@ -47,7 +40,7 @@ const SLIP_STOPPED: f64 = 1e-12;
 const MAX_STEPS: u32 = 20_000;
 
 /// Result of an impact. Vectors are in the lean frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impact {
     /// Impulse of the table, N s.
     pub impulse: Vector3<f64>,
@@ -71,14 +64,9 @@ impl Impact {
     /// A contact without approach velocity.
     pub(super) fn without_approach(velocity: Vector3<f64>) -> Self {
         Self {
-            impulse: Vector3::zeros(),
-            couple: Vector3::zeros(),
             before: velocity,
             after: velocity,
-            restitution: 0.0,
-            normal_loss: 0.0,
-            friction_loss: 0.0,
-            is_held: false,
+            ..Self::default()
         }
     }
 }
@@ -301,7 +289,7 @@ impl<'a> Collision<'a> {
             absolute: 1e-15,
         };
         let mut collision = Self {
-            integrator: Dop853::new(equations, 0.0, start, tolerances, Direction::Forward)?,
+            integrator: Dop853::new(equations, 0.0, start, tolerances)?,
             restitution: if speed < min_bounce_speed(restitution) {
                 0.0
             } else {
@@ -379,8 +367,7 @@ impl<'a> Collision<'a> {
         t: f64,
         y: State,
     ) -> Result<(), IntegrateError> {
-        self.integrator
-            .restart(equations, t, y, Direction::Forward)?;
+        self.integrator.restart(equations, t, y)?;
         self.watch();
         Ok(())
     }
@@ -413,7 +400,7 @@ impl<'a> Collision<'a> {
                 ImpactEvent::Compressed | ImpactEvent::Restituted => Slope::Rising,
             };
             let mut found: Vec<Crossing> = Vec::new();
-            tracker.scan(&KNOTS, &values, |s| value(&state(s)), &mut found);
+            tracker.scan(&values, |s| value(&state(s)), &mut found);
             let crossing = found.iter().find(|crossing| crossing.slope == wanted);
             if let Some(crossing) = crossing
                 && first.is_none_or(|(s, _)| crossing.s < s)

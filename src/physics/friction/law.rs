@@ -147,15 +147,6 @@ impl FrictionLaw {
         }
     }
 
-    /// Maximum torque of the contact patch about the vertical, N m; 0 for laws without a patch.
-    pub fn drilling_bound(&self, normal_force: f64) -> f64 {
-        if let Self::Contensou { k, patch_radius } = *self {
-            -drilling_torque(k, patch_radius, normal_force, 0.0, 1.0)
-        } else {
-            0.0
-        }
-    }
-
     /// Whether there is no friction force at any slip.
     pub fn is_none(&self) -> bool {
         self.largest_coefficient() == 0.0

@@ -103,15 +103,6 @@ impl Losses {
         }
     }
 
-    /// Maximum contact torque (rolling resistance and drilling), N m.
-    pub fn max_contact_torque(&self, normal_force: f64) -> f64 {
-        let Drilling {
-            k, patch_radius, ..
-        } = self.drilling;
-        let drilling = drilling_torque(k, patch_radius, normal_force, 0.0, 1.0);
-        self.rolling_arm * normal_force - drilling
-    }
-
     /// Whether all losses are zero.
     #[inline]
     pub fn is_none(&self) -> bool {

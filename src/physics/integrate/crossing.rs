@@ -1,7 +1,10 @@
 //! Location of sign changes within a step.
 
-/// Default points of a step at which functions are evaluated for [`SignTracker`].
-pub const KNOTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+/// The points of a step at which functions are evaluated for [`SignTracker`].
+pub const KNOTS: AtKnots = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// The values of a function at the [`KNOTS`].
+pub type AtKnots = [f64; 5];
 
 /// Maximum number of evaluations per search.
 const MAX_EVALUATIONS: usize = 100;
@@ -86,36 +89,26 @@ impl SignTracker {
         }
     }
 
-    /// Whether the last sign was positive; `None` before the first.
-    pub fn sign(&self) -> Option<bool> {
-        self.positive
-    }
-
     /// Appends to `found` the sign changes of `g` within a step, in the order of `s`.
     ///
-    /// `values` are those of `g` at `knots`, which ascend from the start to the end of the step, e.g. [`KNOTS`].
-    /// Several crossings between adjacent knots are found if the interpolation polynomial has the turning points
+    /// `values` are those of `g` at the [`KNOTS`]. Several crossings between adjacent knots are found if the interpolation polynomial has the turning points
     /// between them. A search evaluates `g` at most 100 times and is skipped if `g` is far from zero.
     #[inline]
-    pub fn scan<const K: usize>(
+    pub fn scan(
         &mut self,
-        knots: &[f64; K],
-        values: &[f64; K],
+        values: &AtKnots,
         mut g: impl FnMut(f64) -> f64,
         found: &mut Vec<Crossing>,
     ) {
-        const {
-            assert!(K > 0);
-        }
         if !self.stays_clear(values) {
-            self.search(knots, values, &mut g, found);
+            self.search(values, &mut g, found);
         }
     }
 
     /// Whether a function with these values at the knots keeps its sign with enough margin that no turning point
     /// reaches zero.
     #[inline]
-    fn stays_clear<const K: usize>(&self, values: &[f64; K]) -> bool {
+    fn stays_clear(&self, values: &AtKnots) -> bool {
         let (lowest, highest) = range(values);
         let variation = highest - lowest;
         match self.positive {
@@ -126,23 +119,22 @@ impl SignTracker {
     }
 
     /// [`SignTracker::scan`] for a function that may reach zero.
-    fn search<const K: usize>(
+    fn search(
         &mut self,
-        knots: &[f64; K],
-        values: &[f64; K],
+        values: &AtKnots,
         mut g: impl FnMut(f64) -> f64,
         found: &mut Vec<Crossing>,
     ) {
         let knot = |i: usize| Point {
-            s: knots[i],
+            s: KNOTS[i],
             g: values[i],
         };
-        let shape = Interpolant::near_zero(knots, values);
+        let shape = Interpolant::near_zero(values);
         let mut from = knot(0);
         self.advance(&mut from, knot(0), &mut g, found);
-        for i in 1..K {
+        for i in 1..KNOTS.len() {
             if let Some(shape) = &shape {
-                let between = (knots[i - 1], knots[i]);
+                let between = (KNOTS[i - 1], KNOTS[i]);
                 self.advance_over_turns(&mut from, between, shape, &mut g, found);
             }
             self.advance(&mut from, knot(i), &mut g, found);
@@ -150,11 +142,11 @@ impl SignTracker {
     }
 
     /// Processes the turning points between two knots.
-    fn advance_over_turns<const K: usize>(
+    fn advance_over_turns(
         &mut self,
         from: &mut Point,
         (start, end): (f64, f64),
-        shape: &Interpolant<K>,
+        shape: &Interpolant,
         g: &mut impl FnMut(f64) -> f64,
         found: &mut Vec<Crossing>,
     ) {
@@ -231,17 +223,16 @@ impl Turn {
 }
 
 /// The interpolation polynomial through the knots, used to find turning points near zero.
-struct Interpolant<'a, const K: usize> {
-    knots: &'a [f64; K],
+struct Interpolant {
     /// Divided differences: the coefficients of Newton's form.
-    coefficients: [f64; K],
+    coefficients: AtKnots,
     /// Largest minus smallest value at the knots.
     variation: f64,
 }
 
-impl<'a, const K: usize> Interpolant<'a, K> {
+impl Interpolant {
     /// The polynomial, unless it has no turning point that can reach zero.
-    fn near_zero(knots: &'a [f64; K], values: &[f64; K]) -> Option<Self> {
+    fn near_zero(values: &AtKnots) -> Option<Self> {
         let (lowest, highest) = range(values);
         // The polynomial through five equidistant knots leaves the range of its values by at most 0.61 of
         // that range (their Lebesgue constant is 2.21).
@@ -251,8 +242,7 @@ impl<'a, const K: usize> Interpolant<'a, K> {
             return None;
         }
         let shape = Self {
-            knots,
-            coefficients: divided_differences(knots, values),
+            coefficients: divided_differences(values),
             variation,
         };
         (!shape.is_monotonic()).then_some(shape)
@@ -261,7 +251,7 @@ impl<'a, const K: usize> Interpolant<'a, K> {
     /// Whether the slopes at the knots rule out a turning point: they have one sign and a sufficient margin. (The slope
     /// is a polynomial too, and leaves their range by no more than 0.61 of it.)
     fn is_monotonic(&self) -> bool {
-        let slopes = self.knots.map(|knot| self.value_and_slope(knot).1);
+        let slopes = KNOTS.map(|knot| self.value_and_slope(knot).1);
         let (lowest, highest) = range(&slopes);
         let variation = highest - lowest;
         lowest > variation || highest < -variation
@@ -285,7 +275,7 @@ impl<'a, const K: usize> Interpolant<'a, K> {
     #[inline]
     fn value_and_slope(&self, s: f64) -> (f64, f64) {
         let (mut value, mut slope) = (0.0, 0.0);
-        for (coefficient, knot) in self.coefficients.iter().zip(self.knots).rev() {
+        for (coefficient, knot) in self.coefficients.iter().zip(KNOTS).rev() {
             slope = slope * (s - knot) + value;
             value = value * (s - knot) + coefficient;
         }
@@ -295,7 +285,7 @@ impl<'a, const K: usize> Interpolant<'a, K> {
 
 /// The least and the greatest value; NaN is ignored if there are other values.
 #[inline]
-fn range<const K: usize>(values: &[f64; K]) -> (f64, f64) {
+fn range(values: &AtKnots) -> (f64, f64) {
     let (mut lowest, mut highest) = (values[0], values[0]);
     for &value in values {
         lowest = if value < lowest { value } else { lowest };
@@ -304,11 +294,11 @@ fn range<const K: usize>(values: &[f64; K]) -> (f64, f64) {
     (lowest, highest)
 }
 
-fn divided_differences<const K: usize>(knots: &[f64; K], values: &[f64; K]) -> [f64; K] {
+fn divided_differences(values: &AtKnots) -> AtKnots {
     let mut differences = *values;
-    for order in 1..K {
-        for i in (order..K).rev() {
-            differences[i] = (differences[i] - differences[i - 1]) / (knots[i] - knots[i - order]);
+    for order in 1..KNOTS.len() {
+        for i in (order..KNOTS.len()).rev() {
+            differences[i] = (differences[i] - differences[i - 1]) / (KNOTS[i] - KNOTS[i - order]);
         }
     }
     differences

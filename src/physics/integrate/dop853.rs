@@ -11,7 +11,7 @@ use super::coefficients::{
     STAGES,
 };
 use super::dense::Dense;
-use super::problem::{Direction, IntegrateError, Statistics, System, Tolerances};
+use super::problem::{IntegrateError, Statistics, System, Tolerances};
 
 // Step control: the default values of `dop853.f`.
 /// A step aims at this fraction of the length that the error estimate allows.
@@ -46,7 +46,7 @@ const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
 /// interpolates between steps and never alters them; use [`Dop853::step_densely`] to control its error.
 ///
 /// ```
-/// use toprise::physics::integrate::{Direction, Dop853, System, Tolerances};
+/// use toprise::physics::integrate::{Dop853, System, Tolerances};
 ///
 /// struct Decay;
 /// impl System<1> for Decay {
@@ -56,7 +56,7 @@ const SHORTEST_STEP: f64 = 10.0 * f64::EPSILON;
 /// }
 ///
 /// let tolerances = Tolerances { relative: 1e-10, absolute: 1e-10 };
-/// let mut decay = Dop853::new(Decay, 0.0, [1.0], tolerances, Direction::Forward)?;
+/// let mut decay = Dop853::new(Decay, 0.0, [1.0], tolerances)?;
 /// while decay.t() < 1.0 {
 ///     decay.step()?;
 /// }
@@ -71,7 +71,7 @@ pub struct Dop853<S, const N: usize> {
     tolerances: Tolerances,
     /// The last accepted step; of length zero before the first.
     last: Step<N>,
-    /// The step to try next, with its sign.
+    /// The step to try next.
     next_h: f64,
     /// The dense output of the last step, if computed and not yet taken.
     dense: Option<Dense<N>>,
@@ -106,7 +106,6 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         t0: f64,
         y0: [f64; N],
         tolerances: Tolerances,
-        direction: Direction,
     ) -> Result<Self, IntegrateError> {
         const {
             assert!(S::CONTROLLED >= 1 && S::CONTROLLED <= N);
@@ -136,7 +135,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
                 ..Statistics::default()
             },
         };
-        integrator.next_h = integrator.first_step(direction);
+        integrator.next_h = integrator.first_step();
         Ok(integrator)
     }
 
@@ -144,24 +143,20 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     ///
     /// # Errors
     /// As [`Dop853::new`]; the integrator is unchanged in this case.
-    pub fn restart(
-        &mut self,
-        system: S,
-        t: f64,
-        y: [f64; N],
-        direction: Direction,
-    ) -> Result<(), IntegrateError> {
+    pub fn restart(&mut self, system: S, t: f64, y: [f64; N]) -> Result<(), IntegrateError> {
         let before = self.statistics;
-        *self = Self::new(system, t, y, self.tolerances, direction)?;
-        self.statistics = self.statistics.combined_with(before);
+        *self = Self::new(system, t, y, self.tolerances)?;
+        let evaluations = before.evaluations + self.statistics.evaluations;
+        self.statistics = Statistics {
+            evaluations,
+            ..before
+        };
         Ok(())
     }
 
     /// Limits the length of the next step.
     pub fn limit_next_step(&mut self, longest: f64) {
-        if self.next_h.abs() > longest {
-            self.next_h = longest.copysign(self.next_h);
-        }
+        self.next_h = smaller(longest, self.next_h);
     }
 
     /// The system that is integrated.
@@ -255,7 +250,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         loop {
             let h = self.resolvable_step()?;
             let k = self.stages(h);
-            let y = advance(self.y(), h, &combine(&SOLUTION, &k));
+            let y = advance(self.y(), h, &combine(N, &SOLUTION, &k));
             self.statistics.evaluations += 11;
             let error = self.error(h, &y, &k);
             if error <= 1.0 && all_finite(&y[..S::CONTROLLED]) {
@@ -286,7 +281,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         let rise = difference(&step.end_y, &step.y);
         let start_bend: [f64; N] = std::array::from_fn(|i| h * step.k[0][i] - rise[i]);
         let end_bend: [f64; N] = std::array::from_fn(|i| rise[i] - h * step.end_dy[i]);
-        let high = |row| combine(row, &k).map(|dy| h * dy);
+        let high = |row| combine(N, row, &k).map(|dy| h * dy);
         let coefficients = [
             step.y,
             rise,
@@ -323,7 +318,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// apart by half an ulp of t per step.
     fn resolvable_step(&self) -> Result<f64, IntegrateError> {
         let (t, step) = (self.t(), self.next_h);
-        let resolvable = step.abs() > SHORTEST_STEP * t.abs();
+        let resolvable = step > SHORTEST_STEP * t.abs();
         if !resolvable {
             return Err(IntegrateError::StepSizeUnderflow { t, step });
         }
@@ -364,7 +359,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         row: &Row<M>,
         k: &[[f64; N]; K],
     ) -> [f64; N] {
-        let y = advance_controlled::<S, N>(y, h, &combine_controlled::<S, N, M, K>(row, k));
+        let y = advance(y, h, &combine(S::CONTROLLED, row, k));
         self.system.derivative(t + node * h, &y)
     }
 
@@ -384,8 +379,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// the fifth- and third-order estimates (book, II.10).
     #[inline]
     fn error(&self, h: f64, y: &[f64; N], k: &Stages<N>) -> f64 {
-        let third = combine_controlled::<S, N, _, STAGES>(&ERROR_3, k);
-        let fifth = combine_controlled::<S, N, _, STAGES>(&ERROR_5, k);
+        let third = combine(S::CONTROLLED, &ERROR_3, k);
+        let fifth = combine(S::CONTROLLED, &ERROR_5, k);
         let (mut third_squared, mut fifth_squared) = (0.0, 0.0);
         for i in 0..S::CONTROLLED {
             let scale = self.scale(larger(self.y()[i].abs(), y[i].abs()));
@@ -396,7 +391,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         if damped == 0.0 {
             return 0.0;
         }
-        h.abs() * fifth_squared / (Self::controlled() * damped).sqrt()
+        h * fifth_squared / (Self::controlled() * damped).sqrt()
     }
 
     /// A step of length `h` to `y`, if its values are finite.
@@ -422,25 +417,21 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// Accepts a step, with its dense output if computed.
     #[inline]
     fn accept(&mut self, step: Step<N>, dense: Option<Dense<N>>) {
-        self.statistics.count_step(step.h.abs());
+        self.statistics.count_step(step.h);
         self.last = step;
         self.dense = dense;
     }
 
     /// The initial step size, from an estimate of the Taylor terms (book, II.4; `hinit` of `dop853.f`).
-    fn first_step(&mut self, direction: Direction) -> f64 {
-        let sign = match direction {
-            Direction::Forward => 1.0,
-            Direction::Backward => -1.0,
-        };
+    fn first_step(&mut self) -> f64 {
         let (size, speed) = (self.size(self.y()), self.size(self.dy()));
         let guess = if size <= 1e-5 || speed <= 1e-5 {
             1e-6
         } else {
             0.01 * (size / speed)
         };
-        let probe = advance(self.y(), sign * guess, self.dy());
-        let dy = self.system.derivative(self.t() + sign * guess, &probe);
+        let probe = advance(self.y(), guess, self.dy());
+        let dy = self.system.derivative(self.t() + guess, &probe);
         self.statistics.evaluations += 1;
         let curvature = self.size(&difference(&dy, self.dy())) / guess;
         let steepest = larger(curvature, speed);
@@ -452,7 +443,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         } else {
             eighth_root(0.01 / steepest)
         };
-        sign * smaller(100.0 * guess, careful)
+        smaller(100.0 * guess, careful)
     }
 
     /// Length of the controlled part of a vector in units of the tolerances at the current state.
@@ -486,53 +477,25 @@ impl Statistics {
     }
 }
 
-/// The linear combination of stages that `row` describes, summed in the order of the stages.
+/// The first `count` components of the linear combination of stages that `row` describes, summed in the order of the
+/// stages; 0 for the others.
 #[inline(always)]
 fn combine<const N: usize, const M: usize, const K: usize>(
-    row: &Row<M>,
-    k: &[[f64; N]; K],
-) -> [f64; N] {
-    let (first, a) = row[0];
-    let mut sum = k[first].map(|dy| a * dy);
-    for &(stage, a) in &row[1..] {
-        for i in 0..N {
-            sum[i] += a * k[stage][i];
-        }
-    }
-    sum
-}
-
-/// The controlled components of [`combine`]; 0 for the quadratures.
-#[inline(always)]
-fn combine_controlled<S: System<N>, const N: usize, const M: usize, const K: usize>(
+    count: usize,
     row: &Row<M>,
     k: &[[f64; N]; K],
 ) -> [f64; N] {
     let mut sum = [0.0; N];
     let (first, a) = row[0];
-    for i in 0..S::CONTROLLED {
+    for i in 0..count {
         sum[i] = a * k[first][i];
     }
     for &(stage, a) in &row[1..] {
-        for i in 0..S::CONTROLLED {
+        for i in 0..count {
             sum[i] += a * k[stage][i];
         }
     }
     sum
-}
-
-/// The controlled components of [`advance`]; 0 for the quadratures, on which no derivative depends.
-#[inline(always)]
-fn advance_controlled<S: System<N>, const N: usize>(
-    y: &[f64; N],
-    h: f64,
-    dy: &[f64; N],
-) -> [f64; N] {
-    let mut advanced = [0.0; N];
-    for i in 0..S::CONTROLLED {
-        advanced[i] = y[i] + h * dy[i];
-    }
-    advanced
 }
 
 /// y + h y′.

@@ -5,8 +5,8 @@ use thiserror::Error;
 /// A system of ordinary differential equations y′ = f(t, y) with `N` components.
 pub trait System<const N: usize> {
     /// The first `CONTROLLED` components enter the error norm and so determine the steps; at least one. The rest are
-    /// quadratures (e.g. dissipated energy, path length), which don't affect the steps. No derivative may depend on them:
-    /// within a step they are 0.
+    /// quadratures (e.g. dissipated energy, path length), which don't affect the steps. No derivative may depend on
+    /// them.
     const CONTROLLED: usize = N;
 
     /// The derivative y′ at (t, y). May be infinite or NaN where it is not defined.
@@ -20,15 +20,6 @@ pub struct Tolerances {
     pub relative: f64,
     /// Fixed part, in the unit of the component. Positive if a component can be zero.
     pub absolute: f64,
-}
-
-/// Direction of integration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// Toward larger t.
-    Forward,
-    /// Toward smaller t.
-    Backward,
 }
 
 /// Statistics of an integration.
@@ -46,24 +37,6 @@ pub struct Statistics {
     pub largest_step: f64,
 }
 
-impl Statistics {
-    /// Combined statistics of this and an earlier integration.
-    pub(super) fn combined_with(self, before: Self) -> Self {
-        let smallest = match (before.smallest_step, self.smallest_step) {
-            (before, 0.0) => before,
-            (0.0, now) => now,
-            (before, now) => before.min(now),
-        };
-        Self {
-            accepted: before.accepted + self.accepted,
-            rejected: before.rejected + self.rejected,
-            evaluations: before.evaluations + self.evaluations,
-            smallest_step: smallest,
-            largest_step: before.largest_step.max(self.largest_step),
-        }
-    }
-}
-
 /// Error of an integration.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum IntegrateError {
@@ -73,7 +46,7 @@ pub enum IntegrateError {
     StepSizeUnderflow {
         /// The end of the last accepted step.
         t: f64,
-        /// The (signed) next step size.
+        /// The next step size.
         step: f64,
     },
     /// The state or its derivative is infinite or not a number.

@@ -10,7 +10,7 @@ use super::sample::Sample;
 use super::tally::Tally;
 use super::watch::{Watch, ZeroKind, accelerations, copy_signs, envelope, watches};
 use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Phase, Transition};
-use crate::physics::integrate::{Crossing, Dense, Direction, Dop853, KNOTS, Slope};
+use crate::physics::integrate::{Crossing, Dense, Dop853, KNOTS, Slope};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{Scenario, Stop};
 
@@ -91,7 +91,6 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             0.0,
             state,
             F::step_tolerances(scenario.tolerances),
-            Direction::Forward,
         )?;
         let energy_at_start = scenario.model.energy(&motion);
         let sense = if motion.tilt.axial_rate() < 0.0 {
@@ -180,7 +179,6 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 kind.values(system, sense, &motions)
             };
             tracker.scan(
-                &KNOTS,
                 &values,
                 |s| {
                     let [value] =
@@ -410,8 +408,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.dense = None;
         let system = entry.formulation;
         self.reference = system.angles(&entry.state, self.reference);
-        self.integrator
-            .restart(system, time, entry.state, Direction::Forward)?;
+        self.integrator.restart(system, time, entry.state)?;
         // If phases repeat immediately, limit the step.
         let quarters = 4_u32.pow((phases - 1).min(10));
         self.integrator
