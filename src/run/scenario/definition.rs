@@ -247,18 +247,15 @@ impl Scenario {
     fn check_support(&self) -> Result<(), ScenarioError> {
         let distance = self.model.top.center_distance;
         if !self.model.support.is_free() {
-            let allowed = "a finite number > 0 (for a tippe top, which has a negative value, set support.kind = \"free\")";
+            let reason = "must be a finite number > 0 (for a tippe top, which has a negative value, set support.kind = \"free\")";
             return ensure(distance > 0.0, || {
-                out_of_range("top.center_distance", distance, allowed)
+                self.values.invalid("top.center_distance", reason)
             });
         }
-        let conflict = |key: &'static str, reason: &str| {
+        let conflict = |key: &str, reason: &str| {
             let value = self.values.get(key);
-            conflict(
-                key,
-                value.map_or_else(String::new, ToString::to_string),
-                reason,
-            )
+            let value = value.map_or_else(String::new, ToString::to_string);
+            ScenarioError::of_value(key, &value, reason)
         };
         ensure(
             distance != 0.0 && distance > -self.model.top.peg_radius,
@@ -308,11 +305,11 @@ impl Scenario {
         let top = &self.model.top;
         let offset = top.mass * top.center_distance * top.center_distance;
         ensure(top.transverse_moment > offset, || {
-            let allowed = format!(
-                "more than {} kg m² = top.mass · top.center_distance² (parallel axis theorem)",
+            let reason = format!(
+                "must be more than {} kg m² = top.mass · top.center_distance² (parallel axis theorem)",
                 short_number(offset)
             );
-            out_of_range("top.transverse_moment", top.transverse_moment, allowed)
+            self.values.invalid("top.transverse_moment", &reason)
         })?;
         // The axial moment of a rigid body is at most twice its transverse moment about any point of the axis.
         // The limit is lowest at the centre of mass.
@@ -325,11 +322,11 @@ impl Scenario {
             ),
         ] {
             ensure(top.axial_moment <= limit, || {
-                let allowed = format!(
-                    "at most {} kg m² = {what} (limit for a rigid body)",
+                let reason = format!(
+                    "must be at most {} kg m² = {what} (limit for a rigid body)",
                     short_number(limit)
                 );
-                out_of_range("top.axial_moment", top.axial_moment, allowed)
+                self.values.invalid("top.axial_moment", &reason)
             })?;
         }
         Ok(())
@@ -341,34 +338,33 @@ impl Scenario {
         ensure(
             !is_singular || self.formulation == FormulationKind::Body,
             || {
-                let allowed = "strictly between 0 and π with formulation = \"euler\"; \
+                let reason = "must be strictly between 0 and π with formulation = \"euler\"; \
                            use formulation = \"body\" for a vertical axis";
-                out_of_range("initial.theta", theta, allowed)
+                self.values.invalid("initial.theta", reason)
             },
         )?;
         let drops_terms = self.model.friction.dissipation.drops_euler_terms();
         let is_endless = drops_terms && !self.is_frictionless() && self.stop.theta_risen.is_none();
         ensure(!is_endless, || {
             let reason = "requires stop.theta_risen, because its equations divide by sin θ";
-            let word = self.word("friction.dissipation");
-            conflict("friction.dissipation", word, reason)
+            self.values.invalid("friction.dissipation", reason)
         })?;
         let (risen, fallen) = (self.stop.theta_risen, self.stop.theta_fallen);
         for (key, limit) in [
             ("stop.theta_risen", risen.filter(|limit| theta <= *limit)),
             ("stop.theta_fallen", fallen.filter(|limit| theta >= *limit)),
         ] {
-            if let Some(limit) = limit {
+            if limit.is_some() {
                 let start = short_number(theta);
                 let reason = format!("the start, initial.theta = {start}, is already beyond it");
-                return Err(conflict(key, short_number(limit), reason));
+                return Err(self.values.invalid(key, &reason));
             }
         }
         Ok(())
     }
 
     fn check_sticking(&self) -> Result<(), ScenarioError> {
-        let conflict = |reason: &str| conflict("stop.on_stick", "continue", reason);
+        let conflict = |reason: &str| self.values.invalid("stop.on_stick", reason);
         ensure(self.model.friction.can_stick(), || {
             conflict(
                 "this friction law never sticks; use friction.law = \"coulomb\" or \"stribeck\", or \
@@ -388,17 +384,21 @@ impl Scenario {
         let Some(duration) = stop.duration else {
             let by_angle = stop.theta_risen.is_some() || stop.theta_fallen.is_some();
             let ends = by_angle && !self.is_frictionless();
-            return ensure(ends, || ScenarioError::NeverStops);
+            return ensure(ends, || {
+                ScenarioError(
+                    "the run would never stop: set stop.duration, stop.theta_risen or stop.theta_fallen (without friction: stop.duration)"
+                        .to_owned(),
+                )
+            });
         };
         let samples = duration * 1e9 / self.sample_period_ns as f64;
         ensure(samples <= f64::from(u32::MAX), || {
-            let allowed = format!(
-                "larger: at most {} samples fit in stop.duration = {} s",
+            let reason = format!(
+                "must be larger: at most {} samples fit in stop.duration = {} s",
                 u32::MAX,
                 short_number(duration)
             );
-            let period = self.sample_period_ns as f64 / 1e9;
-            out_of_range("sampling.period", period, allowed)
+            self.values.invalid("sampling.period", &reason)
         })
     }
 }
@@ -418,26 +418,6 @@ const PLACES: [([&str; 2], [&str; 2]); 2] = [
 /// The error unless a condition holds.
 fn ensure(holds: bool, error: impl FnOnce() -> ScenarioError) -> Result<(), ScenarioError> {
     if holds { Ok(()) } else { Err(error()) }
-}
-
-fn out_of_range(key: &'static str, value: f64, allowed: impl Into<String>) -> ScenarioError {
-    ScenarioError::OutOfRange {
-        key,
-        value: short_number(value),
-        allowed: allowed.into(),
-    }
-}
-
-fn conflict(
-    key: &'static str,
-    value: impl Into<String>,
-    reason: impl Into<String>,
-) -> ScenarioError {
-    ScenarioError::Conflict {
-        key,
-        value: value.into(),
-        reason: reason.into(),
-    }
 }
 
 /// Bytes in lower-case hexadecimal.

@@ -2,7 +2,6 @@
 
 use super::choice::dissipation;
 use super::error::ScenarioError;
-use super::key::short_number;
 use super::laws::sliding_law;
 use super::values::Values;
 use crate::physics::dynamics::{Model, Support};
@@ -44,11 +43,8 @@ fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioErr
     let law = law(values)?;
     let losses = Some(losses(values, free)).filter(|losses| !losses.is_none());
     if matches!(law, FrictionLaw::Contensou { .. }) && values.get("drilling.k").is_some() {
-        return Err(ScenarioError::Conflict {
-            key: "drilling.k",
-            value: short_number(values.number("drilling.k")?),
-            reason: "friction.law = \"contensou\" already includes a drilling torque".to_owned(),
-        });
+        let reason = "friction.law = \"contensou\" already includes a drilling torque";
+        return Err(values.invalid("drilling.k", reason));
     }
     let word = values.text("friction.dissipation").ok();
     Ok(Friction {

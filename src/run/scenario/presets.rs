@@ -79,16 +79,16 @@ impl Preset {
     /// The preset with this name.
     ///
     /// # Errors
-    /// [`ScenarioError::UnknownPreset`], which lists all presets.
+    /// [`ScenarioError`], which lists all presets.
     pub fn find(name: &str) -> Result<&'static Self, ScenarioError> {
         let found = PRESETS.iter().find(|preset| preset.name == name);
         found.ok_or_else(|| {
             let names: Vec<_> = PRESETS.iter().map(|preset| preset.name.as_str()).collect();
-            ScenarioError::UnknownPreset {
-                name: name.to_owned(),
-                hint: suggestion(name, names.iter().copied()),
-                allowed: names.join(", "),
-            }
+            let hint = suggestion(name, names.iter().copied());
+            let allowed = names.join(", ");
+            ScenarioError(format!(
+                "unknown preset {name:?}{hint}; presets: {allowed}. For a scenario file, give the path, e.g. ./{name}.toml"
+            ))
         })
     }
 

@@ -112,6 +112,12 @@ impl Values {
         }
     }
 
+    /// The error of a key's value.
+    pub(super) fn invalid(&self, key: &str, reason: &str) -> ScenarioError {
+        let value = self.get(key).map(Value::to_set_notation);
+        ScenarioError::of_value(key, &value.unwrap_or_default(), reason)
+    }
+
     /// Checks that required keys are set and inapplicable keys are not.
     pub(super) fn check_presence(&self) -> Result<(), ScenarioError> {
         let mut absent = Vec::new();
@@ -151,15 +157,14 @@ impl Values {
 
     /// The error for a key that applies only if another key has one of these values.
     fn inapplicable(&self, key: &Key, other: &'static str, words: &[&str]) -> ScenarioError {
-        ScenarioError::Inapplicable {
-            key: key.path,
-            circumstance: match self.text(other) {
-                Ok(value) => format!("with {other} = {value:?}"),
-                Err(_) => format!("without {other}"),
-            },
-            other,
-            needed: words.join(" or "),
-        }
+        let (key, needed) = (key.path, words.join(" or "));
+        let circumstance = match self.text(other) {
+            Ok(value) => format!("with {other} = {value:?}"),
+            Err(_) => format!("without {other}"),
+        };
+        ScenarioError(format!(
+            "{key} does not apply {circumstance}: set {other} = {needed}, or remove {key} (--set {key}=)"
+        ))
     }
 }
 
@@ -178,10 +183,7 @@ fn missing(paths: &[&'static str]) -> ScenarioError {
     if let Some(law) = LAWS.iter().find(of_one_law) {
         missing += &format!("; typical values: {}", law.typical);
     }
-    ScenarioError::MissingKeys {
-        keys: paths.to_vec(),
-        missing,
-    }
+    ScenarioError(format!("missing: {missing}"))
 }
 
 /// The key with this path.
@@ -196,11 +198,9 @@ pub(crate) fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
         if allowed.is_empty() {
             allowed = KEYS.iter().map(|key| key.path).collect();
         }
-        ScenarioError::UnknownKey {
-            key: excerpt(path),
-            hint: key_hint(&excerpt(path)),
-            allowed: allowed.join(", "),
-        }
+        let (key, allowed) = (excerpt(path), allowed.join(", "));
+        let hint = key_hint(&key);
+        ScenarioError(format!("unknown key {key}{hint}; allowed: {allowed}"))
     })
 }
 
@@ -208,12 +208,13 @@ pub(crate) fn find_key(path: &str) -> Result<&'static Key, ScenarioError> {
 fn syntax(source: &str, error: &toml::de::Error) -> ScenarioError {
     let text = error.to_string();
     if text.len() <= MAX_SYNTAX_LENGTH {
-        return ScenarioError::Syntax(text);
+        return ScenarioError(format!("not valid TOML: {text}"));
     }
     // Omit the source line that the parser repeats, because it is too long.
     let before = error.span().and_then(|span| source.get(..span.start));
     let line = before.map_or(1, |before| 1 + before.matches('\n').count());
-    ScenarioError::Syntax(format!("in line {line}: {}", excerpt(error.message())))
+    let message = excerpt(error.message());
+    ScenarioError(format!("not valid TOML: in line {line}: {message}"))
 }
 
 /// A text truncated for a message.
@@ -237,12 +238,10 @@ fn key_hint(wrong: &str) -> String {
 
 /// Checks type and range of a value.
 fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
-    let wrong_type = || ScenarioError::WrongType {
-        key: key.path,
-        value: value
-            .as_float()
-            .map_or_else(|| excerpt(&value.to_string()), short_number),
-        expected: format!("{}{}", allowed(key), unit_hint(key, value)),
+    let wrong_type = || {
+        let number = value.as_float().map(short_number);
+        let text = number.unwrap_or_else(|| value.to_string());
+        not_allowed(key, &text, &unit_hint(key, value))
     };
     let value = if key.kind.is_text() {
         Value::Text(value.as_str().ok_or_else(wrong_type)?.to_owned())
@@ -250,7 +249,7 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
         let integer = || value.as_integer().map(|number| number as f64);
         Value::Number(value.as_float().or_else(integer).ok_or_else(wrong_type)?)
     };
-    let allowed = match (key.kind, &value) {
+    let is_allowed = match (key.kind, &value) {
         (Kind::Name, Value::Text(text)) => is_name(text),
         (Kind::Choice(words), Value::Text(text)) => words.contains(&text.as_str()),
         (Kind::Between(low, high), Value::Number(number)) => (low..=high).contains(number),
@@ -258,16 +257,22 @@ fn checked(key: &Key, value: &toml::Value) -> Result<Value, ScenarioError> {
         (_, Value::Number(number)) => number.is_finite(),
         (_, Value::Text(_)) => true,
     };
-    if allowed {
-        Ok(value)
-    } else {
-        Err(out_of_range(key, &value.to_set_notation()))
+    if is_allowed {
+        return Ok(value);
     }
+    let text = value.to_set_notation();
+    let hint = if let Kind::Choice(words) = key.kind {
+        suggestion(&excerpt(&text), words.iter().copied())
+    } else {
+        String::new()
+    };
+    Err(not_allowed(key, &text, &hint))
 }
 
-/// The allowed values of a key, with its unit.
-fn allowed(key: &Key) -> String {
-    format!("{}{}", key.kind, key.in_unit())
+/// The error of a value that a key can't have.
+fn not_allowed(key: &Key, value: &str, hint: &str) -> ScenarioError {
+    let reason = format!("must be {}{}{hint}", key.kind, key.in_unit());
+    ScenarioError::of_value(key.path, &excerpt(value), &reason)
 }
 
 /// A hint for values in degrees or with a decimal comma; otherwise empty.
@@ -286,19 +291,6 @@ fn unit_hint(key: &Key, value: &toml::Value) -> String {
             format!(" ({text} is {:.4} rad)", degrees.to_radians())
         }
         _ => String::new(),
-    }
-}
-
-fn out_of_range(key: &Key, value: &str) -> ScenarioError {
-    let hint = if let Kind::Choice(words) = key.kind {
-        suggestion(&excerpt(value), words.iter().copied())
-    } else {
-        String::new()
-    };
-    ScenarioError::OutOfRange {
-        key: key.path,
-        value: excerpt(value),
-        allowed: format!("{}{hint}", allowed(key)),
     }
 }
 
