@@ -1,10 +1,11 @@
 //! Enums that list their variants.
 
-/// Declares an enum of named variants, with a constant `ALL` of them.
+/// Declares an enum of variants that are written by their names, with a constant `ALL` of them.
 macro_rules! listed {
     ($(#[$of_enum:meta])* pub enum $Name:ident { $($(#[$of_variant:meta])* $Variant:ident = $name:literal,)+ }) => {
         $(#[$of_enum])*
-        pub enum $Name { $($(#[$of_variant])* $Variant,)+ }
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, schemars::JsonSchema)]
+        pub enum $Name { $($(#[$of_variant])* #[serde(rename = $name)] $Variant,)+ }
 
         impl $Name {
             /// All variants.

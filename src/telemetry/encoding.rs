@@ -9,13 +9,9 @@ use super::schema::json_schema;
 use super::table::channels;
 use super::template::Template;
 use crate::run::listed::listed;
-use schemars::JsonSchema;
-use serde::Serialize;
 
 listed! {
     /// A message encoding with its schema language.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-    #[serde(rename_all = "snake_case")]
     pub enum Encoding {
         /// JSON with JSON Schema (widest support).
         Json = "json",

@@ -1,32 +1,17 @@
 //! Kinds of files.
 
-use schemars::JsonSchema;
-use serde::Serialize;
+use crate::run::listed::listed;
 
-/// State of the file as determined by opening it; damage inside chunks is only found on reading.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Condition {
-    /// An MCAP file that toprise did not write.
-    #[serde(rename = "not a toprise recording")]
-    Foreign,
-    /// A recording with its end record, readable throughout.
-    #[serde(rename = "complete")]
-    Whole,
-    /// A recording without an end record: the run was interrupted, without other damage.
-    Interrupted,
-    /// A recording with unreadable parts.
-    Damaged,
-}
-
-impl Condition {
-    /// Short name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Foreign => "not a toprise recording",
-            Self::Whole => "complete",
-            Self::Interrupted => "interrupted",
-            Self::Damaged => "damaged",
-        }
+listed! {
+    /// State of the file as determined by opening it; damage inside chunks is only found on reading.
+    pub enum Condition {
+        /// An MCAP file that toprise did not write.
+        Foreign = "not a toprise recording",
+        /// A recording with its end record, readable throughout.
+        Whole = "complete",
+        /// A recording without an end record: the run was interrupted, without other damage.
+        Interrupted = "interrupted",
+        /// A recording with unreadable parts.
+        Damaged = "damaged",
     }
 }

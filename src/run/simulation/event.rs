@@ -3,8 +3,6 @@
 use crate::physics::dynamics::{Motion, Transition};
 use crate::physics::top::Top;
 use crate::run::listed::listed;
-use schemars::JsonSchema;
-use serde::Serialize;
 
 /// An event of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,8 +23,6 @@ pub struct Event {
 
 listed! {
     /// Kinds of events.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, JsonSchema)]
-    #[serde(rename_all = "snake_case")]
     pub enum EventKind {
         /// The run begins.
         Start = "start",
@@ -78,23 +74,6 @@ listed! {
 pub const UPRIGHT: f64 = 0.01;
 
 impl EventKind {
-    /// The event of a transition, if it has one.
-    pub(super) fn of(transition: &Transition) -> Option<Self> {
-        match transition {
-            Transition::Sticks => Some(Self::Stick),
-            Transition::SlipStops => Some(Self::SlipStops),
-            Transition::SlipResumes => Some(Self::SlipResumes),
-            Transition::BecomesSingular => Some(Self::Singular),
-            Transition::Jams => Some(Self::Jam),
-            Transition::Pivots => Some(Self::Pivot),
-            Transition::Rolls
-            | Transition::RollEnds
-            | Transition::LiftsOff
-            | Transition::Bounces(_)
-            | Transition::Lands(_) => None,
-        }
-    }
-
     /// Whether it occurs in every nutation; such events are omitted from lists.
     pub fn is_of_nutation(self) -> bool {
         matches!(self, Self::NutationMinimum | Self::NutationMaximum)
@@ -192,8 +171,6 @@ impl EventKind {
 
 listed! {
     /// Reason for the end of a run.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-    #[serde(rename_all = "snake_case")]
     pub enum StopReason {
         /// θ reached `stop.theta_risen`.
         Risen = "risen",
@@ -215,6 +192,23 @@ listed! {
         Interrupted = "interrupted",
         /// The simulation failed.
         Failed = "failed",
+    }
+}
+
+/// The event of a transition, if it has one, and the reason for which it ends the run, if it does.
+pub(super) fn consequences(transition: &Transition) -> (Option<EventKind>, Option<StopReason>) {
+    match transition {
+        Transition::Sticks => (Some(EventKind::Stick), None),
+        Transition::SlipStops => (Some(EventKind::SlipStops), None),
+        Transition::SlipResumes => (Some(EventKind::SlipResumes), None),
+        Transition::BecomesSingular => (Some(EventKind::Singular), Some(StopReason::Singular)),
+        Transition::Jams => (Some(EventKind::Jam), Some(StopReason::Jam)),
+        Transition::Pivots => (Some(EventKind::Pivot), Some(StopReason::Pivot)),
+        Transition::Rolls
+        | Transition::RollEnds
+        | Transition::LiftsOff
+        | Transition::Bounces(_)
+        | Transition::Lands(_) => (None, None),
     }
 }
 

@@ -1,35 +1,17 @@
 //! Queue of the events of a step, in time order.
 
 use super::event::{Event, EventKind};
-use super::free::ImpactRecord;
-use super::nutation::NutationCycle;
 use super::record::Record;
 use super::tally::Tally;
 use crate::physics::dynamics::Motion;
 use crate::physics::top::Top;
 use std::collections::VecDeque;
 
-/// A pending record; times in s.
-pub(super) enum Pending {
-    Event(EventKind, f64, Motion),
-    Nutation(NutationCycle),
-    Impact(ImpactRecord),
-}
-
-impl Pending {
-    fn time_ns(&self) -> u64 {
-        match self {
-            Self::Event(_, time, _) => to_nanoseconds(*time),
-            Self::Nutation(cycle) => cycle.time_ns,
-            Self::Impact(landing) => landing.time_ns,
-        }
-    }
-}
-
 /// Pending records in time order, with counts of the emitted ones.
 #[derive(Default)]
 pub(super) struct Queue {
-    pending: VecDeque<Pending>,
+    /// Events without index and description, impacts without index and bounce.
+    pending: VecDeque<Record>,
     /// Number of emitted events.
     pub(super) events: u32,
     /// Number of emitted nutation cycles.
@@ -43,11 +25,11 @@ pub(super) struct Queue {
 }
 
 impl Queue {
-    pub(super) fn push(&mut self, pending: Pending) {
+    pub(super) fn push(&mut self, pending: Record) {
         self.pending.push_back(pending);
     }
 
-    pub(super) fn extend(&mut self, pending: impl IntoIterator<Item = Pending>) {
+    pub(super) fn extend(&mut self, pending: impl IntoIterator<Item = Record>) {
         self.pending.extend(pending);
     }
 
@@ -64,46 +46,34 @@ impl Queue {
 
     /// Time of the next record, ns.
     pub(super) fn next_time_ns(&self) -> Option<u64> {
-        self.pending.front().map(Pending::time_ns)
+        self.pending.front().map(Record::time_ns)
     }
 
     /// Removes and returns the next record.
     pub(super) fn pop(&mut self, top: &Top) -> Option<Record> {
-        Some(match self.pending.pop_front()? {
-            Pending::Event(kind, time, motion) => {
-                let mut description = kind.describe(top, &motion);
-                if kind == EventKind::Landing {
-                    description += &match std::mem::take(&mut self.bounces) {
+        let mut record = self.pending.pop_front()?;
+        match &mut record {
+            Record::Event(event) => {
+                event.description = event.kind.describe(top, &event.motion);
+                if event.kind == EventKind::Landing {
+                    event.description += &match std::mem::take(&mut self.bounces) {
                         1 => " After 1 impact.".to_owned(),
                         bounces => format!(" After {bounces} impacts."),
                     };
                 }
-                let index = self.events;
+                event.index = self.events;
                 self.events += 1;
-                Record::Event(Box::new(Event {
-                    kind,
-                    time,
-                    time_ns: to_nanoseconds(time),
-                    index,
-                    motion,
-                    description,
-                }))
             }
-            Pending::Impact(impact) => {
-                let index = self.impacts;
+            Record::Impact(impact) => {
+                impact.index = self.impacts;
                 self.impacts += 1;
                 self.bounces += 1;
-                Record::Impact(Box::new(ImpactRecord {
-                    index,
-                    bounce: self.bounces,
-                    ..impact
-                }))
+                impact.bounce = self.bounces;
             }
-            Pending::Nutation(cycle) => {
-                self.cycles += 1;
-                Record::Nutation(Box::new(cycle))
-            }
-        })
+            Record::Nutation(_) => self.cycles += 1,
+            Record::Sample(_) => {}
+        }
+        Some(record)
     }
 
     /// Counts all records without emitting them. Returns the time, s, and the motion of the last event.
@@ -111,17 +81,30 @@ impl Queue {
         let mut last = None;
         for pending in self.pending.drain(..) {
             match pending {
-                Pending::Event(kind, time, motion) => {
+                Record::Event(event) => {
                     self.events += 1;
-                    tally.count(kind, time);
-                    last = Some((time, motion));
+                    tally.count(event.kind, event.time);
+                    last = Some((event.time, event.motion));
                 }
-                Pending::Nutation(_) => self.cycles += 1,
-                Pending::Impact(_) => self.impacts += 1,
+                Record::Nutation(_) => self.cycles += 1,
+                Record::Impact(_) => self.impacts += 1,
+                Record::Sample(_) => {}
             }
         }
         last
     }
+}
+
+/// An event at a time, s, for the queue.
+pub(super) fn event_at(kind: EventKind, time: f64, motion: Motion) -> Record {
+    Record::Event(Box::new(Event {
+        kind,
+        time,
+        time_ns: to_nanoseconds(time),
+        index: 0,
+        motion,
+        description: String::new(),
+    }))
 }
 
 /// The nearest whole number of nanoseconds to a time that is not negative.

@@ -1,10 +1,10 @@
 //! The simulation loop: take a step, locate events, yield records in time order.
 
-use super::event::{EventKind, StopReason, UPRIGHT};
+use super::event::{EventKind, StopReason, UPRIGHT, consequences};
 use super::free::ImpactRecord;
 use super::nutation::NutationTracker;
 use super::progress::Progress;
-use super::queue::{Pending, Queue, to_nanoseconds};
+use super::queue::{Queue, event_at, to_nanoseconds};
 use super::record::{Record, RunEnd, SimulationError};
 use super::sample::Sample;
 use super::tally::Tally;
@@ -78,12 +78,12 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             F::start(&scenario.model, &scenario.start(), may_stick);
         let motion = formulation.motion(&state, scenario.angles);
         let mut queue = Queue::default();
-        queue.push(Pending::Event(EventKind::Start, 0.0, motion));
-        let kind = transition.as_ref().and_then(EventKind::of);
-        queue.extend(kind.map(|kind| Pending::Event(kind, 0.0, motion)));
+        queue.push(event_at(EventKind::Start, 0.0, motion));
+        let kind = transition.and_then(|transition| consequences(&transition).0);
+        queue.extend(kind.map(|kind| event_at(kind, 0.0, motion)));
         let mut end = None;
         if motion.phase == Phase::Sticking && scenario.model.support.is_free() {
-            queue.push(Pending::Event(EventKind::RollBegins, 0.0, motion));
+            queue.push(event_at(EventKind::RollBegins, 0.0, motion));
             end = (!may_stick).then_some((0.0, EarlyEnd::Stop(StopReason::SlipStopped, None)));
         }
         let integrator = Dop853::new(
@@ -215,7 +215,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     ) -> Result<(), SimulationError> {
         let motion = self.motion(dense, s);
         let time = dense.t0 + s * dense.h;
-        let mut event = |kind| self.queue.push(Pending::Event(kind, time, motion));
+        let mut event = |kind| self.queue.push(event_at(kind, time, motion));
         match (kind, slope) {
             (ZeroKind::Nutation, slope) => {
                 let is_of_nutation = self.nutation.record_extreme(time, &motion);
@@ -233,7 +233,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             }
             (ZeroKind::NutationRate, Slope::Falling) => {
                 let cycle = self.nutation.end_cycle(time, to_nanoseconds(time), motion);
-                self.queue.extend(cycle.map(Pending::Nutation));
+                self.queue
+                    .extend(cycle.map(|cycle| Record::Nutation(Box::new(cycle))));
             }
             (ZeroKind::Precession, Slope::Falling) => event(EventKind::LoopingBegins),
             (ZeroKind::Precession, Slope::Rising) => event(EventKind::LoopingEnds),
@@ -274,7 +275,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let stops_at_rest = !self.stop.may_stick;
         if guard == Guard::Slip && stops_at_rest {
             self.queue
-                .push(Pending::Event(EventKind::SlipStops, time, motion));
+                .push(event_at(EventKind::SlipStops, time, motion));
             self.end = Some((time, EarlyEnd::Stop(StopReason::SlipStopped, None)));
             return Ok(());
         }
@@ -285,23 +286,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             .map_err(|_| SimulationError::Impact { time })?;
         let at = time + entry.delay;
         self.queue_entry_events(&entry, system.phase(), at);
-        let stop = match entry.transition {
-            Transition::BecomesSingular => Some(StopReason::Singular),
-            Transition::Jams => Some(StopReason::Jam),
-            Transition::Pivots => Some(StopReason::Pivot),
-            _ if stops_at_rest && entry.formulation.phase() == Phase::Sticking => {
-                Some(StopReason::SlipStopped)
-            }
-            Transition::SlipStops
-            | Transition::Sticks
-            | Transition::SlipResumes
-            | Transition::Rolls
-            | Transition::RollEnds
-            | Transition::LiftsOff
-            | Transition::Bounces(_)
-            | Transition::Lands(_) => None,
-        };
-        let end = match stop {
+        let sticks = entry.formulation.phase() == Phase::Sticking;
+        let stop = consequences(&entry.transition).1;
+        let end = match stop.or((stops_at_rest && sticks).then_some(StopReason::SlipStopped)) {
             None => EarlyEnd::Enter(entry),
             Some(reason) => EarlyEnd::Stop(reason, after_impact(&entry)),
         };
@@ -312,9 +299,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// Queues the events at the start of a phase.
     fn queue_entry_events(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
         let motion = entry.motion;
-        let event = |kind| Pending::Event(kind, time, motion);
-        self.queue
-            .extend(EventKind::of(&entry.transition).map(event));
+        let event = |kind| event_at(kind, time, motion);
+        let kind = consequences(&entry.transition).0;
+        self.queue.extend(kind.map(event));
         if !self.model().support.is_free() {
             return;
         }
@@ -327,7 +314,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
         if let Transition::Bounces(hit) | Transition::Lands(hit) = &entry.transition {
             let impact = ImpactRecord::new(hit, &motion, time, to_nanoseconds(time));
-            self.queue.push(Pending::Impact(impact));
+            self.queue.push(Record::Impact(Box::new(impact)));
         }
         if before == Phase::Flying && after != Phase::Flying {
             self.queue.push(event(EventKind::Landing));
