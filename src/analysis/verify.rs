@@ -133,11 +133,11 @@ fn what_to_run(recording: &Recording) -> Result<(Scenario, Form, Topics), Differ
         Difference::of("scenario.toml", "", Some(reason.to_string()), expected)
     })?;
     let form = recording.form();
-    let (encoding, views, topics) = form.ok_or_else(|| {
+    let (form, topics) = form.ok_or_else(|| {
         let expected = Some("encoding and topics".to_owned());
         Difference::of("toprise.run", "", None, expected)
     })?;
-    Ok((scenario, Form { encoding, views }, topics))
+    Ok((scenario, form, topics))
 }
 
 /// The version of toprise or of its telemetry that made a recording, if it is not this one.

@@ -55,6 +55,25 @@ pub const CONTENT_DIGEST: &str = "content_digest";
 /// The value of [`TOPICS`] for all topics of the table.
 const ALL_TOPICS: &str = "all";
 
+/// Format options of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Form {
+    /// The encoding of the table's channels.
+    pub encoding: Encoding,
+    /// Whether view channels are written.
+    pub views: bool,
+}
+
+impl Default for Form {
+    /// JSON, with views.
+    fn default() -> Self {
+        Self {
+            encoding: Encoding::Json,
+            views: true,
+        }
+    }
+}
+
 /// Entries of a metadata record.
 pub type Entries = BTreeMap<String, String>;
 
@@ -85,7 +104,7 @@ pub fn run_entries(scenario: &Scenario) -> Entries {
 
 /// The entries of [`RUN_RECORD`] for encoding, views and topics. Together with the scenario they determine every byte
 /// of the file.
-pub fn form_entries(encoding: Encoding, views: bool, topics: &Topics) -> Entries {
+pub fn form_entries(form: Form, topics: &Topics) -> Entries {
     let topics = match topics {
         Topics::All => ALL_TOPICS.to_owned(),
         Topics::Only(topics) => {
@@ -93,16 +112,16 @@ pub fn form_entries(encoding: Encoding, views: bool, topics: &Topics) -> Entries
             names.join(",")
         }
     };
-    let views = if views { "yes" } else { "no" };
+    let views = if form.views { "yes" } else { "no" };
     entries([
-        (ENCODING, encoding.name().to_owned()),
+        (ENCODING, form.encoding.name().to_owned()),
         (VIEWS, views.to_owned()),
         (TOPICS, topics),
     ])
 }
 
-/// Encoding, views flag and topics from the entries of [`RUN_RECORD`]; `None` if they are missing.
-pub fn recorded_form(run: &Entries) -> Option<(Encoding, bool, Topics)> {
+/// Form and topics from the entries of [`RUN_RECORD`]; `None` if they are missing.
+pub fn recorded_form(run: &Entries) -> Option<(Form, Topics)> {
     let topics = match run.get(TOPICS)?.as_str() {
         ALL_TOPICS => Topics::All,
         "" => Topics::Only(Vec::new()),
@@ -113,7 +132,8 @@ pub fn recorded_form(run: &Entries) -> Option<(Encoding, bool, Topics)> {
         "no" => false,
         _ => return None,
     };
-    Some((Encoding::find(run.get(ENCODING)?)?, views, topics))
+    let encoding = Encoding::find(run.get(ENCODING)?)?;
+    Some((Form { encoding, views }, topics))
 }
 
 /// The entries of [`END_RECORD`], except the content digest.

@@ -1,7 +1,7 @@
 //! Command-line arguments that identify a run: presets, scenario files and recordings.
 
+use crate::archive::format::Form;
 use crate::archive::recording::{Recording, RecordingError};
-use crate::archive::writer::Form;
 use crate::run::scenario::{PRESETS, Preset, ScenarioError, Values};
 use crate::telemetry::Topics;
 use std::fs::{self, File};
@@ -75,13 +75,12 @@ fn text(word: &Path) -> Result<String, InputError> {
     text.map_err(|reason| InputError::Recording { path, reason })
 }
 
-/// Encoding, views and topics of a recording; `None` for other arguments.
+/// Form and topics of a recording; `None` for other arguments.
 pub fn form(word: &Path) -> Option<(Form, Topics)> {
     if is_preset(word) || !is_mcap(word) {
         return None;
     }
-    let (encoding, views, topics) = Recording::open(word).ok()?.form()?;
-    Some((Form { encoding, views }, topics))
+    Recording::open(word).ok()?.form()
 }
 
 /// Whether a file starts with the MCAP magic bytes.

@@ -1,8 +1,6 @@
-//! Sink that stores messages in memory.
+//! Messages in memory.
 
-use crate::archive::sink::{Sink, SinkError};
 use crate::telemetry::Message;
-use crate::telemetry::digest::ContentDigest;
 
 /// A message that owns its values.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,26 +39,5 @@ impl Owned {
             numbers: &self.numbers,
             texts: &self.texts,
         }
-    }
-}
-
-/// All messages, and their digest.
-#[derive(Clone, Debug, Default)]
-pub struct MemorySink {
-    /// In order of arrival.
-    pub messages: Vec<Owned>,
-    /// Digest of all of them.
-    pub digest: ContentDigest,
-}
-
-impl Sink for MemorySink {
-    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        self.digest.update(message);
-        self.messages.push(Owned::from(message));
-        Ok(())
-    }
-
-    fn flush(&mut self) -> Result<(), SinkError> {
-        Ok(())
     }
 }

@@ -25,7 +25,6 @@ pub struct Pipeline<W: Write> {
     /// Name of the file in error messages.
     name: PathBuf,
     encoder: RunEncoder,
-    batch: Batch,
     /// The channel to the writer thread.
     batches: Option<SyncSender<Batch>>,
     thread: Option<JoinHandle<McapResult<Packer<W>>>>,
@@ -43,7 +42,6 @@ impl<W: Write + Send + 'static> Pipeline<W> {
         Ok(Self {
             name,
             encoder: RunEncoder::new(opening, &ids),
-            batch: Batch::default(),
             batches: Some(batches),
             thread: Some(thread::spawn(move || work(packer, &received))),
         })
@@ -57,7 +55,7 @@ impl<W: Write + Send + 'static> Pipeline<W> {
     }
 
     fn send_batch(&mut self) -> Result<(), SinkError> {
-        let batch = std::mem::take(&mut self.batch);
+        let batch = std::mem::take(&mut self.encoder.batch);
         let batches = self.batches.as_ref();
         if batches.is_some_and(|batches| batches.send(batch).is_ok()) {
             return Ok(());
@@ -110,8 +108,8 @@ fn mcap_error(path: &Path, reason: McapError) -> SinkError {
 
 impl<W: Write + Send + 'static> Sink for Pipeline<W> {
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
-        self.encoder.encode(message, &mut self.batch);
-        if self.batch.len() < BATCH_BYTES {
+        self.encoder.encode(message);
+        if self.encoder.batch.len() < BATCH_BYTES {
             return Ok(());
         }
         self.send_batch()

@@ -3,6 +3,7 @@
 //! [`crate::archive::format`] lists the records of such a file in their order. [`McapWriter`] is single-threaded;
 //! [`crate::archive::pipeline`] writes the same bytes with two threads.
 
+pub use crate::archive::format::Form;
 use crate::archive::format::{
     CONTENT_DIGEST, END_RECORD, Entries, LIBRARY, RUN_RECORD, form_entries, run_entries,
     scenario_attachment,
@@ -20,25 +21,6 @@ use std::io::{Seek, Write};
 
 /// Uncompressed chunk size, bytes.
 const CHUNK_SIZE: u64 = 256 * 1024;
-
-/// Format options of a recording.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Form {
-    /// The encoding of the table's channels.
-    pub encoding: Encoding,
-    /// Whether view channels are written.
-    pub views: bool,
-}
-
-impl Default for Form {
-    /// JSON, with views.
-    fn default() -> Self {
-        Self {
-            encoding: Encoding::Json,
-            views: true,
-        }
-    }
-}
 
 /// Everything in the recording of a run before its messages.
 #[derive(Debug)]
@@ -73,11 +55,7 @@ impl Opening {
         let mut channels: Vec<_> = topics.map(|t| Declared::table(t, form.encoding)).collect();
         channels.extend(views.iter().flat_map(Declared::views));
         let mut run = run_entries(scenario);
-        run.extend(form_entries(
-            form.encoding,
-            form.views,
-            &telemetry.topics(support),
-        ));
+        run.extend(form_entries(form, &telemetry.topics(support)));
         Self {
             run,
             scenario: scenario_attachment(scenario.to_toml()),
@@ -149,6 +127,8 @@ pub(crate) struct RunEncoder {
     table_ids: Vec<u16>,
     /// The id of each view, likewise.
     view_ids: Vec<u16>,
+    /// The messages that have been encoded.
+    pub(crate) batch: Batch,
 }
 
 impl RunEncoder {
@@ -164,11 +144,13 @@ impl RunEncoder {
             table_ids: Topic::all().map(|topic| id(topic.name())).collect(),
             view_ids: view_channels().iter().map(|view| id(view.topic)).collect(),
             views: opening.views,
+            batch: Batch::default(),
         }
     }
 
-    /// Appends a message and its views to a batch.
-    pub(crate) fn encode(&mut self, message: &Message<'_>, batch: &mut Batch) {
+    /// Appends a message and its views to the batch.
+    pub(crate) fn encode(&mut self, message: &Message<'_>) {
+        let batch = &mut self.batch;
         self.encoder.encode(message, &mut batch.data);
         append_content(message, &mut batch.content);
         let channel = Some(message.channel);
@@ -326,7 +308,6 @@ impl<W: Write> fmt::Debug for Packer<W> {
 #[derive(Debug)]
 pub struct McapWriter<W: Write> {
     encoder: RunEncoder,
-    batch: Batch,
     packer: Packer<W>,
 }
 
@@ -345,7 +326,6 @@ impl<W: Write> McapWriter<W> {
         let (packer, ids) = Packer::open(target, &opening)?;
         Ok(Self {
             encoder: RunEncoder::new(opening, &ids),
-            batch: Batch::default(),
             packer,
         })
     }
@@ -355,9 +335,9 @@ impl<W: Write> McapWriter<W> {
     /// # Errors
     /// [`McapError`] if the target fails.
     pub fn write(&mut self, message: &Message<'_>) -> McapResult<()> {
-        self.batch.clear();
-        self.encoder.encode(message, &mut self.batch);
-        self.packer.write(&self.batch)
+        self.encoder.batch.clear();
+        self.encoder.encode(message);
+        self.packer.write(&self.encoder.batch)
     }
 
     /// Ends the recording with `end`, see [`crate::archive::format::end_entries`]. Returns the target and the content

@@ -1,8 +1,8 @@
 //! Random scenarios, and the laws of motion that their runs must keep.
 
 use crate::laws_of_motion::LawsOfMotion;
+use crate::support::MemorySink;
 use std::ops::ControlFlow;
-use toprise::archive::memory::MemorySink;
 use toprise::archive::sink::{Sink, record_to_end};
 use toprise::physics::math::exp;
 use toprise::run::scenario::{KEYS, Kind, Preset, Scenario, Values};

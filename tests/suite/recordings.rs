@@ -1,6 +1,6 @@
 //! Reading recordings back: every bit, in both encodings, whole and in part.
 
-use crate::support::{archive, in_memory, scenario, verified};
+use crate::support::{MemorySink, archive, in_memory, scenario, verified};
 use proptest::prelude::*;
 use serde_json::json;
 use std::borrow::Cow;
@@ -12,7 +12,7 @@ use tempfile::TempDir;
 use toprise::analysis::subject::Subject;
 use toprise::analysis::verify::{Verdict, verify};
 use toprise::archive::format::end_entries;
-use toprise::archive::memory::{MemorySink, Owned};
+use toprise::archive::memory::Owned;
 use toprise::archive::recording::{Condition, Overview, Recording, RecordingError, Selection};
 use toprise::archive::replay::replay;
 use toprise::archive::writer::{Form, McapWriter};

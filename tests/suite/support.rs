@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use toprise::analysis::verify::{Report, Verdict, verify};
 use toprise::archive::input;
-use toprise::archive::memory::MemorySink;
+use toprise::archive::memory::Owned;
 use toprise::archive::pipeline::{Archived, McapSink};
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
@@ -14,7 +14,29 @@ use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{
     Event, EventKind, ImpactRecord, NutationCycle, Record, RunEnd, Sample, Simulation,
 };
-use toprise::telemetry::{Telemetry, Topics};
+use toprise::telemetry::digest::ContentDigest;
+use toprise::telemetry::{Message, Telemetry, Topics};
+
+/// All messages, and their digest.
+#[derive(Clone, Debug, Default)]
+pub struct MemorySink {
+    /// In order of arrival.
+    pub messages: Vec<Owned>,
+    /// Digest of all of them.
+    pub digest: ContentDigest,
+}
+
+impl Sink for MemorySink {
+    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        self.digest.update(message);
+        self.messages.push(Owned::from(message));
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
 
 /// A preset with some keys set otherwise.
 pub fn scenario(preset: &str, overrides: &[(&str, &str)]) -> Scenario {

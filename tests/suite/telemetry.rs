@@ -1,11 +1,11 @@
 //! The table of channels and what follows from it.
 
-use crate::support::{in_memory, scenario};
+use crate::support::{MemorySink, in_memory, scenario};
 use serde_json::Value;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
-use toprise::archive::memory::{MemorySink, Owned};
+use toprise::archive::memory::Owned;
 use toprise::archive::sink::{Sink, record};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::digest::ContentDigest;

@@ -1,7 +1,7 @@
 //! Reruns a scenario and yields its encoded messages.
 
 use crate::archive::format::{CONTENT_DIGEST, Entries, end_entries};
-use crate::archive::writer::{Batch, Form, Opening, RunEncoder};
+use crate::archive::writer::{Form, Opening, RunEncoder};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{RunEnd, Simulation, StopReason};
 use crate::telemetry::digest::ContentDigest;
@@ -25,7 +25,6 @@ pub(super) struct Again {
     telemetry: Telemetry,
     encoder: RunEncoder,
     digest: ContentDigest,
-    batch: Batch,
     has_failed: bool,
 }
 
@@ -45,7 +44,6 @@ impl Again {
             simulation: Simulation::new(scenario).map_err(|error| error.to_string())?,
             telemetry,
             digest: ContentDigest::default(),
-            batch: Batch::default(),
             has_failed: false,
         })
     }
@@ -59,14 +57,14 @@ impl Again {
             self.has_failed = true;
             return None;
         };
-        let (encoder, batch, digest) = (&mut self.encoder, &mut self.batch, &mut self.digest);
+        let (encoder, digest) = (&mut self.encoder, &mut self.digest);
         let logged = self.telemetry.messages(&record, |message| {
-            batch.clear();
-            encoder.encode(message, batch);
+            encoder.batch.clear();
+            encoder.encode(message);
             digest.update(message);
             // The views follow the message.
             let mut values = Some((message.numbers.to_vec(), message.texts.to_vec()));
-            for (header, data) in batch.messages() {
+            for (header, data) in encoder.batch.messages() {
                 take(Expected {
                     channel: usize::from(header.channel_id),
                     sequence: header.sequence,

@@ -3,7 +3,7 @@
 //! The file is not memory-mapped: truncating a mapped file would kill the process, and reading is equally fast.
 
 use crate::archive::error::RecordingError;
-use std::fs::{File, Metadata};
+use std::fs::File;
 use std::io;
 use std::path::Path;
 
@@ -16,25 +16,20 @@ pub(crate) struct Source {
 
 impl Source {
     pub(crate) fn open(path: &Path) -> Result<Self, RecordingError> {
-        // Opening a pipe without a writer would block.
-        if is_special(&path.metadata()?) {
-            return Err(RecordingError::NoFile);
-        }
-        let file = File::open(path)?;
-        let metadata = file.metadata()?;
+        let metadata = path.metadata()?;
         if metadata.is_dir() {
             return Err(RecordingError::Directory);
         }
-        if is_special(&metadata) {
+        // Opening a pipe without a writer would block.
+        if !metadata.is_file() {
             return Err(RecordingError::NoFile);
         }
-        if metadata.len() == 0 {
+        let file = File::open(path)?;
+        let length = file.metadata()?.len();
+        if length == 0 {
             return Err(RecordingError::Empty);
         }
-        Ok(Self {
-            file,
-            length: metadata.len(),
-        })
+        Ok(Self { file, length })
     }
 
     /// The CRC-32 of the bytes between two positions.
@@ -85,11 +80,6 @@ impl Source {
         buffer.truncate(filled);
         Ok(())
     }
-}
-
-/// Whether it is neither a file nor a directory.
-fn is_special(metadata: &Metadata) -> bool {
-    !metadata.is_file() && !metadata.is_dir()
 }
 
 #[cfg(unix)]

@@ -8,7 +8,7 @@ use crate::archive::container::record::{HEAD, RecordSpan, parse};
 use crate::archive::container::source::Source;
 use crate::archive::error::{NoScenario, RecordingError};
 use crate::archive::format::{
-    END_RECORD, Entries, RUN_RECORD, SCENARIO_ATTACHMENT, STOP_REASON, recorded_form,
+    END_RECORD, Entries, Form, RUN_RECORD, SCENARIO_ATTACHMENT, STOP_REASON, recorded_form,
 };
 use crate::run::scenario::{Scenario, hex};
 use crate::run::simulation::StopReason;
@@ -119,12 +119,13 @@ impl Recording {
         records.find(|r| r.name == name).map(|r| &r.metadata)
     }
 
-    /// Encoding, views flag and topics, from `toprise.run` or from the channels; `None` if both are lost.
-    pub fn form(&self) -> Option<(Encoding, bool, Topics)> {
+    /// Form and topics, from `toprise.run` or from the channels; `None` if both are lost.
+    pub fn form(&self) -> Option<(Form, Topics)> {
         let named = self.run().and_then(recorded_form);
         named.or_else(|| {
             let views = self.channels().iter().any(FileChannel::is_view);
-            Some((self.encoding()?, views, Topics::Only(self.topics())))
+            let encoding = self.encoding()?;
+            Some((Form { encoding, views }, Topics::Only(self.topics())))
         })
     }
 

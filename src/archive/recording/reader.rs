@@ -7,7 +7,7 @@ use crate::archive::container::loss::Loss;
 use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at, times};
 use crate::archive::error::MessageError;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
-use crate::telemetry::{ChannelInfo, Message, Topics};
+use crate::telemetry::{Message, Topic, Topics};
 use mcap::records::op;
 
 /// Selection of messages.
@@ -22,10 +22,7 @@ pub struct Selection {
 }
 
 impl Selection {
-    fn wants_time(&self, time_ns: u64) -> bool {
-        self.from_ns.is_none_or(|from| from <= time_ns) && self.to_ns.is_none_or(|to| time_ns <= to)
-    }
-
+    /// Whether it may have messages in a time span, ns.
     fn wants_span(&self, (first, last): (u64, u64)) -> bool {
         self.from_ns.is_none_or(|from| from <= last) && self.to_ns.is_none_or(|to| first <= to)
     }
@@ -91,8 +88,7 @@ enum Plan {
     /// Return raw messages.
     Raw,
     Decode {
-        channel: usize,
-        info: &'static ChannelInfo,
+        topic: Topic,
         decoder: Result<Box<Decoder>, DecodeError>,
     },
 }
@@ -110,10 +106,9 @@ impl<'r> Reader<'r> {
             if !selection.topics.include(&channel.topic) {
                 return Plan::Leave;
             }
-            match (channel.table, channel.info(), channel.decoder()) {
-                (Some(table), Some(info), Some(decoder)) => Plan::Decode {
-                    channel: table.index(),
-                    info,
+            match (channel.table, channel.decoder()) {
+                (Some(topic), Some(decoder)) => Plan::Decode {
+                    topic,
                     decoder: decoder.map(Box::new),
                 },
                 _ => Plan::Raw,
@@ -238,12 +233,7 @@ impl<'r> Reader<'r> {
 
     /// Decodes a message of a channel of the table.
     fn decode(&mut self, at: &At) -> Option<Result<Message<'_>, MessageError>> {
-        let Plan::Decode {
-            channel,
-            info,
-            decoder,
-        } = &self.plans[at.channel]
-        else {
+        let Plan::Decode { topic, decoder } = &self.plans[at.channel] else {
             return None;
         };
         let (sequence, time_ns) = (at.head.sequence, at.head.log_time);
@@ -254,31 +244,19 @@ impl<'r> Reader<'r> {
         let stamp_ns = self.row.time_ns;
         Some(match decoded {
             Ok(()) if stamp_ns == time_ns => Ok(Message {
-                channel: *channel,
+                channel: topic.index(),
                 sequence,
                 time_ns,
                 numbers: &self.row.numbers,
                 texts: &self.row.texts,
             }),
             decoded => Err(MessageError {
-                topic: info.topic,
+                topic: topic.name(),
                 sequence,
                 time_ns,
                 reason: decoded.err().unwrap_or(DecodeError::Timestamp { stamp_ns }),
             }),
         })
-    }
-
-    fn undecoded(&self, at: &At) -> Undecoded<'_> {
-        let raw = at.raw(&self.records);
-        Undecoded {
-            channel: &self.recording.channels()[at.channel],
-            position: at.channel,
-            sequence: raw.sequence,
-            log_time: raw.log_time,
-            publish_time: raw.publish_time,
-            data: raw.data,
-        }
     }
 
     /// Number of bytes that have been read since the last call.
@@ -291,7 +269,15 @@ impl<'r> Reader<'r> {
     /// The next message as stored in the file, from any channel.
     pub fn next_undecoded(&mut self) -> Option<Undecoded<'_>> {
         let at = self.advance()?;
-        Some(self.undecoded(&at))
+        let raw = at.raw(&self.records);
+        Some(Undecoded {
+            channel: &self.recording.channels()[at.channel],
+            position: at.channel,
+            sequence: raw.sequence,
+            log_time: raw.log_time,
+            publish_time: raw.publish_time,
+            data: raw.data,
+        })
     }
 
     /// Finds the next selected message.
@@ -406,7 +392,9 @@ impl<'r> Reader<'r> {
                 return self.lose(section, reason);
             };
             let is_wanted = !matches!(self.plans[channel], Plan::Leave)
-                && self.selection.wants_time(message.log_time);
+                && self
+                    .selection
+                    .wants_span((message.log_time, message.log_time));
             if is_wanted && let Ok(start) = u32::try_from(start) {
                 self.starts.push(start);
             }
