@@ -52,8 +52,6 @@ pub struct Figure {
     pub least_runs: usize,
     /// Required fields.
     needs: &'static [NumberField],
-    /// Optional fields; parts of the figure are omitted without them.
-    uses: &'static [NumberField],
     /// Whether means of its fields over nutations are drawn.
     has_means: bool,
     /// Whether the figure applies to free pegs only.
@@ -69,7 +67,6 @@ const DEFAULTS: Figure = Figure {
     title: "",
     least_runs: 1,
     needs: &[],
-    uses: &[],
     has_means: false,
     is_of_free_pegs: false,
     does_not_apply: |_| None,
@@ -175,8 +172,11 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "track",
         title: "The track of the contact point of a free peg on the table, from above",
-        needs: &[contact::CONTACT_POINT.x(), contact::CONTACT_POINT.y()],
-        uses: &[contact::REGIME],
+        needs: &[
+            contact::CONTACT_POINT.x(),
+            contact::CONTACT_POINT.y(),
+            contact::REGIME,
+        ],
         is_of_free_pegs: true,
         draw: track::track,
         ..DEFAULTS
@@ -208,10 +208,8 @@ impl Run {
         figures: &[&Figure],
         progress: &dyn Fn(u64),
     ) -> Self {
-        let fields = figures
-            .iter()
-            .flat_map(|figure| figure.needs.iter().chain(figure.uses));
-        let fields = fields.copied().chain(NUTATION.numbers()).collect();
+        let fields = figures.iter().flat_map(|figure| figure.needs).copied();
+        let fields = fields.chain(NUTATION.numbers()).collect();
         let with_means = figures.iter().filter(|figure| figure.has_means);
         let means = with_means.flat_map(|figure| figure.needs).copied();
         let means: Vec<_> = means.filter(|field| field.topic() != NUTATION).collect();

@@ -3,7 +3,7 @@
 use super::sampling::ENOUGH;
 use crate::analysis::plot::rows::{MOST, Rows};
 use crate::analysis::plot::shape::Point;
-use crate::telemetry::fields::{NUTATION, NumberField, POSE, acceleration, nutation};
+use crate::telemetry::fields::{NUTATION, NumberField, POSE, acceleration as terms, nutation};
 use crate::telemetry::{Message, Topic};
 use std::collections::VecDeque;
 
@@ -13,18 +13,9 @@ const TOGETHER: u32 = 50;
 
 /// Numbers whose integrals since the start are recorded too.
 const INTEGRATED: [[NumberField; 2]; 3] = [
-    [
-        acceleration::PHI_DDOT_GYROSCOPIC,
-        acceleration::PHI_DOT_GYROSCOPIC,
-    ],
-    [
-        acceleration::PHI_DDOT_CORIOLIS,
-        acceleration::PHI_DOT_CORIOLIS,
-    ],
-    [
-        acceleration::PHI_DDOT_FRICTIONAL,
-        acceleration::PHI_DOT_FRICTIONAL,
-    ],
+    [terms::PHI_DDOT_GYROSCOPIC, terms::PHI_DOT_GYROSCOPIC],
+    [terms::PHI_DDOT_CORIOLIS, terms::PHI_DOT_CORIOLIS],
+    [terms::PHI_DDOT_FRICTIONAL, terms::PHI_DOT_FRICTIONAL],
 ];
 
 /// Numbers of a channel over time, and means of some of them over each nutation, computed as samples and nutations
@@ -161,16 +152,6 @@ impl Channel {
         Some(before + part * rise + bend)
     }
 
-    /// The missing part of a field: its messages or the field.
-    pub(super) fn missing(&self, field: NumberField) -> Option<String> {
-        if self.rows.is_empty() {
-            return Some(format!("messages of {}", self.topic));
-        }
-        let points = self.series(field);
-        let is_there = points.iter().any(|(_, value)| value.is_finite());
-        (!is_there).then(|| field.to_string())
-    }
-
     /// A number over time. Missing samples are NaN points.
     pub(super) fn series(&self, field: NumberField) -> Vec<Point> {
         let column = self.fields.iter().position(|known| *known == field);
@@ -189,7 +170,7 @@ impl Channel {
 mod tests {
     use super::*;
 
-    const FIELD: NumberField = acceleration::PHI_DDOT_CORIOLIS;
+    const FIELD: NumberField = terms::PHI_DDOT_CORIOLIS;
 
     /// A channel with one number, averaged over some nutations.
     fn channel(nutations: impl IntoIterator<Item = (f64, f64)>) -> Channel {

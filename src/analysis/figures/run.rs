@@ -5,7 +5,6 @@ use super::sampling;
 use crate::analysis::plot::shape::Point;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
-use crate::run::scenario::Scenario;
 use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
 use crate::telemetry::{Topic, Topics};
 use std::ops::ControlFlow;
@@ -39,14 +38,11 @@ impl Run {
         run.has_free_peg = subject.is_of_free_peg();
         let topics: Vec<_> = run.channels.iter().map(|channel| channel.topic).collect();
         if !topics.is_empty() {
-            let fine: Scenario;
-            let source = match subject {
-                Subject::Scenario(scenario) => {
-                    fine = sampling::finely_sampled(scenario);
-                    Subject::Scenario(&fine)
-                }
-                recording @ Subject::Recording(_) => recording,
+            let fine = match subject {
+                Subject::Scenario(scenario) => Some(sampling::finely_sampled(scenario)),
+                Subject::Recording(_) => None,
             };
+            let source = fine.as_ref().map_or(subject, Subject::Scenario);
             let ended = source.read(&Topics::Only(topics), &mut |message, bytes| {
                 progress(bytes);
                 run.channels
@@ -90,11 +86,15 @@ impl Run {
     /// The missing part of a field: the channel, its messages or the field.
     pub(super) fn missing(&self, field: NumberField) -> Option<String> {
         let topic = field.topic();
-        let channel = self.channel(topic);
-        channel.map_or_else(
-            || Some(topic.name().to_owned()),
-            |known| known.missing(field),
-        )
+        match self.channel(topic) {
+            None => Some(topic.to_string()),
+            Some(channel) if channel.rows.is_empty() => Some(format!("messages of {topic}")),
+            Some(channel) => {
+                let points = channel.series(field);
+                let is_there = points.iter().any(|(_, value)| value.is_finite());
+                (!is_there).then(|| field.to_string())
+            }
+        }
     }
 
     fn channel(&self, topic: Topic) -> Option<&Channel> {

@@ -81,12 +81,10 @@ const REGIMES: [Regime; 3] = [
     ("in the air", VERMILION),
 ];
 
-/// The parts of a track, each with one contact regime; `None` if the regimes are unknown.
+/// The parts of a track, each with one contact regime.
 fn regimes(track: &[(Point, f64)]) -> Vec<(Regime, Vec<Point>)> {
-    let known = track.iter().filter(|(_, regime)| regime.is_finite());
-    let known: Vec<_> = known.collect();
     let mut last = None;
-    let parts = known.chunk_by(|one, other| one.1 == other.1).map(|part| {
+    let parts = track.chunk_by(|one, other| one.1 == other.1).map(|part| {
         let regime = match part[0].1 {
             1.0 => REGIMES[0],
             0.0 => REGIMES[1],
@@ -101,14 +99,13 @@ fn regimes(track: &[(Point, f64)]) -> Vec<(Regime, Vec<Point>)> {
     parts.collect()
 }
 
-/// The recorded positions of a run's contact point, with its regime (NaN if not recorded).
+/// The recorded positions of a run's contact point, with its regime.
 fn places(run: &Run) -> Vec<(Point, f64)> {
     let point = contact::CONTACT_POINT;
     let fields = [point.x(), point.y(), contact::REGIME];
     let [x, y, regime] = fields.map(|field| run.series(field).into_iter().map(|point| point.1));
-    let places = x.zip(y).zip(regime.chain(std::iter::repeat(f64::NAN)));
-    let is_known = |((x, y), _): &(Point, f64)| x.is_finite() && y.is_finite();
-    places.filter(is_known).collect()
+    let is_known = |((x, y), regime): &(Point, f64)| (x + y + regime).is_finite();
+    x.zip(y).zip(regime).filter(is_known).collect()
 }
 
 /// The ranges of x and y, of equal size, with padding around the tracks.

@@ -10,7 +10,8 @@ pub(crate) const MOST: usize = 1 << 17;
 /// The last part of the time that is kept finer, so that it can be drawn magnified.
 pub(crate) const END: f64 = 0.02;
 
-/// The number of bins in the last part for a bin of the same width elsewhere.
+/// The number of bins in the last part for a bin of the same width elsewhere. Means of nutations that have just ended need
+/// it, too.
 const FINER: f64 = 16.0;
 
 /// The width of the narrowest bins, s: a nanosecond, rounded down to a power of two.
@@ -83,13 +84,9 @@ impl Rows {
         self.step
     }
 
-    /// The longest time between two rows of which intermediate rows were dropped, s.
+    /// The longest time between two rows of which intermediate rows may have been dropped, s.
     pub(crate) fn coarseness(&self) -> f64 {
-        if self.width > NARROWEST {
-            2.0 * self.width
-        } else {
-            0.0
-        }
+        2.0 * self.width
     }
 
     /// The points of a column.

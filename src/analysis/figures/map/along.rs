@@ -20,9 +20,7 @@ pub(super) struct Along {
     pub(super) quantity: Quantity,
     is_log: bool,
     /// Each different value once, in order.
-    values: Vec<f64>,
-    /// Their positions in the drawing; almost equal neighbours may share a position.
-    pub(super) levels: Vec<f64>,
+    pub(super) values: Vec<f64>,
 }
 
 impl Along {
@@ -49,14 +47,11 @@ impl Along {
         values.retain(|value| value.is_finite());
         values.sort_by(f64::total_cmp);
         values.dedup();
-        let mut along = Self {
+        Self {
             quantity: axis.quantity(),
             is_log: !values.is_empty() && is_log(&values),
-            levels: Vec::new(),
             values,
-        };
-        along.levels = along.values.iter().map(|v| along.place(*v)).collect();
-        along
+        }
     }
 
     /// The place of a value in the drawing.
@@ -66,16 +61,16 @@ impl Along {
 
     /// The drawn range.
     pub(super) fn range(&self) -> (f64, f64) {
-        extremes(self.levels.iter().copied())
+        extremes(self.values.iter().map(|value| self.place(*value)))
     }
 
-    /// The cell boundaries, halfway between neighbouring levels; a single level gets a tenth of its value on both
-    /// sides.
+    /// The cell boundaries, halfway between neighbouring values; a single value gets a tenth of it on both sides.
     pub(super) fn edges(&self) -> Vec<f64> {
-        let (Some(first), Some(last)) = (self.levels.first(), self.levels.last()) else {
+        let places: Vec<_> = self.values.iter().map(|value| self.place(*value)).collect();
+        let (Some(first), Some(last)) = (places.first(), places.last()) else {
             return Vec::new();
         };
-        let pairs = self.levels.windows(2);
+        let pairs = places.windows(2);
         let mut edges: Vec<_> = pairs.map(|pair| f64::midpoint(pair[0], pair[1])).collect();
         let alone = if *first == 0.0 {
             1.0
@@ -90,9 +85,9 @@ impl Along {
     }
 
     /// Index of a value among the distinct values.
-    pub(super) fn level(&self, value: f64) -> Option<usize> {
-        let level = self.values.partition_point(|other| *other < value);
-        (self.values.get(level) == Some(&value)).then_some(level)
+    pub(super) fn index(&self, value: f64) -> Option<usize> {
+        let index = self.values.partition_point(|other| *other < value);
+        (self.values.get(index) == Some(&value)).then_some(index)
     }
 
     /// A scale with at most `most` numbers.
@@ -156,12 +151,12 @@ mod tests {
     }
 
     #[test]
-    fn values_that_hardly_differ_are_different_levels() {
+    fn values_that_hardly_differ_are_different() {
         let axis = MapAxis::default();
         let near = [1e15, 1.0000000000000002e15, 1.0000000000000004e15];
         assert!(!Along::new(&axis, near.to_vec()).is_log);
         let wide = Along::new(&axis, vec![near[0], near[1], 1e20]);
         assert!(wide.is_log);
-        assert_eq!(wide.level(near[1]), Some(1));
+        assert_eq!(wide.index(near[1]), Some(1));
     }
 }

@@ -49,7 +49,7 @@ impl Bar {
 
     /// Whether there are no values.
     pub(super) fn is_empty(&self) -> bool {
-        self.values.levels.is_empty()
+        self.values.values.is_empty()
     }
 
     /// The width needed by the bar to the right of the frame, mm.

@@ -19,24 +19,21 @@ pub(super) struct Grid<'a> {
     edges: [Vec<f64>; 2],
 }
 
-/// A border between two cells of which exactly one loops.
-pub(super) struct Border {
-    ends: [Point; 2],
-    /// The direction of the cell that loops: to the right and upward.
-    toward: Point,
-}
+/// A border between two cells of which exactly one loops: its ends, and the direction of that cell, to the right and
+/// upward.
+pub(super) type Border = ([Point; 2], Point);
 
 impl<'a> Grid<'a> {
     /// The grid of the runs of a map; `None` if they don't form a grid.
     pub(super) fn of(map: &'a Map, y: &MapAxis, axes: [&Along; 2]) -> Result<Option<Self>, String> {
-        let [columns, rows] = axes.map(|axis| axis.levels.len());
+        let [columns, rows] = axes.map(|axis| axis.values.len());
         // A grid may have holes; a sample has about as many distinct values as runs.
         if columns * rows > 2 * map.runs.len() {
             return Ok(None);
         }
         let mut cells = vec![None; columns * rows];
         for run in &map.runs {
-            let [Some(column), Some(row)] = [axes[0].level(run.x), axes[1].level(run.y)] else {
+            let [Some(column), Some(row)] = [axes[0].index(run.x), axes[1].index(run.y)] else {
                 continue;
             };
             if cells[row * columns + column].replace(run).is_some() {
@@ -94,10 +91,7 @@ impl<'a> Grid<'a> {
                     && here != there
                 {
                     let sign = if there { 1.0 } else { -1.0 };
-                    borders.push(Border {
-                        ends: [from, corner],
-                        toward: (sign * x, sign * y),
-                    });
+                    borders.push(([from, corner], (sign * x, sign * y)));
                 }
             }
         }
@@ -105,14 +99,11 @@ impl<'a> Grid<'a> {
     }
 }
 
-impl Border {
-    /// The line between the cells, with a tick in its middle toward the one that loops.
-    pub(super) fn shapes(&self, frame: &Frame) -> [Shape; 2] {
-        let [from, to] = self.ends.map(|end| frame.place(end));
-        let (x, y) = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
-        let (right, up) = self.toward;
-        let tip = (x + right * EDGE_TICK, y - up * EDGE_TICK);
-        let stroke = style::line(style::BLACK, MEDIUM);
-        [vec![from, to], vec![(x, y), tip]].map(|points| Shape::Line { points, stroke })
-    }
+/// The line of a border, with a tick in its middle toward the cell that loops.
+pub(super) fn border_shapes((ends, (right, up)): &Border, frame: &Frame) -> [Shape; 2] {
+    let [from, to] = ends.map(|end| frame.place(end));
+    let (x, y) = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
+    let tip = (x + right * EDGE_TICK, y - up * EDGE_TICK);
+    let stroke = style::line(style::BLACK, MEDIUM);
+    [vec![from, to], vec![(x, y), tip]].map(|points| Shape::Line { points, stroke })
 }

@@ -3,8 +3,8 @@
 use super::along::Along;
 use super::bar::Bar;
 use super::chart::{self, aired, dot};
-use super::grid::Grid;
-use super::runs::{Map, MapAxis, MapRun};
+use super::grid::{Grid, border_shapes};
+use super::runs::{Map, MapAxis, MapRun, outcome_colour};
 use crate::analysis::plot::drawing::Drawing;
 use crate::analysis::plot::legend::{self, Entry};
 use crate::analysis::plot::range::extremes;
@@ -21,7 +21,7 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
         if run.color.is_finite() {
             bar.colour(run.color)
         } else {
-            run.outcome_colour()
+            outcome_colour(run.outcome())
         }
     };
 
@@ -52,7 +52,9 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
         drawing.group("runs", dots.collect());
     }
     if !borders.is_empty() {
-        let lines = borders.iter().flat_map(|border| border.shapes(&frame));
+        let lines = borders
+            .iter()
+            .flat_map(|border| border_shapes(border, &frame));
         drawing.group("where looping begins", lines.collect());
     }
     frame.finish(&mut drawing, axes.map(|axis| &axis.quantity));

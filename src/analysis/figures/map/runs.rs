@@ -77,12 +77,8 @@ impl MapAxis {
 
 impl MapRun {
     /// The outcome shown for a missing value.
-    fn outcome(&self) -> &str {
+    pub(super) fn outcome(&self) -> &str {
         self.stop.as_deref().unwrap_or(NO_OUTCOME)
-    }
-
-    pub(super) fn outcome_colour(&self) -> Colour {
-        outcome_colour(self.outcome())
     }
 }
 
@@ -103,7 +99,7 @@ impl Map {
 }
 
 /// The colour of runs with this outcome and no value: the same in every figure, and outside the colour map.
-fn outcome_colour(outcome: &str) -> Colour {
+pub(super) fn outcome_colour(outcome: &str) -> Colour {
     let stop = StopReason::ALL.iter().find(|stop| stop.name() == outcome);
     match stop {
         Some(StopReason::Fallen) => Colour(0xd5, 0x5e, 0x00),
