@@ -92,7 +92,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
     let again = match Again::start(&scenario, telemetry(), form) {
         Ok(again) => again,
         Err(reason) => {
-            report.difference = Some(Difference::of("the run", "", None, Some(reason)));
+            report.difference = Some(Difference::of("the run", "", [None, Some(reason)]));
             return report;
         }
     };
@@ -129,13 +129,12 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
 /// The scenario of a recording and how it was recorded, or what is missing.
 fn what_to_run(recording: &Recording) -> Result<(Scenario, Form, Topics), Difference> {
     let scenario = recording.scenario().map_err(|reason| {
-        let expected = Some("a scenario to run again".to_owned());
-        Difference::of("scenario.toml", "", Some(reason.to_string()), expected)
+        let values = [reason.to_string(), "a scenario to run again".to_owned()];
+        Difference::of("scenario.toml", "", values.map(Some))
     })?;
-    let form = recording.form();
-    let (form, topics) = form.ok_or_else(|| {
+    let (form, topics) = recording.form().ok_or_else(|| {
         let expected = Some("encoding and topics".to_owned());
-        Difference::of("toprise.run", "", None, expected)
+        Difference::of("toprise.run", "", [None, expected])
     })?;
     Ok((scenario, form, topics))
 }

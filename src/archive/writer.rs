@@ -4,6 +4,7 @@
 //! [`crate::archive::pipeline`] writes the same bytes with two threads.
 
 pub use crate::archive::format::Form;
+
 use crate::archive::format::{
     CONTENT_DIGEST, END_RECORD, Entries, LIBRARY, RUN_RECORD, form_entries, run_entries,
     scenario_attachment,

@@ -754,7 +754,10 @@ fn bad_arguments_write_nothing() {
     fs::write(directory.path().join("file"), "").unwrap();
     for (arguments, part) in [
         (&["--only", "figure-5"][..], "figure-"),
-        (&["--only", "precesion"], "a similar value exists: 'precession'"),
+        (
+            &["--only", "precesion"],
+            "a similar value exists: 'precession'",
+        ),
         (&["--width", "20"], "80 to 400"),
         (&["--kinds", "pdf"], "svg"),
         (&["missing.mcap"], "missing.mcap"),

@@ -39,8 +39,8 @@ pub(super) fn difference(
     }
     let mut keys = simulated.keys().chain(recorded.keys());
     let key = keys.find(|key| recorded.get(*key) != simulated.get(*key))?;
-    let [recorded, simulated] = [&recorded, &simulated].map(|facts| facts.get(key).cloned());
-    Some(Difference::of(&key.0, &key.1, recorded, simulated))
+    let values = [&recorded, &simulated].map(|facts| facts.get(key).cloned());
+    Some(Difference::of(&key.0, &key.1, values))
 }
 
 fn recorded(recording: &Recording) -> Facts {

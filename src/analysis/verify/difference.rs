@@ -25,12 +25,7 @@ pub struct Difference {
 
 impl Difference {
     /// A difference outside of messages.
-    pub(super) fn of(
-        place: &str,
-        field: &str,
-        recorded: Option<String>,
-        simulated: Option<String>,
-    ) -> Self {
+    pub(super) fn of(place: &str, field: &str, [recorded, simulated]: [Option<String>; 2]) -> Self {
         Self {
             place: place.to_owned(),
             field: (!field.is_empty()).then(|| field.to_owned()),

@@ -29,7 +29,7 @@ pub(super) fn index_difference(recording: &Recording) -> Option<Difference> {
 
 fn fault(place: &RecordSpan, found: &str) -> Difference {
     let place = format!("the record at byte {}", place.offset);
-    Difference::of(&place, "", Some(found.to_owned()), None)
+    Difference::of(&place, "", [Some(found.to_owned()), None])
 }
 
 /// Expected and found index entries.
@@ -39,12 +39,12 @@ fn equal<T: Debug + PartialEq>(place: &str, found: &T, expected: &T) -> Checked 
     }
     // Enough to see the difference in numbers; the contents of schemas are long.
     let text = |value: &T| Some(format!("{value:?}").chars().take(300).collect());
-    Err(Difference::of(place, "", text(found), text(expected)))
+    Err(Difference::of(place, "", [found, expected].map(text)))
 }
 
 impl From<io::Error> for Difference {
     fn from(error: io::Error) -> Self {
-        Self::of("the file", "", Some(error.to_string()), None)
+        Self::of("the file", "", [Some(error.to_string()), None])
     }
 }
 
@@ -139,23 +139,16 @@ impl Survey {
 
     /// Processes a schema or channel in the data. Apart from these, a chunk contains only messages.
     fn define(&mut self, place: &RecordSpan, record: &Record<'_>) -> Checked {
-        let (id, needs) = match record {
-            Record::Schema { header, .. } => (header.id, 0),
-            Record::Channel(channel) => (channel.id, channel.schema_id),
-            _ => return Err(fault(place, "a record not allowed in a chunk")),
-        };
-        let is_schema = record.opcode() == op::SCHEMA;
-        let has_schema = needs == 0 || self.defined.contains(&(op::SCHEMA, needs));
         // Zero means no schema.
-        if !has_schema || (is_schema && id == 0) {
-            return Err(fault(place, "a channel without its schema"));
-        }
+        let is_there = |id: u16| id == 0 || self.defined.contains(&(op::SCHEMA, id));
+        let id = match record {
+            Record::Schema { header, .. } if header.id != 0 => header.id,
+            Record::Channel(channel) if is_there(channel.schema_id) => channel.id,
+            _ => return Err(fault(place, "an invalid record in a chunk")),
+        };
         let is_new = self.defined.insert((record.opcode(), id));
         if self.expect(record) && !is_new {
-            return Err(fault(
-                place,
-                "a second definition that differs from the first",
-            ));
+            return Err(fault(place, "two different definitions with one id"));
         }
         Ok(())
     }
@@ -282,7 +275,7 @@ impl Survey {
         if let Some(missing) = self.expected.first() {
             let kind = missing.split('(').next().unwrap_or_default();
             let simulated = Some(format!("a {kind} record"));
-            return Err(Difference::of("the summary", "", None, simulated));
+            return Err(Difference::of("the summary", "", [None, simulated]));
         }
         equal("the groups of the summary", &BTreeMap::new(), &self.groups)?;
         let expected = Footer {

@@ -104,10 +104,8 @@ impl<'r> Comparison<'r> {
     }
 
     fn compare(&self, recorded: &Undecoded<'_>, expected: &Expected) -> Option<Difference> {
-        let difference = |field: &str, [recorded_value, simulated]: [String; 2]| {
-            let values = (Some(recorded_value), Some(simulated));
-            Some(at(recorded, field, values.0, values.1))
-        };
+        let difference =
+            |field: &str, values: [String; 2]| Some(at(recorded, field, values.map(Some)));
         let times = [
             ("log time (ns)", recorded.log_time),
             ("publish time (ns)", recorded.publish_time),
@@ -162,9 +160,8 @@ impl<'r> Comparison<'r> {
 
     /// Counts expected messages before `time_ns` as missing.
     fn leave_behind(&mut self, time_ns: u64) {
-        while self.ahead.front().is_some_and(|m| m.time_ns < time_ns) {
-            let passed = self.ahead.pop_front();
-            self.compared.missing += u64::from(passed.is_some_and(|passed| self.counts(&passed)));
+        while let Some(passed) = self.ahead.pop_front_if(|m| m.time_ns < time_ns) {
+            self.compared.missing += u64::from(self.counts(&passed));
         }
     }
 
@@ -179,9 +176,7 @@ impl<'r> Comparison<'r> {
     fn finish_run(&mut self) {
         loop {
             let is_over = self.is_over;
-            while let Some(left) = self.ahead.pop_front() {
-                self.compared.missing += u64::from(self.counts(&left));
-            }
+            self.leave_behind(u64::MAX);
             if is_over || self.compared.difference.is_some() {
                 return;
             }
@@ -193,19 +188,14 @@ impl<'r> Comparison<'r> {
 /// An unexpected message.
 fn stray(recorded: &Undecoded<'_>, field: &str) -> Difference {
     let message = format!("message {}", recorded.sequence);
-    at(recorded, field, Some(message), None)
+    at(recorded, field, [Some(message), None])
 }
 
 /// A difference in a message.
-fn at(
-    recorded: &Undecoded<'_>,
-    field: &str,
-    value: Option<String>,
-    simulated: Option<String>,
-) -> Difference {
+fn at(recorded: &Undecoded<'_>, field: &str, values: [Option<String>; 2]) -> Difference {
     Difference {
         time: Some(seconds(recorded.log_time)),
-        ..Difference::of(&recorded.channel.topic, field, value, simulated)
+        ..Difference::of(&recorded.channel.topic, field, values)
     }
 }
 
